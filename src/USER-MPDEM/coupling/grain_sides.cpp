@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "grain_sides.h"
+
+#include <algorithm>
+
+namespace mpdem {
+
+namespace {
+constexpr int kMotion = 14;  // present, x, v, omega, q
+}
+
+Mat3<double> rotation_of(const double* q) {
+  const double w = q[0], x = q[1], y = q[2], z = q[3];
+  return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+           {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+           {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+}
+
+void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& needed,
+                       const std::vector<Key>& owned) {
+  std::vector<Key> keys = needed;
+  keys.insert(keys.end(), owned.begin(), owned.end());
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  sides.assign(keys.size(), GrainSide{});
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    sides[i].body = keys[i][0];
+    sides[i].side = keys[i][1];
+    sides[i].tag = bodies[keys[i][0]].grain[keys[i][1]];
+  }
+  owned_at_.clear();
+  for (const Key& k : owned)
+    owned_at_.push_back(static_cast<int>(std::lower_bound(keys.begin(), keys.end(), k) - keys.begin()));
+  halo_.build(comm, keys);
+}
+
+int GrainSides::find(int body, int side) const {
+  const auto it = std::lower_bound(sides.begin(), sides.end(), std::make_pair(body, side),
+                                   [](const GrainSide& a, const std::pair<int, int>& b) {
+                                     return std::make_pair(a.body, a.side) < b;
+                                   });
+  return it != sides.end() && it->body == body && it->side == side ? static_cast<int>(it - sides.begin()) : -1;
+}
+
+void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<Motion>& motion) {
+  buffer_.assign(kMotion * sides.size(), 0.0);
+  for (std::size_t i = 0; i < owned_at_.size(); ++i) {
+    double* b = &buffer_[kMotion * owned_at_[i]];
+    const GrainSide& s = sides[owned_at_[i]];
+    const Body& body = bodies[s.body];
+    const Motion& m = motion[i];
+    b[0] = 1.0;
+    for (int d = 0; d < 3; ++d) {
+      b[1 + d] = m.x[d] + body.shift[s.side][d] - body.origin[d];
+      b[4 + d] = m.v[d];
+      b[7 + d] = m.omega[d];
+    }
+    for (int d = 0; d < 4; ++d) b[10 + d] = m.q[d];
+  }
+  // All but the owner contribute zero, so the sum is the owner's word, exactly.
+  halo_.sum(buffer_.data(), kMotion);
+  orphan_ = -1;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const double* b = &buffer_[kMotion * i];
+    GrainSide& s = sides[i];
+    if (b[0] != 1.0) orphan_ = static_cast<int>(i);
+    for (int d = 0; d < 3; ++d) {
+      s.x[d] = b[1 + d];
+      s.v[d] = b[4 + d];
+      s.omega[d] = b[7 + d];
+    }
+    s.R = rotation_of(b + 10);
+  }
+}
+
+void GrainSides::clear_forces() {
+  for (GrainSide& s : sides)
+    for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
+}
+
+void GrainSides::sum_forces() {
+  buffer_.resize(6 * sides.size());
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      buffer_[6 * i + d] = sides[i].force[d];
+      buffer_[6 * i + 3 + d] = sides[i].torque[d];
+    }
+  halo_.sum(buffer_.data(), 6);
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      sides[i].force[d] = buffer_[6 * i + d];
+      sides[i].torque[d] = buffer_[6 * i + 3 + d];
+    }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "penalty_links.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "../mpm/gather.h"
+#include "../mpm/scatter.h"
+
+namespace mpdem {
+
+void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodies,
+                         const PenaltyParameters& parameters, double cell, double density) {
+  p_ = parameters;
+  inverse_h_ = 1.0 / cell;
+  density_ = density;
+  blocks_.clear();
+
+  struct Item {
+    int body, side, base[3], tag, link;
+    double X[3];
+  };
+  std::vector<Item> items;
+  for (std::size_t i = 0; i < points.links.size(); ++i) {
+    const Link& k = points.links[i];
+    if (!k.attached) continue;
+    const int b = k.slot / kLanes, l = k.slot % kLanes;
+    Item it;
+    it.body = points.meta[b].body;
+    it.side = bodies[it.body].grain[0] == k.grain ? 0 : 1;
+    it.tag = points.tags[b][l];
+    it.link = static_cast<int>(i);
+    for (int d = 0; d < 3; ++d) {
+      it.X[d] = p_.at_surface ? k.foot[d] : points.blocks[b].X[d][l];
+      it.base[d] = support_base(it.X[d], inverse_h_);
+    }
+    items.push_back(it);
+  }
+  const auto place_of = [](const Item& a) { return std::make_tuple(a.body, a.base[0], a.base[1], a.base[2], a.side); };
+  std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
+    return std::make_pair(place_of(a), a.tag) < std::make_pair(place_of(b), b.tag);
+  });
+
+  for (std::size_t i = 0; i < items.size();) {
+    LinkBlock b{};
+    const Item& first = items[i];
+    b.body = first.body;
+    b.side = first.side;
+    b.at = -1;
+    const Body& body = bodies[b.body];
+    const Mat3<double> R = rotation_of(body.orientation[b.side]);
+    for (int d = 0; d < 3; ++d) {
+      b.base[d] = first.base[d];
+      b.X[d] = splat((b.base[d] + 1.0) * cell);
+      b.q0[d] = splat(body.radius[b.side]);  // any direction will do where the area is zero
+    }
+    for (int l = 0; l < kLanes; ++l) b.link[l] = -1;
+    for (int l = 0; l < kLanes && i < items.size() && place_of(items[i]) == place_of(first); ++l, ++i) {
+      const Link& k = points.links[items[i].link];
+      b.link[l] = items[i].link;
+      b.attached |= static_cast<std::uint8_t>(1u << l);
+      b.area[l] = k.area;
+      const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+      b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+      double q[3];
+      for (int d = 0; d < 3; ++d) {
+        b.X[d][l] = items[i].X[d];
+        q[d] = items[i].X[d] - body.centre[b.side][d];
+      }
+      for (int d = 0; d < 3; ++d) b.q0[d][l] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
+    }
+    blocks_.push_back(b);
+  }
+}
+
+std::vector<Key> PenaltyLinks::needed_sides() const {
+  std::vector<Key> keys;
+  for (const LinkBlock& b : blocks_) keys.push_back({b.body, b.side, 0, 0});
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  return keys;
+}
+
+void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
+  for (LinkBlock& b : blocks_) cells.push_back({b.body, b.base, b.column});
+}
+
+void PenaltyLinks::bind(const GrainSides& sides) {
+  for (LinkBlock& b : blocks_) b.at = sides.find(b.body, b.side);
+}
+
+void PenaltyLinks::add_mass(Grid& grid, double dt) {
+  const double c = 0.5 * dt * dt * std::max(p_.kn, p_.kt);
+  for (LinkBlock& b : blocks_) {
+    b.inertia = b.area;
+    b.inert = b.attached;
+    if (!b.attached) continue;
+    scatter_scalar(grid.added_mass.data(), b.column, Weights(b.X, b.base, inverse_h_), c * b.area);
+  }
+}
+
+// Current vector q from the grain's centre, its deviation from R q0 and the direction n.
+void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta,
+                         vd* n) const {
+  vd u[3], r[3];
+  gather_value(grid.displacement.data(), b.column, Weights(b.X, b.base, inverse_h_), u);
+  for (int d = 0; d < 3; ++d) {
+    q[d] = b.X[d] + u[d] - s.x[d];
+    r[d] = s.R.a[d][0] * b.q0[0] + s.R.a[d][1] * b.q0[1] + s.R.a[d][2] * b.q0[2];
+    delta[d] = q[d] - r[d];
+  }
+  const vd inverse = 1.0 / sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
+}
+
+double PenaltyLinks::add_force(Grid& grid, GrainSides& sides) const {
+  double power = 0.0;
+  const double sqrt_kn = std::sqrt(p_.kn), sqrt_kt = std::sqrt(p_.kt);
+  for (const LinkBlock& b : blocks_) {
+    if (!b.attached) continue;
+    GrainSide& s = sides.sides[b.at];
+    vd q[3], delta[3], n[3], f[3];
+    place(b, grid, s, q, delta, n);
+    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
+    for (int d = 0; d < 3; ++d) f[d] = -b.area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
+    const Weights w(b.X, b.base, inverse_h_);
+    if (p_.damping > 0.0) {
+      vd v[3];
+      gather_value(grid.velocity.data(), b.column, w, v);
+      v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
+      v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
+      v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
+      const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+      vd taken{};
+      for (int d = 0; d < 3; ++d) {
+        const vd fd = b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
+        f[d] -= fd;
+        taken += fd * v[d];
+      }
+      power += sum_lanes(taken);
+    }
+    scatter_value(grid.force.data(), b.column, w, f);
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      s.force[d] -= sum_lanes(f[d]);
+      s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
+    }
+  }
+  return power;
+}
+
+void PenaltyLinks::add_reaction(const Grid& grid, GrainSides& sides, double dt) const {
+  const double c = 0.5 * dt * dt * std::max(p_.kn, p_.kt);
+  const double h = grid.h;
+  for (const LinkBlock& b : blocks_) {
+    if (!b.inert) continue;
+    GrainSide& s = sides.sides[b.at];
+    const Weights w(b.X, b.base, inverse_h_);
+    const vd cA = c * b.inertia;
+    double share[27];  // of the added mass of each node that is due to this block
+    int at = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) share[at++] = sum_lanes(cA * w.w[0][i] * w.w[1][j] * w.w[2][k]);
+    at = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+          const long node = b.column[3 * i + j] + k;
+          const double* a = &grid.acceleration[3 * node];
+          const double* u = &grid.displacement[3 * node];
+          const double r[3] = {(b.base[0] + i) * h + u[0] - s.x[0], (b.base[1] + j) * h + u[1] - s.x[1],
+                               (b.base[2] + k) * h + u[2] - s.x[2]};
+          const double m = share[at++];
+          for (int d = 0; d < 3; ++d) {
+            const int e = (d + 1) % 3, g = (d + 2) % 3;
+            s.force[d] += m * a[d];
+            s.torque[d] += m * (r[e] * a[g] - r[g] * a[e]);
+          }
+        }
+  }
+}
+
+int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid,
+                         const GrainSides& sides, double& released) {
+  if (failed.empty()) return 0;
+  int count = 0;
+  for (LinkBlock& b : blocks_) {
+    if (!b.attached) continue;
+    std::uint8_t freed = 0;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(b.attached >> l & 1)) continue;
+      if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
+        freed |= static_cast<std::uint8_t>(1u << l);
+    }
+    if (!freed) continue;
+    vd q[3], delta[3], n[3];
+    place(b, grid, sides.sides[b.at], q, delta, n);
+    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
+    const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
+    const vd U = 0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(freed >> l & 1)) continue;
+      released += U[l];
+      points.links[b.link[l]].attached = 0;
+      b.area[l] = 0.0;
+      b.damper[l] = 0.0;
+      ++count;
+    }
+    b.attached &= static_cast<std::uint8_t>(~freed);
+  }
+  return count;
+}
+
+double PenaltyLinks::energy(const Grid& grid, const GrainSides& sides) const {
+  double U = 0.0;
+  for (const LinkBlock& b : blocks_) {
+    if (!b.attached) continue;
+    vd q[3], delta[3], n[3];
+    place(b, grid, sides.sides[b.at], q, delta, n);
+    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
+    const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
+    U += sum_lanes(0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn));
+  }
+  return U;
+}
+
+void PenaltyLinks::side_stiffness(std::vector<double>& per_side) const {
+  for (const LinkBlock& b : blocks_) per_side[b.at] += std::max(p_.kn, p_.kt) * sum_lanes(b.area);
+}
+
+}  // namespace mpdem

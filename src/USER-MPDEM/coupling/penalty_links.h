@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Penalty coupling of cement to rigid grains. A link holds the vector q0 from the grain's
+// centre to its place on the bond, fixed in the grain, and compares it with the current
+// vector q_t of the same place in the cement:
+//
+//   delta = q_t - R q0,  n = R q0/|q0|,
+//   f = -A (k_n (delta.n) n + k_t (delta - (delta.n) n)) - damping,   on the cement
+//   -f and -q_t x f on the grain.
+//
+// f and the moment derive from U = delta_b.K0.delta_b/2 in the frame of the grain; the
+// lever arm has to be q_t or angular momentum is lost when k_n != k_t. The place is the
+// foot point on the grain's surface (`at surface`: interpolated from and spread to the
+// grid there) or the material point itself (`at points`).
+//
+// Semi-implicit in the node: half of dt^2 times the row sum of the penalty stiffness is
+// added to the node's mass, which bounds dt^2 lambda of the penalty by two whatever its
+// stiffness. The force this withholds from the node, -c a, acts on the grain as +c a at
+// the node's place, so momentum and angular momentum stay exact.
+#ifndef MPDEM_PENALTY_LINKS_H
+#define MPDEM_PENALTY_LINKS_H
+
+#include <vector>
+
+#include "../mpm/grid.h"
+#include "../mpm/point_store.h"
+#include "grain_sides.h"
+
+namespace mpdem {
+
+struct PenaltyParameters {
+  double kn = 0, kt = 0;  // pressure per length
+  double damping = 0;     // share of critical, of the spring with the mass of its point
+  bool at_surface = true;
+};
+
+class PenaltyLinks {
+ public:
+  // Lays out the links of the store in blocks of one cell and one side.
+  // Call sides() and cells() before the grid and the sides are built, bind() after.
+  void build(const PointStore& points, const std::vector<Body>& bodies, const PenaltyParameters& parameters,
+             double cell, double density);
+  std::vector<Key> needed_sides() const;
+  void add_cells(std::vector<Grid::Cell>& cells);
+  void bind(const GrainSides& sides);
+
+  // Adds the row-summed stiffness, times dt^2/2, to the nodes; the caller sums over ranks.
+  // Links that let go keep their added mass, and its reaction, until this is called again.
+  void add_mass(Grid& grid, double dt);
+
+  // Penalty force of the present positions on nodes and grains; returns the power that the
+  // dampers take.
+  double add_force(Grid& grid, GrainSides& sides) const;
+  // Reaction of the added mass, once the accelerations are known.
+  void add_reaction(const Grid& grid, GrainSides& sides, double dt) const;
+
+  // Frees the links of points that failed (slots, ascending); returns how many, and adds
+  // the spring energy they gave up to `released`.
+  int let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSides& sides,
+             double& released);
+
+  double energy(const Grid& grid, const GrainSides& sides) const;
+
+  // Bound of the angular frequency that the links give a grain of this mass and inertia,
+  // the cement held: sum of k A / M + sum of k A r^2 / I per side of this rank.
+  void side_stiffness(std::vector<double>& per_side) const;
+
+  const PenaltyParameters& parameters() const { return p_; }
+
+ private:
+  struct LinkBlock {
+    vd X[3];    // where the link acts, reference
+    vd q0[3];   // in the grain's frame
+    vd area;    // zero in empty lanes and once let go
+    vd inertia; // area that counts in the nodes' added mass
+    vd damper;  // damping coefficient over sqrt(k)
+    int body, side, at;  // at: index into GrainSides
+    int base[3], column[9];
+    int link[kLanes];
+    std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
+  };
+
+  void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
+
+  PenaltyParameters p_;
+  double inverse_h_ = 0, density_ = 0;
+  std::vector<LinkBlock> blocks_;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Material points of a shape: one for each cell of a cubic lattice, symmetric about the
+// origin, that the shape fills or cuts. A cut cell gives its point the volume and the
+// centroid of the part inside (sub-sampled), then all volumes are scaled to the exact
+// volume of the shape. The attached surface of each grain is cut by the same lattice:
+// every patch goes to the point of its cell with its area and its centroid on the sphere
+// (the foot point), scaled to the exact area. Deterministic: every rank that calls this
+// gets the same points in the same order.
+#ifndef MPDEM_LATTICE_FILL_H
+#define MPDEM_LATTICE_FILL_H
+
+#include <vector>
+
+#include "shape.h"
+
+namespace mpdem {
+
+struct FillPoint {
+  Vector3 X;
+  double volume = 0;
+  int links = 0;
+  struct {
+    int side;
+    Vector3 foot;
+    double area;
+  } link[2];
+};
+
+// Throws ShapeError if no cell of the lattice is inside.
+std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing);
+
+}  // namespace mpdem
+
+#endif

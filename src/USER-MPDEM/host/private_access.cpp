@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "private_access.h"
+
+namespace mpdem {
+
+namespace {
+
+using LAMMPS_NS::Comm;
+using LAMMPS_NS::Input;
+using LAMMPS_NS::Modify;
+
+template <class Tag, typename Tag::Type Member>
+struct Expose {
+  friend typename Tag::Type member(Tag) { return Member; }
+};
+
+struct FixMap {
+  using Type = std::map<std::string, FixCreator>* Modify::*;
+  friend Type member(FixMap);
+};
+struct ComputeMap {
+  using Type = std::map<std::string, ComputeCreator>* Modify::*;
+  friend Type member(ComputeMap);
+};
+struct CommandMap {
+  using Type = std::map<std::string, CommandCreator>* Input::*;
+  friend Type member(CommandMap);
+};
+struct BorderGroup {
+  using Type = int Comm::*;
+  friend Type member(BorderGroup);
+};
+
+template struct Expose<FixMap, &Modify::fix_map>;
+template struct Expose<ComputeMap, &Modify::compute_map>;
+template struct Expose<CommandMap, &Input::command_map>;
+template struct Expose<BorderGroup, &Comm::bordergroup>;
+
+}  // namespace
+
+std::map<std::string, FixCreator>& fix_styles(Modify* modify) { return *(modify->*member(FixMap{})); }
+std::map<std::string, ComputeCreator>& compute_styles(Modify* modify) { return *(modify->*member(ComputeMap{})); }
+std::map<std::string, CommandCreator>& command_styles(Input* input) { return *(input->*member(CommandMap{})); }
+int ghost_group(Comm* comm) { return comm->*member(BorderGroup{}); }
+
+}  // namespace mpdem

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Puts the package's styles into LIGGGHTS' shared library without a patch. Fix, compute
+// and command styles live in run-time maps that are filled anew for every set of
+// top-level classes (also after `clear`), right before LAMMPS::post_create(); atom styles
+// are a compile-time chain inside Atom::new_avec(); the list of `-h` is LAMMPS::help().
+// All three are called through the symbol table, so the definitions below take
+// precedence over the library's when the executable exports its symbols (-rdynamic);
+// they call the originals first or last.
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "../styles/atom_vec_mpdem.h"
+#include "../styles/compute_mpm_atom.h"
+#include "../styles/create_cement.h"
+#include "../styles/fix_mpm.h"
+#include "../styles/fix_mpm_couple.h"
+#include "atom.h"
+#include "private_access.h"
+#include "universe.h"
+
+namespace {
+
+using namespace LAMMPS_NS;
+
+template <class F>
+F original(const char* mangled) {
+  void* symbol = dlsym(RTLD_NEXT, mangled);
+  if (!symbol) {
+    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n",
+                 mangled);
+    std::exit(1);
+  }
+  F f;
+  std::memcpy(&f, &symbol, sizeof f);
+  return f;
+}
+
+template <class T>
+Fix* make_fix(LAMMPS* lmp, int narg, char** arg) {
+  return new T(lmp, narg, arg);
+}
+template <class T>
+Compute* make_compute(LAMMPS* lmp, int iarg, int narg, char** arg) {
+  return new T(lmp, iarg, narg, arg);
+}
+template <class T>
+void run_command(LAMMPS* lmp, int narg, char** arg) {
+  T command(lmp);
+  command.command(narg, arg);
+}
+
+}  // namespace
+
+namespace LAMMPS_NS {
+
+void LAMMPS::post_create() {
+  original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS11post_createEv")(this);
+  auto& fixes = mpdem::fix_styles(modify);
+  fixes["mpm"] = &make_fix<FixMpm>;
+  fixes["mpm/couple"] = &make_fix<FixMpmCouple>;
+  mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
+  mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
+}
+
+AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {
+  if (std::strcmp(style, "mpdem") == 0) {
+    sflag = 0;
+    return new AtomVecMpdem(lmp);
+  }
+  return original<AtomVec* (*)(Atom*, const char*, char*, int&)>("_ZN9LAMMPS_NS4Atom8new_avecEPKcPcRi")(
+      this, style, suffix, sflag);
+}
+
+void LAMMPS::help() {
+  original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
+  std::fprintf(screen,
+               "\n\n* USER-MPDEM styles\n\n"
+               "atom_style mpdem, fix mpm, fix mpm/couple, compute mpm/atom, command create_cement\n");
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Second-order tensor damage by energy equivalence, eight points at a time, all
+// tensors in the co-rotated material frame.
+//
+//   effective strain  eps_e = M^-1 : eps, effective stress sigma_e = C0 : eps_e,
+//   stress            sigma = M^-1 : sigma_e,   M : s = sym(phi s),  phi = (1 - D)^-1
+//   conjugate force   Y = -d(rho psi)/dD = phi sym(sigma eps_e) phi
+//   surface           F = s Yeq - B(D),  Yeq = sqrt(Y:Y/2),  B = B0 (1 - max eig D)^-m
+//   growth            dD along Y (its positive part <Y>_+ with evolution `monotone`)
+//   failure           max eig D reaches the cut-off Dcut: stress zero from then on
+//
+// Effective stress of Cordebois & Sidoroff type; Chow & Wang, Int. J. Fracture 33
+// (1987) 3. The tension weight s = r + (1 - r) zeta^2, r = sum<s_i>/sum|s_i| of the
+// principal effective stresses (Lee & Fenves, J. Eng. Mech. 124 (1998) 892), is frozen
+// during the step and makes f_c = f_t/zeta; zeta = 1 is the symmetric law.
+#ifndef MPDEM_TENSOR_DAMAGE_H
+#define MPDEM_TENSOR_DAMAGE_H
+
+#include "../mpm/simd.h"
+#include "eigen3.h"
+#include "tensor3.h"
+#include "vti_elasticity.h"
+
+namespace mpdem {
+
+struct DamageParameters {
+  double B0 = 0.0;           // energy per volume; 0 switches damage off
+  double Dcut = 0.9;         // in (0,1)
+  double exponent = 0.0;     // m of the crack band, in (-1,3)
+  double zeta = 1.0;         // f_t/f_c in (0,1]
+  bool monotone = true;      // <Y>_+ drives; false: Y itself
+};
+
+// What the parameters mean for uniaxial stress along a direction of modulus E
+// (theory: s = E e0^4/e^3 past the onset for exponent 0).
+struct ImpliedStrength {
+  double tensile_strength, onset_strain, failure_strain, work_per_volume;
+};
+ImpliedStrength implied_strength(const DamageParameters& p, double E);
+
+class TensorDamage {
+ public:
+  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters)
+      : elasticity_(elasticity), p_(parameters) {}
+
+  const VtiElasticity& elasticity() const { return elasticity_; }
+  const DamageParameters& parameters() const { return p_; }
+
+  // Upper bound of Yeq^2 of undamaged points: no eigenvalue needed, since dropping the
+  // negative part of Y only shortens it and s <= 1.
+  static vd bound_undamaged(const Sym3<vd>& stress, const Sym3<vd>& strain) {
+    const Sym3<vd> Y = sym_product(stress, strain);
+    return 0.5 * contract(Y, Y);
+  }
+
+  // Stress for given strain and damage; `active` lanes only matter, D of the others may
+  // be anything with eigenvalues below one.
+  Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+
+  struct Update {
+    Sym3<vd> stress;
+    vd dissipated;  // energy per volume spent in this step by growth of D
+    vd released;    // energy per volume given up by lanes that fail now
+    vmask grown, failed;
+  };
+
+  // Implicit update of `damage` for the strain at the end of the step. Lanes outside
+  // `active` (already failed, or empty) keep their damage and return zero stress.
+  // The energies are what is left of the trapezoidal work of the step when the change of
+  // stored energy is taken away, eps_n : (C(D_n) - C(D_n+1)) : eps_n+1 / 2, so that a sum
+  // over the steps balances to the order of the step, squared.
+  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain_end, Sym3<vd>& damage, vmask active) const;
+
+  // Driving force s Yeq at the given state, and B(D): for output and tests.
+  struct Drive {
+    vd Yeq, B, largest_damage;
+  };
+  Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+
+ private:
+  struct State {
+    Sym3<vd> stress, Y;  // Y is what drives: positive part if monotone
+    vd Yeq, largest_damage;
+    vd tension_weight;
+  };
+  State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage, bool want_weight) const;
+  vd threshold(vd largest_damage) const;
+  vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
+  vd first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction, vd g0, vd B_scale,
+                vd guess, vd limit, vmask lanes, vmask& no_root) const;
+
+  VtiElasticity elasticity_;
+  DamageParameters p_;
+};
+
+}  // namespace mpdem
+
+#endif

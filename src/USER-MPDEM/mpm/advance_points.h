@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The one pass over the points of a step: velocity gradient from the grid, deformation
+// gradient, co-rotated strain, damage, stress, internal force to the grid. Total
+// Lagrangian with Cauchy stress sigma, first Piola-Kirchhoff stress P = sigma cof F and
+//   f_I = - sum_p V_p P_p grad N_I(X_p),
+// which conserves momentum and angular momentum of the nodes to rounding.
+#ifndef MPDEM_ADVANCE_POINTS_H
+#define MPDEM_ADVANCE_POINTS_H
+
+#include <vector>
+
+#include "../material/tensor_damage.h"
+#include "grid.h"
+#include "point_store.h"
+
+namespace mpdem {
+
+struct AdvanceResult {
+  double dissipated = 0.0, released = 0.0;  // energy of this step
+  std::vector<int> failed;                  // slots that failed in this step, ascending
+};
+
+// Advances every point by dt with the nodal velocity and adds the internal force at the
+// end of the step. Failed points keep their state and give no force.
+void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, double dt, AdvanceResult& result);
+
+// Adds the internal force of the present state; changes no point.
+void add_internal_force(const PointStore& points, Grid& grid, const TensorDamage& law);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A body is the cement between one pair of grains, as created: where its reference
+// coordinates start and where its grains were then. The table of bodies is the same on
+// every rank.
+#ifndef MPDEM_BODY_H
+#define MPDEM_BODY_H
+
+#include <vector>
+
+namespace mpdem {
+
+struct Body {
+  int grain[2] = {0, 0};                              // tags, ascending
+  double origin[3] = {0, 0, 0};                       // of the reference coordinates
+  double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // of the grains, from the origin
+  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
+  double radius[2] = {0, 0};
+  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
+  double volume = 0;
+  double attached_area[2] = {0, 0};
+  double spacing = 0;
+  double thickness = 0;  // of the cement between the grains, where it is largest
+  double points = 0;
+};
+
+}  // namespace mpdem
+
+#endif

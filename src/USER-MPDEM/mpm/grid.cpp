@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scatter.h"
+
+namespace mpdem {
+
+NodeKinematics Grid::kinematics() const {
+  NodeKinematics k;
+  k.keys = keys;
+  k.values.resize(6 * keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      k.values[6 * i + c] = velocity[3 * i + c];
+      k.values[6 * i + 3 + c] = displacement[3 * i + c];
+    }
+  return k;
+}
+
+void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells,
+                 const NodeKinematics& restored, std::vector<char>& fresh) {
+  const NodeKinematics before = restored.keys.empty() ? kinematics() : restored;
+  h = cell_size;
+
+  std::vector<Key> unique;
+  unique.reserve(cells.size());
+  for (const Cell& c : cells) unique.push_back({c.body, c.base[0], c.base[1], c.base[2]});
+  std::sort(unique.begin(), unique.end());
+  unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
+
+  keys.clear();
+  keys.reserve(27 * unique.size());
+  for (const Key& c : unique)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) keys.push_back({c[0], c[1] + i, c[2] + j, c[3] + k});
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  keys.shrink_to_fit();
+
+  std::vector<int> columns(9 * unique.size());
+  for (std::size_t u = 0; u < unique.size(); ++u)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const Key k{unique[u][0], unique[u][1] + i, unique[u][2] + j, unique[u][3]};
+        columns[9 * u + 3 * i + j] =
+            static_cast<int>(std::lower_bound(keys.begin(), keys.end(), k) - keys.begin());
+      }
+  for (const Cell& c : cells) {
+    const Key k{c.body, c.base[0], c.base[1], c.base[2]};
+    const std::size_t u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
+    std::copy(&columns[9 * u], &columns[9 * u] + 9, c.column);
+  }
+
+  const std::size_t n = keys.size();
+  std::vector<char> found;
+  const std::vector<double> carried = fetch_values(comm, 6, before.keys, before.values, keys, found);
+  velocity.assign(3 * n, 0.0);
+  displacement.assign(3 * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c) {
+      velocity[3 * i + c] = carried[6 * i + c];
+      displacement[3 * i + c] = carried[6 * i + 3 + c];
+    }
+  fresh.resize(n);
+  for (std::size_t i = 0; i < n; ++i) fresh[i] = !found[i];
+  mass.assign(n, 0.0);
+  added_mass.assign(n, 0.0);
+  force.assign(3 * n, 0.0);
+  acceleration.assign(3 * n, 0.0);
+  halo.build(comm, keys);
+}
+
+void Grid::lump_mass(const PointStore& points, double density) {
+  std::fill(mass.begin(), mass.end(), 0.0);
+  const double inverse_h = 1.0 / h;
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const Weights s(points.blocks[b].X, points.meta[b].base, inverse_h);
+    scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
+  }
+  halo.sum(mass.data(), 1);
+}
+
+void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
+
+void Grid::update_acceleration() {
+  const int n = size();
+  for (int i = 0; i < n; ++i) {
+    const double m = mass[i] + added_mass[i];
+    const double r = m > 0.0 ? 1.0 / m : 0.0;
+    for (int c = 0; c < 3; ++c) acceleration[3 * i + c] = r * force[3 * i + c];
+  }
+}
+
+void Grid::drift(double dt_v, double dt_u) {
+  const int n = 3 * size();
+  double* __restrict v = velocity.data();
+  double* __restrict u = displacement.data();
+  const double* __restrict a = acceleration.data();
+  for (int i = 0; i < n; ++i) {
+    v[i] += dt_v * a[i];
+    u[i] += dt_u * v[i];
+  }
+}
+
+bool Grid::finite() const {
+  // A sum is not finite if any term is not; overflow of the sum itself needs velocities
+  // beyond 1e150.
+  double sum = 0.0;
+  for (double v : velocity) sum += v * v;
+  for (double u : displacement) sum += u * u;
+  for (double a : acceleration) sum += std::fabs(a);
+  return std::isfinite(sum);
+}
+
+}  // namespace mpdem

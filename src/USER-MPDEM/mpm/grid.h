@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Background grid in the reference configuration: the nodes that points or links of this
+// rank touch, and nothing else. Each body has a grid of its own, anchored at its origin,
+// so distant bonds cost nothing between them and a bond is meshed alike wherever it lies.
+// Nodes are ordered by body, i, j, k; three consecutive k of a cell are neighbours in
+// memory and make a column.
+//
+// Leap-frog state after step n: displacement u_n, velocity v_n-1/2, acceleration a_n.
+#ifndef MPDEM_GRID_H
+#define MPDEM_GRID_H
+
+#include <vector>
+
+#include "../parallel/halo_sum.h"
+#include "point_store.h"
+
+namespace mpdem {
+
+struct NodeKinematics {
+  std::vector<Key> keys;       // ascending
+  std::vector<double> values;  // velocity (3), displacement (3) of each
+};
+
+class Grid {
+ public:
+  double h = 0.0;
+  std::vector<Key> keys;
+  std::vector<double> mass;        // lumped
+  std::vector<double> added_mass;  // of the semi-implicit penalty, see coupling/
+  std::vector<double> velocity, displacement, force, acceleration;
+
+  int size() const { return static_cast<int>(keys.size()); }
+
+  // A cell that needs its 27 nodes, and where to put the first node of each column.
+  struct Cell {
+    int body;
+    const int* base;
+    int* column;
+  };
+
+  // Collective. Lays out the nodes of `cells`, carries velocity and displacement over
+  // from the nodes that any rank had before, and finds the ranks to share them with.
+  // Nodes new to everybody start at rest, `fresh` is set for them.
+  void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
+             std::vector<char>& fresh);
+
+  // Collective. Lumped mass of the points, density uniform.
+  void lump_mass(const PointStore& points, double density);
+
+  void clear_force();
+  void sum_force() { halo.sum(force.data(), 3); }
+
+  // a = f / (m + added mass)
+  void update_acceleration();
+  // v += dt_v a, u += dt_u v
+  void drift(double dt_v, double dt_u);
+
+  bool finite() const;
+
+  NodeKinematics kinematics() const;
+
+  HaloSum halo;
+};
+
+}  // namespace mpdem
+
+#endif

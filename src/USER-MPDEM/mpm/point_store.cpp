@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "point_store.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "quadratic_bspline.h"
+
+namespace mpdem {
+
+namespace {
+
+template <class T>
+void set_lane(Sym3<vd>& s, int l, const T* v) {
+  s.xx[l] = v[0];
+  s.yy[l] = v[1];
+  s.zz[l] = v[2];
+  s.yz[l] = v[3];
+  s.xz[l] = v[4];
+  s.xy[l] = v[5];
+}
+
+void get_lane(const Sym3<vd>& s, int l, double* v) {
+  v[0] = s.xx[l];
+  v[1] = s.yy[l];
+  v[2] = s.zz[l];
+  v[3] = s.yz[l];
+  v[4] = s.xz[l];
+  v[5] = s.xy[l];
+}
+
+PointBlock empty_block() {
+  PointBlock b{};
+  for (int i = 0; i < 3; ++i) b.F.a[i][i] = splat(1.0);
+  b.q.w = splat(1.0);
+  return b;
+}
+
+}  // namespace
+
+int PointRecord::pack(double* buf) const {
+  int m = 0;
+  buf[m++] = body;
+  buf[m++] = failed;
+  buf[m++] = has_frame;
+  for (double v : X) buf[m++] = v;
+  buf[m++] = volume;
+  for (double v : F) buf[m++] = v;
+  for (double v : q) buf[m++] = v;
+  for (double v : strain) buf[m++] = v;
+  for (double v : damage) buf[m++] = v;
+  buf[m++] = links;
+  for (int i = 0; i < kMaxLinks; ++i) {
+    const bool used = i < links;
+    buf[m++] = used ? link[i].grain : 0;
+    for (int d = 0; d < 3; ++d) buf[m++] = used ? link[i].foot[d] : 0.0;
+    buf[m++] = used ? link[i].area : 0.0;
+    buf[m++] = used ? link[i].attached : 0;
+  }
+  return m;
+}
+
+int PointRecord::unpack(const double* buf) {
+  int m = 0;
+  body = static_cast<int>(buf[m++]);
+  failed = buf[m++] != 0.0;
+  has_frame = buf[m++] != 0.0;
+  for (double& v : X) v = buf[m++];
+  volume = buf[m++];
+  for (double& v : F) v = buf[m++];
+  for (double& v : q) v = buf[m++];
+  for (double& v : strain) v = buf[m++];
+  for (double& v : damage) v = buf[m++];
+  links = static_cast<int>(buf[m++]);
+  for (int i = 0; i < kMaxLinks; ++i) {
+    link[i].slot = -1;
+    link[i].grain = static_cast<int>(buf[m++]);
+    for (int d = 0; d < 3; ++d) link[i].foot[d] = buf[m++];
+    link[i].area = buf[m++];
+    link[i].attached = static_cast<int>(buf[m++]);
+  }
+  return m;
+}
+
+void PointStore::clear() {
+  blocks.clear();
+  damage.clear();
+  meta.clear();
+  tags.clear();
+  links.clear();
+}
+
+void PointStore::set(int slot, const PointRecord& r, int tag) {
+  const int b = slot / kLanes, l = slot % kLanes;
+  PointBlock& p = blocks[b];
+  for (int d = 0; d < 3; ++d) p.X[d][l] = r.X[d];
+  p.volume[l] = r.volume;
+  for (int i = 0; i < 9; ++i) p.F.a[i / 3][i % 3][l] = r.F[i];
+  p.q.w[l] = r.q[0];
+  p.q.x[l] = r.q[1];
+  p.q.y[l] = r.q[2];
+  p.q.z[l] = r.q[3];
+  set_lane(p.strain, l, r.strain);
+  set_lane(damage[b].D, l, r.damage);
+  BlockMeta& m = meta[b];
+  const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
+  m.occupied |= bit;
+  if (r.failed) m.failed |= bit;
+  if (r.has_frame) m.framed |= bit;
+  for (double v : r.damage) m.damaged |= v != 0.0;
+  tags[b][l] = tag;
+}
+
+int PointStore::add(const PointRecord& r, int tag) {
+  // The tail keeps one body a block, as everywhere.
+  const bool fresh = blocks.empty() || meta.back().occupied == 0xff || meta.back().body != r.body;
+  if (fresh) {
+    blocks.push_back(empty_block());
+    damage.emplace_back();
+    meta.emplace_back();
+    meta.back().body = r.body;
+    tags.emplace_back();
+    tags.back().fill(0);
+  }
+  int l = 0;
+  while (meta.back().occupied >> l & 1) ++l;
+  const int slot = kLanes * (static_cast<int>(blocks.size()) - 1) + l;
+  set(slot, r, tag);
+  for (int i = 0; i < r.links; ++i) {
+    links.push_back(r.link[i]);
+    links.back().slot = slot;
+  }
+  return slot;
+}
+
+PointRecord PointStore::record(int slot) const {
+  const int b = slot / kLanes, l = slot % kLanes;
+  const PointBlock& p = blocks[b];
+  PointRecord r;
+  r.body = meta[b].body;
+  r.failed = meta[b].failed >> l & 1;
+  r.has_frame = meta[b].framed >> l & 1;
+  for (int d = 0; d < 3; ++d) r.X[d] = p.X[d][l];
+  r.volume = p.volume[l];
+  for (int i = 0; i < 9; ++i) r.F[i] = p.F.a[i / 3][i % 3][l];
+  r.q[0] = p.q.w[l];
+  r.q[1] = p.q.x[l];
+  r.q[2] = p.q.y[l];
+  r.q[3] = p.q.z[l];
+  get_lane(p.strain, l, r.strain);
+  get_lane(damage[b].D, l, r.damage);
+  const auto range = std::equal_range(links.begin(), links.end(), Link{slot, 0, {0, 0, 0}, 0, 0},
+                                      [](const Link& a, const Link& c) { return a.slot < c.slot; });
+  for (auto it = range.first; it != range.second; ++it) r.link[r.links++] = *it;
+  return r;
+}
+
+void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
+                         std::vector<int>& new_slot) {
+  struct Item {
+    int body, base[3], tag, index;
+  };
+  const double inverse_h = 1.0 / cell;
+  std::vector<Item> items(live.size());
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    const int b = live[i] / kLanes, l = live[i] % kLanes;
+    Item& it = items[i];
+    it.body = meta[b].body;
+    for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h);
+    it.tag = live_tags[i];
+    it.index = static_cast<int>(i);
+  }
+  const auto same_cell = [](const Item& a, const Item& b) {
+    return a.body == b.body && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
+  };
+  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+    if (a.body != b.body) return a.body < b.body;
+    for (int d = 0; d < 3; ++d)
+      if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
+    return a.tag < b.tag;
+  });
+
+  PointStore next;
+  next.links.reserve(links.size());
+  new_slot.assign(live.size(), -1);
+  for (std::size_t i = 0; i < items.size();) {
+    next.blocks.push_back(empty_block());
+    next.damage.emplace_back();
+    next.meta.emplace_back();
+    next.tags.emplace_back();
+    next.tags.back().fill(0);
+    BlockMeta& m = next.meta.back();
+    m.body = items[i].body;
+    for (int d = 0; d < 3; ++d) {
+      m.base[d] = items[i].base[d];
+      // Empty lanes sit at the middle of the cell, where every weight is finite.
+      next.blocks.back().X[d] = splat((m.base[d] + 1.0) * cell);
+    }
+    const std::size_t first = i;
+    for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l, ++i) {
+      const int slot = kLanes * (static_cast<int>(next.blocks.size()) - 1) + l;
+      const PointRecord r = record(live[items[i].index]);
+      next.set(slot, r, items[i].tag);
+      for (int k = 0; k < r.links; ++k) {
+        next.links.push_back(r.link[k]);
+        next.links.back().slot = slot;
+      }
+      new_slot[items[i].index] = slot;
+    }
+  }
+  *this = std::move(next);
+}
+
+std::size_t PointStore::memory_usage() const {
+  return blocks.capacity() * sizeof(PointBlock) + damage.capacity() * sizeof(Damage) +
+         meta.capacity() * sizeof(BlockMeta) + tags.capacity() * sizeof(tags[0]) +
+         links.capacity() * sizeof(Link);
+}
+
+}  // namespace mpdem

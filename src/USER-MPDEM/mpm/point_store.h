@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// State of the material points a rank owns: the only copy, in the layout the kernels
+// read. Eight points of one cell make a block (structure of arrays inside, lanes beyond
+// the last point are empty with zero volume). LIGGGHTS' atom of a point holds its slot,
+// eight times the block plus the lane; slots change whenever the points are arranged.
+// Points that arrive from another rank or a restart file wait in blocks of their own at
+// the end until the next `arrange`.
+//
+// Lengths are relative to the origin of the point's body and refer to the configuration
+// in which the body was created.
+#ifndef MPDEM_POINT_STORE_H
+#define MPDEM_POINT_STORE_H
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "../material/corotational.h"
+#include "../material/tensor3.h"
+#include "simd.h"
+
+namespace mpdem {
+
+// Bond of a point to a grain. The foot point lies on the surface of the grain.
+struct Link {
+  int slot;
+  int grain;        // tag
+  double foot[3];
+  double area;      // of the grain's surface
+  int attached;     // 0 once it has let go
+};
+
+// One point, for transfer between ranks, restart files and creation.
+struct PointRecord {
+  static constexpr int kMaxLinks = 2;
+  int body = 0;
+  bool failed = false;
+  bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
+  double X[3] = {0, 0, 0};
+  double volume = 0;
+  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double q[4] = {1, 0, 0, 0};
+  double strain[6] = {0, 0, 0, 0, 0, 0};
+  double damage[6] = {0, 0, 0, 0, 0, 0};
+  int links = 0;
+  Link link[kMaxLinks];
+
+  static constexpr int kPacked = 3 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 6;
+  int pack(double* buf) const;
+  int unpack(const double* buf);
+};
+
+struct PointBlock {
+  vd X[3];
+  vd volume;
+  Mat3<vd> F;
+  Frame q;
+  Sym3<vd> strain;
+};
+
+struct BlockMeta {
+  int body = 0;
+  int base[3] = {0, 0, 0};  // cell, see quadratic_bspline.h
+  int column[9] = {0};      // first nodes of its columns, set by the grid
+  std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
+  bool damaged = false;     // some lane has D != 0
+};
+
+// Bit mask to lanes.
+inline vmask lanes(std::uint8_t bits) {
+  const vmask bit{1, 2, 4, 8, 16, 32, 64, 128};
+  return (bit & static_cast<std::int64_t>(bits)) != 0;
+}
+inline std::uint8_t bits(vmask m) {
+  unsigned r = 0;
+  for (int l = 0; l < kLanes; ++l) r |= (m[l] ? 1u : 0u) << l;
+  return static_cast<std::uint8_t>(r);
+}
+
+class PointStore {
+ public:
+  struct Damage {
+    Sym3<vd> D;
+  };
+
+  std::vector<PointBlock> blocks;
+  std::vector<Damage> damage;
+  std::vector<BlockMeta> meta;
+  std::vector<std::array<int, kLanes>> tags;
+  std::vector<Link> links;  // ascending in slot
+
+  // Appends a point and returns its slot.
+  int add(const PointRecord& r, int tag);
+  PointRecord record(int slot) const;
+
+  // Keeps the points in `live` (slots, with their tags) and drops all others, in the order
+  // body, cell, tag; new_slot[i] is where live[i] went. Order and blocks depend on the
+  // points alone, not on how they came here. Link positions follow.
+  void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
+               std::vector<int>& new_slot);
+
+  void clear();
+  std::size_t memory_usage() const;
+
+ private:
+  void set(int slot, const PointRecord& r, int tag);
+};
+
+}  // namespace mpdem
+
+#endif

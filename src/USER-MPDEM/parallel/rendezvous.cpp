@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "rendezvous.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+namespace mpdem {
+
+namespace {
+
+int home_rank(const Key& k, int ranks) {
+  std::uint64_t h = 1469598103934665603ull;
+  for (int v : k) {
+    h ^= static_cast<std::uint32_t>(v);
+    h *= 1099511628211ull;
+    h ^= h >> 29;
+  }
+  return static_cast<int>(h % static_cast<std::uint64_t>(ranks));
+}
+
+template <class T>
+struct Received {
+  std::vector<T> data;
+  std::vector<int> count;  // of each source rank
+};
+
+template <class T>
+Received<T> all_to_all(MPI_Comm comm, const std::vector<std::vector<T>>& out) {
+  const int ranks = static_cast<int>(out.size());
+  std::vector<int> send(ranks), send_at(ranks, 0), recv(ranks), recv_at(ranks, 0);
+  for (int r = 0; r < ranks; ++r) send[r] = static_cast<int>(out[r].size());
+  MPI_Alltoall(send.data(), 1, MPI_INT, recv.data(), 1, MPI_INT, comm);
+  for (int r = 1; r < ranks; ++r) {
+    send_at[r] = send_at[r - 1] + send[r - 1];
+    recv_at[r] = recv_at[r - 1] + recv[r - 1];
+  }
+  std::vector<T> flat;
+  for (const auto& v : out) flat.insert(flat.end(), v.begin(), v.end());
+  Received<T> in;
+  in.count = recv;
+  in.data.resize(recv_at.back() + recv.back());
+  MPI_Datatype type;
+  MPI_Type_contiguous(sizeof(T), MPI_BYTE, &type);
+  MPI_Type_commit(&type);
+  MPI_Alltoallv(flat.data(), send.data(), send_at.data(), type, in.data.data(), recv.data(), recv_at.data(),
+                type, comm);
+  MPI_Type_free(&type);
+  return in;
+}
+
+struct Report {
+  Key key;
+  int rank, index;
+};
+
+// Reports of all ranks for the keys at home here, ordered by key, then rank.
+std::vector<Report> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) {
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<std::vector<Report>> out(ranks);
+  int me;
+  MPI_Comm_rank(comm, &me);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    out[home_rank(keys[i], ranks)].push_back({keys[i], me, static_cast<int>(i)});
+  std::vector<Report> all = all_to_all(comm, out).data;
+  std::sort(all.begin(), all.end(),
+            [](const Report& a, const Report& b) { return std::tie(a.key, a.rank) < std::tie(b.key, b.rank); });
+  return all;
+}
+
+}  // namespace
+
+Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys) {
+  Sharing shared;
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  if (ranks == 1) return shared;
+  const std::vector<Report> all = gather_at_home(comm, keys);
+  struct Answer {
+    int index, other;
+  };
+  std::vector<std::vector<Answer>> answers(ranks);
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t j = i;
+    while (j < all.size() && all[j].key == all[i].key) ++j;
+    for (std::size_t a = i; a < j; ++a)
+      for (std::size_t b = i; b < j; ++b)
+        if (a != b) answers[all[a].rank].push_back({all[a].index, all[b].rank});
+    i = j;
+  }
+  const std::vector<Answer> mine = all_to_all(comm, answers).data;
+  std::vector<std::vector<int>> items(ranks);
+  for (const Answer& a : mine) items[a.other].push_back(a.index);
+  for (int r = 0; r < ranks; ++r) {
+    if (items[r].empty()) continue;
+    std::sort(items[r].begin(), items[r].end());
+    shared.ranks.push_back(r);
+    shared.items.push_back(std::move(items[r]));
+  }
+  return shared;
+}
+
+std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys,
+                                 const std::vector<double>& values, const std::vector<Key>& wanted,
+                                 std::vector<char>& found) {
+  int ranks, me;
+  MPI_Comm_size(comm, &ranks);
+  MPI_Comm_rank(comm, &me);
+  std::vector<double> result(wanted.size() * width, 0.0);
+  found.assign(wanted.size(), 0);
+  const auto take = [&](std::size_t w, const double* v) {
+    std::copy(v, v + width, result.begin() + w * width);
+    found[w] = 1;
+  };
+  // What this rank has itself needs no message.
+  std::vector<Key> missing;
+  std::vector<int> missing_at;
+  for (std::size_t w = 0; w < wanted.size(); ++w) {
+    const auto it = std::lower_bound(keys.begin(), keys.end(), wanted[w]);
+    if (it != keys.end() && *it == wanted[w]) {
+      take(w, &values[(it - keys.begin()) * width]);
+    } else {
+      missing.push_back(wanted[w]);
+      missing_at.push_back(static_cast<int>(w));
+    }
+  }
+  if (ranks == 1) return result;
+
+  // Homes learn who holds and who wants; holders are told to send.
+  const std::vector<Report> have = gather_at_home(comm, keys);
+  const std::vector<Report> want = gather_at_home(comm, missing);
+  struct Order {
+    int holder_index, wanter, wanter_index;
+  };
+  std::vector<std::vector<Order>> orders(ranks);
+  for (const Report& w : want) {
+    const auto it =
+        std::lower_bound(have.begin(), have.end(), w.key, [](const Report& a, const Key& k) { return a.key < k; });
+    if (it != have.end() && it->key == w.key) orders[it->rank].push_back({it->index, w.rank, w.index});
+  }
+  const std::vector<Order> mine = all_to_all(comm, orders).data;
+  std::vector<std::vector<double>> out(ranks);
+  for (const Order& o : mine) {
+    out[o.wanter].push_back(o.wanter_index);
+    out[o.wanter].insert(out[o.wanter].end(), values.begin() + static_cast<long>(o.holder_index) * width,
+                         values.begin() + static_cast<long>(o.holder_index + 1) * width);
+  }
+  const std::vector<double> in = all_to_all(comm, out).data;
+  for (std::size_t m = 0; m < in.size(); m += width + 1) take(missing_at[static_cast<int>(in[m])], &in[m + 1]);
+  return result;
+}
+
+}  // namespace mpdem

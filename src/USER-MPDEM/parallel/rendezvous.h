@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Finds which ranks hold the same key. Every key has a home rank, given by its hash;
+// ranks report their keys there and the home answers with the other holders. Cost is
+// proportional to the keys of a rank, whatever the number of ranks or the shape of
+// their sub-domains. All functions are collective.
+#ifndef MPDEM_RENDEZVOUS_H
+#define MPDEM_RENDEZVOUS_H
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace mpdem {
+
+// Node: body, i, j, k. Grain: tag, 0, 0, 0.
+using Key = std::array<int, 4>;
+
+// items[n] are the indices of the caller's keys that ranks[n] holds too, in key order, so
+// that both sides enumerate the shared keys alike. Ranks ascend.
+struct Sharing {
+  std::vector<int> ranks;
+  std::vector<std::vector<int>> items;
+};
+
+// keys: ascending, each once.
+Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys);
+
+// For each wanted key the value (width doubles) of any rank that holds it; `found` says
+// which there were. keys and wanted: ascending, each once.
+std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys,
+                                 const std::vector<double>& values, const std::vector<Key>& wanted,
+                                 std::vector<char>& found);
+
+}  // namespace mpdem
+
+#endif

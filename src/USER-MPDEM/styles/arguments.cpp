@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "arguments.h"
+
+#include <mpi.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace mpdem {
+
+void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
+  std::fflush(nullptr);
+  lmp->error->all("USER-MPDEM", 0, text.c_str());
+  std::abort();  // not reached; Error::all does not say so
+}
+
+void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
+  // Error::one aborts MPI before the text is written when the output is a file.
+  int rank;
+  MPI_Comm_rank(lmp->world, &rank);
+  if (lmp->screen) std::fprintf(lmp->screen, "ERROR on proc %d: %s\n", rank, text.c_str());
+  if (lmp->logfile) std::fprintf(lmp->logfile, "ERROR on proc %d: %s\n", rank, text.c_str());
+  std::fflush(nullptr);
+  MPI_Abort(lmp->world, 1);
+  std::abort();
+}
+
+void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
+  int me, size;
+  MPI_Comm_rank(lmp->world, &me);
+  MPI_Comm_size(lmp->world, &size);
+  int mine = text.empty() ? size : me, first;
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, lmp->world);
+  if (first == size) return;
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, first, lmp->world);
+  std::string shown = text;
+  shown.resize(length);
+  MPI_Bcast(&shown[0], length, MPI_CHAR, first, lmp->world);
+  stop_all(lmp, shown);
+}
+
+void Arguments::complain(const std::string& text) const { stop_all(lmp_, command_ + ": " + text); }
+
+void Arguments::unknown(const std::string& word, const std::vector<std::string>& known) const {
+  std::string list;
+  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+  complain("unknown keyword '" + word + "'; known here: " + list);
+}
+
+std::string Arguments::word(const std::string& what) {
+  if (empty()) complain("missing value: " + what + " expected at the end of the command");
+  return arg_[next_++];
+}
+
+bool Arguments::accept(const std::string& keyword) {
+  if (empty() || keyword != arg_[next_]) return false;
+  ++next_;
+  return true;
+}
+
+double Arguments::number(const std::string& keyword) {
+  const std::string w = word("a number for '" + keyword + "'");
+  char* end = nullptr;
+  const double v = std::strtod(w.c_str(), &end);
+  if (w.empty() || *end != '\0' || !std::isfinite(v))
+    complain("'" + keyword + " " + w + "': a finite number is needed");
+  return v;
+}
+
+double Arguments::positive(const std::string& keyword) {
+  const double v = number(keyword);
+  if (!(v > 0.0)) complain(text_of("'", keyword, " ", v, "': must be greater than 0"));
+  return v;
+}
+
+double Arguments::not_negative(const std::string& keyword) {
+  const double v = number(keyword);
+  if (!(v >= 0.0)) complain(text_of("'", keyword, " ", v, "': must not be negative"));
+  return v;
+}
+
+int Arguments::integer(const std::string& keyword, int least) {
+  const double v = number(keyword);
+  if (v != std::floor(v) || v < least || v > 2147483647.0)
+    complain(text_of("'", keyword, " ", v, "': a whole number of at least ", least, " is needed"));
+  return static_cast<int>(v);
+}
+
+std::string Arguments::choice(const std::string& keyword, const std::vector<std::string>& allowed) {
+  std::string list;
+  for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
+  const std::string w = word("one of " + list + " for '" + keyword + "'");
+  for (const std::string& a : allowed)
+    if (a == w) return w;
+  complain("'" + keyword + " " + w + "': must be one of " + list);
+}
+
+}  // namespace mpdem

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Words of a command, taken one by one with a complaint that names the command, the word,
+// the value and what is allowed. Complaints end the run on all ranks (Error::all), so
+// every rank has to read the same words, which LIGGGHTS guarantees.
+#ifndef MPDEM_ARGUMENTS_H
+#define MPDEM_ARGUMENTS_H
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "error.h"
+#include "lammps.h"
+
+namespace mpdem {
+
+class Arguments {
+ public:
+  Arguments(LAMMPS_NS::LAMMPS* lmp, std::string command, int narg, char** arg, int first)
+      : lmp_(lmp), command_(std::move(command)), narg_(narg), arg_(arg), next_(first) {}
+
+  bool empty() const { return next_ >= narg_; }
+  const std::string& command() const { return command_; }
+
+  // The next word; `what` says what it should have been if there is none.
+  std::string word(const std::string& what);
+  bool accept(const std::string& keyword);  // takes the next word if it is this one
+
+  // A number with all of its characters; `allowed` is the text of the range.
+  double number(const std::string& keyword);
+  double positive(const std::string& keyword);
+  double not_negative(const std::string& keyword);
+  int integer(const std::string& keyword, int least);
+  std::string choice(const std::string& keyword, const std::vector<std::string>& allowed);
+  bool yes_no(const std::string& keyword) { return choice(keyword, {"yes", "no"}) == "yes"; }
+
+  [[noreturn]] void unknown(const std::string& word, const std::vector<std::string>& known) const;
+  [[noreturn]] void complain(const std::string& text) const;
+
+ private:
+  LAMMPS_NS::LAMMPS* lmp_;
+  std::string command_;
+  int narg_;
+  char** arg_;
+  int next_;
+};
+
+template <class... T>
+std::string text_of(const T&... parts) {
+  std::ostringstream s;
+  (s << ... << parts);
+  return s.str();
+}
+
+// Error::all with the streams flushed, which survives redirected output.
+[[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
+// Error::one likewise: for conditions that only this rank sees.
+[[noreturn]] void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
+// Stops all ranks if any rank has a text; the lowest such rank's is shown. Collective.
+void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
+
+}  // namespace mpdem
+
+#endif

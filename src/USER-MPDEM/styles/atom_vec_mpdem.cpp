@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "atom_vec_mpdem.h"
+
+#include <mpi.h>
+
+#include <cstring>
+
+#include "arguments.h"
+#include "atom.h"
+#include "memory.h"
+
+namespace LAMMPS_NS {
+
+namespace {
+constexpr char kMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
+constexpr int kVersion = 1;
+constexpr int kLargestState = 1 + mpdem::PointRecord::kPacked;
+enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
+}  // namespace
+
+AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {}
+
+AtomVecMpdem::~AtomVecMpdem() { memory->destroy(slot); }
+
+AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>(lmp->atom->avec); }
+
+void AtomVecMpdem::track_orientation(int i) {
+  if (slot[i] != kPlain) return;
+  orientations.push_back({1.0, 0.0, 0.0, 0.0});
+  slot[i] = -2 - (static_cast<int>(orientations.size()) - 1);
+}
+
+void AtomVecMpdem::grow(int n) {
+  AtomVecSphere::grow(n);
+  memory->grow(slot, nmax, "atom:mpdem_slot");
+}
+
+void AtomVecMpdem::copy(int i, int j, int delflag) {
+  slot[j] = slot[i];
+  AtomVecSphere::copy(i, j, delflag);
+}
+
+int AtomVecMpdem::pack_state(int i, double* buf) const {
+  int m = 0;
+  if (slot[i] >= 0) {
+    buf[m++] = kPoint;
+    m += points.record(slot[i]).pack(&buf[m]);
+  } else if (slot[i] <= -2) {
+    buf[m++] = kGrain;
+    for (double q : orientations[-2 - slot[i]]) buf[m++] = q;
+  } else {
+    buf[m++] = kNoState;
+  }
+  return m;
+}
+
+int AtomVecMpdem::unpack_state(int i, const double* buf) {
+  int m = 0;
+  slot[i] = kPlain;
+  const int kind = static_cast<int>(buf[m++]);
+  if (kind == kPoint) {
+    mpdem::PointRecord r;
+    m += r.unpack(&buf[m]);
+    slot[i] = points.add(r, atom->tag[i]);
+  } else if (kind == kGrain) {
+    track_orientation(i);
+    for (double& q : orientations.back()) q = buf[m++];
+  }
+  return m;
+}
+
+int AtomVecMpdem::pack_exchange(int i, double* buf) {
+  int m = AtomVecSphere::pack_exchange(i, buf);
+  m += pack_state(i, &buf[m]);
+  buf[0] = m;
+  return m;
+}
+
+int AtomVecMpdem::unpack_exchange(double* buf) {
+  int m = AtomVecSphere::unpack_exchange(buf);
+  m += unpack_state(atom->nlocal - 1, &buf[m]);
+  return m;
+}
+
+int AtomVecMpdem::size_restart() {
+  return AtomVecSphere::size_restart() + atom->nlocal * (kLargestState + 1);
+}
+
+// State and its length follow what the fixes wrote, and are taken off again before the
+// base class hands the rest to the fixes.
+int AtomVecMpdem::pack_restart(int i, double* buf) {
+  int m = AtomVecSphere::pack_restart(i, buf);
+  const int n = pack_state(i, &buf[m]);
+  m += n;
+  buf[m++] = n + 1;
+  buf[0] = m;
+  return m;
+}
+
+int AtomVecMpdem::unpack_restart(double* buf) {
+  const int total = static_cast<int>(buf[0]);
+  const int own = static_cast<int>(buf[total - 1]);
+  buf[0] = total - own;
+  AtomVecSphere::unpack_restart(buf);
+  buf[0] = total;
+  unpack_state(atom->nlocal - 1, &buf[total - own]);
+  return total;
+}
+
+void AtomVecMpdem::write_restart_settings(FILE* fp) {
+  fwrite(kMagic, 1, sizeof kMagic, fp);
+  const int head[3] = {kVersion, static_cast<int>(sizeof(mpdem::Body)), static_cast<int>(bodies.size())};
+  fwrite(head, sizeof(int), 3, fp);
+  fwrite(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp);
+}
+
+// Called by every rank; only the first has the file.
+void AtomVecMpdem::read_restart_settings(FILE* fp) {
+  int me;
+  MPI_Comm_rank(world, &me);
+  int status[2] = {0, 0};  // 1: no data of this package, 2: other version, 3: truncated
+  if (me == 0) {
+    char magic[sizeof kMagic];
+    int head[3] = {0, 0, 0};
+    if (fread(magic, 1, sizeof magic, fp) != sizeof magic || std::memcmp(magic, kMagic, sizeof magic) != 0) {
+      status[0] = 1;
+    } else if (fread(head, sizeof(int), 3, fp) != 3) {
+      status[0] = 3;
+    } else if (head[0] != kVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
+      status[0] = 2;
+      status[1] = head[0];
+    } else {
+      bodies.resize(head[2]);
+      if (fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
+      status[1] = head[2];
+    }
+  }
+  MPI_Bcast(status, 2, MPI_INT, 0, world);
+  if (status[0] == 1) mpdem::stop_all(lmp, "read_restart: the file has no data of atom_style mpdem");
+  if (status[0] == 2)
+    mpdem::stop_all(lmp, mpdem::text_of("read_restart: data of atom_style mpdem of version ", status[1],
+                                        ", this program reads version ", kVersion));
+  if (status[0] == 3) mpdem::stop_all(lmp, "read_restart: the file is truncated in the data of atom_style mpdem");
+  bodies.resize(status[1]);
+  MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);
+}
+
+void AtomVecMpdem::create_atom(int itype, double* coord) {
+  AtomVecSphere::create_atom(itype, coord);
+  slot[atom->nlocal - 1] = kPlain;
+}
+
+void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
+  AtomVecSphere::data_atom(coord, image, values);
+  slot[atom->nlocal - 1] = kPlain;
+}
+
+bigint AtomVecMpdem::memory_usage() {
+  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage();
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// atom_style mpdem: spheres as in atom_style sphere, plus the state of material points
+// and the orientation of bonded grains. That state is kept once, in the layout of the
+// MPM kernels (mpm/point_store.h); an atom only holds the number of its slot there, which
+// is all that moves when LIGGGHTS reorders atoms. It is packed when an atom changes rank
+// or is written to a restart file.
+#ifndef MPDEM_ATOM_VEC_MPDEM_H
+#define MPDEM_ATOM_VEC_MPDEM_H
+
+#include <array>
+#include <vector>
+
+#include "../mpm/body.h"
+#include "../mpm/point_store.h"
+#include "atom_vec_sphere.h"
+
+namespace LAMMPS_NS {
+
+class AtomVecMpdem : public AtomVecSphere {
+ public:
+  explicit AtomVecMpdem(LAMMPS* lmp);
+  ~AtomVecMpdem() override;
+
+  // slot[i] of atom i: a point's place in `points`; kPlain for any other atom; for a
+  // bonded grain -2 - index into `orientations`.
+  static constexpr int kPlain = -1;
+  int* slot = nullptr;
+  mpdem::PointStore points;
+  std::vector<mpdem::Body> bodies;
+  std::vector<std::array<double, 4>> orientations;
+
+  bool is_point(int i) const { return slot[i] >= 0; }
+  double* orientation(int i) { return slot[i] <= -2 ? orientations[-2 - slot[i]].data() : nullptr; }
+  // Gives a grain an orientation (the identity) if it has none.
+  void track_orientation(int i);
+
+  // The atom style in use, or null.
+  static AtomVecMpdem* of(LAMMPS* lmp);
+
+  void grow(int n) override;
+  void copy(int i, int j, int delflag) override;
+  int pack_exchange(int i, double* buf) override;
+  int unpack_exchange(double* buf) override;
+  int size_restart() override;
+  int pack_restart(int i, double* buf) override;
+  int unpack_restart(double* buf) override;
+  void write_restart_settings(FILE* fp) override;
+  void read_restart_settings(FILE* fp) override;
+  void create_atom(int itype, double* coord) override;
+  void data_atom(double* coord, tagint image, char** values) override;
+  bigint memory_usage() override;
+
+ private:
+  int pack_state(int i, double* buf) const;
+  int unpack_state(int i, const double* buf);
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

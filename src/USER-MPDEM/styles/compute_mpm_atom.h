@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// compute mpm/atom: one quantity of each material point, for dumps and reductions; zero
+// for other atoms. The compute's ID is the name of the dump column. See
+// doc/compute_mpm_atom.md.
+#ifndef MPDEM_COMPUTE_MPM_ATOM_H
+#define MPDEM_COMPUTE_MPM_ATOM_H
+
+#include <string>
+
+#include "compute.h"
+#include "fix_mpm.h"
+
+namespace LAMMPS_NS {
+
+class ComputeMpmAtom : public Compute {
+ public:
+  ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg);
+  ~ComputeMpmAtom() override;
+  void init() override;
+  void compute_peratom() override;
+  double memory_usage() override;
+
+ private:
+  FixMpm* find_cement() const;
+
+  std::string cement_id_;
+  FixMpm* cement_ = nullptr;
+  int quantity_ = 0;
+  int size_ = 0;
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "create_cement.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "../geometry/flat.h"
+#include "atom.h"
+#include "atom_vec_mpdem.h"
+#include "comm.h"
+#include "domain.h"
+#include "fix.h"
+#include "force.h"
+#include "group.h"
+#include "modify.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::Arguments;
+using mpdem::Body;
+using mpdem::FillPoint;
+using mpdem::text_of;
+
+namespace {
+const std::vector<std::string> kKeywords = {"shape", "outer", "content", "inner", "spacing", "density", "type"};
+}
+
+void CreateCement::check_scene(const Arguments& args) const {
+  if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
+  if (domain->dimension != 3 || domain->triclinic) args.complain("needs a three-dimensional orthogonal box");
+  if (!AtomVecMpdem::of(lmp))
+    args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
+  if (atom->tag_enable == 0) args.complain("needs atom IDs");
+  if (force->ftm2v != 1.0 || force->nktv2p != 1.0)
+    args.complain(text_of("units '", update->unit_style, "' are not consistent; use 'units si', 'cgs' or 'micro'"));
+}
+
+CreateCement::Grain CreateCement::find_grain(int tag, const Arguments& args) const {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  // x, unwrapped, radius, mass, q, is a point; the owner is the only one not to add zero.
+  double mine[13] = {0}, all[13];
+  int count = 0, found;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (atom->tag[i] != tag) continue;
+    ++count;
+    double u[3];
+    domain->unmap(atom->x[i], atom->image[i], u);
+    for (int d = 0; d < 3; ++d) {
+      mine[d] = atom->x[i][d];
+      mine[3 + d] = u[d];
+    }
+    mine[6] = atom->radius[i];
+    mine[7] = atom->rmass[i];
+    mine[12] = avec->is_point(i);
+    if (!avec->is_point(i)) {
+      avec->track_orientation(i);
+      std::copy(avec->orientation(i), avec->orientation(i) + 4, &mine[8]);
+    }
+  }
+  MPI_Allreduce(&count, &found, 1, MPI_INT, MPI_SUM, world);
+  MPI_Allreduce(mine, all, 13, MPI_DOUBLE, MPI_SUM, world);
+  if (found != 1) args.complain(text_of("grain ", tag, " does not exist; create both grains before their cement"));
+  if (all[12] != 0.0) args.complain(text_of("atom ", tag, " is a material point, not a grain"));
+  Grain g;
+  g.tag = tag;
+  for (int d = 0; d < 3; ++d) {
+    g.x[d] = all[d];
+    g.unwrapped[d] = all[3 + d];
+  }
+  g.radius = all[6];
+  g.mass = all[7];
+  std::copy(all + 8, all + 12, g.q);
+  return g;
+}
+
+std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const mpdem::GrainPair& pair, double grain_mass,
+                                                       Arguments& args) {
+  double outer = -1.0, content = -1.0, inner = -1.0;
+  bool has_shape = false;
+  while (!args.empty()) {
+    const std::string key = args.word("a keyword");
+    if (key == "shape") {
+      args.choice(key, {"flat"});
+      has_shape = true;
+    } else if (key == "outer") {
+      outer = args.positive(key);
+    } else if (key == "content") {
+      content = args.positive(key);
+    } else if (key == "inner") {
+      inner = args.accept("auto") ? -1.0 : args.not_negative(key);
+    } else if (key == "spacing") {
+      spacing_ = args.positive(key);
+    } else if (key == "density") {
+      density_ = args.positive(key);
+    } else if (key == "type") {
+      type_ = args.integer(key, 1);
+    } else {
+      args.unknown(key, kKeywords);
+    }
+  }
+  if (!has_shape) args.complain("keyword 'shape' is missing; use 'shape flat'");
+  if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
+  if ((outer > 0.0) == (content > 0.0))
+    args.complain("give either 'outer', the radius of the bond, or 'content', the mass of cement over that of the grains");
+  try {
+    // Where the grains come closer than a cell no grid can resolve the film between them
+    // (and between rigid touching spheres its stiffness has no bound).
+    if (inner < 0.0) inner = mpdem::Flat::radius_of_thickness(pair, 2.0 * spacing_);
+    if (outer < 0.0) outer = mpdem::Flat::outer_for_volume(pair, content * grain_mass / density_, inner);
+    return std::make_unique<mpdem::Flat>(pair, outer, inner);
+  } catch (const mpdem::ShapeError& e) {
+    args.complain(e.what());
+  }
+}
+
+void CreateCement::command(int narg, char** arg) {
+  Arguments args(lmp, "create_cement", narg, arg, 0);
+  check_scene(args);
+  const std::string group_name = args.word("a group for the points");
+  int igroup = group->find(group_name.c_str());
+  if (igroup < 0) {
+    // An empty group. Not by Input::one, which would overwrite the words still to be read.
+    std::string words[] = {group_name, "subtract", "all", "all"};
+    char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
+    group->assign(4, list);
+    igroup = group->find(group_name.c_str());
+  }
+  groupbit_ = group->bitmask[igroup];
+  args.choice("pair", {"pair"});
+  int tags[2];
+  tags[0] = args.integer("pair", 1);
+  tags[1] = args.integer("pair", 1);
+  if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
+  std::sort(tags, tags + 2);
+
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  for (const Body& b : avec->bodies)
+    if (b.grain[0] == tags[0] && b.grain[1] == tags[1])
+      args.complain(text_of("grains ", tags[0], " and ", tags[1], " have cement already; it would overlap"));
+  const Grain g0 = find_grain(tags[0], args), g1 = find_grain(tags[1], args);
+  double d[3] = {g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]};
+  domain->minimum_image(d[0], d[1], d[2]);
+  const mpdem::Vector3 centres(d[0], d[1], d[2]);
+  mpdem::GrainPair pair{g0.radius, g1.radius, centres.norm() - g0.radius - g1.radius, centres.normalized()};
+  const double reach = std::min(g0.radius, g1.radius);
+  if (!(centres.norm() > 0.0) || !(pair.gap < reach))
+    args.complain(text_of("grains ", tags[0], " and ", tags[1], " are not neighbours: their gap ", pair.gap,
+                          " exceeds the smaller radius ", reach, "; bring them together or name other grains"));
+  if (!(pair.gap > -0.1 * reach))
+    args.complain(text_of("grains ", tags[0], " and ", tags[1], " overlap by ", -pair.gap,
+                          ", more than a tenth of the smaller radius ", reach));
+
+  const std::unique_ptr<mpdem::Shape> shape = make_shape(pair, g0.mass + g1.mass, args);
+  if (type_ == 0) type_ = atom->ntypes;
+  if (type_ > atom->ntypes)
+    args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
+  if (shape->largest_thickness() < 2.0 * spacing_)
+    args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
+                          spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(),
+                          " or more cement"));
+  std::vector<FillPoint> fill;
+  try {
+    fill = mpdem::fill_with_points(*shape, spacing_);
+  } catch (const mpdem::ShapeError& e) {
+    args.complain(e.what());
+  }
+
+  Body body;
+  for (int s = 0; s < 2; ++s) {
+    const Grain& g = s == 0 ? g0 : g1;
+    body.grain[s] = tags[s];
+    body.radius[s] = g.radius;
+    body.attached_area[s] = shape->attached_area(s);
+    std::copy(g.q, g.q + 4, body.orientation[s]);
+    const mpdem::Vector3 centre = pair.centre(s);
+    for (int c = 0; c < 3; ++c) body.centre[s][c] = centre[c];
+  }
+  for (int c = 0; c < 3; ++c) {
+    body.origin[c] = g0.x[c] - body.centre[0][c];
+    body.shift[0][c] = g0.x[c] - g0.unwrapped[c];
+    // A multiple of the box; taken from integers, not from a difference of coordinates.
+    const double boxes = std::round((g0.x[c] + d[c] - g1.unwrapped[c]) / domain->prd[c]);
+    body.shift[1][c] = domain->periodicity[c] ? boxes * domain->prd[c] : 0.0;
+    const double first = std::round(body.shift[0][c] / domain->prd[c]);
+    body.shift[0][c] = domain->periodicity[c] ? first * domain->prd[c] : 0.0;
+  }
+  body.volume = shape->volume();
+  body.spacing = spacing_;
+  body.thickness = shape->largest_thickness();
+  body.points = static_cast<double>(fill.size());
+  avec->bodies.push_back(body);
+  add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
+
+  if (comm->me == 0) {
+    const double content = body.volume * density_ / (g0.mass + g1.mass);
+    const std::string text =
+        text_of("Cement between grains ", tags[0], " and ", tags[1], ": ", shape->describe(), "\n  volume ",
+                body.volume, ", content (mass over mass of the grains) ", content, ", attached area ",
+                body.attached_area[0], " + ", body.attached_area[1], ", ", fill.size(), " points\n");
+    for (FILE* f : {screen, logfile})
+      if (f) std::fprintf(f, "%s", text.c_str());
+    if (shape->smallest_thickness() < 2.0 * spacing_ * (1.0 - 1e-9))
+      error->warning("create_cement", 0,
+                     text_of("the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
+                             "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
+                         .c_str());
+  }
+}
+
+void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& body, int body_index,
+                              const Arguments& args) {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  int largest = 0, first_tag;
+  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, atom->tag[i]);
+  MPI_Allreduce(&largest, &first_tag, 1, MPI_INT, MPI_MAX, world);
+  if (fill.size() + static_cast<double>(first_tag) > 2147483647.0)
+    args.complain(text_of(fill.size(), " points exceed the number of atom IDs; use a larger spacing"));
+
+  const int before = atom->nlocal;
+  for (std::size_t n = 0; n < fill.size(); ++n) {
+    const FillPoint& p = fill[n];
+    double x[3];
+    for (int c = 0; c < 3; ++c) x[c] = body.origin[c] + p.X[c];
+    tagint image = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
+    domain->remap(x, image);
+    bool mine = true;
+    for (int c = 0; c < 3; ++c) mine = mine && x[c] >= domain->sublo[c] && x[c] < domain->subhi[c];
+    if (!mine) continue;
+    avec->create_atom(type_, x);
+    const int i = atom->nlocal - 1;
+    atom->tag[i] = first_tag + 1 + static_cast<int>(n);
+    atom->image[i] = image;
+    atom->mask[i] = 1 | groupbit_;
+    atom->radius[i] = std::cbrt(0.75 * p.volume / M_PI);
+    atom->density[i] = density_;
+    atom->rmass[i] = density_ * p.volume;
+
+    mpdem::PointRecord r;
+    r.body = body_index;
+    for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
+    r.volume = p.volume;
+    r.links = p.links;
+    for (int k = 0; k < p.links; ++k) {
+      r.link[k].grain = body.grain[p.link[k].side];
+      for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
+      r.link[k].area = p.link[k].area;
+      r.link[k].attached = 1;
+    }
+    avec->slot[i] = avec->points.add(r, atom->tag[i]);
+  }
+
+  bigint local = atom->nlocal - before, created;
+  MPI_Allreduce(&local, &created, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  if (created != static_cast<bigint>(fill.size()))
+    args.complain(text_of(fill.size() - created, " of ", fill.size(),
+                          " points lie outside the simulation box; use a larger box or move the grains"));
+  atom->natoms += created;
+  for (int m = 0; m < modify->nfix; ++m) {
+    Fix* fix = modify->fix[m];
+    if (!fix->create_attribute) continue;
+    fix->pre_set_arrays();
+    for (int i = before; i < atom->nlocal; ++i) fix->set_arrays(i);
+  }
+  if (atom->map_style) {
+    atom->nghost = 0;
+    atom->map_init();
+    atom->map_set();
+  }
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Command create_cement: fills the cement between two grains with material points and
+// attaches them. See doc/create_cement.md.
+#ifndef MPDEM_CREATE_CEMENT_H
+#define MPDEM_CREATE_CEMENT_H
+
+#include <memory>
+#include <vector>
+
+#include "../geometry/lattice_fill.h"
+#include "../mpm/body.h"
+#include "arguments.h"
+#include "pointers.h"
+
+namespace LAMMPS_NS {
+
+class CreateCement : protected Pointers {
+ public:
+  explicit CreateCement(LAMMPS* lmp) : Pointers(lmp) {}
+  void command(int narg, char** arg);
+
+ private:
+  struct Grain {
+    int tag;
+    double x[3], unwrapped[3], radius, mass, q[4];
+  };
+  Grain find_grain(int tag, const mpdem::Arguments& args) const;
+  std::unique_ptr<mpdem::Shape> make_shape(const mpdem::GrainPair& pair, double grain_mass, mpdem::Arguments& args);
+  void check_scene(const mpdem::Arguments& args) const;
+  void add_points(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, int body_index,
+                  const mpdem::Arguments& args);
+
+  int groupbit_ = 0;
+  int type_ = 0;
+  double spacing_ = 0, density_ = 2710.0;
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

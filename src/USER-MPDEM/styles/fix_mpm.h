@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// fix mpm: the cement as a continuum on a background grid. See doc/fix_mpm.md for the
+// words and the output; the step itself is FixMpm::post_force. Grains are moved by
+// LIGGGHTS' own fixes, the points by this one.
+#ifndef MPDEM_FIX_MPM_H
+#define MPDEM_FIX_MPM_H
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../coupling/grain_sides.h"
+#include "../coupling/penalty_links.h"
+#include "../geometry/shape.h"
+#include "../material/tensor_damage.h"
+#include "../mpm/advance_points.h"
+#include "../mpm/grid.h"
+#include "atom_vec_mpdem.h"
+#include "fix.h"
+
+namespace LAMMPS_NS {
+
+class FixMpm : public Fix {
+ public:
+  FixMpm(LAMMPS* lmp, int narg, char** arg);
+  ~FixMpm() override;
+
+  int setmask() override;
+  void init() override;
+  void setup_pre_exchange() override;
+  void setup_pre_neighbor() override;
+  void setup(int vflag) override;
+  void post_integrate() override;
+  void pre_exchange() override;
+  void pre_neighbor() override;
+  void post_force(int vflag) override;
+  void end_of_step() override;
+  void post_run() override;
+  void reset_dt() override;
+
+  void write_restart(FILE* fp) override;
+  void restart(char* buf) override;
+  double compute_scalar() override;
+  double compute_vector(int n) override;
+  double memory_usage() override;
+
+  // Sums over all ranks at the present step; collective.
+  struct Totals {
+    double points, failed, largest_damage, mean_damage;
+    double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
+    double momentum[3], angular_momentum[3];
+  };
+  const Totals& totals();
+
+  // One row a body; collective.
+  struct BondState {
+    double force[2][3], torque[2][3], gap, tension;
+    double points, attached, debonded, failed, largest_damage, mean_damage;
+  };
+  const std::vector<BondState>& bonds();
+
+  // What fix mpm/couple hands over; one coupling at most.
+  void set_coupling(const std::string& coupling_id, const mpdem::PenaltyParameters& p);
+
+  const mpdem::TensorDamage& law() const { return *law_; }
+  double cell() const { return cell_; }
+  AtomVecMpdem* cement() const { return avec_; }
+  // Brings LIGGGHTS' positions and velocities of the points up to date.
+  void fill_atoms();
+
+ private:
+  void parse(int narg, char** arg);
+  void check_scene();
+  void check_host_recipe();
+  void rebuild();
+  void find_owned_grains();
+  void refresh_added_mass();
+  void set_frames();
+  void start_velocities(const std::vector<char>& fresh);
+  void distribute_grains();
+  void add_forces();
+  void react_on_grains();
+  void count_points();
+  void check_state();
+  void report_parameters();
+  double stable_step() const;
+
+  // words of the script
+  double cell_ = 0.0;
+  enum { kRadial, kBond, kGlobal } axis_ = kRadial;
+  double axis_direction_[3] = {0, 0, 1};
+  int check_every_ = 100;
+  std::unique_ptr<mpdem::TensorDamage> law_;
+  mpdem::VtiConstants constants_;
+  bool coupled_ = false;
+  std::string coupling_id_;
+  mpdem::PenaltyParameters penalty_;
+
+  AtomVecMpdem* avec_ = nullptr;
+  mpdem::Grid grid_;
+  mpdem::PenaltyLinks links_;
+  mpdem::GrainSides sides_;
+  struct OwnedSide {
+    int atom, at, body, side;
+  };
+  std::vector<OwnedSide> owned_;
+  std::size_t arranged_blocks_ = 0;
+  std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
+  double density_ = 0.0;
+  bool built_ = false, started_ = false, reported_ = false;
+  double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
+  bigint points_expected_ = -1;
+  mpdem::NodeKinematics restored_;
+  double restored_cell_ = 0.0;
+
+  // accumulated over steps, this rank's share
+  double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion
+  double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_last_ = 0.0;
+  mpdem::AdvanceResult advance_;
+
+  Totals totals_;
+  std::vector<BondState> bonds_;
+  bigint totals_at_ = -1, bonds_at_ = -1;
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

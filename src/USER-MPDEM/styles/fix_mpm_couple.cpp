@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "fix_mpm_couple.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "arguments.h"
+#include "atom.h"
+#include "comm.h"
+#include "modify.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::Arguments;
+using mpdem::text_of;
+using namespace FixConst;
+
+namespace {
+
+const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv"};
+
+// Where `kn auto` puts the penalty: stiff enough that the bond is 1 % softer than a perfect
+// one at ten cells across, at no cost in time step (doc/fix_mpm_couple.md).
+constexpr double kAutoOverC33 = 200.0;
+
+const char* const kColumns[] = {"fx1", "fy1", "fz1", "mx1", "my1", "mz1", "fx2", "fy2", "fz2", "mx2", "my2", "mz2",
+                                "gap", "tension", "points", "attached", "debonded", "failed", "largest_damage",
+                                "mean_damage", "elastic_energy", "kinetic_energy", "coupling_energy",
+                                "dissipated_energy", "released_energy", "damped_energy", "external_work",
+                                "energy_imbalance"};
+constexpr int kBondColumns = 20;  // the rest are sums over all bonds
+constexpr int kAllColumns = sizeof kColumns / sizeof kColumns[0];
+
+}  // namespace
+
+FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
+  Arguments args(lmp, text_of("fix mpm/couple (id ", id, ")"), narg, arg, 3);
+  scalar_flag = vector_flag = array_flag = 1;
+  size_vector = size_array_cols = kAllColumns;
+  global_freq = 1;
+  cement_id_ = args.word("the ID of a fix mpm");
+  cement_ = find_cement();
+  if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
+  size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bodies.size()));
+  while (!args.empty()) {
+    const std::string key = args.word("a keyword");
+    if (key == "kn") {
+      kn_ = args.accept("auto") ? -1.0 : args.positive(key);
+    } else if (key == "kt") {
+      kt_ = args.accept("auto") ? -1.0 : args.positive(key);
+    } else if (key == "length") {
+      length_ = args.accept("cell") ? -1.0 : args.positive(key);
+    } else if (key == "at") {
+      at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
+    } else if (key == "damping") {
+      damping_ = args.not_negative(key);
+    } else if (key == "csv") {
+      table_every_ = args.integer(key, 1);
+      table_name_ = args.word("a file name for 'csv'");
+    } else {
+      args.unknown(key, kKeywords);
+    }
+  }
+}
+
+FixMpmCouple::~FixMpmCouple() {
+  if (table_) std::fclose(table_);
+}
+
+FixMpm* FixMpmCouple::find_cement() const {
+  const int i = modify->find_fix(cement_id_.c_str());
+  return i < 0 ? nullptr : dynamic_cast<FixMpm*>(modify->fix[i]);
+}
+
+int FixMpmCouple::setmask() { return END_OF_STEP; }
+
+void FixMpmCouple::init() {
+  cement_ = find_cement();
+  if (!cement_)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): fix mpm '", cement_id_, "' is gone; unfix this one too"));
+  size_array_rows = static_cast<int>(cement_->cement()->bodies.size());
+  const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
+  const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
+  mpdem::PenaltyParameters p;
+  p.kn = (kn_ < 0.0 ? automatic : kn_) * per_length;
+  p.kt = (kt_ < 0.0 ? automatic : kt_) * per_length;
+  p.damping = damping_;
+  p.at_surface = at_surface_;
+  cement_->set_coupling(id, p);
+
+  std::string trouble;
+  for (const mpdem::Body& b : cement_->cement()->bodies)
+    for (int tag : b.grain) {
+      const int i = atom->map(tag);
+      if (i >= 0 && i < atom->nlocal && !(atom->mask[i] & groupbit))
+        trouble = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is not in the group of this fix; use the group of all grains");
+    }
+  mpdem::stop_if_any(lmp, trouble);
+
+  if (table_every_ > 0 && !table_ && comm->me == 0) {
+    table_ = std::fopen(table_name_.c_str(), "w");
+    if (table_) {
+      std::fprintf(table_, "step,time,bond,grain1,grain2");
+      for (const char* c : kColumns) std::fprintf(table_, ",%s", c);
+      std::fprintf(table_, "\n");
+    } else {
+      trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", table_name_, ": ", std::strerror(errno));
+    }
+  }
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+void FixMpmCouple::setup(int) {
+  if (table_every_ > 0) write_table();
+}
+
+void FixMpmCouple::end_of_step() {
+  if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
+}
+
+void FixMpmCouple::write_table() {
+  if (table_last_ == update->ntimestep) return;
+  table_last_ = update->ntimestep;
+  const int bonds = static_cast<int>(cement_->bonds().size());
+  cement_->totals();
+  if (comm->me != 0) return;
+  for (int b = 0; b < bonds; ++b) {
+    const mpdem::Body& body = cement_->cement()->bodies[b];
+    std::fprintf(table_, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep,
+                 update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
+    for (int c = 0; c < kAllColumns; ++c) std::fprintf(table_, ",%.10g", value(b, c));
+    std::fprintf(table_, "\n");
+  }
+  std::fflush(table_);
+}
+
+double FixMpmCouple::value(int body, int column) {
+  if (column < kBondColumns) {
+    const FixMpm::BondState& b = cement_->bonds()[body];
+    if (column < 12) {
+      const int side = column / 6, c = column % 6;
+      return c < 3 ? b.force[side][c] : b.torque[side][c - 3];
+    }
+    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage};
+    return v[column - 12];
+  }
+  const FixMpm::Totals& t = cement_->totals();
+  const double v[] = {t.elastic,  t.kinetic, t.coupling,      t.dissipated,
+                      t.released, t.damped,  t.external_work, t.imbalance};
+  return v[column - kBondColumns];
+}
+
+double FixMpmCouple::compute_scalar() { return value(0, 13); }
+double FixMpmCouple::compute_vector(int n) { return value(0, n); }
+double FixMpmCouple::compute_array(int row, int column) { return value(row, column); }
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// fix mpm/couple: bonds the cement of a fix mpm to its grains by the penalty coupling of
+// coupling/penalty_links.h, and reports the bonds. See doc/fix_mpm_couple.md.
+#ifndef MPDEM_FIX_MPM_COUPLE_H
+#define MPDEM_FIX_MPM_COUPLE_H
+
+#include <cstdio>
+#include <string>
+
+#include "fix.h"
+#include "fix_mpm.h"
+
+namespace LAMMPS_NS {
+
+class FixMpmCouple : public Fix {
+ public:
+  FixMpmCouple(LAMMPS* lmp, int narg, char** arg);
+  ~FixMpmCouple() override;
+
+  int setmask() override;
+  void init() override;
+  void setup(int vflag) override;
+  void end_of_step() override;
+  double compute_scalar() override;
+  double compute_vector(int n) override;
+  double compute_array(int row, int column) override;
+
+ private:
+  FixMpm* find_cement() const;
+  double value(int body, int column);
+  void write_table();
+
+  std::string cement_id_;
+  FixMpm* cement_ = nullptr;
+  double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto, auto, cell
+  double damping_ = 0.0;
+  bool at_surface_ = true;
+  int table_every_ = 0;
+  std::string table_name_;
+  FILE* table_ = nullptr;
+  bigint table_last_ = -1;
+};
+
+}  // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Global sums, rows of the bonds and restart data of fix mpm. Nothing here runs in a step
+// that prints nothing.
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "arguments.h"
+#include "atom.h"
+#include "comm.h"
+#include "fix_mpm.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::kLanes;
+using mpdem::sum_lanes;
+using mpdem::vd;
+
+namespace {
+constexpr double kRestartVersion = 1.0;
+
+void global_sum(std::vector<double>& v, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_SUM, comm);
+}
+void global_max(std::vector<double>& v, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+}  // namespace
+
+const FixMpm::Totals& FixMpm::totals() {
+  if (totals_at_ == update->ntimestep) return totals_;
+  if (!built_) {
+    totals_ = Totals{};
+    return totals_;
+  }
+  const mpdem::PointStore& points = avec_->points;
+  // points, failed, V, V d, elastic, coupling, kinetic, p(3), L(3), then what accumulates
+  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
+         kReleased, kDamped, kWork, kCount };
+  std::vector<double> sum(kCount, 0.0), most(1, 0.0);
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::PointBlock& p = points.blocks[b];
+    const mpdem::BlockMeta& m = points.meta[b];
+    sum[kPoints] += __builtin_popcount(m.occupied);
+    sum[kFailed] += __builtin_popcount(m.failed);
+    sum[kVolume] += sum_lanes(p.volume);
+    const vd alive = mpdem::select(mpdem::lanes(m.failed), vd{}, p.volume);
+    const mpdem::Sym3<vd> s =
+        m.damaged ? law_->stress(p.strain, points.damage[b].D) : law_->elasticity().stress(p.strain);
+    sum[kElastic] += sum_lanes(0.5 * alive * mpdem::contract(s, p.strain));
+    if (m.damaged) {
+      const vd d = mpdem::largest(mpdem::eigen(points.damage[b].D));
+      sum[kDamaged] += sum_lanes(p.volume * d);
+      for (int l = 0; l < kLanes; ++l)
+        if (m.occupied >> l & 1) most[0] = std::max(most[0], d[l]);
+    }
+  }
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (!grid_.halo.counts_here()[i]) continue;
+    const mpdem::Body& body = avec_->bodies[grid_.keys[i][0]];
+    double v[3], x[3];
+    for (int d = 0; d < 3; ++d) {
+      v[d] = grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+      x[d] = body.origin[d] + grid_.keys[i][1 + d] * cell_ + grid_.displacement[3 * i + d];
+    }
+    const double mass = grid_.mass[i];
+    for (int d = 0; d < 3; ++d) {
+      sum[kKinetic] += 0.5 * mass * v[d] * v[d];
+      sum[kP + d] += mass * v[d];
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      sum[kL + d] += mass * (x[e] * v[g] - x[g] * v[e]);
+    }
+  }
+  if (coupled_) sum[kCoupling] = links_.energy(grid_, sides_);
+  sum[kDissipated] = dissipated_;
+  sum[kReleased] = released_;
+  sum[kDamped] = damped_;
+  sum[kWork] = work_ - 0.5 * work_last_;
+  global_sum(sum, world);
+  global_max(most, world);
+
+  Totals& t = totals_;
+  t.points = sum[kPoints];
+  t.failed = sum[kFailed];
+  t.largest_damage = most[0];
+  t.mean_damage = sum[kDamaged] / sum[kVolume];
+  t.kinetic = sum[kKinetic];
+  t.elastic = sum[kElastic];
+  t.coupling = sum[kCoupling];
+  t.dissipated = sum[kDissipated];
+  t.released = sum[kReleased];
+  t.damped = sum[kDamped];
+  t.external_work = sum[kWork];
+  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
+  const double scale = std::max(std::fabs(t.external_work), spent);
+  t.imbalance = scale > 0.0 ? (t.external_work + start_energy_ - spent) / scale : 0.0;
+  for (int d = 0; d < 3; ++d) {
+    t.momentum[d] = sum[kP + d];
+    t.angular_momentum[d] = sum[kL + d];
+  }
+  totals_at_ = update->ntimestep;
+  return totals_;
+}
+
+const std::vector<FixMpm::BondState>& FixMpm::bonds() {
+  if (bonds_at_ == update->ntimestep) return bonds_;
+  const int n = static_cast<int>(avec_->bodies.size());
+  bonds_.assign(n, BondState{});
+  if (!built_) return bonds_;
+  const mpdem::PointStore& points = avec_->points;
+  constexpr int kSide = 9;  // force, torque, position of the grain
+  constexpr int kRow = 2 * kSide + 6;
+  std::vector<double> sum(kRow * n, 0.0), most(n, 0.0);
+  for (const OwnedSide& o : owned_) {
+    const mpdem::GrainSide& s = sides_.sides[o.at];
+    double* row = &sum[kRow * o.body + kSide * o.side];
+    for (int d = 0; d < 3; ++d) {
+      row[d] = s.force[d];
+      row[3 + d] = s.torque[d];
+      row[6 + d] = s.x[d];
+    }
+  }
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::BlockMeta& m = points.meta[b];
+    double* row = &sum[kRow * m.body + 2 * kSide];
+    row[0] += __builtin_popcount(m.occupied);
+    row[1] += __builtin_popcount(m.failed);
+    row[2] += sum_lanes(points.blocks[b].volume);
+    if (m.damaged) {
+      const vd d = mpdem::largest(mpdem::eigen(points.damage[b].D));
+      row[3] += sum_lanes(points.blocks[b].volume * d);
+      for (int l = 0; l < kLanes; ++l)
+        if (m.occupied >> l & 1) most[m.body] = std::max(most[m.body], d[l]);
+    }
+  }
+  for (const mpdem::Link& k : points.links)
+    sum[kRow * points.meta[k.slot / kLanes].body + 2 * kSide + (k.attached ? 4 : 5)] += 1.0;
+  global_sum(sum, world);
+  global_max(most, world);
+  for (int i = 0; i < n; ++i) {
+    const double* row = &sum[kRow * i];
+    BondState& b = bonds_[i];
+    double axis[3], length = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = row[kSide + 6 + d] - row[6 + d];
+      length += axis[d] * axis[d];
+    }
+    length = std::sqrt(length);
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 3; ++d) {
+        b.force[s][d] = row[kSide * s + d];
+        b.torque[s][d] = row[kSide * s + 3 + d];
+        b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
+      }
+    b.gap = length - avec_->bodies[i].radius[0] - avec_->bodies[i].radius[1];
+    b.points = row[2 * kSide];
+    b.failed = row[2 * kSide + 1];
+    b.mean_damage = row[2 * kSide + 3] / row[2 * kSide + 2];
+    b.largest_damage = most[i];
+    b.attached = row[2 * kSide + 4];
+    b.debonded = row[2 * kSide + 5];
+  }
+  bonds_at_ = update->ntimestep;
+  return bonds_;
+}
+
+double FixMpm::compute_scalar() {
+  const Totals& t = totals();
+  return t.elastic + t.coupling;
+}
+
+double FixMpm::compute_vector(int n) {
+  const Totals& t = totals();
+  const double v[] = {t.points,     t.failed,      t.largest_damage, t.mean_damage, t.kinetic,         t.elastic,
+                      t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
+                      t.momentum[0], t.momentum[1], t.momentum[2],
+                      t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2]};
+  return v[n];
+}
+
+// Nodal motion is not held by the points, so it travels in the fix's own part of the file.
+void FixMpm::write_restart(FILE* fp) {
+  std::vector<double> sums = {dissipated_, released_, damped_, work_, work_last_};
+  global_sum(sums, world);
+  std::vector<double> mine;
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (!grid_.halo.counts_here()[i]) continue;
+    for (int k : grid_.keys[i]) mine.push_back(k);
+    for (int d = 0; d < 3; ++d) mine.push_back(grid_.velocity[3 * i + d]);
+    for (int d = 0; d < 3; ++d) mine.push_back(grid_.displacement[3 * i + d]);
+  }
+  std::vector<int> counts(comm->nprocs), at(comm->nprocs, 0);
+  int n = static_cast<int>(mine.size());
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, world);
+  std::vector<double> all;
+  if (comm->me == 0) {
+    for (int r = 1; r < comm->nprocs; ++r) at[r] = at[r - 1] + counts[r - 1];
+    all.resize(at.back() + counts.back());
+  }
+  MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
+  if (comm->me != 0) return;
+  std::vector<double> head = {kRestartVersion, cell_, dt_last_, started_ ? 1.0 : 0.0, start_energy_};
+  head.insert(head.end(), sums.begin(), sums.end());
+  head.push_back(static_cast<double>(all.size() / 10));
+  const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(head.data(), sizeof(double), head.size(), fp);
+  fwrite(all.data(), sizeof(double), all.size(), fp);
+}
+
+void FixMpm::restart(char* buf) {
+  const double* v = reinterpret_cast<const double*>(buf);
+  if (v[0] != kRestartVersion)
+    mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): restart data of version ", v[0], ", this program reads version ",
+                                        kRestartVersion));
+  restored_cell_ = v[1];
+  dt_last_ = v[2];
+  started_ = v[3] != 0.0;
+  start_energy_ = v[4];
+  if (comm->me == 0) {
+    dissipated_ = v[5];
+    released_ = v[6];
+    damped_ = v[7];
+    work_ = v[8];
+    work_last_ = v[9];
+  }
+  const std::size_t n = static_cast<std::size_t>(v[10]);
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  const double* rows = v + 11;
+  const auto key = [rows](std::size_t i) {
+    const double* r = rows + 10 * i;
+    return mpdem::Key{static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]), static_cast<int>(r[3])};
+  };
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  for (std::size_t i : order) {
+    restored_.keys.push_back(key(i));
+    restored_.values.insert(restored_.values.end(), rows + 10 * i + 4, rows + 10 * i + 10);
+  }
+}
+
+}  // namespace LAMMPS_NS
