@@ -91,13 +91,12 @@ void PenaltyLinks::bind(const GrainSides& sides) {
   for (LinkBlock& b : blocks_) b.at = sides.find(b.body, b.side);
 }
 
-void PenaltyLinks::add_mass(Grid& grid, double dt) {
-  const double c = 0.5 * dt * dt * std::max(p_.kn, p_.kt);
+void PenaltyLinks::add_stiffness(Grid& grid) {
+  const double k = std::max(p_.kn, p_.kt);
   for (LinkBlock& b : blocks_) {
     b.inertia = b.area;
     b.inert = b.attached;
-    if (!b.attached) continue;
-    scatter_scalar(grid.added_mass.data(), b.column, Weights(b.X, b.base, inverse_h_), c * b.area);
+    if (b.attached) scatter_scalar(grid.penalty.data(), b.column, Weights(b.X, b.base, inverse_h_), k * b.area);
   }
 }
 
@@ -151,36 +150,54 @@ double PenaltyLinks::add_force(Grid& grid, GrainSides& sides) const {
   return power;
 }
 
-void PenaltyLinks::add_reaction(const Grid& grid, GrainSides& sides, double dt) const {
-  const double c = 0.5 * dt * dt * std::max(p_.kn, p_.kt);
-  const double h = grid.h;
+template <class F>
+void PenaltyLinks::for_each_added_mass(const LinkBlock& b, const Grid& grid, const GrainSide& s, F f) const {
+  const Weights w(b.X, b.base, inverse_h_);
+  const vd kA = std::max(p_.kn, p_.kt) * b.inertia;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) {
+        const long node = b.column[3 * i + j] + k;
+        if (grid.added_mass[node] == 0.0) continue;
+        // the node's added mass belongs to its links by their share of its stiffness
+        const double m = grid.added_mass[node] / grid.penalty[node] *
+                         sum_lanes(kA * w.w[0][i] * w.w[1][j] * w.w[2][k]);
+        const double* u = &grid.displacement[3 * node];
+        const double r[3] = {(b.base[0] + i) * grid.h + u[0] - s.x[0], (b.base[1] + j) * grid.h + u[1] - s.x[1],
+                             (b.base[2] + k) * grid.h + u[2] - s.x[2]};
+        f(node, r, m);
+      }
+}
+
+void PenaltyLinks::add_reaction(const Grid& grid, GrainSides& sides) const {
   for (const LinkBlock& b : blocks_) {
     if (!b.inert) continue;
     GrainSide& s = sides.sides[b.at];
-    const Weights w(b.X, b.base, inverse_h_);
-    const vd cA = c * b.inertia;
-    double share[27];  // of the added mass of each node that is due to this block
-    int at = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) share[at++] = sum_lanes(cA * w.w[0][i] * w.w[1][j] * w.w[2][k]);
-    at = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) {
-          const long node = b.column[3 * i + j] + k;
-          const double* a = &grid.acceleration[3 * node];
-          const double* u = &grid.displacement[3 * node];
-          const double r[3] = {(b.base[0] + i) * h + u[0] - s.x[0], (b.base[1] + j) * h + u[1] - s.x[1],
-                               (b.base[2] + k) * h + u[2] - s.x[2]};
-          const double m = share[at++];
-          for (int d = 0; d < 3; ++d) {
-            const int e = (d + 1) % 3, g = (d + 2) % 3;
-            s.force[d] += m * a[d];
-            s.torque[d] += m * (r[e] * a[g] - r[g] * a[e]);
-          }
-        }
+    for_each_added_mass(b, grid, s, [&](long node, const double* r, double m) {
+      const double* a = &grid.acceleration[3 * node];
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        s.force[d] += m * a[d];
+        s.torque[d] += m * (r[e] * a[g] - r[g] * a[e]);
+      }
+    });
   }
+}
+
+double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides) const {
+  double energy = 0.0;
+  for (const LinkBlock& b : blocks_) {
+    if (!b.inert) continue;
+    const GrainSide& s = sides.sides[b.at];
+    for_each_added_mass(b, grid, s, [&](long node, const double* r, double m) {
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
+        energy += 0.5 * m * v * v;
+      }
+    });
+  }
+  return energy;
 }
 
 int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid,
@@ -214,7 +231,7 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
   return count;
 }
 
-double PenaltyLinks::energy(const Grid& grid, const GrainSides& sides) const {
+double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides) const {
   double U = 0.0;
   for (const LinkBlock& b : blocks_) {
     if (!b.attached) continue;

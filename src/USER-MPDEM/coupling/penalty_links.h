@@ -14,10 +14,10 @@
 // foot point on the grain's surface (`at surface`: interpolated from and spread to the
 // grid there) or the material point itself (`at points`).
 //
-// Semi-implicit in the node: half of dt^2 times the row sum of the penalty stiffness is
-// added to the node's mass, which bounds dt^2 lambda of the penalty by two whatever its
-// stiffness. The force this withholds from the node, -c a, acts on the grain as +c a at
-// the node's place, so momentum and angular momentum stay exact.
+// Semi-implicit in the node: where the row sum of the penalty stiffness is too stiff for
+// the time step, the node's mass is raised just enough (Grid::set_added_mass). The force
+// this withholds from the node, -c a, acts on the grain as +c a at the node's place, so
+// momentum and angular momentum stay exact.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
@@ -45,22 +45,24 @@ class PenaltyLinks {
   void add_cells(std::vector<Grid::Cell>& cells);
   void bind(const GrainSides& sides);
 
-  // Adds the row-summed stiffness, times dt^2/2, to the nodes; the caller sums over ranks.
-  // Links that let go keep their added mass, and its reaction, until this is called again.
-  void add_mass(Grid& grid, double dt);
+  // Row-summed stiffness of this rank's links into grid.penalty. Links that let go count,
+  // and react, until this is called again.
+  void add_stiffness(Grid& grid);
 
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.
   double add_force(Grid& grid, GrainSides& sides) const;
   // Reaction of the added mass, once the accelerations are known.
-  void add_reaction(const Grid& grid, GrainSides& sides, double dt) const;
+  void add_reaction(const Grid& grid, GrainSides& sides) const;
 
   // Frees the links of points that failed (slots, ascending); returns how many, and adds
   // the spring energy they gave up to `released`.
   int let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSides& sides,
              double& released);
 
-  double energy(const Grid& grid, const GrainSides& sides) const;
+  // Energy of the springs, and kinetic energy of the added mass relative to the grains.
+  double spring_energy(const Grid& grid, const GrainSides& sides) const;
+  double inertial_energy(const Grid& grid, const GrainSides& sides) const;
 
   // Bound of the angular frequency that the links give a grain of this mass and inertia,
   // the cement held: sum of k A / M + sum of k A r^2 / I per side of this rank.
@@ -73,7 +75,7 @@ class PenaltyLinks {
     vd X[3];    // where the link acts, reference
     vd q0[3];   // in the grain's frame
     vd area;    // zero in empty lanes and once let go
-    vd inertia; // area that counts in the nodes' added mass
+    vd inertia; // area that counts in grid.penalty
     vd damper;  // damping coefficient over sqrt(k)
     int body, side, at;  // at: index into GrainSides
     int base[3], column[9];
@@ -81,6 +83,9 @@ class PenaltyLinks {
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
+  // Calls f(node, place from the grain's centre, added mass) for the nodes of the block.
+  template <class F>
+  void for_each_added_mass(const LinkBlock& b, const Grid& grid, const GrainSide& s, F f) const;
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
 
   PenaltyParameters p_;

@@ -75,16 +75,59 @@ inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
   return {c(0, 0), c(1, 1), c(2, 2), c(1, 2), c(0, 2), c(0, 1)};
 }
 
-// Positive part <s>_+ : the negative eigenvalues set to zero.
+// Positive part <m>_+ by its one eigenvalue of the rarer sign: with one negative value,
+// m less that eigenspace; with two, the positive eigenspace alone. The value is a simple
+// root of the characteristic polynomial, its eigenspace adj(m - l 1)/tr adj(m - l 1). Lanes
+// whose root is nearly double or whose signs are in doubt go through the Jacobi rotations.
 inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   // Sylvester: all leading minors positive means there is nothing to cut.
   const vd m2 = m.xx * m.yy - m.xy * m.xy;
-  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (determinant(m) > 0.0);
+  const vd det = determinant(m);
+  // Next to a rank-one tensor the sign of the determinant is rounding.
+  const vd size2 = contract(m, m);
+  const vd noise = 1e-13 * size2 * sqrt(size2);
+  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
   if (!any(~definite)) return m;
-  const Spectral s = eigen(m);
-  vd f[3];
-  for (int i = 0; i < 3; ++i) f[i] = max(s.value[i], vd{});
-  const Sym3<vd> p = compose(s.axes, f);
+  const vmask negative = (m.xx < 0.0) & (m2 > 0.0) & (det < -noise);
+  const vmask two = det >= 0.0;  // where neither definite nor negative definite
+
+  // Roots of u^3 - 3 u - 2 r = 0, l = mean + u sqrt(J2/3); the largest of +-m.
+  const vd sign = select(two, splat(1.0), splat(-1.0));
+  const vd mean = (1.0 / 3.0) * trace(m);
+  const Sym3<vd> dev{m.xx - mean, m.yy - mean, m.zz - mean, m.yz, m.xz, m.xy};
+  const vd radius = sqrt(contract(dev, dev) * (1.0 / 6.0));
+  const vd tiny = splat(1e-150);
+  const vd inverse = 1.0 / max(radius, tiny);
+  vd r = 0.5 * sign * determinant(dev) * inverse * inverse * inverse;
+  r = max(min(r, splat(1.0)), splat(-1.0));
+  // Just above the root for all r, and with its slope at the double root.
+  vd u = 1.0 + 1.16 * sqrt(0.5 * (1.0 + r));
+  for (int it = 0; it < 5; ++it) {
+    const vd slope = 3.0 * (u * u - 1.0);
+    u -= (u * (u * u - 3.0) - 2.0 * r) / max(slope, tiny);
+  }
+  const vd value = mean + sign * radius * u;
+  const vmask open = ~definite & ~negative;
+  const vmask unsafe = open & ((r < -1.0 + 1e-5) | (abs(det) <= noise) | (radius < 1e-100));
+
+  const vd xx = m.xx - value, yy = m.yy - value, zz = m.zz - value;
+  Sym3<vd> adj{yy * zz - m.yz * m.yz, xx * zz - m.xz * m.xz, xx * yy - m.xy * m.xy,
+               m.xz * m.xy - xx * m.yz, m.xy * m.yz - yy * m.xz, m.xz * m.yz - zz * m.xy};
+  const vd weight = value / max(trace(adj), splat(1e-300));
+  Sym3<vd> p = weight * adj;
+  p = {select(two, p.xx, m.xx - p.xx), select(two, p.yy, m.yy - p.yy), select(two, p.zz, m.zz - p.zz),
+       select(two, p.yz, m.yz - p.yz), select(two, p.xz, m.xz - p.xz), select(two, p.xy, m.xy - p.xy)};
+  if (any(unsafe)) {
+    const Spectral s = eigen(m);
+    vd f[3];
+    for (int i = 0; i < 3; ++i) f[i] = max(s.value[i], vd{});
+    const Sym3<vd> c = compose(s.axes, f);
+    p = {select(unsafe, c.xx, p.xx), select(unsafe, c.yy, p.yy), select(unsafe, c.zz, p.zz),
+         select(unsafe, c.yz, p.yz), select(unsafe, c.xz, p.xz), select(unsafe, c.xy, p.xy)};
+  }
+  const vd zero{};
+  p = {select(negative, zero, p.xx), select(negative, zero, p.yy), select(negative, zero, p.zz),
+       select(negative, zero, p.yz), select(negative, zero, p.xz), select(negative, zero, p.xy)};
   return {select(definite, m.xx, p.xx), select(definite, m.yy, p.yy), select(definite, m.zz, p.zz),
           select(definite, m.yz, p.yz), select(definite, m.xz, p.xz), select(definite, m.xy, p.xy)};
 }

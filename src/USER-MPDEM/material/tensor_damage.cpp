@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "effective_strain.h"
+
 namespace mpdem {
 
 namespace {
@@ -36,59 +38,48 @@ ImpliedStrength implied_strength(const DamageParameters& p, double E) {
   return {E * e0, e0, e0 * std::pow(keep, -0.5 * (1.0 + m)), std::sqrt(2.0) * p.B0 * W};
 }
 
-TensorDamage::State TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage,
-                                           bool want_weight) const {
-  const Spectral d = eigen(damage);
-  vd a[3];
-  // The floor only keeps lanes outside the active set finite.
-  for (int i = 0; i < 3; ++i) a[i] = max(1.0 - d.value[i], splat(1e-6));
-  const auto harmonic = [&](int i, int j) { return 2.0 * a[i] * a[j] / (a[i] + a[j]); };
-  const Sym3<vd> h{a[0], a[1], a[2], harmonic(1, 2), harmonic(0, 2), harmonic(0, 1)};
-
-  const Sym3<vd> eps_e_local = scaled(h, rotate_back(d.axes, strain));
-  const Sym3<vd> sigma_e = elasticity_.stress(rotate(d.axes, eps_e_local));
-  const Sym3<vd> sigma_local = scaled(h, rotate_back(d.axes, sigma_e));
-
-  Sym3<vd> Y = sym_product(sigma_local, eps_e_local);
-  vd phi[3];
-  for (int i = 0; i < 3; ++i) phi[i] = 1.0 / a[i];
-  Y = scaled({phi[0] * phi[0], phi[1] * phi[1], phi[2] * phi[2], phi[1] * phi[2], phi[0] * phi[2],
-              phi[0] * phi[1]},
-             Y);
-  if (p_.monotone) Y = positive_part(Y);
-
+TensorDamage::State TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
+  const EffectiveStrain<vd> effective(damage);
+  const Sym3<vd> strain_e = effective(strain);
   State s;
-  s.Yeq = sqrt(0.5 * contract(Y, Y));
-  s.Y = rotate(d.axes, Y);
-  s.stress = rotate(d.axes, sigma_local);
-  s.largest_damage = largest(d);
-  s.tension_weight = splat(1.0);
-  if (want_weight && p_.zeta != 1.0) {
-    const Spectral t = eigen(sigma_e);
-    vd positive{}, total{};
-    for (int i = 0; i < 3; ++i) {
-      positive += max(t.value[i], vd{});
-      total += abs(t.value[i]);
-    }
-    const vd r = select(total > 0.0, positive / max(total, splat(1e-300)), splat(1.0));
-    s.tension_weight = r + (1.0 - r) * (p_.zeta * p_.zeta);
-  }
+  s.stress_e = elasticity_.stress(strain_e);
+  s.stress = effective(s.stress_e);
+  s.Y = sandwich(effective.phi(), sym_product(s.stress, strain_e));
   return s;
 }
 
-vd TensorDamage::threshold(vd largest_damage) const {
+vd TensorDamage::drive_by(Sym3<vd>& Y) const {
+  if (p_.monotone) Y = positive_part(Y);
+  return sqrt(0.5 * contract(Y, Y));
+}
+
+vd TensorDamage::tension_weight(const Sym3<vd>& stress_e) const {
+  if (p_.zeta == 1.0) return splat(1.0);
+  const Spectral t = eigen(stress_e);
+  vd positive{}, total{};
+  for (int i = 0; i < 3; ++i) {
+    positive += max(t.value[i], vd{});
+    total += abs(t.value[i]);
+  }
+  const vd r = select(total > 0.0, positive / max(total, splat(1e-300)), splat(1.0));
+  return r + (1.0 - r) * (p_.zeta * p_.zeta);
+}
+
+vd TensorDamage::threshold(const Sym3<vd>& damage) const {
   if (p_.exponent == 0.0) return splat(p_.B0);
   const double m = p_.exponent;
-  return p_.B0 * map_lanes(1.0 - largest_damage, [m](double a) { return std::pow(a, -m); });
+  return p_.B0 * map_lanes(1.0 - largest(eigen(damage)), [m](double a) { return std::pow(a, -m); });
 }
 
 Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  return evaluate(strain, damage, false).stress;
+  // The same call as in update(), so that a state gives the same stress to the bit there
+  // and here.
+  return evaluate(strain, damage).stress;
 }
 
 TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  const State s = evaluate(strain, damage, true);
-  return {s.tension_weight * s.Yeq, threshold(s.largest_damage), s.largest_damage};
+  State s = evaluate(strain, damage);
+  return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage), largest(eigen(damage))};
 }
 
 // Largest Delta with max eig(D + Delta N) <= Dcut. With A = Dcut 1 - D positive
@@ -105,24 +96,56 @@ vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& directio
   return 1.0 / max(largest(m), splat(0.1));
 }
 
-// First Delta in (0, limit] at which Yeq(D + Delta N) falls to B; lanes that stay above
-// up to the limit are returned in no_root. g0 > 0 is the value at Delta = 0.
-vd TensorDamage::first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction, vd g0,
-                            vd B_scale, vd guess, vd limit, vmask lanes, vmask& no_root) const {
-  const auto g = [&](vd t) {
-    const State s = evaluate(strain, damage + t * direction, false);
-    return s.Yeq - B_scale * threshold(s.largest_damage);
+// Is the largest eigenvalue of D at the cut-off? (1 - tiny) Dcut 1 - D loses definiteness.
+vmask TensorDamage::at_cutoff(const Sym3<vd>& D) const {
+  const double c = p_.Dcut * (1.0 - 1e-12);
+  const vd xx = c - D.xx, yy = c - D.yy;
+  const Sym3<vd> m{xx, yy, c - D.zz, -D.yz, -D.xz, -D.xy};
+  return ~((xx > 0.0) & (xx * yy - D.xy * D.xy > 0.0) & (determinant(m) > 0.0));
+}
+
+// First Delta > 0 at which Yeq(D + Delta N) falls to B, before the cut-off is reached. g0 > 0
+// is the value at Delta = 0. `near` lanes march from their guess, the others over the whole
+// range in constant factors from a millionth of it.
+TensorDamage::Root TensorDamage::first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction,
+                                            vd g0, vd B_scale, vd guess, vmask near, vmask lanes) const {
+  Root root;
+  const auto evaluate_at = [&](vd t, Sym3<vd>& stress, Sym3<vd>& Y) {
+    const Sym3<vd> D = damage + t * direction;
+    const State s = evaluate(strain, D);
+    stress = s.stress;
+    Y = s.Y;
+    return drive_by(Y) - B_scale * threshold(D);
+  };
+  const auto keep = [&](vmask m, vd t, const Sym3<vd>& stress, const Sym3<vd>& Y) {
+    root.delta = select(m, t, root.delta);
+    root.stress = blend(m, stress, root.stress);
+    root.Y = blend(m, Y, root.Y);
   };
   const vd tolerance = kRootTolerance * p_.B0 * B_scale;
+  Sym3<vd> stress, Y;
+  root.missing = splat_mask(false);
 
-  // March outwards by constant factors until g changes sign.
+  // March outwards by constant factors until g changes sign. The exact end of the range
+  // takes two spectral decompositions and is only wanted when a step might pass it.
   const double factor = std::pow(10.0, 6.0 / kMarchSteps);
-  vd a{}, ga = g0, b = limit, gb = vd{};
-  vd t = min(guess, limit);
+  vd limit = splat(1e300);
+  bool know_limit = false;
+  const auto find_limit = [&] {
+    limit = largest_growth(damage, direction);
+    know_limit = true;
+  };
+  if (any(lanes & ~near)) find_limit();
+  vd a{}, ga = g0, b{}, gb = vd{};
+  vd t = select(near, guess, 1e-6 * limit);
   vmask open = lanes;
-  no_root = splat_mask(false);
+  root.delta = vd{};
+  root.stress = root.Y = Sym3<vd>{a, a, a, a, a, a};
   for (int k = 0; any(open) && k < 60; ++k) {
-    const vd gt = g(t);
+    if (!know_limit && any(open & at_cutoff(damage + t * direction))) find_limit();
+    t = min(t, limit);
+    const vd gt = evaluate_at(t, stress, Y);
+    keep(open, t, stress, Y);
     const vmask crossed = open & (gt <= 0.0);
     b = select(crossed, t, b);
     gb = select(crossed, gt, gb);
@@ -130,22 +153,21 @@ vd TensorDamage::first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, cons
     a = select(above, t, a);
     ga = select(above, gt, ga);
     const vmask ended = above & (t >= limit);
-    no_root |= ended;
+    root.missing |= ended;
     open = above & ~ended;
-    t = min(factor * t, limit);
+    t = factor * t;
   }
 
   // Illinois steps inside the bracket; g is nearly linear in Delta, so a few suffice.
   // Bisection takes over should they stall.
-  vd root = select(no_root, limit, b);
-  open = lanes & ~no_root & (gb < -tolerance);
+  open = lanes & ~root.missing & (gb < -tolerance);
   vmask last_high = splat_mask(false), last_low = splat_mask(false);
   for (int k = 0; any(open) && k < 100; ++k) {
     vd c = k < 30 ? b - gb * (b - a) / min(gb - ga, splat(-1e-300)) : 0.5 * (a + b);
     const vmask inside = (c > a) & (c < b);
-    c = select(inside, c, 0.5 * (a + b));
-    const vd gc = g(c);
-    root = select(open, c, root);
+    c = select(open, select(inside, c, 0.5 * (a + b)), root.delta);
+    const vd gc = evaluate_at(c, stress, Y);
+    keep(open, c, stress, Y);
     const vmask low = open & (gc > 0.0);
     const vmask high = open & ~low;
     a = select(low, c, a);
@@ -165,46 +187,49 @@ TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sy
                                           Sym3<vd>& damage, vmask active) const {
   const vd zero{};
   const Sym3<vd> none{zero, zero, zero, zero, zero, zero};
-  State state = evaluate(strain, damage, true);
-  const vd B_scale = 1.0 / max(state.tension_weight, splat(1e-300));
-  const vd B = B_scale * threshold(state.largest_damage);
-  const vmask exceeds = active & (state.Yeq > B * (1.0 + 1e-14));
+  State state = evaluate(strain, damage);
+  const vd B_scale = 1.0 / max(tension_weight(state.stress_e), splat(1e-300));
+  const vd B = B_scale * threshold(damage);
 
   Update u;
-  u.grown = exceeds;
-  u.failed = splat_mask(false);
+  u.failed = u.grown = splat_mask(false);
   u.dissipated = u.released = zero;
   u.stress = blend(active, state.stress, none);
+  // Cutting the negative part of Y only shortens it: no eigenvalues below the surface.
+  const vd limit2 = 2.0 * B * B * (1.0 + 2e-14);
+  vmask exceeds = active & (contract(state.Y, state.Y) > limit2);
   if (!any(exceeds)) return u;
+  const vd Yeq = drive_by(state.Y);
+  exceeds = exceeds & (Yeq > B * (1.0 + 1e-14));
+  if (!any(exceeds)) return u;
+  u.grown = exceeds;
 
   const vd trial = 0.5 * contract(state.stress, strain_start);
-  const vd g0 = state.Yeq - B;
+  const vd g0 = Yeq - B;
   const auto unit = [&](const Sym3<vd>& Y) { return (1.0 / max(sqrt(contract(Y, Y)), splat(1e-300))) * Y; };
   Sym3<vd> N = unit(state.Y);
-  const vmask near = p_.monotone ? exceeds & (state.Yeq < kNearSurface * B) : splat_mask(false);
+  const vmask near = p_.monotone ? exceeds & (Yeq < kNearSurface * B) : splat_mask(false);
 
   Sym3<vd> D = damage;
   vmask open = exceeds;
   vd delta = zero;
   for (int it = 0; it < kDirectionIterations && any(open); ++it) {
-    const vd limit = largest_growth(damage, N);
-    // In uniaxial strain Yeq falls linearly with 1 - D: the first guess is its root.
+    // In uniaxial strain Yeq falls linearly with 1 - D: the first guess is its root. Later
+    // directions differ little.
     const vd intact = 1.0 - (D.xx * N.xx * N.xx + D.yy * N.yy * N.yy + D.zz * N.zz * N.zz);
-    vd guess = it == 0 ? intact * (1.0 - B / state.Yeq) * 1.0000001 : delta * 1.0000001;
-    guess = select(near & (guess > 0.0), guess, 1e-6 * limit);
-    vmask no_root;
-    const vd found = first_root(strain, damage, N, g0, B_scale, guess, limit, open, no_root);
-    delta = select(open, found, delta);
-    D = blend(open, damage + found * N, D);
-    u.failed |= no_root & open;
-    state = evaluate(strain, D, false);
-    const Sym3<vd> N_end = unit(state.Y);
+    const vd guess = (it == 0 ? intact * (1.0 - B / Yeq) : delta) * 1.0000001;
+    const Root root = first_root(strain, damage, N, g0, B_scale, guess, near & (guess > 0.0), open);
+    delta = select(open, root.delta, delta);
+    D = blend(open, damage + root.delta * N, D);
+    u.failed |= root.missing & open;
+    state.stress = blend(open, root.stress, state.stress);
+    const Sym3<vd> N_end = unit(root.Y);
     const Sym3<vd> change = N_end - N;
     const vmask settled = contract(change, change) < kDirectionTolerance * kDirectionTolerance;
-    open = open & ~no_root & ~settled;
+    open = open & ~root.missing & ~settled;
     N = blend(open, N_end, N);
   }
-  u.failed |= exceeds & (state.largest_damage >= p_.Dcut * (1.0 - 1e-12));
+  u.failed |= exceeds & at_cutoff(D);
   damage = blend(exceeds, D, damage);
   const vd kept = 0.5 * contract(state.stress, strain_start);
   u.dissipated = select(exceeds, trial - kept, zero);

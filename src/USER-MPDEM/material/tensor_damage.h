@@ -81,15 +81,22 @@ class TensorDamage {
 
  private:
   struct State {
-    Sym3<vd> stress, Y;  // Y is what drives: positive part if monotone
-    vd Yeq, largest_damage;
-    vd tension_weight;
+    Sym3<vd> stress, stress_e, Y;  // Y complete, see drive_by()
   };
-  State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage, bool want_weight) const;
-  vd threshold(vd largest_damage) const;
+  State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  // Turns Y into what drives (its positive part if monotone) and returns its Yeq.
+  vd drive_by(Sym3<vd>& Y) const;
+  vd tension_weight(const Sym3<vd>& stress_e) const;
+  vd threshold(const Sym3<vd>& damage) const;
+  vmask at_cutoff(const Sym3<vd>& damage) const;
   vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
-  vd first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction, vd g0, vd B_scale,
-                vd guess, vd limit, vmask lanes, vmask& no_root) const;
+  struct Root {
+    vd delta;
+    Sym3<vd> stress, Y;  // at D + delta N, Y as it drives
+    vmask missing;       // lanes that stay above the surface up to the cut-off
+  };
+  Root first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction, vd g0, vd B_scale,
+                  vd guess, vmask near, vmask lanes) const;
 
   VtiElasticity elasticity_;
   DamageParameters p_;

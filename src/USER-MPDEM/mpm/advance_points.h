@@ -3,9 +3,12 @@
 //
 // The one pass over the points of a step: velocity gradient from the grid, deformation
 // gradient, co-rotated strain, damage, stress, internal force to the grid. Total
-// Lagrangian with Cauchy stress sigma, first Piola-Kirchhoff stress P = sigma cof F and
+// Lagrangian with Kirchhoff stress tau = C(D) : strain, P = tau F^-T and
 //   f_I = - sum_p V_p P_p grad N_I(X_p),
-// which conserves momentum and angular momentum of the nodes to rounding.
+// which conserves momentum and angular momentum of the nodes to rounding. The law gives
+// energy per reference volume, so its stress is work-conjugate there: taken as the Cauchy
+// stress instead, the work of the forces would differ from the energy by the change of
+// volume, 1 % and more at the strains at which cement fails.
 #ifndef MPDEM_ADVANCE_POINTS_H
 #define MPDEM_ADVANCE_POINTS_H
 

@@ -12,11 +12,13 @@ namespace mpdem {
 NodeKinematics Grid::kinematics() const {
   NodeKinematics k;
   k.keys = keys;
-  k.values.resize(6 * keys.size());
+  k.values.resize(NodeKinematics::kWidth * keys.size());
   for (std::size_t i = 0; i < keys.size(); ++i)
     for (int c = 0; c < 3; ++c) {
-      k.values[6 * i + c] = velocity[3 * i + c];
-      k.values[6 * i + 3 + c] = displacement[3 * i + c];
+      double* v = &k.values[NodeKinematics::kWidth * i + c];
+      v[0] = velocity[3 * i + c];
+      v[3] = displacement[3 * i + c];
+      v[6] = acceleration[3 * i + c];
     }
   return k;
 }
@@ -58,20 +60,23 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
   const std::size_t n = keys.size();
   std::vector<char> found;
-  const std::vector<double> carried = fetch_values(comm, 6, before.keys, before.values, keys, found);
-  velocity.assign(3 * n, 0.0);
-  displacement.assign(3 * n, 0.0);
+  const std::vector<double> carried = fetch_values(comm, NodeKinematics::kWidth, before.keys, before.values, keys, found);
+  velocity.resize(3 * n);
+  displacement.resize(3 * n);
+  acceleration.resize(3 * n);
   for (std::size_t i = 0; i < n; ++i)
     for (int c = 0; c < 3; ++c) {
-      velocity[3 * i + c] = carried[6 * i + c];
-      displacement[3 * i + c] = carried[6 * i + 3 + c];
+      const double* v = &carried[NodeKinematics::kWidth * i + c];
+      velocity[3 * i + c] = v[0];
+      displacement[3 * i + c] = v[3];
+      acceleration[3 * i + c] = v[6];
     }
   fresh.resize(n);
   for (std::size_t i = 0; i < n; ++i) fresh[i] = !found[i];
   mass.assign(n, 0.0);
   added_mass.assign(n, 0.0);
+  penalty.assign(n, 0.0);
   force.assign(3 * n, 0.0);
-  acceleration.assign(3 * n, 0.0);
   halo.build(comm, keys);
 }
 
@@ -86,6 +91,13 @@ void Grid::lump_mass(const PointStore& points, double density) {
 }
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
+
+void Grid::set_added_mass(double dt, double cement_share) {
+  constexpr double kMargin = 1.05;
+  halo.sum(penalty.data(), 1);
+  for (int i = 0; i < size(); ++i)
+    added_mass[i] = std::max(0.0, kMargin * 0.25 * dt * dt * penalty[i] - mass[i] * (1.0 - cement_share));
+}
 
 void Grid::update_acceleration() {
   const int n = size();

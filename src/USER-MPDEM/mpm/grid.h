@@ -20,7 +20,8 @@ namespace mpdem {
 
 struct NodeKinematics {
   std::vector<Key> keys;       // ascending
-  std::vector<double> values;  // velocity (3), displacement (3) of each
+  std::vector<double> values;  // velocity, displacement, acceleration of each
+  static constexpr int kWidth = 9;
 };
 
 class Grid {
@@ -28,7 +29,8 @@ class Grid {
   double h = 0.0;
   std::vector<Key> keys;
   std::vector<double> mass;        // lumped
-  std::vector<double> added_mass;  // of the semi-implicit penalty, see coupling/
+  std::vector<double> penalty;     // row sum of the penalty stiffness, see coupling/
+  std::vector<double> added_mass;  // of the semi-implicit penalty
   std::vector<double> velocity, displacement, force, acceleration;
 
   int size() const { return static_cast<int>(keys.size()); }
@@ -40,7 +42,7 @@ class Grid {
     int* column;
   };
 
-  // Collective. Lays out the nodes of `cells`, carries velocity and displacement over
+  // Collective. Lays out the nodes of `cells`, carries the motion over
   // from the nodes that any rank had before, and finds the ranks to share them with.
   // Nodes new to everybody start at rest, `fresh` is set for them.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
@@ -51,6 +53,12 @@ class Grid {
 
   void clear_force();
   void sum_force() { halo.sum(force.data(), 3); }
+
+  // Collective. The least mass that keeps the central difference stable when the penalty
+  // (its row sums, summed over ranks here) comes on top of the cement, whose dt^2 lambda is
+  // at most 4 `cement_share`: with c = dt^2 k/4 - m (1 - share) every node has
+  // dt^2 (lambda_cement m + k) <= 4 (m + c). Most nodes need none.
+  void set_added_mass(double dt, double cement_share);
 
   // a = f / (m + added mass)
   void update_acceleration();

@@ -45,6 +45,7 @@ ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : C
   mpdem::Arguments args(lmp, mpdem::text_of("compute mpm/atom (id ", id, ")"), narg, arg, iarg);
   peratom_flag = 1;
   size_peratom_cols = 0;
+  vector_atom = nullptr;  // Compute does not set it
   cement_id_ = args.word("the ID of a fix mpm");
   if (!find_cement()) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
   const std::string name = args.choice("quantity", kNames);

@@ -231,11 +231,16 @@ void FixMpm::reset_dt() {
   if (built_) refresh_added_mass();
 }
 
+// Element-wise bound: with row-sum lumping the largest eigenvalue of M^-1 K is at most that
+// of a single point, which for quadratic B-splines is 6/h^2 times the largest stiffness over
+// the density, wherever the point lies in its cell and however small its volume.
+double FixMpm::cement_step() const {
+  return 2.0 / std::sqrt(6.0 * law_->elasticity().largest_stiffness() / (density_ * cell_ * cell_));
+}
+
 double FixMpm::stable_step() const {
-  // Element-wise bound: with row-sum lumping the largest eigenvalue of M^-1 K is at most
-  // that of a single point, which for quadratic B-splines is 6/h^2 times the largest
-  // stiffness over the density, wherever the point lies in its cell.
-  double w2 = 6.0 * law_->elasticity().largest_stiffness() / (density_ * cell_ * cell_);
+  const double step = cement_step();
+  double w2 = 4.0 / (step * step);
   if (coupled_) {
     // A grain that follows its own mass feels all its links.
     std::vector<double> k(sides_.sides.size(), 0.0);

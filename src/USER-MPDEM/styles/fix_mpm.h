@@ -57,6 +57,7 @@ class FixMpm : public Fix {
   // One row a body; collective.
   struct BondState {
     double force[2][3], torque[2][3], gap, tension;
+    double peak;  // largest tension at the steps asked for so far
     double points, attached, debonded, failed, largest_damage, mean_damage;
   };
   const std::vector<BondState>& bonds();
@@ -77,6 +78,7 @@ class FixMpm : public Fix {
   void rebuild();
   void find_owned_grains();
   void refresh_added_mass();
+  void drop_added_mass();
   void set_frames();
   void start_velocities(const std::vector<char>& fresh);
   void distribute_grains();
@@ -85,6 +87,7 @@ class FixMpm : public Fix {
   void count_points();
   void check_state();
   void report_parameters();
+  double cement_step() const;  // stable step of the cement alone
   double stable_step() const;
 
   // words of the script

@@ -28,10 +28,10 @@ constexpr double kAutoOverC33 = 200.0;
 
 const char* const kColumns[] = {"fx1", "fy1", "fz1", "mx1", "my1", "mz1", "fx2", "fy2", "fz2", "mx2", "my2", "mz2",
                                 "gap", "tension", "points", "attached", "debonded", "failed", "largest_damage",
-                                "mean_damage", "elastic_energy", "kinetic_energy", "coupling_energy",
+                                "mean_damage", "peak_tension", "elastic_energy", "kinetic_energy", "coupling_energy",
                                 "dissipated_energy", "released_energy", "damped_energy", "external_work",
                                 "energy_imbalance"};
-constexpr int kBondColumns = 20;  // the rest are sums over all bonds
+constexpr int kBondColumns = 21;  // the rest are sums over all bonds
 constexpr int kAllColumns = sizeof kColumns / sizeof kColumns[0];
 
 }  // namespace
@@ -144,7 +144,7 @@ double FixMpmCouple::value(int body, int column) {
       const int side = column / 6, c = column % 6;
       return c < 3 ? b.force[side][c] : b.torque[side][c - 3];
     }
-    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage};
+    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage, b.peak};
     return v[column - 12];
   }
   const FixMpm::Totals& t = cement_->totals();

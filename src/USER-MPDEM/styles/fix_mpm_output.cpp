@@ -24,6 +24,7 @@ using mpdem::vd;
 
 namespace {
 constexpr double kRestartVersion = 1.0;
+constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_SUM, comm);
@@ -77,7 +78,7 @@ const FixMpm::Totals& FixMpm::totals() {
       sum[kL + d] += mass * (x[e] * v[g] - x[g] * v[e]);
     }
   }
-  if (coupled_) sum[kCoupling] = links_.energy(grid_, sides_);
+  if (coupled_) sum[kCoupling] = links_.spring_energy(grid_, sides_) + links_.inertial_energy(grid_, sides_);
   sum[kDissipated] = dissipated_;
   sum[kReleased] = released_;
   sum[kDamped] = damped_;
@@ -111,6 +112,8 @@ const FixMpm::Totals& FixMpm::totals() {
 const std::vector<FixMpm::BondState>& FixMpm::bonds() {
   if (bonds_at_ == update->ntimestep) return bonds_;
   const int n = static_cast<int>(avec_->bodies.size());
+  std::vector<double> peak(n, 0.0);
+  for (int i = 0; i < n && i < static_cast<int>(bonds_.size()); ++i) peak[i] = bonds_[i].peak;
   bonds_.assign(n, BondState{});
   if (!built_) return bonds_;
   const mpdem::PointStore& points = avec_->points;
@@ -158,6 +161,7 @@ const std::vector<FixMpm::BondState>& FixMpm::bonds() {
         b.torque[s][d] = row[kSide * s + 3 + d];
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
+    b.peak = std::max(peak[i], b.tension);
     b.gap = length - avec_->bodies[i].radius[0] - avec_->bodies[i].radius[1];
     b.points = row[2 * kSide];
     b.failed = row[2 * kSide + 1];
@@ -194,6 +198,7 @@ void FixMpm::write_restart(FILE* fp) {
     for (int k : grid_.keys[i]) mine.push_back(k);
     for (int d = 0; d < 3; ++d) mine.push_back(grid_.velocity[3 * i + d]);
     for (int d = 0; d < 3; ++d) mine.push_back(grid_.displacement[3 * i + d]);
+    for (int d = 0; d < 3; ++d) mine.push_back(grid_.acceleration[3 * i + d]);
   }
   std::vector<int> counts(comm->nprocs), at(comm->nprocs, 0);
   int n = static_cast<int>(mine.size());
@@ -207,7 +212,7 @@ void FixMpm::write_restart(FILE* fp) {
   if (comm->me != 0) return;
   std::vector<double> head = {kRestartVersion, cell_, dt_last_, started_ ? 1.0 : 0.0, start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
-  head.push_back(static_cast<double>(all.size() / 10));
+  head.push_back(static_cast<double>(all.size() / kNodeRow));
   const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(head.data(), sizeof(double), head.size(), fp);
@@ -235,13 +240,13 @@ void FixMpm::restart(char* buf) {
   std::iota(order.begin(), order.end(), 0);
   const double* rows = v + 11;
   const auto key = [rows](std::size_t i) {
-    const double* r = rows + 10 * i;
+    const double* r = rows + kNodeRow * i;
     return mpdem::Key{static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]), static_cast<int>(r[3])};
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   for (std::size_t i : order) {
     restored_.keys.push_back(key(i));
-    restored_.values.insert(restored_.values.end(), rows + 10 * i + 4, rows + 10 * i + 10);
+    restored_.values.insert(restored_.values.end(), rows + kNodeRow * i + 4, rows + kNodeRow * (i + 1));
   }
 }
 

@@ -74,7 +74,7 @@ void FixMpm::add_forces() {
 
 void FixMpm::react_on_grains() {
   if (!coupled_) return;
-  links_.add_reaction(grid_, sides_, dt_last_);
+  links_.add_reaction(grid_, sides_);
   sides_.sum_forces();
   for (const OwnedSide& o : owned_)
     for (int d = 0; d < 3; ++d) {
@@ -110,7 +110,7 @@ void FixMpm::end_of_step() {
 
   const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
-    if (law_->parameters().B0 > 0.0) refresh_added_mass();
+    drop_added_mass();
     check_state();
   } else if (output_due) {
     check_state();
@@ -188,8 +188,13 @@ void FixMpm::pre_neighbor() {
   }
   int any;
   MPI_Allreduce(&changed, &any, 1, MPI_INT, MPI_MAX, world);
-  if (any) rebuild();
-  else find_owned_grains();
+  // Added masses change at this step on every decomposition or on none.
+  if (any) {
+    rebuild();
+  } else {
+    find_owned_grains();
+    drop_added_mass();
+  }
 }
 
 void FixMpm::count_points() {
@@ -265,9 +270,18 @@ void FixMpm::rebuild() {
 
 void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
-  std::fill(grid_.added_mass.begin(), grid_.added_mass.end(), 0.0);
-  links_.add_mass(grid_, dt_last_);
-  grid_.halo.sum(grid_.added_mass.data(), 1);
+  std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
+  links_.add_stiffness(grid_);
+  const double share = update->dt / cement_step();
+  grid_.set_added_mass(update->dt, std::min(1.0, share * share));
+}
+
+// The same in the course of a run, where links that let go give up their added mass.
+void FixMpm::drop_added_mass() {
+  if (!coupled_ || law_->parameters().B0 == 0.0) return;
+  const double before = links_.inertial_energy(grid_, sides_);
+  refresh_added_mass();
+  released_ += before - links_.inertial_energy(grid_, sides_);
 }
 
 // Frame of each new point: third axis along the axis of the elasticity.
