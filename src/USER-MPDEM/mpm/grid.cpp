@@ -92,11 +92,12 @@ void Grid::lump_mass(const PointStore& points, double density) {
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
-void Grid::set_added_mass(double dt, double cement_share) {
+void Grid::set_added_mass(double dt, double lambda, double bound) {
   constexpr double kMargin = 1.05;
   halo.sum(penalty.data(), 1);
+  const double share = std::min(1.0, dt * dt * lambda / bound);
   for (int i = 0; i < size(); ++i)
-    added_mass[i] = std::max(0.0, kMargin * 0.25 * dt * dt * penalty[i] - mass[i] * (1.0 - cement_share));
+    added_mass[i] = std::max(0.0, kMargin * dt * dt / bound * penalty[i] - mass[i] * (1.0 - share));
 }
 
 void Grid::update_acceleration() {

@@ -55,10 +55,10 @@ class Grid {
   void sum_force() { halo.sum(force.data(), 3); }
 
   // Collective. The least mass that keeps the central difference stable when the penalty
-  // (its row sums, summed over ranks here) comes on top of the cement, whose dt^2 lambda is
-  // at most 4 `cement_share`: with c = dt^2 k/4 - m (1 - share) every node has
-  // dt^2 (lambda_cement m + k) <= 4 (m + c). Most nodes need none.
-  void set_added_mass(double dt, double cement_share);
+  // (its row sums, summed over ranks here) comes on top of the cement: every node gets
+  // dt^2 (lambda m + k) <= bound (m + c), lambda the largest eigenvalue of the cement. Most
+  // nodes need none.
+  void set_added_mass(double dt, double lambda, double bound);
 
   // a = f / (m + added mass)
   void update_acceleration();

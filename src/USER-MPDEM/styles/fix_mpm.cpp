@@ -29,7 +29,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "elastic", "axis", "damage", "check"};
+const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "elastic", "axis", "damage", "reproject", "check"};
 constexpr int kVectorSize = 18;
 }  // namespace
 
@@ -106,6 +106,8 @@ void FixMpm::parse(int narg, char** arg) {
         }
         if (damage.B0 == 0.0) args.complain("'damage tensor' needs 'B0', the energy per volume at which damage starts");
       }
+    } else if (key == "reproject") {
+      reproject_every_ = args.integer(key, 1);
     } else if (key == "check") {
       check_every_ = args.integer(key, 1);
     } else {
@@ -234,13 +236,16 @@ void FixMpm::reset_dt() {
 // Element-wise bound: with row-sum lumping the largest eigenvalue of M^-1 K is at most that
 // of a single point, which for quadratic B-splines is 6/h^2 times the largest stiffness over
 // the density, wherever the point lies in its cell and however small its volume.
-double FixMpm::cement_step() const {
-  return 2.0 / std::sqrt(6.0 * law_->elasticity().largest_stiffness() / (density_ * cell_ * cell_));
+double FixMpm::cement_eigenvalue() const {
+  return 6.0 * law_->elasticity().largest_stiffness() / (density_ * cell_ * cell_);
 }
 
+// Largest dt^2 lambda. A mode that re-projection removes altogether takes half of what the
+// central difference takes.
+double FixMpm::stability_bound() const { return reproject_every_ > 0 ? 2.0 : 4.0; }
+
 double FixMpm::stable_step() const {
-  const double step = cement_step();
-  double w2 = 4.0 / (step * step);
+  double w2 = cement_eigenvalue();
   if (coupled_) {
     // A grain that follows its own mass feels all its links.
     std::vector<double> k(sides_.sides.size(), 0.0);
@@ -255,7 +260,7 @@ double FixMpm::stable_step() const {
     w2 += all;
   }
   const double z = penalty_.damping;
-  return 2.0 / std::sqrt(w2) * (std::sqrt(1.0 + z * z) - z);
+  return std::sqrt(stability_bound() / w2) * (std::sqrt(1.0 + z * z) - z);
 }
 
 void FixMpm::report_parameters() {

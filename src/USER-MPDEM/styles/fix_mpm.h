@@ -81,13 +81,16 @@ class FixMpm : public Fix {
   void drop_added_mass();
   void set_frames();
   void start_velocities(const std::vector<char>& fresh);
+  void reproject();
+  double kinetic_energy() const;  // of this rank's nodes, at the half step
   void distribute_grains();
   void add_forces();
   void react_on_grains();
   void count_points();
   void check_state();
   void report_parameters();
-  double cement_step() const;  // stable step of the cement alone
+  double cement_eigenvalue() const;
+  double stability_bound() const;
   double stable_step() const;
 
   // words of the script
@@ -95,6 +98,7 @@ class FixMpm : public Fix {
   enum { kRadial, kBond, kGlobal } axis_ = kRadial;
   double axis_direction_[3] = {0, 0, 1};
   int check_every_ = 100;
+  int reproject_every_ = 0;
   std::unique_ptr<mpdem::TensorDamage> law_;
   mpdem::VtiConstants constants_;
   bool coupled_ = false;
@@ -122,6 +126,7 @@ class FixMpm : public Fix {
   double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion
   double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_last_ = 0.0;
   mpdem::AdvanceResult advance_;
+  std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty
 
   Totals totals_;
   std::vector<BondState> bonds_;

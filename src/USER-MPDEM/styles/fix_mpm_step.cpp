@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "../mpm/gather.h"
+#include "../mpm/reproject.h"
 #include "../mpm/scatter.h"
 #include "arguments.h"
 #include "atom.h"
@@ -49,6 +50,8 @@ void FixMpm::post_integrate() {
 
 void FixMpm::post_force(int) {
   const double dt = update->dt;
+  jump_.clear();
+  if (reproject_every_ > 0 && update->ntimestep % reproject_every_ == 0) reproject();
   grid_.drift(0.5 * (dt_last_ + dt), dt);
   dt_last_ = dt;
   distribute_grains();
@@ -64,6 +67,23 @@ void FixMpm::post_force(int) {
   react_on_grains();
 }
 
+// The kinetic energy that a projection leaves out counts as damped.
+void FixMpm::reproject() {
+  const double before = kinetic_energy();
+  mpdem::reproject_velocity(avec_->points, grid_, density_, jump_);
+  damped_ += before - kinetic_energy();
+}
+
+double FixMpm::kinetic_energy() const {
+  double energy = 0.0;
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (!grid_.halo.counts_here()[i]) continue;
+    const double* v = &grid_.velocity[3 * i];
+    energy += 0.5 * grid_.mass[i] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  return energy;
+}
+
 // Everything but the internal force, which is on the nodes already.
 void FixMpm::add_forces() {
   sides_.clear_forces();
@@ -74,7 +94,10 @@ void FixMpm::add_forces() {
 
 void FixMpm::react_on_grains() {
   if (!coupled_) return;
+  // A re-projection is an acceleration too, as far as the added mass is concerned.
+  for (std::size_t i = 0; i < jump_.size(); ++i) grid_.acceleration[i] += jump_[i] / dt_last_;
   links_.add_reaction(grid_, sides_);
+  for (std::size_t i = 0; i < jump_.size(); ++i) grid_.acceleration[i] -= jump_[i] / dt_last_;
   sides_.sum_forces();
   for (const OwnedSide& o : owned_)
     for (int d = 0; d < 3; ++d) {
@@ -251,7 +274,6 @@ void FixMpm::rebuild() {
   restored_ = mpdem::NodeKinematics();
   grid_.lump_mass(points, density_);
   if (!started_) start_velocities(fresh);
-
   if (coupled_) {
     std::vector<mpdem::Key> owned;
     for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
@@ -272,8 +294,7 @@ void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
   links_.add_stiffness(grid_);
-  const double share = update->dt / cement_step();
-  grid_.set_added_mass(update->dt, std::min(1.0, share * share));
+  grid_.set_added_mass(update->dt, cement_eigenvalue(), stability_bound());
 }
 
 // The same in the course of a run, where links that let go give up their added mass.
@@ -382,6 +403,7 @@ void FixMpm::start_velocities(const std::vector<char>& fresh) {
 
 void FixMpm::setup(int) {
   totals_at_ = bonds_at_ = -1;
+  jump_.clear();
   report_parameters();
   distribute_grains();
   check_state();

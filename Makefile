@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Thin front of CMake: make demo, make test. See README.md.
+BUILD ?= build
+JOBS  ?= $(shell nproc)
+RANKS ?= 2
+EXE   := $(abspath $(BUILD))/liggghts-mpdem
+DEMO  := $(BUILD)/demo
+
+# Open MPI refuses to run as root unless told twice.
+ifeq ($(shell id -u),0)
+export OMPI_ALLOW_RUN_AS_ROOT = 1
+export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
+endif
+
+.PHONY: all demo test clean
+all: $(BUILD)/.setup
+	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
+	cmake --build $(BUILD) --parallel $(JOBS)
+
+$(BUILD)/.setup: tools/setup.sh
+	tools/setup.sh
+	mkdir -p $(BUILD)
+	touch $@
+
+# The flat pair pulled apart: figures on screen, CSV and PNG in $(DEMO).
+demo: $(BUILD)/.setup
+	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
+	cmake --build $(BUILD) --parallel $(JOBS) --target liggghts-mpdem
+	rm -rf $(DEMO)
+	mkdir -p $(DEMO)
+	cp examples/pair_flat/* $(DEMO)/
+	cd $(DEMO) && mpirun -np $(RANKS) $(EXE) -in in.flat_table1
+	/usr/bin/python3 tools/mpdem_plot.py $(DEMO)
+	@echo "Results: $(DEMO)/bond_table1.csv, $(DEMO)/force_displacement.png, $(DEMO)/damage_cut.png"
+
+test: all
+	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
+
+clean:
+	rm -rf $(BUILD)
