@@ -6,7 +6,6 @@ namespace mpdem {
 
 namespace {
 
-using LAMMPS_NS::Comm;
 using LAMMPS_NS::Input;
 using LAMMPS_NS::Modify;
 
@@ -27,21 +26,14 @@ struct CommandMap {
   using Type = std::map<std::string, CommandCreator>* Input::*;
   friend Type member(CommandMap);
 };
-struct BorderGroup {
-  using Type = int Comm::*;
-  friend Type member(BorderGroup);
-};
-
 template struct Expose<FixMap, &Modify::fix_map>;
 template struct Expose<ComputeMap, &Modify::compute_map>;
 template struct Expose<CommandMap, &Input::command_map>;
-template struct Expose<BorderGroup, &Comm::bordergroup>;
 
 }  // namespace
 
 std::map<std::string, FixCreator>& fix_styles(Modify* modify) { return *(modify->*member(FixMap{})); }
 std::map<std::string, ComputeCreator>& compute_styles(Modify* modify) { return *(modify->*member(ComputeMap{})); }
 std::map<std::string, CommandCreator>& command_styles(Input* input) { return *(input->*member(CommandMap{})); }
-int ghost_group(Comm* comm) { return comm->*member(BorderGroup{}); }
 
 }  // namespace mpdem

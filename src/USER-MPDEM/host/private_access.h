@@ -10,7 +10,6 @@
 #include <map>
 #include <string>
 
-#include "comm.h"
 #include "input.h"
 #include "lammps.h"
 #include "modify.h"
@@ -24,9 +23,6 @@ using CommandCreator = void (*)(LAMMPS_NS::LAMMPS*, int, char**);
 std::map<std::string, FixCreator>& fix_styles(LAMMPS_NS::Modify* modify);
 std::map<std::string, ComputeCreator>& compute_styles(LAMMPS_NS::Modify* modify);
 std::map<std::string, CommandCreator>& command_styles(LAMMPS_NS::Input* input);
-
-// Index of the group that `communicate ... group` restricts ghosts to, 0 if none.
-int ghost_group(LAMMPS_NS::Comm* comm);
 
 }  // namespace mpdem
 

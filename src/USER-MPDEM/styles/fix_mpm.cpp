@@ -11,15 +11,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include "../host/private_access.h"
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
 #include "force.h"
 #include "group.h"
+#include "host_recipe.h"
 #include "modify.h"
-#include "neighbor.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -135,7 +134,7 @@ void FixMpm::set_coupling(const std::string& coupling_id, const mpdem::PenaltyPa
 void FixMpm::init() {
   avec_ = AtomVecMpdem::of(lmp);
   check_scene();
-  check_host_recipe();
+  check_host_recipe(lmp, mpdem::text_of("fix mpm (id ", id, "): "), *avec_);
   coupled_ = false;  // fix mpm/couple says so again in its own init
 }
 
@@ -199,33 +198,6 @@ void FixMpm::check_scene() {
                              " makes the cement far too soft; use a cell of at least two spacings")
                          .c_str());
   }
-}
-
-// Points must never reach LIGGGHTS' neighbour lists and ghosts: three lines of the script.
-void FixMpm::check_host_recipe() {
-  const char* recipe =
-      "; the script needs these three lines, with a group that holds all grains and no cement:\n"
-      "    atom_modify  map array first grains      (before the box is created)\n"
-      "    communicate  single vel yes group grains\n"
-      "    neigh_modify include grains";
-  const std::string who = text_of("fix mpm (id ", id, "): ");
-  if (neighbor->style == 2)
-    mpdem::stop_all(lmp, who + "'neighbor ... multi' finds no contacts of grains in LIGGGHTS; use 'neighbor ... bin'");
-  if (!atom->firstgroupname) mpdem::stop_all(lmp, who + "'atom_modify first' is not set" + recipe);
-  const int first = group->find(atom->firstgroupname);
-  if (mpdem::ghost_group(comm) == 0) mpdem::stop_all(lmp, who + "'communicate ... group' is not set" + recipe);
-  if (neighbor->includegroup == 0) mpdem::stop_all(lmp, who + "'neigh_modify include' is not set" + recipe);
-  if (mpdem::ghost_group(comm) != first || neighbor->includegroup != first)
-    mpdem::stop_all(lmp, who + "the three groups differ" + recipe);
-  if (!comm->ghost_velocity) mpdem::stop_all(lmp, who + "'communicate ... vel yes' is not set" + recipe);
-  if (atom->map_style == 0) mpdem::stop_all(lmp, who + "'atom_modify map array' is not set" + recipe);
-  std::string trouble;
-  const int bit = group->bitmask[first];
-  for (int i = 0; i < atom->nlocal && trouble.empty(); ++i)
-    if (avec_->is_point(i) == ((atom->mask[i] & bit) != 0))
-      trouble = who + text_of(avec_->is_point(i) ? "material point " : "grain ", atom->tag[i],
-                              avec_->is_point(i) ? " is" : " is not", " in group '", atom->firstgroupname, "'", recipe);
-  mpdem::stop_if_any(lmp, trouble);
 }
 
 void FixMpm::reset_dt() {

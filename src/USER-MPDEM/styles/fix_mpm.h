@@ -74,7 +74,6 @@ class FixMpm : public Fix {
  private:
   void parse(int narg, char** arg);
   void check_scene();
-  void check_host_recipe();
   void rebuild();
   void find_owned_grains();
   void refresh_added_mass();

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The time step of fix mpm, and what has to happen when LIGGGHTS moves atoms between
-// ranks. State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at
-// the points. A step is one drift of the nodes, one pass over the points, one over the
-// links, one sum over shared nodes.
+// The time step of fix mpm. State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n,
+// strain and damage at the points. A step is one drift of the nodes, one pass over the
+// points, one over the links, one sum over shared nodes.
 #include <mpi.h>
 
 #include <algorithm>
@@ -12,7 +11,6 @@
 
 #include "../mpm/gather.h"
 #include "../mpm/reproject.h"
-#include "../mpm/scatter.h"
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
@@ -26,8 +24,6 @@ namespace LAMMPS_NS {
 using mpdem::kLanes;
 using mpdem::text_of;
 using mpdem::vd;
-
-// ---------------------------------------------------------------------------- step
 
 // Orientation of bonded grains: LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
@@ -153,252 +149,6 @@ void FixMpm::check_state() {
                       " has cement but was deleted or lost at step ", update->ntimestep,
                       "; keep bonded grains, or use a larger box");
   mpdem::stop_if_any(lmp, trouble);
-}
-
-// ------------------------------------------------------- set-up and moves between ranks
-
-void FixMpm::setup_pre_exchange() {
-  if (!built_ || !started_) return;
-  // The state is in the points; atoms only show it, and a command that moved them in
-  // between would be without effect.
-  std::vector<double> shown;
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i))
-      for (int d = 0; d < 3; ++d) {
-        shown.push_back(atom->x[i][d]);
-        shown.push_back(atom->v[i][d]);
-      }
-  fill_atoms();
-  std::string trouble;
-  std::size_t at = 0;
-  const double speed = law_->elasticity().fastest_wave(density_);
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i))
-      for (int d = 0; d < 3; ++d) {
-        const bool moved = std::fabs(shown[at] - atom->x[i][d]) > 1e-9 * cell_ ||
-                           std::fabs(shown[at + 1] - atom->v[i][d]) > 1e-9 * speed;
-        at += 2;
-        if (moved && trouble.empty())
-          trouble = text_of("fix mpm (id ", id, "): a command changed position or velocity of material point ", atom->tag[i],
-                            " after the cement was set in motion; do so before the first run");
-      }
-  mpdem::stop_if_any(lmp, trouble);
-}
-
-void FixMpm::pre_exchange() {
-  if (built_) fill_atoms();
-}
-
-void FixMpm::setup_pre_neighbor() {
-  count_points();
-  rebuild();
-}
-
-void FixMpm::pre_neighbor() {
-  count_points();
-  int changed = 0;
-  std::size_t live = 0;
-  for (int i = 0; i < atom->nlocal; ++i) live += avec_->is_point(i);
-  std::size_t arranged = 0;
-  for (const mpdem::BlockMeta& m : avec_->points.meta) arranged += static_cast<std::size_t>(__builtin_popcount(m.occupied));
-  if (live != arranged) changed = 1;
-  // Arrivals sit in tail blocks that no grid knows.
-  for (int i = 0; i < atom->nlocal && !changed; ++i)
-    if (avec_->slot[i] / kLanes >= static_cast<int>(arranged_blocks_)) changed = 1;
-  for (const OwnedSide& o : owned_) {
-    const int i = atom->map(avec_->bodies[o.body].grain[o.side]);
-    if (i < 0 || i >= atom->nlocal) changed = 1;
-  }
-  int any;
-  MPI_Allreduce(&changed, &any, 1, MPI_INT, MPI_MAX, world);
-  // Added masses change at this step on every decomposition or on none.
-  if (any) {
-    rebuild();
-  } else {
-    find_owned_grains();
-    drop_added_mass();
-  }
-}
-
-void FixMpm::count_points() {
-  bigint mine = 0, total;
-  for (int i = 0; i < atom->nlocal; ++i) mine += avec_->is_point(i);
-  MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  if (total != points_expected_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): ", points_expected_ - total,
-                                 " material points left the simulation box at step ", update->ntimestep,
-                                 "; use a larger or periodic box"));
-}
-
-void FixMpm::find_owned_grains() {
-  owned_.clear();
-  grains_here_.clear();
-  for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
-    for (int s = 0; s < 2; ++s) {
-      const int i = atom->map(avec_->bodies[b].grain[s]);
-      if (i < 0 || i >= atom->nlocal) continue;
-      owned_.push_back({i, sides_.find(static_cast<int>(b), s), static_cast<int>(b), s});
-      avec_->track_orientation(i);
-      grains_here_.push_back(i);
-    }
-  std::sort(grains_here_.begin(), grains_here_.end());
-  grains_here_.erase(std::unique(grains_here_.begin(), grains_here_.end()), grains_here_.end());
-}
-
-void FixMpm::rebuild() {
-  mpdem::PointStore& points = avec_->points;
-  std::vector<int> live, tags, place;
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i)) {
-      live.push_back(avec_->slot[i]);
-      tags.push_back(atom->tag[i]);
-    }
-  points.arrange(live, tags, cell_, place);
-  std::size_t at = 0;
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i)) avec_->slot[i] = place[at++];
-  arranged_blocks_ = points.blocks.size();
-  set_frames();
-
-  std::vector<mpdem::Grid::Cell> cells;
-  for (mpdem::BlockMeta& m : points.meta) cells.push_back({m.body, m.base, m.column});
-  if (coupled_) {
-    links_.build(points, avec_->bodies, penalty_, cell_, density_);
-    links_.add_cells(cells);
-  }
-  if (restored_cell_ != 0.0 && restored_cell_ != cell_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
-                                 restored_cell_, "; use that"));
-  std::vector<char> fresh;
-  grid_.build(world, cell_, cells, restored_, fresh);
-  restored_ = mpdem::NodeKinematics();
-  grid_.lump_mass(points, density_);
-  if (!started_) start_velocities(fresh);
-  if (coupled_) {
-    std::vector<mpdem::Key> owned;
-    for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
-      for (int s = 0; s < 2; ++s) {
-        const int i = atom->map(avec_->bodies[b].grain[s]);
-        if (i >= 0 && i < atom->nlocal) owned.push_back({static_cast<int>(b), s, 0, 0});
-      }
-    sides_.build(world, avec_->bodies, links_.needed_sides(), owned);
-    links_.bind(sides_);
-  }
-  find_owned_grains();
-  built_ = true;
-  if (dt_last_ == 0.0) dt_last_ = update->dt;
-  refresh_added_mass();
-}
-
-void FixMpm::refresh_added_mass() {
-  if (!coupled_) return;
-  std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
-  links_.add_stiffness(grid_);
-  grid_.set_added_mass(update->dt, cement_eigenvalue(), stability_bound());
-}
-
-// The same in the course of a run, where links that let go give up their added mass.
-void FixMpm::drop_added_mass() {
-  if (!coupled_ || law_->parameters().B0 == 0.0) return;
-  const double before = links_.inertial_energy(grid_, sides_);
-  refresh_added_mass();
-  released_ += before - links_.inertial_energy(grid_, sides_);
-}
-
-// Frame of each new point: third axis along the axis of the elasticity.
-void FixMpm::set_frames() {
-  mpdem::PointStore& points = avec_->points;
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    mpdem::BlockMeta& m = points.meta[b];
-    if (m.framed == m.occupied) continue;
-    const mpdem::Body& body = avec_->bodies[m.body];
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(m.occupied >> l & 1) || (m.framed >> l & 1)) continue;
-      mpdem::Vector3 a;
-      if (axis_ == kGlobal) {
-        a = mpdem::Vector3(axis_direction_[0], axis_direction_[1], axis_direction_[2]);
-      } else if (axis_ == kBond) {
-        for (int d = 0; d < 3; ++d) a[d] = body.centre[1][d] - body.centre[0][d];
-      } else {
-        // growth normal of the nearer surface
-        mpdem::Vector3 from[2];
-        double depth[2];
-        for (int s = 0; s < 2; ++s) {
-          for (int d = 0; d < 3; ++d) from[s][d] = points.blocks[b].X[d][l] - body.centre[s][d];
-          depth[s] = from[s].norm() - body.radius[s];
-        }
-        a = from[depth[1] < depth[0] ? 1 : 0];
-      }
-      const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(mpdem::Vector3::UnitZ(), a.normalized());
-      mpdem::Frame& f = points.blocks[b].q;
-      f.w[l] = q.w();
-      f.x[l] = q.x();
-      f.y[l] = q.y();
-      f.z[l] = q.z();
-      m.framed |= static_cast<std::uint8_t>(1u << l);
-    }
-  }
-}
-
-// Nodal velocities from the velocities of the points: the linear field that fits each body
-// best is taken over exactly, so a translation or rotation starts without strain, the rest
-// by lumped projection.
-void FixMpm::start_velocities(const std::vector<char>& fresh) {
-  mpdem::PointStore& points = avec_->points;
-  const int bodies = static_cast<int>(avec_->bodies.size());
-  std::vector<double> velocity(3 * kLanes * points.blocks.size(), 0.0);
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i))
-      for (int d = 0; d < 3; ++d) velocity[3 * avec_->slot[i] + d] = atom->v[i][d];
-
-  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 a body.
-  constexpr int kNormal = 28;
-  std::vector<double> sums(kNormal * bodies, 0.0);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b)
-    for (int l = 0; l < kLanes; ++l) {
-      const double V = points.blocks[b].volume[l];
-      if (V == 0.0) continue;
-      double* s = &sums[kNormal * points.meta[b].body];
-      double y[4] = {1.0, 0, 0, 0};
-      for (int d = 0; d < 3; ++d) y[1 + d] = points.blocks[b].X[d][l] / cell_;
-      for (int r = 0; r < 4; ++r) {
-        for (int c = 0; c < 4; ++c) s[4 * r + c] += V * y[r] * y[c];
-        for (int d = 0; d < 3; ++d) s[16 + 3 * r + d] += V * y[r] * velocity[3 * (kLanes * b + l) + d];
-      }
-    }
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, world);
-  std::vector<Eigen::Matrix<double, 4, 3>> fit(bodies);
-  for (int n = 0; n < bodies; ++n) {
-    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> A(&sums[kNormal * n]);
-    const Eigen::Map<const Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> y(&sums[kNormal * n + 16]);
-    fit[n] = A.completeOrthogonalDecomposition().solve(y);
-  }
-
-  std::vector<double> momentum(3 * grid_.size(), 0.0);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::PointBlock& p = points.blocks[b];
-    const auto& A = fit[points.meta[b].body];
-    vd rest[3];
-    for (int d = 0; d < 3; ++d) {
-      vd v;
-      for (int l = 0; l < kLanes; ++l) v[l] = velocity[3 * (kLanes * b + l) + d];
-      rest[d] = density_ * p.volume *
-                (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / cell_));
-    }
-    mpdem::scatter_value(momentum.data(), points.meta[b].column, mpdem::Weights(p.X, points.meta[b].base, 1.0 / cell_),
-                         rest);
-  }
-  grid_.halo.sum(momentum.data(), 3);
-  for (int i = 0; i < grid_.size(); ++i) {
-    if (!fresh[i]) continue;
-    const auto& A = fit[grid_.keys[i][0]];
-    for (int d = 0; d < 3; ++d) {
-      double v = A(0, d);
-      for (int e = 0; e < 3; ++e) v += A(1 + e, d) * grid_.keys[i][1 + e];
-      if (grid_.mass[i] > 0.0) v += momentum[3 * i + d] / grid_.mass[i];
-      grid_.velocity[3 * i + d] = v;
-    }
-  }
 }
 
 void FixMpm::setup(int) {

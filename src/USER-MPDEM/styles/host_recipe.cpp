@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "host_recipe.h"
+
+#include "arguments.h"
+#include "atom.h"
+#include "comm.h"
+#include "group.h"
+#include "neighbor.h"
+
+namespace LAMMPS_NS {
+
+namespace {
+
+const char* const kRecipe =
+    "; the script needs these three lines, with a group that holds all grains and no cement:\n"
+    "    atom_modify  map array first grains      (before the box is created)\n"
+    "    communicate  single vel yes group grains\n"
+    "    neigh_modify include grains";
+
+// Comm keeps the group of `communicate ... group` to itself. The arguments of an explicit
+// instantiation may name private members ([temp.spec]).
+struct GhostGroup {
+  using Type = int Comm::*;
+  friend Type member(GhostGroup);
+};
+template <class Tag, typename Tag::Type Member>
+struct Expose {
+  friend typename Tag::Type member(Tag) { return Member; }
+};
+template struct Expose<GhostGroup, &Comm::bordergroup>;
+
+constexpr int kNeighborMulti = 2;  // Neighbor::style
+
+}  // namespace
+
+void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement) {
+  const Atom& atom = *lmp->atom;
+  if (lmp->neighbor->style == kNeighborMulti)
+    mpdem::stop_all(lmp, who + "'neighbor ... multi' finds no contacts of grains in LIGGGHTS; use 'neighbor ... bin'");
+  if (!atom.firstgroupname) mpdem::stop_all(lmp, who + "'atom_modify first' is not set" + kRecipe);
+  const int ghosts = lmp->comm->*member(GhostGroup{});
+  if (ghosts == 0) mpdem::stop_all(lmp, who + "'communicate ... group' is not set" + kRecipe);
+  if (lmp->neighbor->includegroup == 0) mpdem::stop_all(lmp, who + "'neigh_modify include' is not set" + kRecipe);
+  const int first = lmp->group->find(atom.firstgroupname);
+  if (ghosts != first || lmp->neighbor->includegroup != first)
+    mpdem::stop_all(lmp, who + "the three groups differ" + kRecipe);
+  if (!lmp->comm->ghost_velocity) mpdem::stop_all(lmp, who + "'communicate ... vel yes' is not set" + kRecipe);
+  if (atom.map_style == 0) mpdem::stop_all(lmp, who + "'atom_modify map array' is not set" + kRecipe);
+  std::string trouble;
+  const int bit = lmp->group->bitmask[first];
+  for (int i = 0; i < atom.nlocal && trouble.empty(); ++i) {
+    const bool point = cement.is_point(i);
+    if (point == ((atom.mask[i] & bit) != 0))
+      trouble = who + mpdem::text_of(point ? "material point " : "grain ", atom.tag[i], point ? " is" : " is not",
+                                     " in group '", atom.firstgroupname, "'", kRecipe);
+  }
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+}  // namespace LAMMPS_NS
