@@ -15,6 +15,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "fix_gravity.h"
 #include "force.h"
 #include "group.h"
 #include "host_recipe.h"
@@ -135,6 +136,7 @@ void FixMpm::init() {
   avec_ = AtomVecMpdem::of(lmp);
   check_scene();
   check_host_recipe(lmp, mpdem::text_of("fix mpm (id ", id, "): "), *avec_);
+  find_other_forces();
   coupled_ = false;  // fix mpm/couple says so again in its own init
 }
 
@@ -196,6 +198,25 @@ void FixMpm::check_scene() {
       error->warning("fix mpm", 0,
                      text_of("one point a cell: spacing ", b.spacing, " with cell ", cell_,
                              " makes the cement far too soft; use a cell of at least two spacings")
+                         .c_str());
+  }
+}
+
+// Gravity acts on the cement as on the grains. Any other force on material points would be
+// without effect, which has to be said.
+void FixMpm::find_other_forces() {
+  gravity_ = nullptr;
+  for (int k = 0; k < modify->nfix; ++k) {
+    Fix* fix = modify->fix[k];
+    int mine = 0, acts;
+    for (int i = 0; i < atom->nlocal && !mine; ++i) mine = avec_->is_point(i) && (atom->mask[i] & fix->groupbit);
+    MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, world);
+    if (!acts || fix == this) continue;
+    if (FixGravity* g = dynamic_cast<FixGravity*>(fix)) gravity_ = g;
+    else if ((modify->fmask[k] & POST_FORCE) && comm->me == 0)
+      error->warning("fix mpm", 0,
+                     text_of("fix '", fix->id, "' (", fix->style, ") acts on material points, where its force has no effect; "
+                             "give it the group of the grains")
                          .c_str());
   }
 }

@@ -74,6 +74,7 @@ class FixMpm : public Fix {
  private:
   void parse(int narg, char** arg);
   void check_scene();
+  void find_other_forces();
   void rebuild();
   void find_owned_grains();
   void refresh_added_mass();
@@ -115,6 +116,7 @@ class FixMpm : public Fix {
   std::size_t arranged_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
   double density_ = 0.0;
+  class FixGravity* gravity_ = nullptr;  // that acts on the points too
   bool built_ = false, started_ = false, reported_ = false;
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   bigint points_expected_ = -1;

@@ -15,6 +15,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "fix_gravity.h"
 #include "fix_mpm.h"
 #include "output.h"
 #include "update.h"
@@ -85,6 +86,12 @@ void FixMpm::add_forces() {
   sides_.clear_forces();
   if (coupled_) damped_ += dt_last_ * links_.add_force(grid_, sides_);
   grid_.sum_force();
+  if (gravity_) {
+    double g[3];
+    gravity_->get_gravity(g);
+    for (int i = 0; i < grid_.size(); ++i)
+      for (int d = 0; d < 3; ++d) grid_.force[3 * i + d] += grid_.mass[i] * g[d];
+  }
   grid_.update_acceleration();
 }
 
@@ -118,13 +125,22 @@ void FixMpm::distribute_grains() {
 }
 
 void FixMpm::end_of_step() {
-  // Work of the grains on the cement. Forces and velocities are both those of the end of
+  // Work of grains and gravity on the cement. Forces and velocities are both those of the end of
   // the step, so the sum is the trapezoidal rule, half of the last term ahead.
   work_last_ = 0.0;
   for (const OwnedSide& o : owned_)
     for (int d = 0; d < 3; ++d)
       work_last_ -= dt_last_ * (sides_.sides[o.at].force[d] * atom->v[o.atom][d] +
                                 sides_.sides[o.at].torque[d] * atom->omega[o.atom][d]);
+  if (gravity_) {
+    double g[3];
+    gravity_->get_gravity(g);
+    for (int i = 0; i < grid_.size(); ++i)
+      if (grid_.halo.counts_here()[i])
+        for (int d = 0; d < 3; ++d)
+          work_last_ += dt_last_ * grid_.mass[i] * g[d] *
+                        (grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d]);
+  }
   work_ += work_last_;
 
   const bool output_due = update->ntimestep == output->next;
@@ -196,6 +212,7 @@ void FixMpm::fill_atoms() {
     for (int d = 0; d < 3; ++d) {
       x[d] = body.origin[d] + points.blocks[b].X[d][l] + motion[b].u[d][l];
       atom->v[i][d] = motion[b].v[d][l];
+      atom->f[i][d] = 0.0;  // LIGGGHTS does not clear it for points, and it has no meaning
     }
     // Not `remap` of the old flags: x is unwrapped here.
     atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
