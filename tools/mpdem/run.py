@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Reading what a run leaves: the table of the bonds and the dumps of the points."""
+import csv
+import glob
+import os
+
+import numpy as np
+
+# The columns used; the table holds more.
+COLUMNS = ("step", "time", "bond", "grain1", "grain2", "gap", "tension", "points", "attached", "debonded",
+           "failed", "peak_tension", "dissipated_energy", "energy_imbalance")
+DUMP_COLUMNS = ("x", "y", "z", "c_damage", "c_failed")
+
+
+class Trouble(Exception):
+    """One line for the user: the file and the cure."""
+
+
+class Bond:
+    """The rows of one bond; a column is an attribute."""
+
+    def __init__(self, path, number, rows):
+        self.path, self.number = path, number
+        for i, name in enumerate(COLUMNS):
+            setattr(self, name, rows[:, i])
+        self.opening = self.gap - self.gap[0]
+        self.grains = int(self.grain1[0]), int(self.grain2[0])
+
+    def at(self, step, column):
+        """Value of a column, a name or an array, at a step between the rows."""
+        values = getattr(self, column) if isinstance(column, str) else column
+        return float(np.interp(step, self.step, values))
+
+
+def make_folder(path):
+    try:
+        os.makedirs(path, exist_ok=True)
+    except OSError as e:
+        raise Trouble(f"{path}: {e.strerror}; name a folder that can be written with --out") from None
+
+
+def find_bond_file(run_dir, name):
+    if not os.path.isdir(run_dir):
+        raise Trouble(f"{run_dir}: no such folder; name the folder of the run's output")
+    if name:
+        paths = [os.path.join(run_dir, name), name]
+        for path in paths:
+            if os.path.isfile(path):
+                return path
+        raise Trouble(f"{paths[0]}: no such file; name the 'csv' file of fix mpm/couple with --bond")
+    found = sorted(glob.glob(os.path.join(glob.escape(run_dir), "bond_*.csv")))
+    if not found:
+        raise Trouble(f"{os.path.join(run_dir, 'bond_*.csv')}: no such file; write one with "
+                      "'fix mpm/couple ... csv 50 bond_NAME.csv' or name it with --bond")
+    if len(found) > 1:
+        names = ", ".join(os.path.basename(f) for f in found)
+        raise Trouble(f"{run_dir}: holds several tables ({names}); choose one with --bond")
+    return found[0]
+
+
+def read_bonds(path):
+    """All bonds of a table, by number. A last line that is still being written is left out."""
+    with open(path, newline="", errors="replace") as f:
+        text = f.read().replace("\0", "?")
+    if not text.strip():
+        raise Trouble(f"{path}: empty; let the run get past its setup, or write 'csv' of fix mpm/couple again")
+    lines = text.splitlines()
+    if not text.endswith("\n"):
+        lines.pop()  # what follows the last line end is incomplete
+    reader = csv.reader(lines)
+    header = [h.strip() for h in next(reader, [])]
+    lacking = [c for c in COLUMNS if c not in header]
+    if lacking:
+        raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by "
+                      "'fix mpm/couple ... csv' of this version, with its header line")
+    at = [header.index(c) for c in COLUMNS]
+    rows = []
+    for row in reader:
+        try:
+            rows.append([float(row[i]) for i in at])
+        except (ValueError, IndexError):
+            raise Trouble(f"{path}: line {reader.line_num} is not a row of {len(header)} numbers; "
+                          "delete that line or run again") from None
+    if not rows:
+        raise Trouble(f"{path}: a header without rows; let the run get past its setup, then read again")
+    rows = np.array(rows)
+    bad = ~np.isfinite(rows[:, [COLUMNS.index("gap"), COLUMNS.index("tension")]]).all(axis=1)
+    if bad.any():
+        raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; "
+                      "the run is unstable, reduce its time step")
+    numbers = rows[:, COLUMNS.index("bond")]
+    return [Bond(path, int(n), rows[numbers == n]) for n in np.unique(numbers)]
+
+
+def choose(bonds, number):
+    if number is None:
+        return bonds[0]
+    for b in bonds:
+        if b.number == number:
+            return b
+    raise Trouble(f"{bonds[0].path}: no bond {number}; choose --which from {bonds[0].number} to {bonds[-1].number}")
+
+
+def dump_step(path):
+    with open(path, errors="replace") as f:
+        if f.readline().strip() == "ITEM: TIMESTEP":
+            try:
+                return int(f.readline())
+            except ValueError:
+                pass
+    raise Trouble(f"{path}: not a LIGGGHTS text dump; name the files of 'dump custom' with --points")
+
+
+def matches(run_dir, name):
+    """A name or pattern counts from the run's folder, else from here."""
+    if os.path.isfile(os.path.join(run_dir, name)):
+        return [os.path.join(run_dir, name)]
+    return glob.glob(os.path.join(glob.escape(run_dir), name)) or glob.glob(name)
+
+
+def find_dumps(run_dir, names, bond):
+    """Paths by step; dumps beyond the table belong to another run."""
+    if not names:
+        stem = os.path.splitext(os.path.basename(bond.path))[0]
+        stem = stem[len("bond_"):] if stem.startswith("bond_") else stem
+        names = [f"points_{stem}.*.txt"]
+    shown = os.path.join(run_dir, names[0])
+    dumps = {}
+    for path in sorted({p for name in names for p in matches(run_dir, name)}):
+        step = dump_step(path)
+        if step in dumps:
+            raise Trouble(f"{dumps[step]} and {path}: both are of step {step}; name the dumps of one run with --points")
+        dumps[step] = path
+    if not dumps:
+        raise Trouble(f"{shown}: no such dumps, so no damage_cut.png; name them with --points, "
+                      "or leave the cut out with '--points none'")
+    last = bond.step[-1]
+    kept = {s: dumps[s] for s in sorted(dumps) if bond.step[0] <= s <= last}
+    if not kept:
+        raise Trouble(f"{shown}: no dump between the steps {bond.step[0]:.0f} and {last:.0f} of {bond.path}; "
+                      "name the dumps of the same run with --points")
+    return kept
+
+
+def read_dump(path):
+    """Columns of the first snapshot of a text dump, by name."""
+    step = dump_step(path)
+    count = names = None
+    with open(path, errors="replace") as f:
+        for line in f:
+            if line.startswith("ITEM: NUMBER OF ATOMS"):
+                text = next(f, "").strip()
+                count = int(text) if text.isdigit() else 0
+            elif line.startswith("ITEM: ATOMS"):
+                names = line.split()[2:]
+                break
+        lacking = [c for c in DUMP_COLUMNS if c not in (names or [])]
+        if lacking:
+            raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and "
+                          "'compute mpm/atom' with the ID damage and the ID failed")
+        wanted = [c for c in DUMP_COLUMNS + ("c_bond",) if c in names]
+        try:
+            data = np.loadtxt(f, usecols=[names.index(c) for c in wanted], max_rows=count, ndmin=2) if count else []
+        except (ValueError, IndexError):
+            data = []
+    if not count or len(data) != count:
+        raise Trouble(f"{path}: cut short, {count or 'no'} points announced; delete this dump or run again")
+    points = dict(zip(wanted, data.T))
+    points["step"] = step
+    return points
+
+
+def spacing(points):
+    """Distance of the points inside the bond; those at its surface are closer or shifted."""
+    x = np.column_stack([points[c] for c in "xyz"])
+    if len(x) < 2:
+        raise Trouble("too few points to measure their spacing; give it with --spacing")
+    nearest = []
+    for i in np.unique(np.linspace(0, len(x) - 1, 200).astype(int)):
+        squares = ((x - x[i])**2).sum(axis=1)
+        squares[i] = np.inf
+        nearest.append(squares.min())
+    return float(np.sqrt(np.percentile(nearest, 90)))

@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Summary and figures of a bond that was pulled.
+
+    tools/mpdem_plot.py RUN_DIR [--bond bond_NAME.csv] [--points 'points_NAME.*.txt'] [--out DIR]
+
+Reads the table of `fix mpm/couple ... csv` and the text dumps of the material points,
+prints a summary and writes summary.csv, force_displacement.png and damage_cut.png.
+Needs Debian's python3-numpy and python3-matplotlib.
+"""
+import argparse
+import os
+import sys
+
+sys.dont_write_bytecode = True  # leave the source tree as it is
+
+try:
+    from mpdem import figures, run, summary
+except ImportError as missing:
+    sys.exit(f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+
+
+def positive(text):
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
+    return value
+
+
+def arguments():
+    p = argparse.ArgumentParser(description="Summary and figures of a bond that was pulled.")
+    p.add_argument("run_dir", metavar="RUN_DIR", help="folder of the run's output")
+    p.add_argument("--bond", metavar="CSV", help="table of fix mpm/couple (default: the only bond_*.csv in RUN_DIR)")
+    p.add_argument("--points", metavar="DUMP", nargs="+",
+                   help="dumps of the points, names or a pattern (default: points_NAME.*.txt, "
+                        "NAME as in bond_NAME.csv); 'none': no cut")
+    p.add_argument("--out", metavar="DIR", help="where to write (default: RUN_DIR)")
+    p.add_argument("--which", metavar="N", type=int, help="number of the bond to plot (default: the first)")
+    p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")
+    p.add_argument("--spacing", metavar="H", type=positive, help="of the material points, m (default: measured)")
+    p.add_argument("--window", metavar="STEPS", type=positive, default=500,
+                   help="over which the tension is averaged to tell failure (500)")
+    return p.parse_args()
+
+
+def main():
+    args = arguments()
+    bonds = run.read_bonds(run.find_bond_file(args.run_dir, args.bond))
+    table = run.choose(bonds, args.which)
+    results = {b.number: summary.measure(b, args.window) for b in bonds}
+    result = results[table.number]
+    summary.show(table, result, len(bonds))
+
+    out = args.out or args.run_dir
+    run.make_folder(out)
+    summary.write(os.path.join(out, "summary.csv"), bonds, results)
+    written = ["summary.csv"]
+    if not result.peak > 0.0:
+        raise run.Trouble(f"{table.path}: bond {table.number} was never in tension, nothing to draw; "
+                          "pull its grains apart or choose another bond with --which")
+
+    # The curve is drawn even if something is wrong with the dumps; the complaint comes last.
+    stages, trouble = [], None
+    if args.points != ["none"]:
+        try:
+            dumps = run.find_dumps(args.run_dir, args.points, table)
+            stages = summary.stages(table, result, dumps)
+        except run.Trouble as t:
+            trouble = t
+    figures.force_displacement(os.path.join(out, "force_displacement.png"), table, result, stages)
+    written.append("force_displacement.png")
+    if stages:
+        try:
+            spacing = args.spacing or run.spacing(run.read_dump(dumps[min(dumps)]))
+            figures.damage_cut(os.path.join(out, "damage_cut.png"), table, result, stages, args.radius, spacing)
+            written.append("damage_cut.png")
+        except run.Trouble as t:
+            trouble = t
+    print(f"  written to {out}: {', '.join(written)}", flush=True)
+    if trouble:
+        raise trouble
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except run.Trouble as trouble:
+        sys.exit(f"mpdem_plot.py: {trouble}")
+    except OSError as trouble:
+        sys.exit(f"mpdem_plot.py: {trouble.filename}: {trouble.strerror}; check the path, its rights and the disk")
