@@ -117,60 +117,99 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Cell
   }
 }
 
+// Cells of the lattice that the shape fills or cuts, by halving boxes of cells: a box whose
+// middle is further from the surface than its corners is all in or all out.
+void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell& to, std::vector<Cell>& full,
+                std::vector<Cell>& cut) {
+  Vector3 middle, size;
+  int longest = 0;
+  for (int d = 0; d < 3; ++d) {
+    middle[d] = 0.5 * spacing * (from[d] + to[d]);
+    size[d] = spacing * (to[d] - from[d]);
+    if (to[d] - from[d] > to[longest] - from[longest]) longest = d;
+  }
+  if (shape.clearance(middle) >= 0.5 * size.norm()) {
+    if (!shape.inside(middle)) return;
+    for (int i = from[0]; i < to[0]; ++i)
+      for (int j = from[1]; j < to[1]; ++j)
+        for (int k = from[2]; k < to[2]; ++k) full.push_back({i, j, k});
+    return;
+  }
+  if (to[longest] - from[longest] == 1) {
+    cut.push_back(from);
+    return;
+  }
+  Cell upper = to, lower = from;
+  upper[longest] = lower[longest] = (from[longest] + to[longest]) / 2;
+  if (upper[longest] == from[longest]) upper[longest] = lower[longest] = from[longest] + 1;  // negative odd sums
+  find_cells(shape, spacing, from, upper, full, cut);
+  find_cells(shape, spacing, lower, to, full, cut);
+}
+
+// Volume and centroid of the part of a cut cell that is inside; false if nothing is.
+bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p) {
+  const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
+  int count = 0;
+  Vector3 sum = Vector3::Zero();
+  for (int a = 0; a < kSubSamples; ++a)
+    for (int b = 0; b < kSubSamples; ++b)
+      for (int c = 0; c < kSubSamples; ++c) {
+        const Vector3 local((a + 0.5) / kSubSamples - 0.5, (b + 0.5) / kSubSamples - 0.5, (c + 0.5) / kSubSamples - 0.5);
+        if (!shape.inside(centre + spacing * local)) continue;
+        ++count;
+        sum += local;
+      }
+  if (count == 0) return false;
+  p.X = centre + spacing / count * sum;
+  p.volume = spacing * spacing * spacing * count / (kSubSamples * kSubSamples * kSubSamples);
+  return true;
+}
+
 }  // namespace
 
 std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing) {
   const Vector3 extent = shape.half_extent();
-  int n[3];
-  double cells_in_box = 1.0;
+  Cell from, to;
   for (int d = 0; d < 3; ++d) {
-    n[d] = static_cast<int>(std::ceil(extent[d] / spacing)) + 1;
-    cells_in_box *= 2.0 * n[d];
+    const double n = std::ceil(extent[d] / spacing) + 1.0;
+    if (n > 1e6) {
+      std::ostringstream why;
+      why << "spacing " << spacing << " is too fine for a body of half width " << extent[d] << "; use a larger spacing";
+      throw ShapeError(why.str());
+    }
+    to[d] = static_cast<int>(n);
+    from[d] = -to[d];
   }
-  if (cells_in_box > 4e9) {
-    std::ostringstream why;
-    why << "spacing " << spacing << " would need a lattice of " << cells_in_box << " cells; use a larger spacing";
-    throw ShapeError(why.str());
+  std::vector<Cell> full, cut;
+  find_cells(shape, spacing, from, to, full, cut);
+
+  std::vector<std::pair<Cell, FillPoint>> filled;
+  filled.reserve(full.size() + cut.size());
+  for (const Cell& c : full) {
+    FillPoint p;
+    p.X = spacing * Vector3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
+    p.volume = spacing * spacing * spacing;
+    filled.emplace_back(c, p);
   }
-  const double half_diagonal = 0.5 * std::sqrt(3.0) * spacing;
-  std::vector<Cell> cells;
-  std::vector<FillPoint> points;
-  for (int i = -n[0]; i < n[0]; ++i)
-    for (int j = -n[1]; j < n[1]; ++j)
-      for (int k = -n[2]; k < n[2]; ++k) {
-        const Vector3 centre = spacing * Vector3(i + 0.5, j + 0.5, k + 0.5);
-        FillPoint p;
-        if (shape.clearance(centre) >= half_diagonal) {
-          if (!shape.inside(centre)) continue;
-          p.X = centre;
-          p.volume = spacing * spacing * spacing;
-        } else {
-          int count = 0;
-          Vector3 sum = Vector3::Zero();
-          for (int a = 0; a < kSubSamples; ++a)
-            for (int b = 0; b < kSubSamples; ++b)
-              for (int c = 0; c < kSubSamples; ++c) {
-                const Vector3 local((a + 0.5) / kSubSamples - 0.5, (b + 0.5) / kSubSamples - 0.5,
-                                    (c + 0.5) / kSubSamples - 0.5);
-                if (!shape.inside(centre + spacing * local)) continue;
-                ++count;
-                sum += local;
-              }
-          if (count == 0) continue;
-          p.X = centre + spacing / count * sum;
-          p.volume = spacing * spacing * spacing * count / (kSubSamples * kSubSamples * kSubSamples);
-        }
-        cells.push_back({i, j, k});
-        points.push_back(p);
-      }
-  if (points.empty()) {
+  for (const Cell& c : cut) {
+    FillPoint p;
+    if (cut_cell(shape, spacing, c, p)) filled.emplace_back(c, p);
+  }
+  if (filled.empty()) {
     std::ostringstream why;
     why << "no cell of a lattice of spacing " << spacing << " lies in the cement (" << shape.describe()
         << "); use a smaller spacing";
     throw ShapeError(why.str());
   }
+  std::sort(filled.begin(), filled.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Cell> cells;
+  std::vector<FillPoint> points;
   double total = 0.0;
-  for (const FillPoint& p : points) total += p.volume;
+  for (const auto& f : filled) {
+    cells.push_back(f.first);
+    points.push_back(f.second);
+    total += f.second.volume;
+  }
   const double scale = shape.volume() / total;
   for (FillPoint& p : points) p.volume *= scale;
   for (int side = 0; side < 2; ++side) attach(shape, side, spacing, cells, points);

@@ -18,13 +18,13 @@
 namespace mpdem {
 
 struct FillPoint {
-  Vector3 X;
+  Vector3 X = Vector3::Zero();
   double volume = 0;
   int links = 0;
   struct {
-    int side;
-    Vector3 foot;
-    double area;
+    int side = 0;
+    Vector3 foot = Vector3::Zero();
+    double area = 0;
   } link[2];
 };
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What a cement shape has to tell about itself. Coordinates are relative to the origin of
-// the body: on the line of centres, in the middle of the gap.
+// What a cement shape has to tell about itself. All shapes are bodies of revolution about the
+// line of centres that lie on the grains: at height z along the line they reach from the
+// grains' surface, or from the inner radius where that is further out, to top(z). Coordinates
+// are relative to the origin of the body: on the line of centres, in the middle of the gap.
 #ifndef MPDEM_SHAPE_H
 #define MPDEM_SHAPE_H
 
 #include <Eigen/Dense>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace mpdem {
 
@@ -20,9 +23,26 @@ struct GrainPair {
   Vector3 n;  // unit vector from grain 1 to grain 2
 
   double distance() const { return R1 + R2 + gap; }
-  Vector3 centre(int side) const { return side == 0 ? Vector3(-(R1 + 0.5 * gap) * n) : Vector3((R2 + 0.5 * gap) * n); }
   double radius(int side) const { return side == 0 ? R1 : R2; }
+  // Height of a centre on the line.
+  double height(int side) const { return side == 0 ? -(R1 + 0.5 * gap) : R2 + 0.5 * gap; }
+  Vector3 centre(int side) const { return height(side) * n; }
+
+  // Distance between the surfaces along the line at radius r, at most the smaller radius.
+  double thickness(double r) const;
+  // Radius of the circle in which overlapping spheres meet, 0 for others.
+  double contact_radius() const;
+  // Volume between the spheres inside the cylinder of radius a.
+  double volume_within(double a) const;
+  // Radius at which thickness(r) = t; 0 if it is larger everywhere.
+  double radius_of_thickness(double t) const;
 };
+
+// R - sqrt(R^2 - r^2) without the cancellation at small r.
+double sag(double R, double r);
+
+// Volume common to two balls at distance d.
+double lens_volume(double S1, double S2, double d);
 
 // Thrown for dimensions that do not make a body; the text names word, value and cure.
 struct ShapeError : std::runtime_error {
@@ -31,29 +51,66 @@ struct ShapeError : std::runtime_error {
 
 class Shape {
  public:
-  explicit Shape(const GrainPair& pair) : pair_(pair) {}
+  // inner: nothing closer to the line of centres than this between the two centres; at
+  // least the contact radius.
+  Shape(const GrainPair& pair, double inner);
   virtual ~Shape() = default;
 
   const GrainPair& pair() const { return pair_; }
+  double inner() const { return inner_; }
 
-  virtual bool inside(const Vector3& x) const = 0;
+  bool inside(const Vector3& x) const;
   // Not more than the distance from x to the surface of the body.
-  virtual double clearance(const Vector3& x) const = 0;
+  double clearance(const Vector3& x) const;
   // Half-widths of a box around the origin that holds the body.
-  virtual Vector3 half_extent() const = 0;
-  // Exact.
-  virtual double volume() const = 0;
-  virtual double attached_area(int side) const = 0;
+  Vector3 half_extent() const;
   // Polar angles about the contact normal between which the grain's surface is attached.
-  virtual void attached_band(int side, double& from, double& to) const = 0;
-  // Where the cement is thickest between the grains, measured along the axis.
+  void attached_band(int side, double& from, double& to) const;
+  // Exact.
+  double attached_area(int side) const;
+  virtual double volume() const = 0;
+
+  // Outer radius at height z; 0 where there is no cement.
+  virtual double top(double z) const = 0;
+  // Not more than the distance from (r, z) to the outer surface.
+  virtual double top_clearance(double r, double z) const = 0;
+  virtual double lowest() const = 0;
+  virtual double highest() const = 0;
+  virtual double widest() const = 0;
+  // Polar angle up to which the grain is covered.
+  virtual double covered_angle(int side) const = 0;
+  // Thickness of the cement where it is largest, for the check against the grid.
   virtual double largest_thickness() const = 0;
-  virtual double smallest_thickness() const = 0;
+  double smallest_thickness() const;
   virtual std::string describe() const = 0;
+
+  bool between_centres(double z) const;
+  // Heights at which the profile has a corner.
+  virtual void add_breaks(std::vector<double>& at) const;
+
+ protected:
+  // What the cylinder of the inner radius takes away from a body that has none.
+  double volume_within_inner() const { return pair_.volume_within(inner_); }
 
  private:
   GrainPair pair_;
+  double inner_;
 };
+
+// Volume of the body of revolution by adaptive quadrature, relative error below 1e-12: for
+// shapes without a closed form, and to check those that have one.
+double volume_by_quadrature(const Shape& shape);
+
+// Root of a function that rises from f(lo) <= 0 to f(hi) >= 0, to the last bit.
+template <class F>
+double bisect_rising(F f, double lo, double hi) {
+  for (int i = 0; i < 300; ++i) {
+    const double mid = 0.5 * (lo + hi);
+    if (mid == lo || mid == hi) break;
+    (f(mid) < 0.0 ? lo : hi) = mid;
+  }
+  return hi;
+}
 
 }  // namespace mpdem
 

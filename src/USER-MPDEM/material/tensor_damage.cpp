@@ -3,6 +3,8 @@
 #include "tensor_damage.h"
 
 #include <cmath>
+#include <sstream>
+#include <stdexcept>
 
 #include "effective_strain.h"
 
@@ -29,13 +31,36 @@ Sym3<vd> scaled(const Sym3<vd>& h, const Sym3<vd>& x) {
 
 }  // namespace
 
+// Work of a volume pulled to failure, over sqrt(2) B0.
+static double band_work(double m, double Dcut) {
+  const double log_keep = std::log(1.0 - Dcut), x = (1.0 - m) * log_keep;
+  // -log_keep (1 - e^x)/(-x) at m = 1 is -log_keep
+  const double spent = std::fabs(x) < 1e-12 ? -log_keep : -log_keep * std::expm1(x) / x;
+  return spent + 0.5 * std::exp(x);
+}
+
 ImpliedStrength implied_strength(const DamageParameters& p, double E) {
   const double e0 = std::pow(2.0, 0.25) * std::sqrt(p.B0 / E);
   const double m = p.exponent;
-  const double keep = 1.0 - p.Dcut;
-  const double spent = m == 1.0 ? -std::log(keep) : (1.0 - std::pow(keep, 1.0 - m)) / (1.0 - m);
-  const double W = spent + 0.5 * std::pow(keep, 1.0 - m);
-  return {E * e0, e0, e0 * std::pow(keep, -0.5 * (1.0 + m)), std::sqrt(2.0) * p.B0 * W};
+  return {E * e0, e0, e0 * std::pow(1.0 - p.Dcut, -0.5 * (1.0 + m)), std::sqrt(2.0) * p.B0 * band_work(m, p.Dcut)};
+}
+
+double crack_band_exponent(const DamageParameters& p, double G_f, double band) {
+  constexpr double kLow = -1.0 + 1e-9, kHigh = 3.0 - 1e-9;
+  const double energy = std::sqrt(2.0) * p.B0, wanted = G_f / (energy * band);
+  if (!(wanted > band_work(kLow, p.Dcut) && wanted < band_work(kHigh, p.Dcut))) {
+    std::ostringstream why;
+    why << "G_f " << G_f << " cannot be spent on a band of width " << band << ": with this B0 and cut-off the width must lie between "
+        << G_f / (energy * band_work(kHigh, p.Dcut)) << " and " << G_f / (energy * band_work(kLow, p.Dcut));
+    throw std::domain_error(why.str());
+  }
+  double lo = kLow, hi = kHigh;  // W rises with m
+  for (int i = 0; i < 200; ++i) {
+    const double mid = 0.5 * (lo + hi);
+    if (mid == lo || mid == hi) break;
+    (band_work(mid, p.Dcut) < wanted ? lo : hi) = mid;
+  }
+  return hi;
 }
 
 TensorDamage::State TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
@@ -184,11 +209,12 @@ TensorDamage::Root TensorDamage::first_root(const Sym3<vd>& strain, const Sym3<v
 }
 
 TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
-                                          Sym3<vd>& damage, vmask active) const {
+                                          Sym3<vd>& damage, vmask active, vd strength,
+                                          double growth) const {
   const vd zero{};
   const Sym3<vd> none{zero, zero, zero, zero, zero, zero};
   State state = evaluate(strain, damage);
-  const vd B_scale = 1.0 / max(tension_weight(state.stress_e), splat(1e-300));
+  const vd B_scale = strength / max(tension_weight(state.stress_e), splat(1e-300));
   const vd B = B_scale * threshold(damage);
 
   Update u;
@@ -228,6 +254,11 @@ TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sy
     const vmask settled = contract(change, change) < kDirectionTolerance * kDirectionTolerance;
     open = open & ~root.missing & ~settled;
     N = blend(open, N_end, N);
+  }
+  if (growth < 1.0) {
+    D = blend(exceeds, damage + splat(growth) * (D - damage), D);
+    state.stress = evaluate(strain, D).stress;
+    u.failed = splat_mask(false);
   }
   u.failed |= exceeds & at_cutoff(D);
   damage = blend(exceeds, D, damage);

@@ -31,7 +31,15 @@ struct DamageParameters {
   double exponent = 0.0;     // m of the crack band, in (-1,3)
   double zeta = 1.0;         // f_t/f_c in (0,1]
   bool monotone = true;      // <Y>_+ drives; false: Y itself
+  double interface = 1.0;    // factor on B0 of points attached to a grain
+  double viscosity = 0.0;    // relaxation time of damage growth (Duvaut-Lions), 0: none
 };
+
+// Exponent m that spends G_f on a crack of width `band`:
+//   sqrt(2) B0 band W(m) = G_f,  W(m) = [1-(1-Dcut)^(1-m)]/(1-m) + (1-Dcut)^(1-m)/2,
+// after Bazant & Oh, Mater. Struct. 16 (1983) 155. Throws std::domain_error, with the range
+// of bands that G_f allows, if there is none in (-1,3).
+double crack_band_exponent(const DamageParameters& p, double G_f, double band);
 
 // What the parameters mean for uniaxial stress along a direction of modulus E
 // (theory: s = E e0^4/e^3 past the onset for exponent 0).
@@ -71,7 +79,10 @@ class TensorDamage {
   // The energies are what is left of the trapezoidal work of the step when the change of
   // stored energy is taken away, eps_n : (C(D_n) - C(D_n+1)) : eps_n+1 / 2, so that a sum
   // over the steps balances to the order of the step, squared.
-  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain_end, Sym3<vd>& damage, vmask active) const;
+  // strength: factor on B0 of each lane. growth: share of the growth that the step allows,
+  // dt/(viscosity + dt), 1 without viscosity.
+  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain_end, Sym3<vd>& damage, vmask active,
+                vd strength = splat(1.0), double growth = 1.0) const;
 
   // Driving force s Yeq at the given state, and B(D): for output and tests.
   struct Drive {

@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "advance_points.h"
 
+#include <algorithm>
+
 #include "gather.h"
 #include "scatter.h"
 
@@ -35,9 +37,10 @@ inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
 // Damage of one block, kept out of line: most steps of most blocks never come here.
 __attribute__((noinline)) Sym3<vd> damaged_stress(const TensorDamage& law, const Sym3<vd>& strain_start,
                                                   const PointBlock& p, PointStore::Damage& d, BlockMeta& m, int block,
-                                                  AdvanceResult& result) {
+                                                  double growth, AdvanceResult& result) {
   const vmask active = lanes(m.occupied & ~m.failed);
-  const TensorDamage::Update u = law.update(strain_start, p.strain, d.D, active);
+  const vd strength = select(lanes(m.linked), splat(law.parameters().interface), splat(1.0));
+  const TensorDamage::Update u = law.update(strain_start, p.strain, d.D, active, strength, growth);
   const std::uint8_t grown = bits(u.grown);
   if (grown) {
     m.damaged = true;
@@ -60,7 +63,8 @@ void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, dou
   const double* velocity = grid.velocity.data();
   double* force = grid.force.data();
   const double B0 = law.parameters().B0;
-  const vd surface = splat(B0 * B0);
+  const double weakest = std::min(1.0, law.parameters().interface);
+  const double growth = dt / (law.parameters().viscosity + dt);
   const int n = static_cast<int>(points.blocks.size());
   for (int b = 0; b < n; ++b) {
     BlockMeta& m = points.meta[b];
@@ -88,10 +92,11 @@ void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, dou
     Sym3<vd> stress;
     if (!m.damaged) {
       stress = law.elasticity().stress(p.strain);
-      if (B0 > 0.0 && any(TensorDamage::bound_undamaged(stress, p.strain) > surface))
-        stress = damaged_stress(law, strain_start, p, points.damage[b], m, b, result);
+      const double B = m.linked ? weakest * B0 : B0;
+      if (B0 > 0.0 && any(TensorDamage::bound_undamaged(stress, p.strain) > B * B))
+        stress = damaged_stress(law, strain_start, p, points.damage[b], m, b, growth, result);
     } else {
-      stress = damaged_stress(law, strain_start, p, points.damage[b], m, b, result);
+      stress = damaged_stress(law, strain_start, p, points.damage[b], m, b, growth, result);
     }
     scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
   }

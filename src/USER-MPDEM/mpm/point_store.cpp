@@ -108,6 +108,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   m.occupied |= bit;
   if (r.failed) m.failed |= bit;
   if (r.has_frame) m.framed |= bit;
+  if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
   tags[b][l] = tag;
 }

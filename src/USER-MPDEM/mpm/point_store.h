@@ -65,6 +65,7 @@ struct BlockMeta {
   int base[3] = {0, 0, 0};  // cell, see quadratic_bspline.h
   int column[9] = {0};      // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
+  std::uint8_t linked = 0;  // had a link to a grain when it was made
   bool damaged = false;     // some lane has D != 0
 };
 

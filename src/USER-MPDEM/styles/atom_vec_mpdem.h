@@ -6,6 +6,12 @@
 // MPM kernels (mpm/point_store.h); an atom only holds the number of its slot there, which
 // is all that moves when LIGGGHTS reorders atoms. It is packed when an atom changes rank
 // or is written to a restart file.
+#ifdef ATOM_CLASS
+
+AtomStyle(mpdem,AtomVecMpdem)
+
+#else
+
 #ifndef MPDEM_ATOM_VEC_MPDEM_H
 #define MPDEM_ATOM_VEC_MPDEM_H
 
@@ -59,4 +65,5 @@ class AtomVecMpdem : public AtomVecSphere {
 
 }  // namespace LAMMPS_NS
 
+#endif
 #endif

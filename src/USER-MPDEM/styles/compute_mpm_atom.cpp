@@ -92,7 +92,8 @@ void ComputeMpmAtom::compute_peratom() {
       v = component(mpdem::rotate(R, D), quantity_ - kDamageXX);
     } else if (quantity_ == kDrive) {
       const mpdem::TensorDamage::Drive d = law.drive(p.strain, D);
-      v = law.parameters().B0 > 0.0 ? mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / d.B) : vd{};
+      const vd strength = mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.parameters().interface), mpdem::splat(1.0));
+      v = law.parameters().B0 > 0.0 ? mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / (strength * d.B)) : vd{};
     } else if (quantity_ <= kPressure) {
       Sym3<vd> s = mpdem::rotate(R, m.damaged ? law.stress(p.strain, D) : law.elasticity().stress(p.strain));
       if (quantity_ == kStressMax) v = mpdem::largest(mpdem::eigen(s));

@@ -4,6 +4,12 @@
 // compute mpm/atom: one quantity of each material point, for dumps and reductions; zero
 // for other atoms. The compute's ID is the name of the dump column. See
 // doc/compute_mpm_atom.md.
+#ifdef COMPUTE_CLASS
+
+ComputeStyle(mpm/atom,ComputeMpmAtom)
+
+#else
+
 #ifndef MPDEM_COMPUTE_MPM_ATOM_H
 #define MPDEM_COMPUTE_MPM_ATOM_H
 
@@ -33,4 +39,5 @@ class ComputeMpmAtom : public Compute {
 
 }  // namespace LAMMPS_NS
 
+#endif
 #endif

@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <vector>
 
+#include "../geometry/coating.h"
+#include "../geometry/composite.h"
 #include "../geometry/flat.h"
+#include "../geometry/meniscus.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
 #include "comm.h"
@@ -28,7 +32,8 @@ using mpdem::FillPoint;
 using mpdem::text_of;
 
 namespace {
-const std::vector<std::string> kKeywords = {"shape", "outer", "content", "inner", "spacing", "density", "type"};
+const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
+                                            "cap",     "content", "inner", "spacing", "density", "type"};
 }
 
 void CreateCement::check_scene(const Arguments& args) const {
@@ -79,19 +84,61 @@ CreateCement::Grain CreateCement::find_grain(int tag, const Arguments& args) con
   return g;
 }
 
-std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const mpdem::GrainPair& pair, double grain_mass,
-                                                       Arguments& args) {
-  double outer = -1.0, content = -1.0, inner = -1.0;
-  bool has_shape = false;
+std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const ShapeWords& w, const mpdem::GrainPair& pair,
+                                                       double grain_mass, double inner, const Arguments& args) const {
+  const double volume = w.content * grain_mass / density_;
+  const auto one_of = [&](std::initializer_list<std::pair<const char*, double>> given) {
+    std::string list;
+    int count = 0;
+    for (const auto& g : given) {
+      list += (list.empty() ? "'" : " or '") + std::string(g.first) + "'";
+      count += g.second > 0.0;
+    }
+    if (count != 1) args.complain("'shape " + w.style + "' needs one of " + list + " to give its size");
+  };
+  constexpr double kDegree = M_PI / 180.0;
+  if (w.style == "flat") {
+    one_of({{"outer", w.outer}, {"content", w.content}});
+    const double outer = w.outer > 0.0 ? w.outer : mpdem::Flat::outer_for_volume(pair, volume, inner);
+    return std::make_unique<mpdem::Flat>(pair, outer, inner);
+  }
+  if (w.style == "meniscus") {
+    one_of({{"filling", w.filling}, {"neck", w.neck}, {"content", w.content}});
+    const double contact = w.contact * kDegree;
+    double filling = w.filling * kDegree;
+    if (w.content > 0.0) filling = mpdem::Meniscus::filling_for_volume(pair, volume, contact, inner);
+    if (w.neck > 0.0) filling = mpdem::Meniscus::filling_for_neck(pair, w.neck, contact, inner);
+    return std::make_unique<mpdem::Meniscus>(pair, filling, contact, inner);
+  }
+  one_of({{"thickness", w.thickness}, {"content", w.content}});
+  const double cap = w.cap == 180.0 ? M_PI : w.cap * kDegree;
+  const double thickness =
+      w.thickness > 0.0 ? w.thickness : mpdem::Coating::thickness_for_volume(pair, volume, cap, inner);
+  return std::make_unique<mpdem::Coating>(pair, thickness, cap, inner);
+}
+
+// Words up to the end of the command: shapes, each with its own, and what holds for all.
+std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& pair, double grain_mass,
+                                                        Arguments& args) {
+  double inner = -1.0;
+  std::vector<ShapeWords> shapes;
+  const std::map<std::string, std::pair<double ShapeWords::*, const char*>> own = {
+      {"outer", {&ShapeWords::outer, "flat"}},          {"filling", {&ShapeWords::filling, "meniscus"}},
+      {"neck", {&ShapeWords::neck, "meniscus"}},        {"contact", {&ShapeWords::contact, "meniscus"}},
+      {"thickness", {&ShapeWords::thickness, "coating"}}, {"cap", {&ShapeWords::cap, "coating"}},
+      {"content", {&ShapeWords::content, ""}}};
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
+    const auto word = own.find(key);
     if (key == "shape") {
-      args.choice(key, {"flat"});
-      has_shape = true;
-    } else if (key == "outer") {
-      outer = args.positive(key);
-    } else if (key == "content") {
-      content = args.positive(key);
+      shapes.emplace_back();
+      shapes.back().style = args.choice(key, {"flat", "meniscus", "coating"});
+    } else if (word != own.end()) {
+      if (shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
+      const std::string style = word->second.second;
+      if (!style.empty() && style != shapes.back().style)
+        args.complain("'" + key + "' belongs to 'shape " + style + "', not to 'shape " + shapes.back().style + "'");
+      shapes.back().*(word->second.first) = key == "contact" ? args.not_negative(key) : args.positive(key);
     } else if (key == "inner") {
       inner = args.accept("auto") ? -1.0 : args.not_negative(key);
     } else if (key == "spacing") {
@@ -104,16 +151,16 @@ std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const mpdem::GrainPair& p
       args.unknown(key, kKeywords);
     }
   }
-  if (!has_shape) args.complain("keyword 'shape' is missing; use 'shape flat'");
+  if (shapes.empty()) args.complain("keyword 'shape' is missing; use 'shape flat', 'shape meniscus' or 'shape coating'");
   if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
-  if ((outer > 0.0) == (content > 0.0))
-    args.complain("give either 'outer', the radius of the bond, or 'content', the mass of cement over that of the grains");
   try {
     // Where the grains come closer than a cell no grid can resolve the film between them
     // (and between rigid touching spheres its stiffness has no bound).
-    if (inner < 0.0) inner = mpdem::Flat::radius_of_thickness(pair, 2.0 * spacing_);
-    if (outer < 0.0) outer = mpdem::Flat::outer_for_volume(pair, content * grain_mass / density_, inner);
-    return std::make_unique<mpdem::Flat>(pair, outer, inner);
+    if (inner < 0.0) inner = pair.radius_of_thickness(2.0 * spacing_);
+    std::vector<std::unique_ptr<mpdem::Shape>> made;
+    for (const ShapeWords& w : shapes) made.push_back(make_shape(w, pair, grain_mass, inner, args));
+    if (made.size() == 1) return std::move(made.front());
+    return std::make_unique<mpdem::Composite>(std::move(made));
   } catch (const mpdem::ShapeError& e) {
     args.complain(e.what());
   }
@@ -156,7 +203,7 @@ void CreateCement::command(int narg, char** arg) {
     args.complain(text_of("grains ", tags[0], " and ", tags[1], " overlap by ", -pair.gap,
                           ", more than a tenth of the smaller radius ", reach));
 
-  const std::unique_ptr<mpdem::Shape> shape = make_shape(pair, g0.mass + g1.mass, args);
+  const std::unique_ptr<mpdem::Shape> shape = read_shapes(pair, g0.mass + g1.mass, args);
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
     args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));

@@ -3,6 +3,12 @@
 //
 // Command create_cement: fills the cement between two grains with material points and
 // attaches them. See doc/create_cement.md.
+#ifdef COMMAND_CLASS
+
+CommandStyle(create_cement,CreateCement)
+
+#else
+
 #ifndef MPDEM_CREATE_CEMENT_H
 #define MPDEM_CREATE_CEMENT_H
 
@@ -27,7 +33,14 @@ class CreateCement : protected Pointers {
     double x[3], unwrapped[3], radius, mass, q[4];
   };
   Grain find_grain(int tag, const mpdem::Arguments& args) const;
-  std::unique_ptr<mpdem::Shape> make_shape(const mpdem::GrainPair& pair, double grain_mass, mpdem::Arguments& args);
+  // Dimensions of one shape, as far as they were given.
+  struct ShapeWords {
+    std::string style;
+    double outer = -1.0, filling = -1.0, neck = -1.0, contact = 0.0, thickness = -1.0, cap = 180.0, content = -1.0;
+  };
+  std::unique_ptr<mpdem::Shape> read_shapes(const mpdem::GrainPair& pair, double grain_mass, mpdem::Arguments& args);
+  std::unique_ptr<mpdem::Shape> make_shape(const ShapeWords& w, const mpdem::GrainPair& pair, double grain_mass,
+                                           double inner, const mpdem::Arguments& args) const;
   void check_scene(const mpdem::Arguments& args) const;
   void add_points(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, int body_index,
                   const mpdem::Arguments& args);
@@ -39,4 +52,5 @@ class CreateCement : protected Pointers {
 
 }  // namespace LAMMPS_NS
 
+#endif
 #endif

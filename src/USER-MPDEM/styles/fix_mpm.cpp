@@ -29,8 +29,11 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "elastic", "axis", "damage", "reproject", "check"};
+const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "elastic", "axis", "damage",
+                                            "regularization", "reproject", "check"};
 constexpr int kVectorSize = 18;
+// Width over which a crack localises on quadratic B-splines.
+constexpr double kBandOverCell = 1.5;
 }  // namespace
 
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
@@ -100,12 +103,22 @@ void FixMpm::parse(int narg, char** arg) {
               args.complain(text_of("'damage tensor cutoff ", damage.Dcut, "': must lie between 0 and 1, both excluded"));
           } else if (args.accept("evolution")) {
             damage.monotone = args.choice("damage tensor evolution", {"monotone", "full"}) == "monotone";
+          } else if (args.accept("zeta")) {
+            damage.zeta = args.number("damage tensor zeta");
+            if (!(damage.zeta > 0.0 && damage.zeta <= 1.0))
+              args.complain(text_of("'damage tensor zeta ", damage.zeta, "': tensile over compressive strength, must lie in (0, 1]"));
+          } else if (args.accept("interface")) {
+            damage.interface = args.positive("damage tensor interface");
+          } else if (args.accept("viscosity")) {
+            damage.viscosity = args.positive("damage tensor viscosity");
           } else {
             break;
           }
         }
         if (damage.B0 == 0.0) args.complain("'damage tensor' needs 'B0', the energy per volume at which damage starts");
       }
+    } else if (key == "regularization") {
+      fracture_energy_ = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
       reproject_every_ = args.integer(key, 1);
     } else if (key == "check") {
@@ -116,6 +129,14 @@ void FixMpm::parse(int narg, char** arg) {
   }
   if (cell_ == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
+  if (fracture_energy_ > 0.0) {
+    if (damage.B0 == 0.0) args.complain("'regularization crackband' needs 'damage tensor'");
+    try {
+      damage.exponent = mpdem::crack_band_exponent(damage, fracture_energy_, kBandOverCell * cell_);
+    } catch (const std::domain_error& e) {
+      args.complain(text_of("'regularization crackband': ", e.what(), "; the band is ", kBandOverCell, " cells"));
+    }
+  }
   law_ = std::make_unique<mpdem::TensorDamage>(mpdem::VtiElasticity(constants_), damage);
 }
 
@@ -265,7 +286,8 @@ void FixMpm::report_parameters() {
         "\n  elastic   Ep ", constants_.Ep, ", Ez ", constants_.Ez, ", nu_p ", constants_.nu_p, ", nu_zp ", constants_.nu_zp,
         ", Gzp ", constants_.Gzp, ", C33 ", law_->elasticity().C33, "\n");
     if (p.B0 > 0.0) {
-      text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full", "\n");
+      text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full",
+                      ", zeta ", p.zeta, ", interface ", p.interface, ", viscosity ", p.viscosity, ", crack band exponent ", p.exponent, "\n");
       const char* names[2] = {"along the axis", "in the plane  "};
       const double E[2] = {constants_.Ez, constants_.Ep};
       for (int i = 0; i < 2; ++i) {
@@ -274,8 +296,9 @@ void FixMpm::report_parameters() {
                         ", at failure ", s.failure_strain, "\n");
       }
       const mpdem::ImpliedStrength s = mpdem::implied_strength(p, constants_.Ez);
-      text += text_of("  implies   energy per crack area ", s.work_per_volume * cell_,
-                      " for a crack one cell wide: without regularization it is proportional to the cell\n");
+      text += text_of("  implies   energy per crack area ", s.work_per_volume * kBandOverCell * cell_, " for a crack ", kBandOverCell,
+                      fracture_energy_ > 0.0 ? " cells wide\n"
+                                             : " cells wide: without regularization it is proportional to the cell\n");
     } else {
       text += "  damage    none\n";
     }

@@ -4,6 +4,12 @@
 // fix mpm: the cement as a continuum on a background grid. See doc/fix_mpm.md for the
 // words and the output; the step itself is FixMpm::post_force. Grains are moved by
 // LIGGGHTS' own fixes, the points by this one.
+#ifdef FIX_CLASS
+
+FixStyle(mpm,FixMpm)
+
+#else
+
 #ifndef MPDEM_FIX_MPM_H
 #define MPDEM_FIX_MPM_H
 
@@ -97,6 +103,7 @@ class FixMpm : public Fix {
   double cell_ = 0.0;
   enum { kRadial, kBond, kGlobal } axis_ = kRadial;
   double axis_direction_[3] = {0, 0, 1};
+  double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
   int reproject_every_ = 0;
   std::unique_ptr<mpdem::TensorDamage> law_;
@@ -136,4 +143,5 @@ class FixMpm : public Fix {
 
 }  // namespace LAMMPS_NS
 
+#endif
 #endif

@@ -3,6 +3,12 @@
 //
 // fix mpm/couple: bonds the cement of a fix mpm to its grains by the penalty coupling of
 // coupling/penalty_links.h, and reports the bonds. See doc/fix_mpm_couple.md.
+#ifdef FIX_CLASS
+
+FixStyle(mpm/couple,FixMpmCouple)
+
+#else
+
 #ifndef MPDEM_FIX_MPM_COUPLE_H
 #define MPDEM_FIX_MPM_COUPLE_H
 
@@ -45,4 +51,5 @@ class FixMpmCouple : public Fix {
 
 }  // namespace LAMMPS_NS
 
+#endif
 #endif

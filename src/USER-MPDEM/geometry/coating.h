@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Coating: a shell of even thickness t on both grains; where the shells meet they are the
+// bond. `cap`: only what lies within this polar angle of the contact, seen from the grain.
+//   V = sum_i (2 pi/3)(1 - cos cap)[(R_i + t)^3 - R_i^3] - [lens(R1+t, R2+t) - lens(R1, R2)]
+// as long as the cap holds all of the overlap.
+#ifndef MPDEM_COATING_H
+#define MPDEM_COATING_H
+
+#include "shape.h"
+
+namespace mpdem {
+
+class Coating : public Shape {
+ public:
+  // cap in radians, in (0, pi/2] or pi. Throws ShapeError.
+  Coating(const GrainPair& pair, double thickness, double cap, double inner);
+
+  // Thickness that gives this volume outside `inner`. Throws ShapeError.
+  static double thickness_for_volume(const GrainPair& pair, double volume, double cap, double inner);
+
+  double thickness() const { return t_; }
+  // Radius of the ring in which the shells' outer surfaces meet; 0 if they do not.
+  double ring() const;
+
+  double volume() const override;
+  double top(double z) const override;
+  double top_clearance(double r, double z) const override;
+  double lowest() const override;
+  double highest() const override;
+  double widest() const override;
+  double covered_angle(int) const override { return cap_; }
+  double largest_thickness() const override { return t_; }
+  std::string describe() const override;
+  void add_breaks(std::vector<double>& at) const override;
+
+ private:
+  double t_, cap_;
+};
+
+}  // namespace mpdem
+
+#endif

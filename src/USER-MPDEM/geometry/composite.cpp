@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "composite.h"
+
+#include <algorithm>
+
+namespace mpdem {
+
+namespace {
+
+template <class F>
+double largest_of(const std::vector<std::unique_ptr<Shape>>& parts, F f) {
+  double v = f(*parts.front());
+  for (const auto& p : parts) v = std::max(v, f(*p));
+  return v;
+}
+
+}  // namespace
+
+Composite::Composite(std::vector<std::unique_ptr<Shape>> parts)
+    : Shape(parts.front()->pair(), parts.front()->inner()), parts_(std::move(parts)) {
+  volume_ = volume_by_quadrature(*this);
+}
+
+double Composite::top(double z) const {
+  return largest_of(parts_, [z](const Shape& s) { return s.top(z); });
+}
+double Composite::top_clearance(double r, double z) const {
+  return -largest_of(parts_, [r, z](const Shape& s) { return -s.top_clearance(r, z); });
+}
+double Composite::lowest() const {
+  return -largest_of(parts_, [](const Shape& s) { return -s.lowest(); });
+}
+double Composite::highest() const {
+  return largest_of(parts_, [](const Shape& s) { return s.highest(); });
+}
+double Composite::widest() const {
+  return largest_of(parts_, [](const Shape& s) { return s.widest(); });
+}
+double Composite::covered_angle(int side) const {
+  return largest_of(parts_, [side](const Shape& s) { return s.covered_angle(side); });
+}
+double Composite::largest_thickness() const {
+  return largest_of(parts_, [](const Shape& s) { return s.largest_thickness(); });
+}
+
+void Composite::add_breaks(std::vector<double>& at) const {
+  for (const auto& p : parts_) p->add_breaks(at);
+}
+
+std::string Composite::describe() const {
+  std::string text;
+  for (const auto& p : parts_) text += (text.empty() ? "" : " and ") + p->describe();
+  return text;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Union of shapes on one pair, such as a coating and a meniscus. Its volume has no closed
+// form and is integrated to rounding; covered angles and heights are the largest of its
+// parts, since all parts lie on the grains.
+#ifndef MPDEM_COMPOSITE_H
+#define MPDEM_COMPOSITE_H
+
+#include <memory>
+
+#include "shape.h"
+
+namespace mpdem {
+
+class Composite : public Shape {
+ public:
+  // At least one part; all of one pair and inner radius.
+  explicit Composite(std::vector<std::unique_ptr<Shape>> parts);
+
+  double volume() const override { return volume_; }
+  double top(double z) const override;
+  double top_clearance(double r, double z) const override;
+  double lowest() const override;
+  double highest() const override;
+  double widest() const override;
+  double covered_angle(int side) const override;
+  double largest_thickness() const override;
+  std::string describe() const override;
+  void add_breaks(std::vector<double>& at) const override;
+
+ private:
+  std::vector<std::unique_ptr<Shape>> parts_;
+  double volume_ = 0.0;
+};
+
+}  // namespace mpdem
+
+#endif
