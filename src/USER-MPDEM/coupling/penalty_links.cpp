@@ -19,7 +19,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
   blocks_.clear();
 
   struct Item {
-    int body, side, base[3], tag, link;
+    int body, part, side, base[3], tag, link;
     double X[3];
   };
   std::vector<Item> items;
@@ -29,6 +29,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     Item it;
     it.body = points.meta[b].body;
+    it.part = points.meta[b].part;
     it.side = bodies[it.body].grain[0] == k.grain ? 0 : 1;
     it.tag = points.tags[b][l];
     it.link = static_cast<int>(i);
@@ -38,7 +39,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     }
     items.push_back(it);
   }
-  const auto place_of = [](const Item& a) { return std::make_tuple(a.body, a.base[0], a.base[1], a.base[2], a.side); };
+  const auto place_of = [](const Item& a) { return std::make_tuple(a.body, a.part, a.base[0], a.base[1], a.base[2], a.side); };
   std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
     return std::make_pair(place_of(a), a.tag) < std::make_pair(place_of(b), b.tag);
   });
@@ -47,6 +48,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     LinkBlock b{};
     const Item& first = items[i];
     b.body = first.body;
+    b.part = first.part;
     b.side = first.side;
     b.at = -1;
     const Body& body = bodies[b.body];
@@ -84,7 +86,7 @@ std::vector<Key> PenaltyLinks::needed_sides() const {
 }
 
 void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
-  for (LinkBlock& b : blocks_) cells.push_back({b.body, b.base, b.column});
+  for (LinkBlock& b : blocks_) cells.push_back({field_of(b.body, b.part), b.base, b.column});
 }
 
 void PenaltyLinks::bind(const GrainSides& sides) {

@@ -77,7 +77,7 @@ class PenaltyLinks {
     vd area;    // zero in empty lanes and once let go
     vd inertia; // area that counts in grid.penalty
     vd damper;  // damping coefficient over sqrt(k)
-    int body, side, at;  // at: index into GrainSides
+    int body, part, side, at;  // at: index into GrainSides
     int base[3], column[9];
     int link[kLanes];
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass

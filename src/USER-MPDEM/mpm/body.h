@@ -25,6 +25,13 @@ struct Body {
   double points = 0;
 };
 
+// A body that came apart has parts, which share no nodes: one grid each. Part 0 is the whole,
+// later what stays with the first grain, 1 what stays with the second, then loose pieces.
+constexpr int kBodyBits = 20;
+constexpr int kMaxParts = 1 << (30 - kBodyBits);
+inline int field_of(int body, int part) { return body | part << kBodyBits; }
+inline int body_of(int field) { return field & ((1 << kBodyBits) - 1); }
+
 }  // namespace mpdem
 
 #endif

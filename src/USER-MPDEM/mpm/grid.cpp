@@ -24,13 +24,14 @@ NodeKinematics Grid::kinematics() const {
 }
 
 void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells,
-                 const NodeKinematics& restored, std::vector<char>& fresh) {
+                 const NodeKinematics& restored, std::vector<char>& fresh,
+                 const std::map<int, int>& parent_field) {
   const NodeKinematics before = restored.keys.empty() ? kinematics() : restored;
   h = cell_size;
 
   std::vector<Key> unique;
   unique.reserve(cells.size());
-  for (const Cell& c : cells) unique.push_back({c.body, c.base[0], c.base[1], c.base[2]});
+  for (const Cell& c : cells) unique.push_back({c.field, c.base[0], c.base[1], c.base[2]});
   std::sort(unique.begin(), unique.end());
   unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
 
@@ -53,26 +54,40 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
             static_cast<int>(std::lower_bound(keys.begin(), keys.end(), k) - keys.begin());
       }
   for (const Cell& c : cells) {
-    const Key k{c.body, c.base[0], c.base[1], c.base[2]};
+    const Key k{c.field, c.base[0], c.base[1], c.base[2]};
     const std::size_t u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
     std::copy(&columns[9 * u], &columns[9 * u] + 9, c.column);
   }
 
   const std::size_t n = keys.size();
+  const auto source = [&](Key k) {
+    const auto it = parent_field.find(k[0]);
+    if (it != parent_field.end()) k[0] = it->second;
+    return k;
+  };
+  std::vector<Key> wanted;
+  for (const Key& k : keys) wanted.push_back(source(k));
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<char> found;
-  const std::vector<double> carried = fetch_values(comm, NodeKinematics::kWidth, before.keys, before.values, keys, found);
+  const std::vector<double> carried = fetch_values(comm, NodeKinematics::kWidth, before.keys, before.values, wanted, found);
+  const auto at = [&](std::size_t i) {
+    return std::lower_bound(wanted.begin(), wanted.end(), source(keys[i])) - wanted.begin();
+  };
   velocity.resize(3 * n);
   displacement.resize(3 * n);
   acceleration.resize(3 * n);
-  for (std::size_t i = 0; i < n; ++i)
+  fresh.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t w = at(i);
+    fresh[i] = !found[w];
     for (int c = 0; c < 3; ++c) {
-      const double* v = &carried[NodeKinematics::kWidth * i + c];
+      const double* v = &carried[NodeKinematics::kWidth * w + c];
       velocity[3 * i + c] = v[0];
       displacement[3 * i + c] = v[3];
       acceleration[3 * i + c] = v[6];
     }
-  fresh.resize(n);
-  for (std::size_t i = 0; i < n; ++i) fresh[i] = !found[i];
+  }
   mass.assign(n, 0.0);
   added_mass.assign(n, 0.0);
   penalty.assign(n, 0.0);

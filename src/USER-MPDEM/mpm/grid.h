@@ -4,16 +4,18 @@
 // Background grid in the reference configuration: the nodes that points or links of this
 // rank touch, and nothing else. Each body has a grid of its own, anchored at its origin,
 // so distant bonds cost nothing between them and a bond is meshed alike wherever it lies.
-// Nodes are ordered by body, i, j, k; three consecutive k of a cell are neighbours in
+// Nodes are ordered by field (body and part), i, j, k; three consecutive k of a cell are neighbours in
 // memory and make a column.
 //
 // Leap-frog state after step n: displacement u_n, velocity v_n-1/2, acceleration a_n.
 #ifndef MPDEM_GRID_H
 #define MPDEM_GRID_H
 
+#include <map>
 #include <vector>
 
 #include "../parallel/halo_sum.h"
+#include "body.h"
 #include "point_store.h"
 
 namespace mpdem {
@@ -37,16 +39,17 @@ class Grid {
 
   // A cell that needs its 27 nodes, and where to put the first node of each column.
   struct Cell {
-    int body;
+    int field;  // field_of(body, part)
     const int* base;
     int* column;
   };
 
   // Collective. Lays out the nodes of `cells`, carries the motion over
   // from the nodes that any rank had before, and finds the ranks to share them with.
-  // Nodes new to everybody start at rest, `fresh` is set for them.
+  // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
+  // take the motion of the field it came from.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh);
+             std::vector<char>& fresh, const std::map<int, int>& parent_field = {});
 
   // Collective. Lumped mass of the points, density uniform.
   void lump_mass(const PointStore& points, double density);

@@ -42,6 +42,7 @@ PointBlock empty_block() {
 int PointRecord::pack(double* buf) const {
   int m = 0;
   buf[m++] = body;
+  buf[m++] = part;
   buf[m++] = failed;
   buf[m++] = has_frame;
   for (double v : X) buf[m++] = v;
@@ -64,6 +65,7 @@ int PointRecord::pack(double* buf) const {
 int PointRecord::unpack(const double* buf) {
   int m = 0;
   body = static_cast<int>(buf[m++]);
+  part = static_cast<int>(buf[m++]);
   failed = buf[m++] != 0.0;
   has_frame = buf[m++] != 0.0;
   for (double& v : X) v = buf[m++];
@@ -115,12 +117,14 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
 
 int PointStore::add(const PointRecord& r, int tag) {
   // The tail keeps one body a block, as everywhere.
-  const bool fresh = blocks.empty() || meta.back().occupied == 0xff || meta.back().body != r.body;
+  const bool fresh = blocks.empty() || meta.back().occupied == 0xff || meta.back().body != r.body ||
+                     meta.back().part != r.part;
   if (fresh) {
     blocks.push_back(empty_block());
     damage.emplace_back();
     meta.emplace_back();
     meta.back().body = r.body;
+    meta.back().part = r.part;
     tags.emplace_back();
     tags.back().fill(0);
   }
@@ -140,6 +144,7 @@ PointRecord PointStore::record(int slot) const {
   const PointBlock& p = blocks[b];
   PointRecord r;
   r.body = meta[b].body;
+  r.part = meta[b].part;
   r.failed = meta[b].failed >> l & 1;
   r.has_frame = meta[b].framed >> l & 1;
   for (int d = 0; d < 3; ++d) r.X[d] = p.X[d][l];
@@ -158,9 +163,9 @@ PointRecord PointStore::record(int slot) const {
 }
 
 void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-                         std::vector<int>& new_slot) {
+                         std::vector<int>& new_slot, const std::vector<int>& new_part) {
   struct Item {
-    int body, base[3], tag, index;
+    int body, part, base[3], tag, index;
   };
   const double inverse_h = 1.0 / cell;
   std::vector<Item> items(live.size());
@@ -168,15 +173,17 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
     const int b = live[i] / kLanes, l = live[i] % kLanes;
     Item& it = items[i];
     it.body = meta[b].body;
+    it.part = new_part.empty() ? meta[b].part : new_part[i];
     for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h);
     it.tag = live_tags[i];
     it.index = static_cast<int>(i);
   }
   const auto same_cell = [](const Item& a, const Item& b) {
-    return a.body == b.body && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
+    return a.body == b.body && a.part == b.part && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
   };
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
     if (a.body != b.body) return a.body < b.body;
+    if (a.part != b.part) return a.part < b.part;
     for (int d = 0; d < 3; ++d)
       if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
     return a.tag < b.tag;
@@ -193,6 +200,7 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
     next.tags.back().fill(0);
     BlockMeta& m = next.meta.back();
     m.body = items[i].body;
+    m.part = items[i].part;
     for (int d = 0; d < 3; ++d) {
       m.base[d] = items[i].base[d];
       // Empty lanes sit at the middle of the cell, where every weight is finite.

@@ -35,7 +35,7 @@ struct Link {
 // One point, for transfer between ranks, restart files and creation.
 struct PointRecord {
   static constexpr int kMaxLinks = 2;
-  int body = 0;
+  int body = 0, part = 0;
   bool failed = false;
   bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
@@ -47,7 +47,7 @@ struct PointRecord {
   int links = 0;
   Link link[kMaxLinks];
 
-  static constexpr int kPacked = 3 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 6;
+  static constexpr int kPacked = 4 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 6;
   int pack(double* buf) const;
   int unpack(const double* buf);
 };
@@ -61,7 +61,7 @@ struct PointBlock {
 };
 
 struct BlockMeta {
-  int body = 0;
+  int body = 0, part = 0;
   int base[3] = {0, 0, 0};  // cell, see quadratic_bspline.h
   int column[9] = {0};      // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
@@ -97,10 +97,11 @@ class PointStore {
   PointRecord record(int slot) const;
 
   // Keeps the points in `live` (slots, with their tags) and drops all others, in the order
-  // body, cell, tag; new_slot[i] is where live[i] went. Order and blocks depend on the
-  // points alone, not on how they came here. Link positions follow.
+  // body, part, cell, tag; new_slot[i] is where live[i] went. Order and blocks depend on the
+  // points alone, not on how they came here. Link positions follow. new_part[i], if there are
+  // any, is the part that live[i] goes to.
   void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-               std::vector<int>& new_slot);
+               std::vector<int>& new_slot, const std::vector<int>& new_part = {});
 
   void clear();
   std::size_t memory_usage() const;

@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "rendezvous.h"
 
+#include "all_to_all.h"
+
 #include <algorithm>
 #include <numeric>
 #include <tuple>
@@ -18,36 +20,6 @@ int home_rank(const Key& k, int ranks) {
     h ^= h >> 29;
   }
   return static_cast<int>(h % static_cast<std::uint64_t>(ranks));
-}
-
-template <class T>
-struct Received {
-  std::vector<T> data;
-  std::vector<int> count;  // of each source rank
-};
-
-template <class T>
-Received<T> all_to_all(MPI_Comm comm, const std::vector<std::vector<T>>& out) {
-  const int ranks = static_cast<int>(out.size());
-  std::vector<int> send(ranks), send_at(ranks, 0), recv(ranks), recv_at(ranks, 0);
-  for (int r = 0; r < ranks; ++r) send[r] = static_cast<int>(out[r].size());
-  MPI_Alltoall(send.data(), 1, MPI_INT, recv.data(), 1, MPI_INT, comm);
-  for (int r = 1; r < ranks; ++r) {
-    send_at[r] = send_at[r - 1] + send[r - 1];
-    recv_at[r] = recv_at[r - 1] + recv[r - 1];
-  }
-  std::vector<T> flat;
-  for (const auto& v : out) flat.insert(flat.end(), v.begin(), v.end());
-  Received<T> in;
-  in.count = recv;
-  in.data.resize(recv_at.back() + recv.back());
-  MPI_Datatype type;
-  MPI_Type_contiguous(sizeof(T), MPI_BYTE, &type);
-  MPI_Type_commit(&type);
-  MPI_Alltoallv(flat.data(), send.data(), send_at.data(), type, in.data.data(), recv.data(), recv_at.data(),
-                type, comm);
-  MPI_Type_free(&type);
-  return in;
 }
 
 struct Report {

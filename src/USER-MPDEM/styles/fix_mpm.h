@@ -13,6 +13,7 @@ FixStyle(mpm,FixMpm)
 #ifndef MPDEM_FIX_MPM_H
 #define MPDEM_FIX_MPM_H
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@ FixStyle(mpm,FixMpm)
 #include "../material/tensor_damage.h"
 #include "../mpm/advance_points.h"
 #include "../mpm/grid.h"
+#include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
 
@@ -65,8 +67,13 @@ class FixMpm : public Fix {
     double force[2][3], torque[2][3], gap, tension;
     double peak;  // largest tension at the steps asked for so far
     double points, attached, debonded, failed, largest_damage, mean_damage;
+    double separated, share[2];  // of the separating surface at either grain
   };
   const std::vector<BondState>& bonds();
+
+  // `intact`, `debonding`, `internal` or `mixed`, and what it was found from.
+  std::string failure_mode(int body) const;
+  const mpdem::Separation& separation(int body) const { return separation_[body]; }
 
   // What fix mpm/couple hands over; one coupling at most.
   void set_coupling(const std::string& coupling_id, const mpdem::PenaltyParameters& p);
@@ -92,6 +99,8 @@ class FixMpm : public Fix {
   void distribute_grains();
   void add_forces();
   void react_on_grains();
+  bool separate_bodies();
+  void report_modes();
   void count_points();
   void check_state();
   void report_parameters();
@@ -129,6 +138,12 @@ class FixMpm : public Fix {
   bigint points_expected_ = -1;
   mpdem::NodeKinematics restored_;
   double restored_cell_ = 0.0;
+
+  // bonds that came apart
+  std::vector<mpdem::Separation> separation_;
+  std::vector<double> failed_seen_;    // of each body, when it was looked at
+  std::map<int, int> new_part_;        // slot, part; consumed by rebuild()
+  std::map<int, int> parent_field_;
 
   // accumulated over steps, this rank's share
   double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion

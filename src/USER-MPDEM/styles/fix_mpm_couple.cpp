@@ -28,10 +28,10 @@ constexpr double kAutoOverC33 = 200.0;
 
 const char* const kColumns[] = {"fx1", "fy1", "fz1", "mx1", "my1", "mz1", "fx2", "fy2", "fz2", "mx2", "my2", "mz2",
                                 "gap", "tension", "points", "attached", "debonded", "failed", "largest_damage",
-                                "mean_damage", "peak_tension", "elastic_energy", "kinetic_energy", "coupling_energy",
+                                "mean_damage", "peak_tension", "separated", "share_grain1", "share_grain2", "elastic_energy", "kinetic_energy", "coupling_energy",
                                 "dissipated_energy", "released_energy", "damped_energy", "external_work",
                                 "energy_imbalance"};
-constexpr int kBondColumns = 21;  // the rest are sums over all bonds
+constexpr int kBondColumns = 24;  // the rest are sums over all bonds
 constexpr int kAllColumns = sizeof kColumns / sizeof kColumns[0];
 
 }  // namespace
@@ -105,7 +105,7 @@ void FixMpmCouple::init() {
     if (table_) {
       std::fprintf(table_, "step,time,bond,grain1,grain2");
       for (const char* c : kColumns) std::fprintf(table_, ",%s", c);
-      std::fprintf(table_, "\n");
+      std::fprintf(table_, ",mode\n");
     } else {
       trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", table_name_, ": ", std::strerror(errno));
     }
@@ -132,7 +132,7 @@ void FixMpmCouple::write_table() {
     std::fprintf(table_, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep,
                  update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
     for (int c = 0; c < kAllColumns; ++c) std::fprintf(table_, ",%.10g", value(b, c));
-    std::fprintf(table_, "\n");
+    std::fprintf(table_, ",%s\n", cement_->failure_mode(b).c_str());
   }
   std::fflush(table_);
 }
@@ -144,7 +144,8 @@ double FixMpmCouple::value(int body, int column) {
       const int side = column / 6, c = column % 6;
       return c < 3 ? b.force[side][c] : b.torque[side][c - 3];
     }
-    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage, b.peak};
+    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage, b.peak,
+                        b.separated, b.share[0], b.share[1]};
     return v[column - 12];
   }
   const FixMpm::Totals& t = cement_->totals();

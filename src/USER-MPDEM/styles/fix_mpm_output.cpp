@@ -64,7 +64,7 @@ const FixMpm::Totals& FixMpm::totals() {
   }
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
-    const mpdem::Body& body = avec_->bodies[grid_.keys[i][0]];
+    const mpdem::Body& body = avec_->bodies[mpdem::body_of(grid_.keys[i][0])];
     double v[3], x[3];
     for (int d = 0; d < 3; ++d) {
       v[d] = grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
@@ -169,6 +169,12 @@ const std::vector<FixMpm::BondState>& FixMpm::bonds() {
     b.largest_damage = most[i];
     b.attached = row[2 * kSide + 4];
     b.debonded = row[2 * kSide + 5];
+    if (i < static_cast<int>(separation_.size()) && separation_[i].separated) {
+      const mpdem::Separation& s = separation_[i];
+      const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+      b.separated = 1.0;
+      for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
+    }
   }
   bonds_at_ = update->ntimestep;
   return bonds_;

@@ -55,6 +55,7 @@ void FixMpm::pre_exchange() {
 void FixMpm::setup_pre_neighbor() {
   count_points();
   rebuild();
+  if (separate_bodies()) rebuild();
 }
 
 void FixMpm::pre_neighbor() {
@@ -110,13 +111,16 @@ void FixMpm::find_owned_grains() {
 
 void FixMpm::rebuild() {
   mpdem::PointStore& points = avec_->points;
-  std::vector<int> live, tags, place;
+  std::vector<int> live, tags, parts, place;
   for (int i = 0; i < atom->nlocal; ++i)
     if (avec_->is_point(i)) {
-      live.push_back(avec_->slot[i]);
+      const int slot = avec_->slot[i];
+      live.push_back(slot);
       tags.push_back(atom->tag[i]);
+      const auto moved = new_part_.find(slot);
+      parts.push_back(moved != new_part_.end() ? moved->second : points.meta[slot / kLanes].part);
     }
-  points.arrange(live, tags, cell_, place);
+  points.arrange(live, tags, cell_, place, parts);
   std::size_t at = 0;
   for (int i = 0; i < atom->nlocal; ++i)
     if (avec_->is_point(i)) avec_->slot[i] = place[at++];
@@ -124,7 +128,7 @@ void FixMpm::rebuild() {
   set_frames();
 
   std::vector<mpdem::Grid::Cell> cells;
-  for (mpdem::BlockMeta& m : points.meta) cells.push_back({m.body, m.base, m.column});
+  for (mpdem::BlockMeta& m : points.meta) cells.push_back({mpdem::field_of(m.body, m.part), m.base, m.column});
   if (coupled_) {
     links_.build(points, avec_->bodies, penalty_, cell_, density_);
     links_.add_cells(cells);
@@ -133,7 +137,9 @@ void FixMpm::rebuild() {
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
                                  restored_cell_, "; use that"));
   std::vector<char> fresh;
-  grid_.build(world, cell_, cells, restored_, fresh);
+  grid_.build(world, cell_, cells, restored_, fresh, parent_field_);
+  new_part_.clear();
+  parent_field_.clear();
   restored_ = mpdem::NodeKinematics();
   grid_.lump_mass(points, density_);
   if (!started_) start_velocities(fresh);
@@ -254,7 +260,7 @@ void FixMpm::start_velocities(const std::vector<char>& fresh) {
   grid_.halo.sum(momentum.data(), 3);
   for (int i = 0; i < grid_.size(); ++i) {
     if (!fresh[i]) continue;
-    const auto& A = fit[grid_.keys[i][0]];
+    const auto& A = fit[mpdem::body_of(grid_.keys[i][0])];
     for (int d = 0; d < 3; ++d) {
       double v = A(0, d);
       for (int e = 0; e < 3; ++e) v += A(1 + e, d) * grid_.keys[i][1 + e];

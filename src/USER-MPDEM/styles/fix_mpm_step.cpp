@@ -47,6 +47,8 @@ void FixMpm::post_integrate() {
 
 void FixMpm::post_force(int) {
   const double dt = update->dt;
+  // After a check; not in it, where the forces of the step are still to be shown.
+  if ((update->ntimestep - 1) % check_every_ == 0 && separate_bodies()) rebuild();
   jump_.clear();
   if (reproject_every_ > 0 && update->ntimestep % reproject_every_ == 0) reproject();
   grid_.drift(0.5 * (dt_last_ + dt), dt);
@@ -153,7 +155,10 @@ void FixMpm::end_of_step() {
   if (output_due) fill_atoms();
 }
 
-void FixMpm::post_run() { fill_atoms(); }
+void FixMpm::post_run() {
+  fill_atoms();
+  report_modes();
+}
 
 void FixMpm::check_state() {
   std::string trouble;

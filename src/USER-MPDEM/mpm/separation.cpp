@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "separation.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace mpdem {
+
+namespace {
+
+class Neighbours {
+ public:
+  explicit Neighbours(const std::vector<CrackPoint>& p) : points_(p), order_(p.size()), face_(p.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    std::sort(order_.begin(), order_.end(), [&](int a, int b) { return cell(a) < cell(b); });
+    for (int i : order_)
+      for (int d = 0; d < 3; ++d)
+        for (int side = 0; side < 2; ++side) {
+          std::array<int, 3> c = cell(i);
+          c[d] += side == 0 ? -1 : 1;
+          const auto it = std::lower_bound(order_.begin(), order_.end(), c,
+                                           [&](int a, const std::array<int, 3>& v) { return cell(a) < v; });
+          face_[i][2 * d + side] = it != order_.end() && cell(*it) == c ? *it : -1;
+        }
+  }
+  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none.
+  const std::array<int, 6>& of(int i) const { return face_[i]; }
+  // Points in the order of their cells.
+  const std::vector<int>& order() const { return order_; }
+
+ private:
+  std::array<int, 3> cell(int i) const { return {points_[i].cell[0], points_[i].cell[1], points_[i].cell[2]}; }
+
+  const std::vector<CrackPoint>& points_;
+  std::vector<int> order_;
+  std::vector<std::array<int, 6>> face_;
+};
+
+struct Piece {
+  int points = 0, least_tag = 0, part = 0;
+  bool attached[2] = {false, false};
+};
+
+// Spreads the labels (-1: none) from cell to cell, within a part or across, until every point
+// that can be reached has one. Fronts advance together; the lower label wins where two meet.
+void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<int>& label) {
+  std::vector<int> front;
+  for (int i : near.order())
+    if (label[i] >= 0) front.push_back(i);
+  while (!front.empty()) {
+    std::map<int, int> claimed;  // point, label
+    for (int i : front)
+      for (int j : near.of(i))
+        if (j >= 0 && label[j] < 0 && (across || points[j].part == points[i].part)) {
+          const auto it = claimed.emplace(j, label[i]).first;
+          it->second = std::min(it->second, label[i]);
+        }
+    front.clear();
+    for (const auto& c : claimed) {
+      label[c.first] = c.second;
+      front.push_back(c.first);
+    }
+  }
+}
+
+}  // namespace
+
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area) {
+  const int n = static_cast<int>(points.size());
+  const Neighbours near(points);
+  Separation result;
+  result.part.resize(n);
+  for (int i = 0; i < n; ++i) result.part[i] = points[i].part;
+
+  // Pieces of intact points of one part.
+  std::vector<int> piece_of(n, -1);
+  std::vector<Piece> pieces;
+  std::vector<int> stack;
+  for (int first : near.order()) {
+    if (points[first].failed || piece_of[first] >= 0) continue;
+    Piece p;
+    p.part = points[first].part;
+    p.least_tag = points[first].tag;
+    stack.assign(1, first);
+    piece_of[first] = static_cast<int>(pieces.size());
+    while (!stack.empty()) {
+      const int i = stack.back();
+      stack.pop_back();
+      ++p.points;
+      p.least_tag = std::min(p.least_tag, points[i].tag);
+      for (int s = 0; s < 2; ++s) p.attached[s] = p.attached[s] || points[i].attached[s];
+      for (int j : near.of(i))
+        if (j >= 0 && !points[j].failed && piece_of[j] < 0 && points[j].part == p.part) {
+          piece_of[j] = static_cast<int>(pieces.size());
+          stack.push_back(j);
+        }
+    }
+    pieces.push_back(p);
+  }
+  for (const Piece& p : pieces)
+    if (p.attached[0] && p.attached[1]) return result;  // still a bond
+  result.separated = true;
+
+  // Parts only ever split, so that their nodes can take over the motion they had together.
+  // What is attached keeps its part, but for the first separation, where the second grain's
+  // share becomes part 1. Loose pieces become parts of their own in the order of their least
+  // tag, unless they are all there is of a part already.
+  int next = 2;
+  for (const CrackPoint& p : points) next = std::max(next, p.part + 1);
+  std::map<int, int> holders;  // part, pieces that count in it
+  const auto counts = [](const Piece& p) { return p.attached[0] || p.attached[1] || p.points >= kLeastLoose; };
+  for (const Piece& p : pieces) holders[p.part] += counts(p);
+  std::vector<int> part_of(pieces.size(), -1), by_tag(pieces.size());
+  std::iota(by_tag.begin(), by_tag.end(), 0);
+  std::sort(by_tag.begin(), by_tag.end(), [&](int a, int b) { return pieces[a].least_tag < pieces[b].least_tag; });
+  for (int k : by_tag) {
+    const Piece& p = pieces[k];
+    if (!counts(p)) continue;
+    if (p.attached[0]) part_of[k] = p.part;
+    else if (p.attached[1]) part_of[k] = p.part == 0 ? 1 : p.part;
+    else part_of[k] = holders[p.part] > 1 ? next++ : p.part;
+  }
+  std::vector<int> part(n, -1), side(n, -1);
+  for (int i = 0; i < n; ++i)
+    if (piece_of[i] >= 0) {
+      part[i] = part_of[piece_of[i]];
+      const Piece& p = pieces[piece_of[i]];
+      if (p.attached[0] || p.attached[1]) side[i] = p.attached[0] ? 0 : 1;
+    }
+  grow(near, points, false, part);
+  for (int i = 0; i < n; ++i) result.part[i] = part[i] >= 0 ? part[i] : points[i].part;
+
+  grow(near, points, true, side);
+  for (int i = 0; i < n; ++i) {
+    if (side[i] < 0) continue;
+    result.at_grain[1 - side[i]] += points[i].link_area[1 - side[i]];
+    for (int f = 0; f < 6; ++f) {
+      const int j = near.of(i)[f];
+      if (j >= 0 && side[i] == 0 && side[j] == 1) result.inside += face_area[f / 2];
+    }
+  }
+  return result;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Has a bond come apart, and how? The crack is the set of failed points; intact points hold
+// together where their lattice cells share a face. A bond is separated when no such piece is
+// attached to both grains. Then
+// * the cement gets parts that share no nodes: what is attached to the first grain, to the
+//   second, and every loose piece of at least kLeastLoose points. Failed points and smaller
+//   crumbs go with the nearest of these (in steps from cell to cell) of their part;
+// * the separating surface lies where the material that goes with the first grain meets the
+//   material that goes with the second: inside the cement, or at a grain where that grain's
+//   own links are to material of the other. Its areas are projected on the plane across the
+//   line of centres.
+// Serial, on all points of one body; the result does not depend on their order.
+#ifndef MPDEM_SEPARATION_H
+#define MPDEM_SEPARATION_H
+
+#include <array>
+#include <vector>
+
+namespace mpdem {
+
+struct CrackPoint {
+  int tag;
+  int cell[3];              // of the lattice
+  int part;                 // so far
+  bool failed;
+  bool attached[2];         // holds to this grain
+  double link_area[2];      // projected area of its links, let go or not
+};
+
+struct Separation {
+  bool separated = false;
+  // Of the separating surface, projected: at either grain, and inside.
+  double at_grain[2] = {0, 0}, inside = 0;
+  // New part of each point, in the order given.
+  std::vector<int> part;
+
+  double debonded_share() const {
+    const double all = at_grain[0] + at_grain[1] + inside;
+    return all > 0.0 ? (at_grain[0] + at_grain[1]) / all : 0.0;
+  }
+};
+
+constexpr int kLeastLoose = 64;
+
+// face_area[d]: projected area of a lattice face across direction d.
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area);
+
+}  // namespace mpdem
+
+#endif

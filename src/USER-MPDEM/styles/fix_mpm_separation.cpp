@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Bonds that come apart: at the checks of fix mpm, bodies in which points failed are looked at
+// as a whole, each by one rank, and their parts get nodes of their own (mpm/separation.h).
+#include <mpi.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "../mpm/separation.h"
+#include "../parallel/all_to_all.h"
+#include "arguments.h"
+#include "atom.h"
+#include "comm.h"
+#include "fix_mpm.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::kLanes;
+using mpdem::text_of;
+
+namespace {
+
+struct Sent {
+  int body, slot;
+  mpdem::CrackPoint point;
+};
+struct Returned {
+  int slot, part;
+};
+
+}  // namespace
+
+// Collective. True if a part changed.
+bool FixMpm::separate_bodies() {
+  if (law_->parameters().B0 == 0.0 || !coupled_) return false;
+  mpdem::PointStore& points = avec_->points;
+  const int bodies = static_cast<int>(avec_->bodies.size());
+  std::vector<double> failed(bodies, 0.0);
+  for (const mpdem::BlockMeta& m : points.meta) failed[m.body] += __builtin_popcount(m.failed);
+  MPI_Allreduce(MPI_IN_PLACE, failed.data(), bodies, MPI_DOUBLE, MPI_SUM, world);
+  separation_.resize(bodies);
+  failed_seen_.resize(bodies, 0.0);
+  std::vector<char> look(bodies);
+  bool any = false;
+  for (int b = 0; b < bodies; ++b) {
+    look[b] = failed[b] != failed_seen_[b];
+    any = any || look[b];
+  }
+  failed_seen_ = failed;
+  if (!any) return false;
+
+  std::vector<std::vector<Sent>> out(comm->nprocs);
+  std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
+  for (const mpdem::Link& k : points.links) ++first_link[k.slot + 1];
+  for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::BlockMeta& m = points.meta[b];
+    if (!look[m.body]) continue;
+    const mpdem::Body& body = avec_->bodies[m.body];
+    double axis[3], length = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = body.centre[1][d] - body.centre[0][d];
+      length += axis[d] * axis[d];
+    }
+    for (double& a : axis) a /= std::sqrt(length);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      Sent s;
+      s.body = m.body;
+      s.slot = kLanes * static_cast<int>(b) + l;
+      s.point.tag = points.tags[b][l];
+      s.point.part = m.part;
+      s.point.failed = m.failed >> l & 1;
+      for (int d = 0; d < 3; ++d)
+        s.point.cell[d] = static_cast<int>(std::floor(points.blocks[b].X[d][l] / body.spacing));
+      for (int g = 0; g < 2; ++g) {
+        s.point.attached[g] = false;
+        s.point.link_area[g] = 0.0;
+      }
+      for (int n = first_link[s.slot]; n < first_link[s.slot + 1]; ++n) {
+        const mpdem::Link& k = points.links[n];
+        const int g = k.grain == body.grain[0] ? 0 : 1;
+        double across = 0.0;
+        for (int d = 0; d < 3; ++d) across += (k.foot[d] - body.centre[g][d]) / body.radius[g] * axis[d];
+        s.point.attached[g] = s.point.attached[g] || k.attached;
+        s.point.link_area[g] += k.area * std::fabs(across);
+      }
+      out[m.body % comm->nprocs].push_back(s);
+    }
+  }
+  const auto in = mpdem::all_to_all(world, out);
+
+  // Here the bodies of this rank are whole.
+  std::vector<std::vector<Returned>> back(comm->nprocs);
+  std::vector<double> result(4 * bodies, 0.0);
+  std::vector<std::vector<mpdem::CrackPoint>> whole(bodies);
+  for (const Sent& s : in.data) whole[s.body].push_back(s.point);
+  std::vector<mpdem::Separation> found(bodies);
+  for (int b = 0; b < bodies; ++b) {
+    if (whole[b].empty()) continue;
+    const mpdem::Body& body = avec_->bodies[b];
+    double face[3], length = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      face[d] = body.centre[1][d] - body.centre[0][d];
+      length += face[d] * face[d];
+    }
+    for (double& f : face) f = std::fabs(f) / std::sqrt(length) * body.spacing * body.spacing;
+    found[b] = mpdem::separate(whole[b], face);
+    result[4 * b] = found[b].separated;
+    result[4 * b + 1] = found[b].at_grain[0];
+    result[4 * b + 2] = found[b].at_grain[1];
+    result[4 * b + 3] = found[b].inside;
+  }
+  std::vector<std::size_t> at(bodies, 0);
+  std::size_t n = 0;
+  for (int r = 0; r < comm->nprocs; ++r)
+    for (int i = 0; i < in.count[r]; ++i, ++n) {
+      const Sent& s = in.data[n];
+      const int part = found[s.body].part[at[s.body]++];
+      if (part != s.point.part) back[r].push_back({s.slot, part});
+    }
+  const std::vector<Returned> changed = mpdem::all_to_all(world, back).data;
+  MPI_Allreduce(MPI_IN_PLACE, result.data(), 4 * bodies, MPI_DOUBLE, MPI_SUM, world);
+  for (int b = 0; b < bodies; ++b) {
+    if (!look[b]) continue;
+    // The surface is that of the separation; what breaks later is debris.
+    const bool was = separation_[b].separated;
+    if (was || result[4 * b] == 0.0) continue;
+    separation_[b].separated = true;
+    separation_[b].at_grain[0] = result[4 * b + 1];
+    separation_[b].at_grain[1] = result[4 * b + 2];
+    separation_[b].inside = result[4 * b + 3];
+  }
+
+  parent_field_.clear();
+  new_part_.clear();
+  for (const Returned& r : changed) {
+    const mpdem::BlockMeta& m = points.meta[r.slot / kLanes];
+    if (r.part >= mpdem::kMaxParts)
+      mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a bond broke into more than ", mpdem::kMaxParts, " parts"));
+    new_part_[r.slot] = r.part;
+    parent_field_[mpdem::field_of(m.body, r.part)] = mpdem::field_of(m.body, m.part);
+  }
+  int mine = !changed.empty(), all;
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, world);
+  return all != 0;
+}
+
+std::string FixMpm::failure_mode(int body) const {
+  if (body >= static_cast<int>(separation_.size()) || !separation_[body].separated) return "intact";
+  const double share = separation_[body].debonded_share();
+  return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
+}
+
+// One line a bond, at the end of a run in which points have failed.
+void FixMpm::report_modes() {
+  if (comm->me != 0) return;
+  constexpr std::size_t kMostLines = 20;
+  std::size_t lines = 0;
+  for (std::size_t b = 0; b < separation_.size(); ++b) {
+    if (failed_seen_[b] == 0.0) continue;
+    if (++lines > kMostLines) break;
+    const mpdem::Separation& s = separation_[b];
+    const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+    std::string text = text_of("fix mpm (id ", id, "): bond ", b + 1, " of grains ", avec_->bodies[b].grain[0], " and ",
+                               avec_->bodies[b].grain[1], ": ", failure_mode(static_cast<int>(b)), ", ", failed_seen_[b],
+                               " points failed");
+    if (s.separated && all > 0.0)
+      text += text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",
+                      100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
+    for (FILE* f : {screen, logfile})
+      if (f) std::fprintf(f, "%s\n", text.c_str());
+  }
+}
+
+}  // namespace LAMMPS_NS
