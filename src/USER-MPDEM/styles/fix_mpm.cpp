@@ -30,7 +30,7 @@ using namespace FixConst;
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "elastic", "axis", "damage",
-                                            "regularization", "reproject", "check"};
+                                            "regularization", "reproject", "check", "events"};
 constexpr int kVectorSize = 18;
 // Width over which a crack localises on quadratic B-splines.
 constexpr double kBandOverCell = 1.5;
@@ -121,6 +121,9 @@ void FixMpm::parse(int narg, char** arg) {
       fracture_energy_ = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
       reproject_every_ = args.integer(key, 1);
+    } else if (key == "events") {
+      events_name_ = args.word("a file name for 'events'");
+      events_from_ = update->ntimestep;
     } else if (key == "check") {
       check_every_ = args.integer(key, 1);
     } else {

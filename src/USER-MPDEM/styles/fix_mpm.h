@@ -27,6 +27,7 @@ FixStyle(mpm,FixMpm)
 #include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
+#include "table_file.h"
 
 namespace LAMMPS_NS {
 
@@ -101,6 +102,8 @@ class FixMpm : public Fix {
   void react_on_grains();
   bool separate_bodies();
   void report_modes();
+  void record_events();
+  void write_events();
   void count_points();
   void check_state();
   void report_parameters();
@@ -144,6 +147,16 @@ class FixMpm : public Fix {
   std::vector<double> failed_seen_;    // of each body, when it was looked at
   std::map<int, int> new_part_;        // slot, part; consumed by rebuild()
   std::map<int, int> parent_field_;
+
+  // failures since the last check, doubles throughout for MPI
+  struct FailureEvent {
+    double step, time, point, bond, grain, r, theta, z, damage[3], direction[3];
+  };
+  std::vector<FailureEvent> events_;
+  std::string events_name_;
+  mpdem::TableFile events_file_;
+  bool events_open_ = false;
+  bigint events_from_ = 0;
 
   // accumulated over steps, this rank's share
   double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion

@@ -3,8 +3,7 @@
 #include "fix_mpm_couple.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
+#include <cstdio>
 
 #include "arguments.h"
 #include "atom.h"
@@ -60,14 +59,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
+      table_from_ = update->ntimestep;
     } else {
       args.unknown(key, kKeywords);
     }
   }
-}
-
-FixMpmCouple::~FixMpmCouple() {
-  if (table_) std::fclose(table_);
 }
 
 FixMpm* FixMpmCouple::find_cement() const {
@@ -100,15 +96,13 @@ void FixMpmCouple::init() {
     }
   mpdem::stop_if_any(lmp, trouble);
 
-  if (table_every_ > 0 && !table_ && comm->me == 0) {
-    table_ = std::fopen(table_name_.c_str(), "w");
-    if (table_) {
-      std::fprintf(table_, "step,time,bond,grain1,grain2");
-      for (const char* c : kColumns) std::fprintf(table_, ",%s", c);
-      std::fprintf(table_, ",mode\n");
-    } else {
-      trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", table_name_, ": ", std::strerror(errno));
-    }
+  if (table_every_ > 0 && !table_open_) {
+    std::string header = "step,time,bond,grain1,grain2";
+    for (const char* c : kColumns) header += text_of(",", c);
+    if (comm->me == 0) trouble = table_.open(table_name_, header + ",mode", static_cast<long>(table_from_) - 1);
+    if (!trouble.empty())
+      trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble, "; name another");
+    table_open_ = true;
   }
   mpdem::stop_if_any(lmp, trouble);
 }
@@ -129,12 +123,12 @@ void FixMpmCouple::write_table() {
   if (comm->me != 0) return;
   for (int b = 0; b < bonds; ++b) {
     const mpdem::Body& body = cement_->cement()->bodies[b];
-    std::fprintf(table_, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep,
+    std::fprintf(table_.stream(), BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep,
                  update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
-    for (int c = 0; c < kAllColumns; ++c) std::fprintf(table_, ",%.10g", value(b, c));
-    std::fprintf(table_, ",%s\n", cement_->failure_mode(b).c_str());
+    for (int c = 0; c < kAllColumns; ++c) std::fprintf(table_.stream(), ",%.10g", value(b, c));
+    std::fprintf(table_.stream(), ",%s\n", cement_->failure_mode(b).c_str());
   }
-  std::fflush(table_);
+  table_.flush();
 }
 
 double FixMpmCouple::value(int body, int column) {

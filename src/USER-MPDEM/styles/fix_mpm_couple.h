@@ -12,7 +12,6 @@ FixStyle(mpm/couple,FixMpmCouple)
 #ifndef MPDEM_FIX_MPM_COUPLE_H
 #define MPDEM_FIX_MPM_COUPLE_H
 
-#include <cstdio>
 #include <string>
 
 #include "fix.h"
@@ -23,7 +22,6 @@ namespace LAMMPS_NS {
 class FixMpmCouple : public Fix {
  public:
   FixMpmCouple(LAMMPS* lmp, int narg, char** arg);
-  ~FixMpmCouple() override;
 
   int setmask() override;
   void init() override;
@@ -45,7 +43,9 @@ class FixMpmCouple : public Fix {
   bool at_surface_ = true;
   int table_every_ = 0;
   std::string table_name_;
-  FILE* table_ = nullptr;
+  mpdem::TableFile table_;
+  bigint table_from_ = 0;
+  bool table_open_ = false;
   bigint table_last_ = -1;
 };
 

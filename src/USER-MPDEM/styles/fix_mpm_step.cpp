@@ -60,6 +60,7 @@ void FixMpm::post_force(int) {
   advance_.failed.clear();
   mpdem::advance_points(avec_->points, grid_, *law_, dt, advance_);
   if (coupled_) links_.let_go(avec_->points, advance_.failed, grid_, sides_, advance_.released);
+  record_events();
   dissipated_ += advance_.dissipated;
   released_ += advance_.released;
   add_forces();
@@ -148,6 +149,7 @@ void FixMpm::end_of_step() {
   const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
     drop_added_mass();
+    write_events();
     check_state();
   } else if (output_due) {
     check_state();
@@ -157,6 +159,7 @@ void FixMpm::end_of_step() {
 
 void FixMpm::post_run() {
   fill_atoms();
+  write_events();
   report_modes();
 }
 
@@ -176,6 +179,7 @@ void FixMpm::setup(int) {
   totals_at_ = bonds_at_ = -1;
   jump_.clear();
   report_parameters();
+  write_events();
   distribute_grains();
   check_state();
   grid_.clear_force();

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Event log of fix mpm: one line for each point that fails. Events wait on their rank and are
+// gathered at the checks, ordered by step and ID, so that the file is the same on any number
+// of ranks.
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "../material/eigen3.h"
+#include "arguments.h"
+#include "comm.h"
+#include "fix_mpm.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::kLanes;
+using mpdem::text_of;
+
+namespace {
+const char* const kHeader =
+    "step,time,point,bond,grain,r,theta,z,damage1,damage2,damage3,direction_x,direction_y,direction_z,mode";
+}
+
+void FixMpm::record_events() {
+  if (events_name_.empty()) return;
+  const mpdem::PointStore& points = avec_->points;
+  for (int slot : advance_.failed) {
+    const int b = slot / kLanes, l = slot % kLanes;
+    const mpdem::Body& body = avec_->bodies[points.meta[b].body];
+    FailureEvent e{};
+    e.step = static_cast<double>(update->ntimestep);
+    e.time = update->get_cur_time();
+    e.point = points.tags[b][l];
+    e.bond = points.meta[b].body + 1;
+    const auto link = std::lower_bound(points.links.begin(), points.links.end(), slot,
+                                       [](const mpdem::Link& k, int s) { return k.slot < s; });
+    if (link != points.links.end() && link->slot == slot) e.grain = link->grain;
+
+    // Polar coordinates about the line of centres, from the coordinate axis most across it.
+    mpdem::Vector3 axis, X;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = body.centre[1][d] - body.centre[0][d];
+      X[d] = points.blocks[b].X[d][l];
+    }
+    axis.normalize();
+    int least = 0;
+    for (int d = 1; d < 3; ++d)
+      if (std::fabs(axis[d]) < std::fabs(axis[least]) - 1e-12) least = d;
+    const mpdem::Vector3 e1 = (mpdem::Vector3::Unit(least) - axis[least] * axis).normalized(), e2 = axis.cross(e1);
+    e.z = X.dot(axis);
+    e.r = (X - e.z * axis).norm();
+    e.theta = std::atan2(X.dot(e2), X.dot(e1));
+
+    const mpdem::Spectral s =
+        mpdem::eigen(mpdem::rotate(mpdem::rotation_matrix(points.blocks[b].q), points.damage[b].D));
+    int order[3] = {0, 1, 2};
+    std::sort(order, order + 3, [&](int i, int j) { return s.value[i][l] > s.value[j][l]; });
+    for (int i = 0; i < 3; ++i) {
+      e.damage[i] = s.value[order[i]][l];
+      e.direction[i] = s.axes.a[i][order[0]][l];
+    }
+    // A direction has no sign: the largest component is positive.
+    int most = 0;
+    for (int i = 1; i < 3; ++i)
+      if (std::fabs(e.direction[i]) > std::fabs(e.direction[most]) + 1e-9) most = i;
+    if (e.direction[most] < 0.0)
+      for (double& c : e.direction) c = -c;
+    events_.push_back(e);
+  }
+}
+
+// Collective.
+void FixMpm::write_events() {
+  if (events_name_.empty()) return;
+  if (!events_open_) {
+    std::string trouble;
+    if (comm->me == 0) trouble = events_file_.open(events_name_, kHeader, static_cast<long>(events_from_));
+    if (!trouble.empty()) trouble = text_of("fix mpm (id ", id, "): cannot write 'events' file ", trouble, "; name another");
+    mpdem::stop_if_any(lmp, trouble);
+    events_open_ = true;
+  }
+  constexpr int kWidth = sizeof(FailureEvent) / sizeof(double);
+  int mine = kWidth * static_cast<int>(events_.size());
+  std::vector<int> counts(comm->nprocs), at(comm->nprocs, 0);
+  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, world);
+  std::vector<FailureEvent> all;
+  if (comm->me == 0) {
+    for (int r = 1; r < comm->nprocs; ++r) at[r] = at[r - 1] + counts[r - 1];
+    all.resize((at.back() + counts.back()) / kWidth);
+  }
+  MPI_Gatherv(events_.data(), mine, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
+  events_.clear();
+  if (comm->me != 0 || all.empty()) return;
+  std::sort(all.begin(), all.end(), [](const FailureEvent& a, const FailureEvent& b) {
+    return a.step != b.step ? a.step < b.step : a.point < b.point;
+  });
+  for (const FailureEvent& e : all)
+    std::fprintf(events_file_.stream(), "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step,
+                 e.time, e.point, e.bond, e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2],
+                 e.direction[0], e.direction[1], e.direction[2], e.grain > 0 ? "debonding" : "internal");
+  events_file_.flush();
+}
+
+}  // namespace LAMMPS_NS
