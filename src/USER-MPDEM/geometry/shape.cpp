@@ -8,7 +8,7 @@
 
 namespace mpdem {
 
-double sag(double R, double r) { return r * r / (R + std::sqrt(std::max(R * R - r * r, 0.0))); }
+double sag(double R, double r) { return r * r / (R + std::sqrt(std::max((R - r) * (R + r), 0.0))); }
 
 double lens_volume(double S1, double S2, double d) {
   if (d >= S1 + S2) return 0.0;

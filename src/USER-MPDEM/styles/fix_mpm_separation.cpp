@@ -157,16 +157,17 @@ std::string FixMpm::failure_mode(int body) const {
 
 // One line a bond, at the end of a run in which points have failed.
 void FixMpm::report_modes() {
+  const std::vector<BondState>& state = bonds();
   if (comm->me != 0) return;
   constexpr std::size_t kMostLines = 20;
   std::size_t lines = 0;
   for (std::size_t b = 0; b < separation_.size(); ++b) {
-    if (failed_seen_[b] == 0.0) continue;
+    if (state[b].failed == 0.0) continue;
     if (++lines > kMostLines) break;
     const mpdem::Separation& s = separation_[b];
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
     std::string text = text_of("fix mpm (id ", id, "): bond ", b + 1, " of grains ", avec_->bodies[b].grain[0], " and ",
-                               avec_->bodies[b].grain[1], ": ", failure_mode(static_cast<int>(b)), ", ", failed_seen_[b],
+                               avec_->bodies[b].grain[1], ": ", failure_mode(static_cast<int>(b)), ", ", state[b].failed,
                                " points failed");
     if (s.separated && all > 0.0)
       text += text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",
