@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test clean
+.PHONY: all demo test liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -35,6 +35,11 @@ demo: $(BUILD)/.setup
 
 test: all
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
+
+# LIGGGHTS itself from source, with the series of patches/ and the package inside, in
+# $(BUILD)/from-source. TARBALL=... if it is at hand, JOBS=... for other than 2.
+liggghts-from-source: $(BUILD)/.setup
+	tools/liggghts_from_source.sh $(BUILD)/from-source
 
 clean:
 	rm -rf $(BUILD)

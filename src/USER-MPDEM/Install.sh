@@ -75,7 +75,7 @@ if (test -e $src/Makefile.package.settings) then
 # All files get the same -march, since inline functions of Eigen depend on it.
 MPDEM_EIGEN ?= /usr/include/eigen3
 MPDEM_ARCH ?= native
-mpdem_SYSINC = -iquote .. -isystem \$(MPDEM_EIGEN) \$(if \$(MPDEM_ARCH),-march=\$(MPDEM_ARCH))
+mpdem_SYSINC = -Wno-psabi -iquote .. -isystem \$(MPDEM_EIGEN) \$(if \$(MPDEM_ARCH),-march=\$(MPDEM_ARCH))
 # the package's own files: C++17 with vector types and fused multiply-add; the arithmetic
 # relies on neither errno nor traps
 mpdem_CCFLAGS := -std=gnu++17 -DOMPI_SKIP_MPICXX -fno-math-errno -fno-trapping-math \\

@@ -169,15 +169,18 @@ bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p
 
 std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing) {
   const Vector3 extent = shape.half_extent();
+  // Every rank holds the list while the points are made.
+  constexpr double kMostPoints = 2e8;
+  const double expected = shape.volume() / (spacing * spacing * spacing);
+  if (!(expected < kMostPoints)) {
+    std::ostringstream why;
+    why << "spacing " << spacing << " would take " << expected << " points, more than " << kMostPoints
+        << "; use a larger spacing";
+    throw ShapeError(why.str());
+  }
   Cell from, to;
   for (int d = 0; d < 3; ++d) {
-    const double n = std::ceil(extent[d] / spacing) + 1.0;
-    if (n > 1e6) {
-      std::ostringstream why;
-      why << "spacing " << spacing << " is too fine for a body of half width " << extent[d] << "; use a larger spacing";
-      throw ShapeError(why.str());
-    }
-    to[d] = static_cast<int>(n);
+    to[d] = static_cast<int>(std::ceil(extent[d] / spacing)) + 1;
     from[d] = -to[d];
   }
   std::vector<Cell> full, cut;

@@ -195,13 +195,13 @@ void CreateCement::command(int narg, char** arg) {
   domain->minimum_image(d[0], d[1], d[2]);
   const mpdem::Vector3 centres(d[0], d[1], d[2]);
   mpdem::GrainPair pair{g0.radius, g1.radius, centres.norm() - g0.radius - g1.radius, centres.normalized()};
-  const double reach = std::min(g0.radius, g1.radius);
+  const double reach = 0.5 * std::min(g0.radius, g1.radius);
   if (!(centres.norm() > 0.0) || !(pair.gap < reach))
     args.complain(text_of("grains ", tags[0], " and ", tags[1], " are not neighbours: their gap ", pair.gap,
-                          " exceeds the smaller radius ", reach, "; bring them together or name other grains"));
-  if (!(pair.gap > -0.1 * reach))
+                          " exceeds half the smaller radius, ", reach, "; bring them together or name other grains"));
+  if (!(pair.gap > -0.2 * reach))
     args.complain(text_of("grains ", tags[0], " and ", tags[1], " overlap by ", -pair.gap,
-                          ", more than a tenth of the smaller radius ", reach));
+                          ", more than a tenth of the smaller radius, ", 0.2 * reach));
 
   const std::unique_ptr<mpdem::Shape> shape = read_shapes(pair, g0.mass + g1.mass, args);
   if (type_ == 0) type_ = atom->ntypes;
