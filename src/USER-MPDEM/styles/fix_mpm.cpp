@@ -189,6 +189,10 @@ void FixMpm::check_scene() {
     if (!(atom->mask[i] & groupbit) && trouble.empty())
       trouble = who + text_of("material point ", atom->tag[i], " is not in group '", group->names[igroup],
                               "'; use the group named in create_cement");
+    const int slot = avec_->slot[i];
+    if (avec_->points.tags[slot / mpdem::kLanes][slot % mpdem::kLanes] != atom->tag[i] && trouble.empty())
+      trouble = who + text_of("the IDs of atoms were changed (material point ", atom->tag[i],
+                              "), and with them those of bonded grains; use 'delete_atoms ... compress no'");
     least = std::min(least, atom->density[i]);
     most = std::max(most, atom->density[i]);
     for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {

@@ -88,6 +88,7 @@ class FixMpm : public Fix {
  private:
   void parse(int narg, char** arg);
   void check_scene();
+  void check_created_positions();
   void find_other_forces();
   void rebuild();
   void find_owned_grains();

@@ -11,6 +11,7 @@
 #include "../mpm/scatter.h"
 #include "arguments.h"
 #include "atom.h"
+#include "domain.h"
 #include "fix_mpm.h"
 #include "update.h"
 
@@ -20,7 +21,26 @@ using mpdem::kLanes;
 using mpdem::text_of;
 using mpdem::vd;
 
+// Before the first run the points are where create_cement put them, and their grid with them.
+void FixMpm::check_created_positions() {
+  std::string trouble;
+  for (int i = 0; i < atom->nlocal && trouble.empty(); ++i) {
+    if (!avec_->is_point(i)) continue;
+    const int b = avec_->slot[i] / kLanes, l = avec_->slot[i] % kLanes;
+    const mpdem::Body& body = avec_->bodies[avec_->points.meta[b].body];
+    double x[3], most = 0.0;
+    for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + avec_->points.blocks[b].X[d][l];
+    domain->remap(x);
+    for (int d = 0; d < 3; ++d) most = std::max(most, std::fabs(x[d] - atom->x[i][d]));
+    if (most > 1e-9 * cell_)
+      trouble = text_of("fix mpm (id ", id, "): a command changed the position of material point ", atom->tag[i], " by ", most,
+                        "; move grains before their cement is made by create_cement");
+  }
+  mpdem::stop_if_any(lmp, trouble);
+}
+
 void FixMpm::setup_pre_exchange() {
+  if (!started_) check_created_positions();
   if (!built_ || !started_) return;
   // The state is in the points; atoms only show it, and a command that moved them in
   // between would be without effect.
