@@ -15,7 +15,7 @@ namespace LAMMPS_NS {
 namespace {
 constexpr char kMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
 constexpr int kVersion = 1;
-constexpr int kLargestState = 1 + mpdem::PointRecord::kPacked;
+constexpr int kPlainState = 1, kGrainState = 1 + 4, kPointState = 1 + mpdem::PointRecord::kPacked;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
@@ -83,8 +83,12 @@ int AtomVecMpdem::unpack_exchange(double* buf) {
   return m;
 }
 
+// Exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
-  return AtomVecSphere::size_restart() + atom->nlocal * (kLargestState + 1);
+  int n = AtomVecSphere::size_restart();
+  for (int i = 0; i < atom->nlocal; ++i)
+    n += 1 + (slot[i] >= 0 ? kPointState : slot[i] <= -2 ? kGrainState : kPlainState);
+  return n;
 }
 
 // State and its length follow what the fixes wrote, and are taken off again before the
@@ -100,7 +104,9 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
 
 int AtomVecMpdem::unpack_restart(double* buf) {
   const int total = static_cast<int>(buf[0]);
-  const int own = static_cast<int>(buf[total - 1]);
+  const int own = total > 0 ? static_cast<int>(buf[total - 1]) : 0;
+  if (own <= 0 || own >= total)
+    mpdem::stop_one(lmp, "read_restart: the file is damaged in the data of an atom; use another restart file");
   buf[0] = total - own;
   AtomVecSphere::unpack_restart(buf);
   buf[0] = total;

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Mistakes in a script end the run with one line that says what is wrong and what to do."""
+import pytest
+from scenes import NEIGHBOURS, cement, edit, launch, pair, pull
+
+CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
+FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
+GOOD = (pair(1e-4) + cement(2e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9")
+        + pull(1.0, 1e-6) + "run 10\n")
+
+
+def with_damage(words):
+    return [("damage tensor B0 9.6e6 cutoff 0.9", words)]
+
+
+# name: (changes as (old, new), words that the message has to hold)
+CASES = {
+    # words of the commands
+    "fix mpm: unknown keyword": ([("axis radial", "axes radial")], ["fix mpm (id cem)", "axes", "known here", "axis"]),
+    "fix mpm/couple: unknown keyword": ([("kn auto", "k auto")], ["fix mpm/couple (id bond)", "'k'", "known here", "kn"]),
+    "create_cement: unknown keyword": ([("outer 2e-3", "outside 2e-3")], ["create_cement", "outside", "known here", "outer"]),
+    "compute mpm/atom: unknown quantity": (
+        [("run 10\n", "compute d calcite mpm/atom cem damag\nrun 10\n")], ["compute mpm/atom (id d)", "damag", "one of", "damage"]),
+    "compute mpm/atom: no such fix": (
+        [("run 10\n", "compute d calcite mpm/atom cement damage\nrun 10\n")], ["compute mpm/atom (id d)", "cement", "define"]),
+    "fix mpm/couple: no such fix": ([("mpm/couple cem", "mpm/couple cement")], ["fix mpm/couple (id bond)", "cement", "define"]),
+    "fix mpm: missing value": (with_damage("damage tensor B0"), ["fix mpm (id cem)", "B0", "missing", "number"]),
+    "fix mpm: not a number": (with_damage("damage tensor B0 9.6MPa"), ["fix mpm (id cem)", "B0", "9.6MPa", "number"]),
+    "fix mpm/couple: missing value": ([("kt auto", "kt")], ["fix mpm/couple (id bond)", "kt", "missing", "number"]),
+    "create_cement: missing value": ([("spacing 0.0001", "spacing")], ["create_cement", "spacing", "missing", "number"]),
+    "compute mpm/atom: missing value": (
+        [("run 10\n", "compute d calcite mpm/atom cem\nrun 10\n")], ["compute mpm/atom (id d)", "missing", "one of", "damage"]),
+    "fix mpm: no cell": ([("cell 0.0002", "")], ["fix mpm (id cem)", "cell", "missing"]),
+    "fix mpm: negative cell": ([("cell 0.0002", "cell -0.0002")], ["fix mpm (id cem)", "-0.0002", "greater than 0"]),
+    # material
+    "elastic: not positive definite": (
+        [("0.25 0.2 18", "0.25 0.9 18")], ["fix mpm (id cem)", "elastic", "0.9", "positive definite"]),
+    "elastic: negative modulus": ([("vti 60000000000", "vti -60e9")], ["fix mpm (id cem)", "elastic", "-6e+10", "positive"]),
+    "B0 negative": (with_damage("damage tensor B0 -9.6e6"), ["fix mpm (id cem)", "B0", "-9.6e+06", "greater than 0"]),
+    "B0 zero": (with_damage("damage tensor B0 0"), ["fix mpm (id cem)", "B0 0", "greater than 0"]),
+    **{f"cutoff {c}": (with_damage(f"damage tensor B0 9.6e6 cutoff {c}"), ["fix mpm (id cem)", f"cutoff {c}'", "between 0 and 1"])
+       for c in ("0", "1", "1.5", "-1")},
+    "zeta": (with_damage("damage tensor B0 9.6e6 zeta 0"), ["fix mpm (id cem)", "zeta 0'", "(0, 1]"]),
+    "axis without direction": ([("axis radial", "axis global 0 0 0")], ["fix mpm (id cem)", "global 0 0 0", "direction"]),
+    "isotropic nu": ([("vti 60000000000 40000000000 0.25 0.2 18000000000", "isotropic 40e9 0.5")],
+                     ["fix mpm (id cem)", "0.5", "between"]),
+    "time step": ([("timestep     1e-09", "timestep     1e-6")],
+                  ["fix mpm (id cem)", "1e-06", "exceeds", "use 'timestep"]),
+    # scene
+    "no points": ([(CREATE, "group calcite subtract all all")], ["fix mpm (id cem)", "no material points", "create_cement"]),
+    "no such shape": ([("shape flat", "shape disc")], ["create_cement", "disc", "one of", "flat"]),
+    "too much cement": ([("inner 1e-3 outer 2e-3", "content 5")], ["create_cement", "does not fit", "reduce the content"]),
+    "cement wider than the grain": ([("outer 2e-3", "outer 6e-3")], ["create_cement", "0.006", "0.005", "outer radius"]),
+    "spacing far too fine": ([("spacing 0.0001", "spacing 1e-9")], ["create_cement", "1e-09", "use a larger spacing"]),
+    "cement outside the box": ([("-0.006 0.006 -0.006", "-0.0015 0.006 -0.006")], ["create_cement", "outside", "larger box"]),
+    "cement thinner than two points": ([("inner 1e-3 outer 2e-3", "inner 0 outer 0.9e-3")],
+                                       ["create_cement", "0.0001", "less than", "use"]),
+    "cell larger than the cement": ([("cell 0.0002", "cell 0.001")],
+                                    ["fix mpm (id cem)", "cell 0.001", "larger", "use"]),
+    "grain missing": ([("pair 1 2", "pair 1 7")], ["create_cement", "grain 7", "does not exist", "create"]),
+    "same grain twice": ([("pair 1 2", "pair 2 2")], ["create_cement", "pair 2 2", "different"]),
+    "grain is a point": ([("spacing 0.0001\n", "spacing 0.0001\ncreate_cement more pair 1 10 shape flat outer 2e-3 spacing 1e-4\n")],
+                         ["create_cement", "10", "material point", "not a grain"]),
+    "cement there already": ([("spacing 0.0001\n", f"spacing 0.0001\n{CREATE}\n")], ["create_cement", "1 and 2", "already"]),
+    "grains not neighbours": ([("0 0 0.005", "0 0 0.0068"), ("0 0 -0.005", "0 0 -0.0068")],
+                              ["create_cement", "1 and 2", "not neighbours", "0.0036", "bring"]),
+    "no box": ([("create_box   2 box", "#"), ("create_atoms 1 single 0 0 -0.005 units box", "#"),
+                ("create_atoms 1 single 0 0 0.005 units box", "#"), ("set          type 1 diameter 0.01 density 2500", "#"),
+                ("group        grains type 1", "#"), (NEIGHBOURS, "")],
+               ["create_cement", "box", "create_box"]),
+    "units real": ([("units        si", "units        real")], ["create_cement", "real", "use 'units si'"]),
+    "atom_style sphere": ([("atom_style   mpdem", "atom_style   sphere")], ["create_cement", "sphere", "use 'atom_style mpdem'"]),
+    "too many types": ([("spacing 0.0001\n", "spacing 0.0001 type 3\n")], ["create_cement", "type 3", "2", "create_box"]),
+    # the host recipe
+    "none of the three lines": (
+        [("map array first grains", "map array"), ("communicate  single vel yes group grains\n", ""),
+         ("neigh_modify include grains", "neigh_modify")], ["fix mpm (id cem)", "atom_modify first", "three lines"]),
+    "no atom_modify first": ([("map array first grains", "map array")],
+                             ["Communicate group", "atom_modify first"]),  # stopped by LIGGGHTS
+    "no communicate group": ([("communicate  single vel yes group grains\n", "")],
+                             ["fix mpm (id cem)", "communicate ... group", "three lines"]),
+    "no neigh_modify include": ([("neigh_modify include grains", "neigh_modify")],
+                                ["fix mpm (id cem)", "neigh_modify include", "three lines"]),
+    "neighbor multi": ([("0.0005 bin", "0.0005 multi")], ["fix mpm (id cem)", "multi", "use 'neighbor ... bin'"]),
+    "no map": ([("map array first grains", "first grains")], ["map", "atom_modify"]),
+    # other fixes
+    "two fix mpm": ([("group        first", FIX.replace("cem", "cem2") + "cell 2e-4 elastic isotropic 40e9 0.2\ngroup        first")],
+                    ["fix mpm", "cem2", "cem", "unfix"]),
+    "two couplings": ([("group        first", BOND.replace("bond", "bond2") + "\ngroup        first")],
+                      ["fix mpm/couple", "bond2", "bond", "unfix"]),
+    "second integrator": ([("group        first", "fix move all nve/sphere\ngroup        first")],
+                          ["fix mpm (id cem)", "move", "nve/sphere", "give it a group"]),
+    "group with grains": ([(FIX, FIX.replace("calcite", "all"))], ["fix mpm (id cem)", "all", "not a material point", "must hold"]),
+    "coupling without the grains": ([(BOND, BOND.replace("grains", "calcite"))],
+                                    ["fix mpm/couple (id bond)", "grain", "group", "use the group"]),
+    "delete_atoms": ([("run 10\n", "run 10\nregion half block -1 1 0 1 -1 1 units box\ngroup half region half\n"
+                       "group gone subtract half grains\ndelete_atoms group gone compress no\nrun 10\n")],
+                     ["fix mpm (id cem)", "deleted", "cannot"]),
+    "fix mpm removed": ([("run 10\n", "run 10\nunfix cem\nrun 10\n")],
+                        ["fix mpm/couple (id bond)", "'cem' is gone", "unfix"]),
+    "bonded grain deleted": ([("run 10\n", "run 10\ndelete_atoms group second compress no\nrun 10\n")],
+                             ["fix mpm (id cem)", "grain 2", "deleted", "keep"]),
+    "atoms renumbered": ([("run 10\n", "run 10\ndelete_atoms group third\nrun 10\n"),
+                          ("group        grains type 1", "create_atoms 1 single 0 0 0.0175 units box\n"
+                           "group third id 3\nset group third diameter 0.005 density 2500\ngroup        grains type 1"),
+                          ("-0.0125 0.0125", "-0.0125 0.025")],
+                         ["fix mpm (id cem)", "delete_atoms", "compress no"]),
+    "points displaced before the run": ([("run 10\n", "displace_atoms calcite move 0 0 1e-4 units box\nrun 10\n")],
+                                        ["fix mpm (id cem)", "position", "material point", "create_cement"]),
+    "points displaced between runs": ([("run 10\n", "run 10\ndisplace_atoms calcite move 0 0 1e-4 units box\nrun 10\n")],
+                                      ["fix mpm (id cem)", "changed position", "material point", "before"]),
+    "points pushed between runs": ([("run 10\n", "run 10\nvelocity calcite set 1 0 0\nrun 10\n")],
+                                   ["fix mpm (id cem)", "velocity", "material point", "before"]),
+    "csv every 0 steps": ([("kt auto", "kt auto csv 0 bond.csv")], ["fix mpm/couple (id bond)", "csv 0", "at least 1"]),
+    "csv not writable": ([("kt auto", "kt auto csv 5 nowhere/bond.csv")],
+                         ["fix mpm/couple (id bond)", "nowhere/bond.csv", "No such file"]),
+    # in the course of a run
+    "point leaves the box": ([("fix hold first move linear 0 0 0", "fix hold first move linear 300 0 0"),
+                              ("fix pull second move variable v_dx v_dy v_dz v_vx v_vy v_vz", "fix pull second move linear 300 0 0"),
+                              ("timestep     1e-09", "timestep     1e-8"),
+                              ("run 10\n", "velocity calcite set 300 0 0\nrun 1500\n")],
+                             ["fix mpm (id cem)", "left the simulation box", "use a larger"]),
+    "not a number": ([("variable along equal", "variable other equal"),
+                      ("run 10\n", 'variable along equal "1e-9*cos(exp(100*step))"\nrun 10\n')],
+                     ["fix mpm (id cem)", "not finite", "step", "check"]),
+    "grain leaves the box": ([("variable along equal", "variable other equal"),
+                              ("run 10\n", 'variable along equal "1e300*v_t"\nrun 10\n')],
+                             ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_message(tmp_path, name):
+    changes, needed = CASES[name]
+    script = GOOD
+    for old, new in changes:
+        script = edit(script, old, new)
+    result = launch(script, tmp_path, 2)
+    errors = result.errors()
+    assert result.status != 0, result.output[-1500:]
+    assert len(errors) == 1, result.output[-1500:]
+    missing = [word for word in needed if word not in errors[0]]
+    assert not missing, errors[0]
+
+
+def test_the_unchanged_script_runs(tmp_path):
+    result = launch(GOOD, tmp_path, 2)
+    assert result.status == 0 and not result.errors(), result.output[-2000:]

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes other than one bond in the middle of a box."""
+import numpy as np
+import pytest
+from scenes import (MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
+                    shift, thermo)
+
+CELL = 2e-4
+CREATE = f"create_cement calcite pair %d %d shape flat {RING} spacing {CELL / 2:g}\n"
+
+
+def grains(centres, box, **options):
+    """Grains on the z axis."""
+    text = host(**options) + f"region box block {box} units box\ncreate_box 2 box\n"
+    for x, y, z in centres:
+        text += f"create_atoms 1 single {x:.15g} {y:.15g} {z:.15g} units box\n"
+    return text + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+
+
+def test_two_bonds_in_a_row(tmp_path, figures):
+    """Three grains: the stiffness from end to end is half of that of one bond."""
+    def stiffness(script, directory, moved):
+        script += (cement(CELL, 1e-8).replace("second id 2", f"second id {moved}") + shift(1e-8, 8e-6) + "run 800\n"
+                   + "unfix pull\nfix pull second move linear 0 0 0\nrun 600\n" + thermo(1, ["f_bond"]) + "run 400\n")
+        return run(script, directory, 2).table()["f_bond"].mean() / 1e-8
+
+    one = stiffness(pair(CELL / 2), tmp_path / "one", 2)
+    row = grains([(0, 0, -0.01), (0, 0, 0.01), (0, 0, 0)], "-0.006 0.006 -0.006 0.006 -0.0165 0.0165")
+    # the grain in the middle is held by its bonds alone; it comes to rest by damping
+    row += CREATE % (1, 3) + CREATE % (3, 2) + "group middle id 3\n"
+    row += "fix middle middle nve/sphere\nfix slow middle viscous 2000\n"
+    two = stiffness(row, tmp_path / "two", 2)
+    figures.below("two bonds in a row: stiffness over half of that of one, less 1", abs(2 * two / one - 1), 1e-3)
+
+
+def test_bond_across_a_periodic_boundary(tmp_path, figures):
+    """A bond broken through the boundary of the box is the bond in its middle."""
+    def table(height, directory):
+        centres = [(0, 0, z + height) for z in (-RADIUS, RADIUS)]
+        centres = [(x, y, z - 0.04 if z > 0.02 else z) for x, y, z in centres]
+        script = (grains(centres, "-0.006 0.006 -0.006 0.006 -0.02 0.02", boundary="f f p") + CREATE % (1, 2)
+                  + cement(CELL, 3e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9") + pull(4.0, 4e-6)
+                  + thermo(20, ["f_bond", "f_bond[13]", "f_bond[17]", "f_cem[8]", "f_cem[18]"]) + "run 1500\n")
+        return run(script, directory, 2).table()
+
+    inside, across = table(0.0, tmp_path / "inside"), table(0.018, tmp_path / "across")
+    assert inside["f_bond[17]"][-1] > 100
+    assert (inside["f_bond[17]"] == across["f_bond[17]"]).all()
+    for name in ("f_bond", "f_bond[13]", "f_cem[8]"):
+        error = abs(inside[name] - across[name]).max() / abs(inside[name]).max()
+        figures.below(f"bond across a periodic boundary: {name} against the middle of the box", error, 1e-7)
+
+
+def test_cement_alone(tmp_path, figures):
+    """Without fix mpm/couple the cement is a free body."""
+    script = (edit(pair(CELL / 2), "-0.006 0.006 -0.006", "-0.006 0.008 -0.006") + cement(CELL, 1e-8)
+              + 'variable vx atom "1e4*y+3"\nvariable vy atom "-1e4*x"\nvelocity calcite set v_vx v_vy 0\n'
+              + "fix motion grains nve/sphere\n")
+    script = edit(script, "fix          bond grains mpm/couple cem kn auto kt auto\n", "")
+    script += thermo(50, ["f_cem[5]", "f_cem[6]"] + [f"f_cem[{i}]" for i in range(13, 19)]) + "run 2000\n"
+    table = run(script, tmp_path, 2).table()
+    P = np.array([table[f"f_cem[{i}]"] for i in range(13, 19)])
+    for name, p in (("momentum", P[:3]), ("angular momentum", P[3:])):
+        assert np.linalg.norm(p[:, 0]) > 0
+        figures.below(f"cement alone: drift of {name}",
+                      np.linalg.norm(p - p[:, :1], axis=0).max() / np.linalg.norm(p[:, 0]), 1e-10)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_cement_added_between_runs(tmp_path, ranks):
+    """A second bond, made while the first is loaded, carries load and leaves the first alone."""
+    scene = grains([(0, 0, -0.005), (0, 0, 0.005), (0.01, 0, 0.005)], "-0.006 0.016 -0.006 0.006 -0.0105 0.0105")
+    scene += CREATE % (1, 2) + cement(CELL, 1e-8) + pull(0.01, 2e-6)
+    alone = run(scene + "run 400\nrun 0\n" + thermo(10, ["f_bond"]) + "run 400\n", tmp_path / "alone", ranks).table()
+    both = run(scene + "run 400\n" + CREATE % (2, 3) + "run 0\n"
+               + thermo(10, ["f_bond", "f_bond[2][16]", "f_bond[2][3]"]) + "run 400\n", tmp_path / "both", ranks)
+    table = both.table()
+    assert (table["f_bond"] == alone["f_bond"]).all()
+    assert table["f_bond[2][16]"][-1] > 1000
+    force = table["f_bond[2][3]"]  # on grain 2, which moves up
+    assert force[0] == 0 and force[-1] < 0
+
+
+def test_fix_before_its_cement(tmp_path):
+    script = pair(CELL / 2) + cement(CELL, 1e-8)
+    line = CREATE % (1, 2)
+    script = edit(script, line, "group calcite subtract all all\n") + line + pull(1.0, 1e-6) + thermo(10, ["f_bond"]) + "run 100\n"
+    early = run(script, tmp_path / "early").table()
+    usual = run(pair(CELL / 2) + cement(CELL, 1e-8) + pull(1.0, 1e-6) + thermo(10, ["f_bond"]) + "run 100\n", tmp_path / "usual").table()
+    assert (early["f_bond"] == usual["f_bond"]).all() and usual["f_bond"][-1] > 0

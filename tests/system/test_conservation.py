@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Free grains and their cement keep momentum and angular momentum, whole or breaking."""
+import numpy as np
+from scenes import MOMENTA, MOMENTUM_COLUMNS, RING, SPINNING, cement, pair, run, thermo
+
+# Grain 2 leaves, and turns about the bond while it does.
+LEAVING = """\
+velocity     second set 0.1 0.2 0.6
+set          group second omegaz 200
+fix          motion grains nve/sphere
+"""
+
+
+def drift(table):
+    """Largest change of the momentum and of the angular momentum over their initial norms."""
+    P = np.array([table[c] for c in MOMENTUM_COLUMNS])
+    return [np.linalg.norm(p - p[:, :1], axis=0).max() / np.linalg.norm(p[:, 0]) for p in (P[:3], P[3:])]
+
+
+def test_spinning_pair(tmp_path, figures):
+    script = (pair(1e-4, gap=2e-4, direction=(0, 0.02, 1), cement="outer 2e-3", half_box=3 * (16e-3,))
+              + cement(2e-4, 1e-8, axis="radial", couple="kn 2e12 kt 3e11") + SPINNING + MOMENTA
+              + thermo(200, MOMENTUM_COLUMNS + ["f_cem[6]"]) + "run 10000\n")
+    linear, angular = drift(run(script, tmp_path, ranks=2).table())
+    figures.below("spinning pair, 10 000 steps: drift of momentum", linear, 1e-10)
+    figures.below("spinning pair, 10 000 steps: drift of angular momentum", angular, 1e-10)
+
+
+def test_breaking_pair(tmp_path, figures):
+    script = (pair(1e-4, gap=2e-4, cement=RING, half_box=3 * (16e-3,))
+              + cement(2e-4, 1e-8, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9",
+                       couple="kn 2e12 kt 3e11")
+              + LEAVING + MOMENTA
+              + thermo(50, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]"]) + "run 3000\n")
+    table = run(script, tmp_path, ranks=2).table()
+    force = table["f_bond"]
+    assert table["f_bond[17]"][-1] > 1000 and abs(force[-20:].mean()) < 0.05 * force.max(), "not broken"
+    linear, angular = drift(table)
+    figures.below("breaking pair: drift of momentum", linear, 1e-10)
+    figures.below("breaking pair: drift of angular momentum", angular, 1e-10)

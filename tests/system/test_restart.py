@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A run continued from a restart file is the run that was not interrupted."""
+import shutil
+
+import pytest
+from scenes import cement, dump, edit, launch, pair, point_quantities, restarted, run, thermo
+
+BEFORE, AFTER = 450, 100   # steps; damage and failure have begun at the restart
+VECTORS = [[f"{v}{c}" for c in "xyz"] for v in ("", "v", "omega", "f")]
+QUANTITIES = ["damage", "failed", "attached", "stress_zz", "stress_xy", "strain_yy", "axis_x"]
+COLUMNS = sum(VECTORS, []) + [f"c_{q}" for q in QUANTITIES]
+SCALARS = ["f_bond", "f_bond[4]", "f_bond[6]", "f_bond[17]", "f_cem[6]", "f_cem[8]", "f_cem[11]", "f_cem[12]"]
+# Grain 2 leaves and turns, which its cement only knows from its orientation.
+LEAVING = "velocity second set 0.05 0.1 0.3\nset group second omegaz 300\n"
+FIXES = cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+MOVING = "fix motion grains nve/sphere\n"
+OUTPUT = point_quantities(QUANTITIES) + thermo(10, SCALARS)
+FIRST = pair(1e-4, gap=2e-4) + FIXES + LEAVING + MOVING + OUTPUT
+
+
+def dumped(every, file):
+    return dump(every, COLUMNS, f"{file}.*.txt", "all")
+
+
+CONTINUED = restarted("middle.restart") + FIXES + MOVING + OUTPUT + dumped(50, "continued") + f"run {AFTER}\n"
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """The uninterrupted run on a number of ranks; it leaves middle.restart."""
+    results = {}
+
+    def get(ranks):
+        if ranks not in results:
+            script = FIRST + f"run {BEFORE}\nwrite_restart middle.restart\n" + dumped(50, "points") + f"run {AFTER}\n"
+            results[ranks] = run(script, tmp_path_factory.mktemp("first"), ranks)
+            middle = results[ranks].points(BEFORE)
+            assert middle["c_failed"].sum() > 10 and (middle["c_damage"] > 0).sum() > 100
+        return results[ranks]
+    return get
+
+
+def continue_in(directory, first_run, ranks):
+    shutil.copy(first_run.directory / "middle.restart", directory)
+    return run(CONTINUED, directory, ranks)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_to_the_bit(tmp_path, first, figures, ranks):
+    a, b = first(ranks), continue_in(tmp_path, first(ranks), ranks)
+    for step in (BEFORE, BEFORE + AFTER):
+        p, q = a.points(step), b.points(step, "continued")
+        different = [c for c in p if (p[c] != q[c]).any()]
+        assert not different, f"step {step}: {different}"
+    rows = AFTER // 10 + 1
+    for name, column in b.table().items():
+        # what accumulates is summed over the ranks by the file, in another order than before
+        allowed = 0.0 if ranks == 1 else 1e-11 * abs(column).max()
+        assert abs(a.table()[name][-rows:] - column).max() <= allowed, name
+    figures.note(f"restart, {ranks} rank(s)", f"{len(COLUMNS)} columns equal to the bit")
+
+
+def test_on_more_ranks(tmp_path, first, figures):
+    a, b = first(1), continue_in(tmp_path, first(1), 2)
+    p, q = a.points(BEFORE + AFTER), b.points(BEFORE + AFTER, "continued")
+    assert (p["id"] == q["id"]).all() and (p["c_failed"] == q["c_failed"]).all()
+    for names in VECTORS + [[f"c_{q}"] for q in QUANTITIES]:
+        scale = max(abs(p[n]).max() for n in names)
+        worst = max(abs(p[n] - q[n]).max() for n in names)
+        figures.below(f"restart, 1 -> 2 ranks, {' '.join(names)}: difference over the largest", worst / scale, 1e-10)
+
+
+def test_written_during_a_run(tmp_path, figures):
+    """`restart N a b` while points fail; the run goes on from the file of either name."""
+    whole = run(FIRST + "restart 50 a.restart b.restart\nrun 530\n", tmp_path, 2)
+    peak = whole.table()["f_bond"].max()
+    for file, step in (("a.restart", 450), ("b.restart", 500)):
+        again = edit(CONTINUED, "middle.restart", file)
+        again = edit(again, f"run {AFTER}\n", "run 30\n")
+        tail = run(again, tmp_path, 2, name=f"in.{file}").table()
+        assert tail["step"][0] == step
+        force = whole.table()["f_bond"][step // 10:][:len(tail["f_bond"])]
+        figures.below(f"restart written at step {step} of a run: bond force of the next 30 steps, over the peak",
+                      abs(force - tail["f_bond"]).max() / peak, 1e-7)
+
+
+@pytest.mark.parametrize("changes, needed", [
+    ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
+    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["cem", "glue"]),
+], ids=["other cell", "other ID"])
+def test_wrong_fix(tmp_path, first, changes, needed):
+    shutil.copy(first(1).directory / "middle.restart", tmp_path)
+    script = restarted("middle.restart") + FIXES + MOVING + "run 10\n"
+    for old, new in changes:
+        script = edit(script, old, new)
+    result = launch(script, tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1000:]
+    for word in needed:
+        assert word in result.errors()[0]

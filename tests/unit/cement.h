@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A piece of cement with its grid, on one process.
+#ifndef MPDEM_TESTS_CEMENT_H
+#define MPDEM_TESTS_CEMENT_H
+
+#include <numeric>
+#include <vector>
+
+#include "lanes.h"
+#include "mpm/advance_points.h"
+#include "mpm/grid.h"
+
+namespace mpdem::test {
+
+class Cement {
+ public:
+  PointStore points;
+  Grid grid;
+  std::vector<int> slots;  // of the points, in the order they were given
+
+  // All of one volume, the material frame turned by q.
+  Cement(double h, const std::vector<Vector>& X, double volume,
+         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity()) {
+    std::vector<int> tags(X.size());
+    std::iota(tags.begin(), tags.end(), 1);
+    for (std::size_t i = 0; i < X.size(); ++i) {
+      PointRecord r;
+      r.has_frame = true;
+      for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
+      r.volume = volume;
+      r.q[0] = q.w();
+      r.q[1] = q.x();
+      r.q[2] = q.y();
+      r.q[3] = q.z();
+      slots.push_back(points.add(r, tags[i]));
+    }
+    std::vector<int> place;
+    points.arrange(slots, tags, h, place);
+    slots = place;
+    std::vector<Grid::Cell> cells;
+    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    std::vector<char> fresh;
+    grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh);
+  }
+
+  Vector place(int node) const {
+    return grid.h * Vector(grid.keys[node][1], grid.keys[node][2], grid.keys[node][3]);
+  }
+  Vector at(const std::vector<double>& nodal, int node) const {
+    return {nodal[3 * node], nodal[3 * node + 1], nodal[3 * node + 2]};
+  }
+  template <class F>
+  void set_velocity(F f) {
+    for (int n = 0; n < grid.size(); ++n) {
+      const Vector v = f(place(n));
+      for (int d = 0; d < 3; ++d) grid.velocity[3 * n + d] = v[d];
+    }
+  }
+  // u += dt v, then strain and internal force of the step.
+  AdvanceResult advance(const TensorDamage& law, double dt) {
+    for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.displacement[i] += dt * grid.velocity[i];
+    grid.clear_force();
+    AdvanceResult result;
+    advance_points(points, grid, law, dt, result);
+    return result;
+  }
+  // f(block, lane) for every point
+  template <class F>
+  void for_points(F f) const {
+    for (int s : slots) f(s / kLanes, s % kLanes);
+  }
+};
+
+// Points anywhere in [0, n h]^3; every node between has points all over its support.
+inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {
+  std::vector<Vector> X;
+  for (int i = 0; i < n * n * n * per_cell; ++i)
+    X.push_back(h * Vector(random.uniform(0, n), random.uniform(0, n), random.uniform(0, n)));
+  return X;
+}
+
+// 2 x 2 x 2 points a cell in [0, n h]^3.
+inline std::vector<Vector> lattice(double h, int n) {
+  std::vector<Vector> X;
+  for (int i = 0; i < 2 * n; ++i)
+    for (int j = 0; j < 2 * n; ++j)
+      for (int k = 0; k < 2 * n; ++k) X.push_back(0.5 * h * Vector(i + 0.5, j + 0.5, k + 0.5));
+  return X;
+}
+
+}  // namespace mpdem::test
+
+#endif

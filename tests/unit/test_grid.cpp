@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/grid.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "cement.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::Vector;
+
+constexpr double kH = 0.5;
+
+struct Cells {
+  std::vector<std::array<int, 4>> cell;  // field, base
+  std::vector<std::array<int, 9>> column;
+
+  explicit Cells(std::vector<std::array<int, 4>> c) : cell(std::move(c)), column(cell.size()) {}
+  std::vector<Grid::Cell> list() {
+    std::vector<Grid::Cell> all;
+    for (std::size_t i = 0; i < cell.size(); ++i) all.push_back({cell[i][0], &cell[i][1], column[i].data()});
+    return all;
+  }
+};
+
+void expect_columns(const Grid& grid, const Cells& c) {
+  for (std::size_t n = 0; n < c.cell.size(); ++n)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k) {
+          const Key expected{c.cell[n][0], c.cell[n][1] + i, c.cell[n][2] + j, c.cell[n][3] + k};
+          EXPECT_EQ(grid.keys.at(c.column[n][3 * i + j] + k), expected);
+        }
+}
+
+TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
+  test::Random random(111);
+  std::vector<std::array<int, 4>> list;
+  for (int i = 0; i < 60; ++i)
+    list.push_back({random.index(2), random.index(7) - 3, random.index(7) - 3, random.index(7) - 3});
+  Cells c(list);
+  Grid grid;
+  std::vector<char> fresh;
+  grid.build(MPI_COMM_SELF, kH, c.list(), NodeKinematics(), fresh);
+  EXPECT_TRUE(std::is_sorted(grid.keys.begin(), grid.keys.end()));
+  std::set<Key> expected;
+  for (const auto& a : list)
+    for (int n = 0; n < 27; ++n) expected.insert({a[0], a[1] + n / 9, a[2] + n / 3 % 3, a[3] + n % 3});
+  EXPECT_EQ(std::set<Key>(grid.keys.begin(), grid.keys.end()), expected);
+  EXPECT_EQ(grid.keys.size(), expected.size());
+  expect_columns(grid, c);
+  EXPECT_EQ(std::count(fresh.begin(), fresh.end(), 1), grid.size());
+  for (double v : grid.velocity) EXPECT_EQ(v, 0.0);
+}
+
+TEST(Grid, CarriesTheMotionOver) {
+  test::Random random(112);
+  Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}), second({{0, 1, 0, 0}, {0, 2, 0, 1}, {1, 0, 0, 0}});
+  Grid grid;
+  std::vector<char> fresh;
+  grid.build(MPI_COMM_SELF, kH, first.list(), NodeKinematics(), fresh);
+  for (std::vector<double>* field : {&grid.velocity, &grid.displacement, &grid.acceleration})
+    for (double& v : *field) v = random.uniform(1, 2);
+  const Grid before = grid;
+  const NodeKinematics saved = grid.kinematics();
+  const auto expect_carried = [&] {
+    int fresh_nodes = 0;
+    for (int i = 0; i < grid.size(); ++i) {
+      const auto it = std::lower_bound(before.keys.begin(), before.keys.end(), grid.keys[i]);
+      const bool had = it != before.keys.end() && *it == grid.keys[i];
+      const int at = static_cast<int>(it - before.keys.begin());
+      EXPECT_EQ(fresh[i] != 0, !had);
+      fresh_nodes += !had;
+      for (int d = 0; d < 3; ++d) {
+        EXPECT_EQ(grid.velocity[3 * i + d], had ? before.velocity[3 * at + d] : 0.0);
+        EXPECT_EQ(grid.displacement[3 * i + d], had ? before.displacement[3 * at + d] : 0.0);
+        EXPECT_EQ(grid.acceleration[3 * i + d], had ? before.acceleration[3 * at + d] : 0.0);
+      }
+    }
+    EXPECT_GT(fresh_nodes, 0);
+  };
+  grid.build(MPI_COMM_SELF, kH, second.list(), NodeKinematics(), fresh);
+  expect_columns(grid, second);
+  expect_carried();
+  // as after a restart: from the saved motion, into an empty grid
+  grid = Grid();
+  grid.build(MPI_COMM_SELF, kH, second.list(), saved, fresh);
+  expect_carried();
+}
+
+// A field that split off takes the motion of the one it came from, where that had nodes.
+TEST(Grid, NewFieldsInheritTheMotion) {
+  test::Random random(117);
+  const int part = field_of(0, 1);
+  EXPECT_EQ(body_of(field_of(7, 3)), 7);
+  Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}),
+      second({{0, 0, 0, 0}, {part, 0, 0, 0}, {part, 2, 0, 0}, {1, 0, 0, 0}});
+  Grid grid;
+  std::vector<char> fresh;
+  grid.build(MPI_COMM_SELF, kH, first.list(), NodeKinematics(), fresh);
+  for (std::vector<double>* field : {&grid.velocity, &grid.displacement, &grid.acceleration})
+    for (double& v : *field) v = random.uniform(1, 2);
+  const Grid before = grid;
+  grid.build(MPI_COMM_SELF, kH, second.list(), NodeKinematics(), fresh, {{part, 0}});
+  expect_columns(grid, second);
+  int inherited = 0;
+  for (int i = 0; i < grid.size(); ++i) {
+    Key source = grid.keys[i];
+    if (source[0] == part) source[0] = 0;
+    const auto it = std::lower_bound(before.keys.begin(), before.keys.end(), source);
+    const bool had = it != before.keys.end() && *it == source;
+    const int at = static_cast<int>(it - before.keys.begin());
+    inherited += had && grid.keys[i][0] == part;
+    EXPECT_EQ(fresh[i] != 0, !had);
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_EQ(grid.velocity[3 * i + d], had ? before.velocity[3 * at + d] : 0.0);
+      EXPECT_EQ(grid.displacement[3 * i + d], had ? before.displacement[3 * at + d] : 0.0);
+      EXPECT_EQ(grid.acceleration[3 * i + d], had ? before.acceleration[3 * at + d] : 0.0);
+    }
+  }
+  EXPECT_EQ(inherited, 4 * 9);  // the four layers that both have
+}
+
+TEST(Grid, LumpedMassKeepsTotalAndCentre) {
+  test::Random random(113);
+  Cement c(kH, test::scattered(random, kH, 3, 5), 0.7);
+  const double density = 2710;
+  c.grid.lump_mass(c.points, density);
+  c.grid.lump_mass(c.points, density);  // does not add up
+  double mass = 0;
+  Vector moment = Vector::Zero(), exact = Vector::Zero();
+  for (int n = 0; n < c.grid.size(); ++n) {
+    EXPECT_GE(c.grid.mass[n], 0.0);
+    mass += c.grid.mass[n];
+    moment += c.grid.mass[n] * c.place(n);
+  }
+  c.for_points([&](int b, int l) {
+    for (int d = 0; d < 3; ++d) exact[d] += density * 0.7 * c.points.blocks[b].X[d][l];
+  });
+  const double total = density * 0.7 * static_cast<double>(c.slots.size());
+  test::expect_within(std::fabs(mass / total - 1.0), 1e-14, "mass");
+  test::expect_within((moment - exact).norm() / exact.norm(), 1e-14, "first moment");
+}
+
+// dt^2 (lambda m + k) <= bound (m + c) at every node, and no mass without need.
+TEST(Grid, AddedMassIsEnoughAndNoMore) {
+  test::Random random(114);
+  Cement c(kH, test::scattered(random, kH, 3, 5), 0.7);
+  c.grid.lump_mass(c.points, 1.0);
+  std::vector<double> k(c.grid.size());
+  const double dt = 1e-3;
+  for (double& v : k) v = random.index(2) ? 0.0 : std::pow(10.0, random.uniform(3, 8));
+  for (double bound : {4.0, 2.0})
+    for (double share : {0.0, 0.25, 1.0}) {
+      c.grid.penalty = k;
+      const double lambda = share * bound / (dt * dt);
+      c.grid.set_added_mass(dt, lambda, bound);
+      int some = 0;
+      for (int n = 0; n < c.grid.size(); ++n) {
+        const double m = c.grid.mass[n], a = c.grid.added_mass[n], load = dt * dt * (lambda * m + k[n]);
+        EXPECT_LE(load, bound * (m + a) * (1 + 1e-14));
+        if (k[n] == 0.0) {
+          EXPECT_EQ(a, 0.0);
+        }
+        if (a > 0.0) {
+          ++some;
+          EXPECT_LE(bound * (m + a), 1.06 * load);
+        }
+      }
+      EXPECT_GT(some, 0);
+    }
+}
+
+TEST(Grid, LeapFrog) {
+  test::Random random(115);
+  Cement c(kH, test::scattered(random, kH, 2, 5), 0.7);
+  Grid& g = c.grid;
+  g.lump_mass(c.points, 1.0);
+  for (int i = 0; i < g.size(); ++i) g.added_mass[i] = random.uniform(0, 1);
+  g.mass[3] = g.added_mass[3] = 0.0;
+  for (std::vector<double>* field : {&g.velocity, &g.displacement, &g.force})
+    for (double& v : *field) v = random.uniform(-1, 1);
+  const Grid before = g;
+  g.update_acceleration();
+  g.drift(0.2, 0.3);
+  for (int i = 0; i < 3 * g.size(); ++i) {
+    const double m = g.mass[i / 3] + g.added_mass[i / 3], a = m > 0 ? before.force[i] / m : 0.0;
+    const double v = before.velocity[i] + 0.2 * a;
+    EXPECT_NEAR(g.acceleration[i], a, 1e-14 * std::fabs(a));
+    EXPECT_NEAR(g.velocity[i], v, 1e-13 * (1 + std::fabs(a)));
+    EXPECT_NEAR(g.displacement[i], before.displacement[i] + 0.3 * v, 1e-13 * (1 + std::fabs(a)));
+  }
+  g.clear_force();
+  for (double f : g.force) EXPECT_EQ(f, 0.0);
+}
+
+TEST(Grid, NoticesWhatIsNotFinite) {
+  test::Random random(116);
+  Cement c(kH, test::scattered(random, kH, 2, 5), 0.7);
+  EXPECT_TRUE(c.grid.finite());
+  for (std::vector<double>* field : {&c.grid.velocity, &c.grid.displacement, &c.grid.acceleration})
+    for (double bad : {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
+      field->back() = bad;
+      EXPECT_FALSE(c.grid.finite());
+      field->back() = 1e100;
+      EXPECT_TRUE(c.grid.finite());
+    }
+}
+
+}  // namespace
+}  // namespace mpdem

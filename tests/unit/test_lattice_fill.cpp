@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "geometry/lattice_fill.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "bodies.h"
+#include "geometry/flat.h"
+
+namespace mpdem {
+namespace {
+
+using test::Matrix;
+using test::Vector;
+
+struct Case {
+  std::string name;
+  GrainPair pair;
+  double outer, inner, spacing;
+};
+
+std::vector<Case> cases() {
+  const Vector z(0, 0, 1), skew = Vector(1.0, -2.0, 0.7).normalized();
+  return {{"equal, touching", {5e-3, 5e-3, 0.0, z}, 2.332e-3, 0.0, 1e-4},
+          {"equal, ring", {5e-3, 5e-3, 0.0, z}, 2e-3, 1e-3, 7e-5},
+          {"equal, apart", {5e-3, 5e-3, 3e-4, z}, 1.5e-3, 0.0, 8e-5},
+          {"equal, overlapping", {5e-3, 5e-3, -5e-5, z}, 2e-3, 0.0, 9e-5},
+          {"skew", {5e-3, 5e-3, 0.0, skew}, 2e-3, 0.8e-3, 8e-5},
+          {"skew, unequal, apart", {5e-3, 3e-3, 2e-4, skew}, 1.4e-3, 0.0, 8e-5},
+          {"unequal", {5e-3, 2e-3, 0.0, z}, 1.6e-3, 0.3e-3, 8e-5}};
+}
+
+TEST(LatticeFill, VolumeAndAreaAreThoseOfTheShape) {
+  test::Worst volume, area, on_sphere;
+  for (const Case& c : cases()) {
+    const Flat shape(c.pair, c.outer, c.inner);
+    const std::vector<FillPoint> points = fill_with_points(shape, c.spacing);
+    double V = 0, A[2] = {0, 0};
+    for (const FillPoint& p : points) {
+      EXPECT_GT(p.volume, 0.0);
+      V += p.volume;
+      EXPECT_TRUE(p.links >= 0 && p.links <= 2);
+      for (int i = 0; i < p.links; ++i) {
+        EXPECT_GT(p.link[i].area, 0.0);
+        A[p.link[i].side] += p.link[i].area;
+        const double R = c.pair.radius(p.link[i].side);
+        on_sphere.add(std::fabs((p.link[i].foot - c.pair.centre(p.link[i].side)).norm() / R - 1.0), c.name);
+      }
+      if (p.links == 2) {
+        EXPECT_NE(p.link[0].side, p.link[1].side);
+      }
+    }
+    volume.add(std::fabs(V / shape.volume() - 1.0), c.name);
+    for (int s = 0; s < 2; ++s) area.add(std::fabs(A[s] / shape.attached_area(s) - 1.0), c.name);
+  }
+  expect_within(volume, 1e-12, "volume");
+  expect_within(area, 1e-12, "area");
+  expect_within(on_sphere, 1e-13, "foot points on the sphere");
+}
+
+std::array<int, 3> cell_of(const Vector& x, double spacing) {
+  return {static_cast<int>(std::floor(x[0] / spacing)), static_cast<int>(std::floor(x[1] / spacing)),
+          static_cast<int>(std::floor(x[2] / spacing))};
+}
+
+TEST(LatticeFill, OnePointACellInAscendingOrder) {
+  for (const Case& c : cases()) {
+    const Flat shape(c.pair, c.outer, c.inner);
+    const std::vector<FillPoint> points = fill_with_points(shape, c.spacing);
+    const std::vector<FillPoint> again = fill_with_points(shape, c.spacing);
+    ASSERT_EQ(points.size(), again.size());
+    double whole = 0;
+    int misplaced = 0, far = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const FillPoint& p = points[i];
+      if (i > 0) misplaced += !(cell_of(points[i - 1].X, c.spacing) < cell_of(p.X, c.spacing));
+      whole = std::max(whole, p.volume);
+      // a foot point is found within a few cells of its point
+      for (int k = 0; k < p.links; ++k) far += (p.link[k].foot - p.X).norm() > 4 * c.spacing;
+      EXPECT_EQ(p.X, again[i].X);
+      EXPECT_EQ(p.volume, again[i].volume);
+      EXPECT_EQ(p.links, again[i].links);
+      for (int k = 0; k < p.links; ++k) EXPECT_EQ(p.link[k].foot, again[i].link[k].foot);
+    }
+    EXPECT_EQ(misplaced, 0) << c.name;
+    EXPECT_EQ(far, 0) << c.name;
+    // the scaling to the exact volume is small
+    EXPECT_NEAR(whole / (c.spacing * c.spacing * c.spacing), 1.0, 0.01) << c.name;
+  }
+}
+
+// Points and links under a symmetry of lattice and body; `swapped`: grains change places.
+void expect_symmetric(const std::vector<FillPoint>& points, const Case& c, const Matrix& Q, bool swapped,
+                      test::Worst& worst) {
+  std::map<std::array<int, 3>, const FillPoint*> at;
+  for (const FillPoint& p : points) at[cell_of(p.X, c.spacing)] = &p;
+  for (const FillPoint& p : points) {
+    const auto it = at.find(cell_of(Q * p.X, c.spacing));
+    ASSERT_NE(it, at.end()) << c.name;
+    const FillPoint& q = *it->second;
+    worst.add((Q * p.X - q.X).norm() / c.spacing, c.name);
+    worst.add(std::fabs(p.volume - q.volume) / (c.spacing * c.spacing * c.spacing), c.name);
+    ASSERT_EQ(p.links, q.links) << c.name;
+    for (int i = 0; i < p.links; ++i)
+      for (int j = 0; j < q.links; ++j) {
+        if (q.link[j].side != (swapped ? 1 - p.link[i].side : p.link[i].side)) continue;
+        worst.add((Q * p.link[i].foot - q.link[j].foot).norm() / c.spacing, c.name + ", foot");
+        worst.add(std::fabs(p.link[i].area - q.link[j].area) / (c.spacing * c.spacing), c.name + ", area");
+      }
+  }
+}
+
+TEST(LatticeFill, SymmetricWithTheLattice) {
+  test::Worst worst;
+  const Matrix quarter = test::rotation({0, 0, 1}, 0.5 * M_PI);
+  const Matrix exact_quarter = quarter.array().round();
+  for (const Case& c : cases()) {
+    if (c.pair.n[2] != 1.0) continue;
+    const std::vector<FillPoint> points = fill_with_points(Flat(c.pair, c.outer, c.inner), c.spacing);
+    expect_symmetric(points, c, Vector(-1, 1, 1).asDiagonal(), false, worst);
+    expect_symmetric(points, c, Vector(1, -1, 1).asDiagonal(), false, worst);
+    expect_symmetric(points, c, exact_quarter, false, worst);
+    if (c.pair.R1 == c.pair.R2) expect_symmetric(points, c, Vector(1, 1, -1).asDiagonal(), true, worst);
+  }
+  expect_within(worst, 1e-12, "asymmetry over spacing");
+}
+
+// A bond in any direction with equal grains is its own image under inversion, as the lattice is.
+TEST(LatticeFill, SymmetricUnderInversionInAnyDirection) {
+  test::Worst worst;
+  for (const Case& c : cases())
+    if (c.pair.R1 == c.pair.R2) {
+      const std::vector<FillPoint> points = fill_with_points(Flat(c.pair, c.outer, c.inner), c.spacing);
+      expect_symmetric(points, c, -Matrix::Identity(), true, worst);
+    }
+  expect_within(worst, 1e-12, "asymmetry over spacing");
+}
+
+// First moments of volume and area against the exact ones, in units of the spacing.
+TEST(LatticeFill, CentroidIsThatOfTheShape) {
+  test::Worst along, across, area_along, area_across, second;
+  for (const Case& c : cases()) {
+    const Flat shape(c.pair, c.outer, c.inner);
+    const GrainPair& p = c.pair;
+    const double from = std::max(c.inner, test::circle_of_contact(p));
+    const auto z = [&](int s, double r) {
+      const double h = test::height_over_girth(p.radius(s), r);
+      return s == 0 ? -(p.R1 + 0.5 * p.gap) + h : p.R2 + 0.5 * p.gap - h;
+    };
+    const auto moment_at = [&](double r) { return M_PI * r * (z(1, r) - z(0, r)) * (z(1, r) + z(0, r)); };
+    const auto polar_at = [&](double r) { return 2 * M_PI * r * r * r * (z(1, r) - z(0, r)); };
+    const double exact = test::integrate(moment_at, from, c.outer, 1e-9 * c.spacing * shape.volume());
+    const double polar = test::integrate(polar_at, from, c.outer);
+    Vector moment = Vector::Zero(), foot[2] = {Vector::Zero(), Vector::Zero()};
+    double inertia = 0;
+    for (const FillPoint& q : fill_with_points(shape, c.spacing)) {
+      moment += q.volume * q.X;
+      inertia += q.volume * (q.X.squaredNorm() - std::pow(q.X.dot(p.n), 2));
+      for (int i = 0; i < q.links; ++i) foot[q.link[i].side] += q.link[i].area * q.link[i].foot;
+    }
+    const Vector x = moment / shape.volume();
+    along.add(std::fabs(x.dot(p.n) - exact / shape.volume()) / c.spacing, c.name);
+    across.add((x - x.dot(p.n) * p.n).norm() / c.spacing, c.name);
+    second.add(std::fabs(inertia / polar - 1.0), c.name);
+    for (int s = 0; s < 2; ++s) {
+      const double R = p.radius(s), a = std::asin(from / R), b = std::asin(c.outer / R);
+      // height of the spherical zone's centroid
+      const double h = R * 0.5 * (std::cos(a) + std::cos(b)), at = p.centre(s).dot(p.n) + (s == 0 ? h : -h);
+      const Vector f = foot[s] / shape.attached_area(s);
+      area_along.add(std::fabs(f.dot(p.n) - at) / c.spacing, c.name);
+      area_across.add((f - f.dot(p.n) * p.n).norm() / c.spacing, c.name);
+    }
+  }
+  expect_within(along, 5e-3, "centroid along the bond");
+  expect_within(across, 1e-3, "centroid across");
+  expect_within(second, 5e-3, "polar moment of inertia");
+  expect_within(area_along, 1e-2, "centroid of the area along the bond");
+  expect_within(area_across, 1e-4, "centroid of the area across");
+}
+
+TEST(LatticeFill, RefusesASpacingThatDoesNotFit) {
+  const Flat thin({5e-3, 5e-3, 0.0, Vector(0, 0, 1)}, 2e-3, 0.0);
+  EXPECT_NE(test::shape_error([&] { fill_with_points(thin, 2e-2); }).find("spacing"), std::string::npos);
+  EXPECT_NE(test::shape_error([&] { fill_with_points(thin, 1e-12); }).find("spacing"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mpdem

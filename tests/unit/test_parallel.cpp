@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Run on 1, 2 and 3 ranks. What the ranks find out about each other by messages is compared
+// with what one sees who has gathered everything.
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "cement.h"
+#include "coupling/grain_sides.h"
+#include "parallel/halo_sum.h"
+#include "parallel/rendezvous.h"
+
+namespace mpdem {
+namespace {
+
+int rank() {
+  int r;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+int ranks() {
+  int n;
+  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+
+template <class T>
+std::vector<std::vector<T>> gather_all(const std::vector<T>& mine, MPI_Datatype type) {
+  const int n = static_cast<int>(mine.size());
+  std::vector<int> count(ranks()), at(ranks(), 0);
+  MPI_Allgather(&n, 1, MPI_INT, count.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  for (int r = 1; r < ranks(); ++r) at[r] = at[r - 1] + count[r - 1];
+  std::vector<T> flat(at.back() + count.back());
+  MPI_Allgatherv(mine.data(), n, type, flat.data(), count.data(), at.data(), type, MPI_COMM_WORLD);
+  std::vector<std::vector<T>> all(ranks());
+  for (int r = 0; r < ranks(); ++r) all[r].assign(flat.begin() + at[r], flat.begin() + at[r] + count[r]);
+  return all;
+}
+std::vector<std::vector<double>> gather_all(const std::vector<double>& mine) { return gather_all(mine, MPI_DOUBLE); }
+std::vector<std::vector<Key>> gather_all(const std::vector<Key>& mine) {
+  std::vector<int> flat;
+  for (const Key& k : mine) flat.insert(flat.end(), k.begin(), k.end());
+  std::vector<std::vector<Key>> all;
+  for (const std::vector<int>& v : gather_all(flat, MPI_INT)) {
+    all.emplace_back();
+    for (std::size_t i = 0; i < v.size(); i += 4) all.back().push_back({v[i], v[i + 1], v[i + 2], v[i + 3]});
+  }
+  return all;
+}
+
+// Each rank's own choice out of a pool of keys around the origin; some ranks may get none.
+std::vector<Key> random_keys(test::Random& random, double share) {
+  std::set<Key> keys;
+  for (int b = 0; b < 2; ++b)
+    for (int i = -3; i <= 3; ++i)
+      for (int j = -2; j <= 2; ++j)
+        for (int k = -3; k <= 3; ++k)
+          if (random.uniform(0, 1) < share) keys.insert({b, i, j, k});
+  return {keys.begin(), keys.end()};
+}
+
+class Ranks : public ::testing::Test {
+ protected:
+  test::Random random_{static_cast<std::uint64_t>(1000 + rank())};
+};
+
+TEST_F(Ranks, FindSharing) {
+  for (double share : {0.0, 0.02, 0.3, 0.9, 1.0}) {
+    for (int round = 0; round < 4; ++round) {
+      // in the last round rank 0 holds nothing
+      const std::vector<Key> keys = random_keys(random_, round == 3 && rank() == 0 ? 0.0 : share);
+      const std::vector<std::vector<Key>> all = gather_all(keys);
+      const Sharing found = find_sharing(MPI_COMM_WORLD, keys);
+      Sharing expected;
+      for (int r = 0; r < ranks(); ++r) {
+        if (r == rank()) continue;
+        std::vector<int> items;
+        for (std::size_t i = 0; i < keys.size(); ++i)
+          if (std::binary_search(all[r].begin(), all[r].end(), keys[i])) items.push_back(static_cast<int>(i));
+        if (items.empty()) continue;
+        expected.ranks.push_back(r);
+        expected.items.push_back(items);
+      }
+      EXPECT_EQ(found.ranks, expected.ranks);
+      EXPECT_EQ(found.items, expected.items);
+    }
+  }
+}
+
+TEST_F(Ranks, FetchValues) {
+  const int width = 4;
+  // a key has one value, whoever holds it
+  const auto value_of = [](const Key& k, int c) {
+    return 1.0 / (3 + k[0] + 10 * (k[1] + 5) + 100 * (k[2] + 5) + 1000 * (k[3] + 5)) + c;
+  };
+  for (double share : {0.0, 0.05, 0.4, 1.0})
+    for (int round = 0; round < 3; ++round) {
+      const std::vector<Key> keys = random_keys(random_, share), wanted = random_keys(random_, 0.5);
+      std::vector<double> values;
+      for (const Key& k : keys)
+        for (int c = 0; c < width; ++c) values.push_back(value_of(k, c));
+      std::vector<char> found;
+      const std::vector<double> got = fetch_values(MPI_COMM_WORLD, width, keys, values, wanted, found);
+      const std::vector<std::vector<Key>> all = gather_all(keys);
+      const bool complete = got.size() == wanted.size() * width && found.size() == wanted.size();
+      EXPECT_TRUE(complete);
+      if (!complete) continue;  // no rank may leave the others waiting
+      for (std::size_t i = 0; i < wanted.size(); ++i) {
+        bool held = false;
+        for (const std::vector<Key>& r : all) held = held || std::binary_search(r.begin(), r.end(), wanted[i]);
+        EXPECT_EQ(found[i] != 0, held);
+        for (int c = 0; c < width; ++c) EXPECT_EQ(got[width * i + c], held ? value_of(wanted[i], c) : 0.0);
+      }
+    }
+}
+
+TEST_F(Ranks, HaloSum) {
+  for (double share : {0.0, 0.1, 0.5, 1.0})
+    for (int width : {1, 3, 9}) {
+      const std::vector<Key> keys = random_keys(random_, share);
+      HaloSum halo;
+      halo.build(MPI_COMM_WORLD, keys);
+      const std::vector<std::vector<Key>> all_keys = gather_all(keys);
+      std::size_t shared = 0;
+      for (std::size_t i = 0; i < keys.size(); ++i) {
+        int first = -1, holders = 0;
+        for (int r = 0; r < ranks(); ++r)
+          if (std::binary_search(all_keys[r].begin(), all_keys[r].end(), keys[i])) {
+            ++holders;
+            if (first < 0) first = r;
+          }
+        shared += holders > 1;
+        EXPECT_EQ(halo.counts_here()[i] != 0, first == rank());
+      }
+      EXPECT_EQ(halo.shared_items(), shared);
+      // twice over, as buffers are kept
+      for (int round = 0; round < 2; ++round) {
+        std::vector<double> values(keys.size() * width);
+        for (double& v : values) v = random_.uniform(-1, 1);
+        const std::vector<std::vector<double>> all_values = gather_all(values);
+        halo.sum(values.data(), width);
+        // the same contributions in the order of the ranks: equal to the bit
+        std::map<Key, std::vector<double>> sums;
+        for (int r = 0; r < ranks(); ++r)
+          for (std::size_t i = 0; i < all_keys[r].size(); ++i) {
+            std::vector<double>& s = sums.emplace(all_keys[r][i], std::vector<double>(width, 0.0)).first->second;
+            for (int c = 0; c < width; ++c) s[c] += all_values[r][i * width + c];
+          }
+        for (std::size_t i = 0; i < keys.size(); ++i)
+          for (int c = 0; c < width; ++c) EXPECT_EQ(values[i * width + c], sums[keys[i]][c]);
+        // and to the bit among the holders, whatever the order
+        const std::vector<std::vector<double>> after = gather_all(values);
+        for (int r = 0; r < ranks(); ++r)
+          for (std::size_t i = 0; i < all_keys[r].size(); ++i) {
+            const auto it = std::lower_bound(keys.begin(), keys.end(), all_keys[r][i]);
+            if (it == keys.end() || *it != all_keys[r][i]) continue;
+            const double* mine = &values[(it - keys.begin()) * width];
+            EXPECT_EQ(std::memcmp(&after[r][i * width], mine, width * sizeof(double)), 0);
+          }
+      }
+    }
+}
+
+// Cement dealt out to the ranks gives the masses and the forces that one rank gets alone.
+TEST_F(Ranks, GridIsThatOfOneRank) {
+  const double h = 1e-4;
+  test::Random same(7);
+  const std::vector<test::Vector> X = test::scattered(same, h, 4, 6);
+  const TensorDamage law(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), DamageParameters());
+  test::Cement whole(h, X, 1e-13);
+  whole.grid.lump_mass(whole.points, 2710);
+  std::map<Key, int> index;
+  for (int n = 0; n < whole.grid.size(); ++n) index[whole.grid.keys[n]] = n;
+  for (double& v : whole.grid.velocity) v = same.uniform(-1, 1);
+
+  PointStore points;
+  std::vector<int> slots, tags, place;
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    // by thirds along x with a ragged edge
+    const double share = X[i][0] / (4 * h) + 0.1 * same.uniform(-1, 1);
+    if (std::max(0, std::min(ranks() - 1, static_cast<int>(share * ranks()))) != rank()) continue;
+    PointRecord r;
+    r.has_frame = true;
+    for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
+    r.volume = 1e-13;
+    tags.push_back(static_cast<int>(i) + 1);
+    slots.push_back(points.add(r, tags.back()));
+  }
+  points.arrange(slots, tags, h, place);
+  std::vector<Grid::Cell> cells;
+  for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+  Grid grid;
+  std::vector<char> fresh;
+  // the motion comes from the rank that has it, here each for a part
+  NodeKinematics saved;
+  const NodeKinematics full = whole.grid.kinematics();
+  for (std::size_t i = rank(); i < full.keys.size(); i += ranks()) {
+    saved.keys.push_back(full.keys[i]);
+    const auto value = full.values.begin() + i * NodeKinematics::kWidth;
+    saved.values.insert(saved.values.end(), value, value + NodeKinematics::kWidth);
+  }
+  grid.build(MPI_COMM_WORLD, h, cells, saved, fresh);
+  grid.lump_mass(points, 2710);
+  AdvanceResult result;
+  whole.grid.clear_force();
+  advance_points(whole.points, whole.grid, law, 1e-6, result);
+  grid.clear_force();
+  advance_points(points, grid, law, 1e-6, result);
+  grid.sum_force();
+  double mass = 0, force = 0;
+  for (double m : whole.grid.mass) mass = std::max(mass, m);
+  for (double f : whole.grid.force) force = std::max(force, std::fabs(f));
+  test::Worst mass_error, force_error;
+  for (int n = 0; n < grid.size(); ++n) {
+    ASSERT_TRUE(index.count(grid.keys[n]));
+    const int w = index[grid.keys[n]];
+    EXPECT_FALSE(fresh[n]);
+    mass_error.add(std::fabs(grid.mass[n] - whole.grid.mass[w]) / mass);
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_EQ(grid.velocity[3 * n + d], whole.grid.velocity[3 * w + d]);
+      force_error.add(std::fabs(grid.force[3 * n + d] - whole.grid.force[3 * w + d]) / force);
+    }
+  }
+  expect_within(mass_error, 1e-14, "mass");
+  expect_within(force_error, 1e-13, "force");
+}
+
+// The owner of a grain hands out its motion; forces of all holders add up at all of them.
+TEST_F(Ranks, GrainSides) {
+  const int n = 7;
+  test::Random same(8);
+  std::vector<Body> bodies(n);
+  std::vector<GrainSides::Motion> motions(2 * n);
+  for (int b = 0; b < n; ++b)
+    for (int s = 0; s < 2; ++s) {
+      bodies[b].grain[s] = 100 * b + s + 1;
+      GrainSides::Motion& m = motions[2 * b + s];
+      const Eigen::Quaterniond q(same.frame());
+      const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+      std::copy(wxyz, wxyz + 4, m.q);
+      for (int d = 0; d < 3; ++d) {
+        bodies[b].origin[d] = same.uniform(-1, 1);
+        bodies[b].shift[s][d] = same.uniform(-1, 1);
+        m.x[d] = same.uniform(-1, 1);
+        m.v[d] = same.uniform(-1, 1);
+        m.omega[d] = same.uniform(-1, 1);
+      }
+    }
+  // side k belongs to rank k mod ranks, but the last to nobody in the second round
+  for (bool lost : {false, true}) {
+    std::vector<Key> needed, owned;
+    std::vector<GrainSides::Motion> mine;
+    for (int k = 0; k < 2 * n; ++k) {
+      const Key key{k / 2, k % 2, 0, 0};
+      if (random_.index(2) || k == 2 * n - 1) needed.push_back(key);
+      if (k % ranks() == rank() && !(lost && k == 2 * n - 1)) {
+        owned.push_back(key);
+        mine.push_back(motions[k]);
+      }
+    }
+    GrainSides sides;
+    sides.build(MPI_COMM_WORLD, bodies, needed, owned);
+    sides.distribute(bodies, mine);
+    EXPECT_EQ(sides.orphan() >= 0, lost);
+    if (sides.orphan() >= 0) {
+      EXPECT_EQ(sides.sides[sides.orphan()].tag, bodies[n - 1].grain[1]);
+    }
+    std::vector<double> forces(12 * n, 0.0);
+    sides.clear_forces();
+    for (const Key& k : needed) EXPECT_GE(sides.find(k[0], k[1]), 0);
+    for (const Key& k : owned) EXPECT_GE(sides.find(k[0], k[1]), 0);
+    EXPECT_EQ(sides.find(n, 0), -1);
+    for (std::size_t i = 0; i < sides.sides.size(); ++i) {
+      GrainSide& s = sides.sides[i];
+      EXPECT_EQ(sides.find(s.body, s.side), static_cast<int>(i));
+      const GrainSides::Motion& m = motions[2 * s.body + s.side];
+      EXPECT_EQ(s.tag, bodies[s.body].grain[s.side]);
+      if (!(lost && s.body == n - 1 && s.side == 1)) {
+        const Mat3<double> R = rotation_of(m.q);
+        for (int d = 0; d < 3; ++d) {
+          EXPECT_EQ(s.x[d], m.x[d] + bodies[s.body].shift[s.side][d] - bodies[s.body].origin[d]);
+          EXPECT_EQ(s.v[d], m.v[d]);
+          EXPECT_EQ(s.omega[d], m.omega[d]);
+          for (int e = 0; e < 3; ++e) EXPECT_EQ(s.R.a[d][e], R.a[d][e]);
+        }
+      }
+      for (int d = 0; d < 3; ++d) {
+        EXPECT_EQ(s.force[d], 0.0);
+        EXPECT_EQ(s.torque[d], 0.0);
+        forces[6 * (2 * s.body + s.side) + d] = s.force[d] = random_.uniform(-1, 1);
+        forces[6 * (2 * s.body + s.side) + 3 + d] = s.torque[d] = random_.uniform(-1, 1);
+      }
+    }
+    const std::vector<std::vector<double>> all = gather_all(forces);
+    sides.sum_forces();
+    for (const GrainSide& s : sides.sides)
+      for (int d = 0; d < 3; ++d) {
+        double F = 0, T = 0;
+        for (int r = 0; r < ranks(); ++r) {
+          F += all[r][6 * (2 * s.body + s.side) + d];
+          T += all[r][6 * (2 * s.body + s.side) + 3 + d];
+        }
+        EXPECT_NEAR(s.force[d], F, 1e-15);
+        EXPECT_NEAR(s.torque[d], T, 1e-15);
+      }
+  }
+}
+
+TEST(RotationOf, Quaternion) {
+  test::Random random(9);
+  test::Worst worst;
+  for (int n = 0; n < 100; ++n) {
+    const test::Matrix R = random.frame();
+    const Eigen::Quaterniond q(R);
+    const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+    const Mat3<double> m = rotation_of(wxyz);
+    for (int i = 0; i < 9; ++i) worst.add(std::fabs(m.a[i / 3][i % 3] - R(i / 3, i % 3)));
+  }
+  expect_within(worst, 1e-14, "matrix");
+}
+
+}  // namespace
+}  // namespace mpdem

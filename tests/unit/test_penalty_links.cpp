@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Two bonds between pairs of grains that have moved and turned, the second in two parts, some
+// of their points linked to both grains, some to none.
+#include "coupling/penalty_links.h"
+
+#include <algorithm>
+
+#include "cement.h"
+
+namespace mpdem {
+namespace {
+
+using test::Matrix;
+using test::Vector;
+
+constexpr double kH = 0.1, kDensity = 2.0;
+
+void copy(const Vector& from, double* to) { std::copy(from.data(), from.data() + 3, to); }
+void copy(const Eigen::Quaterniond& q, double* to) {
+  to[0] = q.w();
+  to[1] = q.x();
+  to[2] = q.y();
+  to[3] = q.z();
+}
+
+struct Scene {
+  std::vector<Body> bodies{2};
+  PointStore points;
+  std::vector<int> slots;
+  Grid grid;
+  GrainSides sides;
+  PenaltyLinks links;
+  std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
+  test::Random random;
+
+  Scene(std::uint64_t seed, const PenaltyParameters& p) : random(seed) {
+    int tag = 1;
+    for (int b = 0; b < 2; ++b) {
+      Body& body = bodies[b];
+      const Vector n = random.direction();
+      copy(random.vector(), body.origin);
+      for (int s = 0; s < 2; ++s) {
+        body.grain[s] = 10 * b + s + 1;
+        body.radius[s] = 1.0 + 0.3 * s;
+        copy((s ? 1.0 : -1.0) * (body.radius[s] + 0.02) * n, body.centre[s]);
+        copy(Eigen::Quaterniond(random.frame()), body.orientation[s]);
+        copy(10.0 * random.vector(), body.shift[s]);
+      }
+      for (int i = 0; i < 60; ++i) {
+        PointRecord r;
+        r.body = b;
+        r.part = b * random.index(2);
+        r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
+        const Vector X = 0.15 * random.vector();
+        copy(X, r.X);
+        for (int s = 0; s < 2; ++s) {
+          if (random.index(3) == 0) continue;
+          const Vector centre = Eigen::Map<const Vector>(body.centre[s]);
+          Link& k = r.link[r.links++];
+          k.grain = body.grain[s];
+          k.area = random.uniform(0.5, 1.0) * kH * kH / 4;
+          k.attached = 1;
+          copy(centre + body.radius[s] * (X - centre).normalized(), k.foot);
+        }
+        slots.push_back(points.add(r, tag++));
+      }
+    }
+    std::vector<int> tags(slots.size()), place;
+    std::iota(tags.begin(), tags.end(), 1);
+    points.arrange(slots, tags, kH, place);
+    slots = place;
+    links.build(points, bodies, p, kH, kDensity);
+    std::vector<Grid::Cell> cells;
+    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    links.add_cells(cells);
+    std::vector<char> fresh;
+    grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
+    grid.lump_mass(points, kDensity);
+    const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
+    EXPECT_EQ(links.needed_sides(), all);
+    sides.build(MPI_COMM_SELF, bodies, all, all);
+    links.bind(sides);
+    place_grains(0.0, 0.0);
+  }
+
+  // Displacements and velocities of grains and nodes at random.
+  void place_grains(double displacement, double velocity) {
+    for (int i = 0; i < 4; ++i) {
+      const Body& body = bodies[i / 2];
+      const Eigen::Map<const Vector> centre(body.centre[i % 2]), origin(body.origin), shift(body.shift[i % 2]);
+      copy(origin - shift + centre + displacement * random.vector(), motion[i].x);
+      copy(velocity * random.vector(), motion[i].v);
+      copy(velocity * random.vector(), motion[i].omega);
+      const double* q = body.orientation[i % 2];
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(displacement * random.uniform(-1, 1), random.direction()));
+      copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), motion[i].q);
+    }
+    for (double& u : grid.displacement) u = displacement * random.uniform(-1, 1);
+    for (double& v : grid.velocity) v = velocity * random.uniform(-1, 1);
+    sides.distribute(bodies, motion);
+  }
+  double energy() {
+    sides.distribute(bodies, motion);
+    return links.spring_energy(grid, sides);
+  }
+  double add_force() {
+    sides.distribute(bodies, motion);
+    sides.clear_forces();
+    grid.clear_force();
+    return links.add_force(grid, sides);
+  }
+  void turn(int i, const Vector& rotation) {
+    const Eigen::Quaterniond q(motion[i].q[0], motion[i].q[1], motion[i].q[2], motion[i].q[3]);
+    copy(Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized())) * q, motion[i].q);
+  }
+  Vector node(int n) const {
+    const auto& k = grid.keys[n];
+    return kH * Vector(k[1], k[2], k[3]) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
+  }
+
+  // Resultant and moment about the origin of each body of nodal forces `f` and of what the
+  // grains feel, over their sizes.
+  void expect_balanced(const std::vector<double>& f, double tolerance, const std::string& what) const {
+    test::Worst resultant, moment;
+    for (int b = 0; b < 2; ++b) {
+      Vector F = Vector::Zero(), M = Vector::Zero();
+      double F_size = 0, M_size = 0;
+      const auto add = [&](const Vector& x, const Vector& force, const Vector& torque) {
+        F += force;
+        M += x.cross(force) + torque;
+        F_size += force.norm();
+        M_size += x.norm() * force.norm();
+      };
+      for (int n = 0; n < grid.size(); ++n)
+        if (body_of(grid.keys[n][0]) == b) add(node(n), {f[3 * n], f[3 * n + 1], f[3 * n + 2]}, Vector::Zero());
+      for (const GrainSide& s : sides.sides)
+        if (s.body == b)
+          add(Eigen::Map<const Vector>(s.x), Eigen::Map<const Vector>(s.force), Eigen::Map<const Vector>(s.torque));
+      EXPECT_GT(F_size, 0.0);
+      resultant.add(F.norm() / F_size);
+      moment.add(M.norm() / M_size);
+    }
+    expect_within(resultant, tolerance, what + ": resultant");
+    expect_within(moment, tolerance, what + ": moment");
+  }
+};
+
+PenaltyParameters parameters(bool at_surface, double damping = 0.0) {
+  PenaltyParameters p;
+  p.kn = 900.0;
+  p.kt = 250.0;
+  p.damping = damping;
+  p.at_surface = at_surface;
+  return p;
+}
+
+class Links : public ::testing::TestWithParam<bool> {};
+
+TEST_P(Links, NothingHappensAtRestOrInRigidMotion) {
+  Scene s(131, parameters(GetParam()));
+  EXPECT_LE(s.energy(), 1e-26);
+  // both grains and the nodes of a body turn about its origin and move on
+  for (int b = 0; b < 2; ++b) {
+    const Matrix R = test::rotation(s.random.direction(), 2.0);
+    const Vector t = s.random.vector();
+    for (int side = 0; side < 2; ++side) {
+      const Body& body = s.bodies[b];
+      GrainSides::Motion& m = s.motion[2 * b + side];
+      copy(Eigen::Map<const Vector>(body.origin) - Eigen::Map<const Vector>(body.shift[side]) +
+               R * Eigen::Map<const Vector>(body.centre[side]) + t, m.x);
+      const double* q = body.orientation[side];
+      copy(Eigen::Quaterniond(R) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), m.q);
+    }
+    for (int n = 0; n < s.grid.size(); ++n) {
+      if (body_of(s.grid.keys[n][0]) != b) continue;
+      const Vector X = kH * Vector(s.grid.keys[n][1], s.grid.keys[n][2], s.grid.keys[n][3]), u = R * X + t - X;
+      copy(u, &s.grid.displacement[3 * n]);
+    }
+  }
+  EXPECT_LE(s.energy(), 1e-26);
+  s.add_force();
+  test::Worst force;
+  for (double f : s.grid.force) force.add(std::fabs(f));
+  for (const GrainSide& g : s.sides.sides)
+    for (int d = 0; d < 3; ++d) force.add(std::fabs(g.force[d]) + std::fabs(g.torque[d]));
+  expect_within(force, 1e-12, "force");
+}
+
+TEST_P(Links, ForceAndMomentDeriveFromTheEnergy) {
+  Scene s(132, parameters(GetParam()));
+  s.place_grains(0.3, 0.0);
+  s.add_force();
+  const double U = s.energy();
+  EXPECT_GT(U, 0.1);
+  double f_size = 0, F_size = 0;
+  for (double f : s.grid.force) f_size = std::max(f_size, std::fabs(f));
+  for (const GrainSide& g : s.sides.sides)
+    for (int d = 0; d < 3; ++d) F_size = std::max({F_size, std::fabs(g.force[d]), std::fabs(g.torque[d])});
+  const std::vector<double> force = s.grid.force;
+  test::Worst node, grain, torque;
+  // The energy is quadratic in the places: central differences are exact.
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    double& u = s.grid.displacement[i];
+    const double u0 = u, step = 0.1;
+    u = u0 + step;
+    const double ahead = s.energy();
+    u = u0 - step;
+    const double behind = s.energy();
+    u = u0;
+    node.add(std::fabs(force[i] + (ahead - behind) / (2 * step)) / f_size);
+  }
+  for (int i = 0; i < 4; ++i)
+    for (int d = 0; d < 3; ++d) {
+      const GrainSide& g = s.sides.sides[i];
+      const GrainSides::Motion at = s.motion[i];
+      const auto moved = [&](double step) {
+        s.motion[i] = at;
+        s.motion[i].x[d] += step;
+        return s.energy();
+      };
+      const auto turned = [&](double angle) {
+        s.motion[i] = at;
+        s.turn(i, angle * Vector::Unit(d));
+        return s.energy();
+      };
+      const auto slope = [&](double a) { return (turned(a) - turned(-a)) / (2 * a); };
+      grain.add(std::fabs(g.force[d] + (moved(0.1) - moved(-0.1)) / 0.2) / F_size);
+      // sixth order
+      const double fine = slope(0.01), middle = slope(0.02), coarse = slope(0.04);
+      const double one = (4 * fine - middle) / 3, two = (4 * middle - coarse) / 3;
+      torque.add(std::fabs(g.torque[d] + (16 * one - two) / 15) / F_size);
+      s.motion[i] = at;
+    }
+  s.sides.distribute(s.bodies, s.motion);
+  expect_within(node, 1e-11, "nodes");
+  expect_within(grain, 1e-11, "force on the grains");
+  expect_within(torque, 1e-9, "moment on the grains");
+}
+
+TEST_P(Links, ActionIsReaction) {
+  Scene s(133, parameters(GetParam(), 0.3));
+  s.place_grains(0.3, 0.0);
+  s.add_force();
+  s.expect_balanced(s.grid.force, 1e-14, "springs");
+  s.place_grains(0.3, 10.0);
+  s.add_force();
+  s.expect_balanced(s.grid.force, 1e-14, "springs and dampers");
+}
+
+// The rates of momentum and angular momentum of nodes (without added mass) and grains.
+TEST_P(Links, ActionIsReactionWithAddedMass) {
+  Scene s(134, parameters(GetParam(), 0.1));
+  s.place_grains(0.1, 1.0);
+  s.links.add_stiffness(s.grid);
+  s.grid.set_added_mass(0.05, 0.0, 4.0);
+  int stiff = 0;
+  double row_sums = 0, stiffness = 0;
+  for (int n = 0; n < s.grid.size(); ++n) {
+    stiff += s.grid.added_mass[n] > 0;
+    row_sums += s.grid.penalty[n];
+  }
+  for (const Link& k : s.points.links) stiffness += s.links.parameters().kn * k.area;
+  EXPECT_GT(stiff, 10);
+  EXPECT_LT(stiff, s.grid.size());
+  test::expect_within(std::fabs(row_sums / stiffness - 1.0), 1e-14, "sum of the stiffness");
+  s.add_force();
+  for (double& f : s.grid.force) f += 0.01 * s.random.uniform(-1, 1);  // of the cement
+  s.grid.update_acceleration();
+  std::vector<double> rate(s.grid.force.size());
+  // what the springs put on the nodes is balanced by the grains; take the rest away
+  const std::vector<double> all = s.grid.force;
+  s.grid.clear_force();
+  s.sides.clear_forces();
+  s.links.add_force(s.grid, s.sides);
+  for (int n = 0; n < s.grid.size(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      const int i = 3 * n + d;
+      rate[i] = s.grid.mass[n] * s.grid.acceleration[i] - (all[i] - s.grid.force[i]);
+    }
+  s.links.add_reaction(s.grid, s.sides);
+  s.expect_balanced(rate, 1e-14, "with added mass");
+}
+
+TEST_P(Links, DampersTakeThePowerTheyClaim) {
+  Scene s(135, parameters(GetParam(), 0.3));
+  s.place_grains(0.2, 0.0);
+  s.add_force();
+  const std::vector<double> springs = s.grid.force;
+  const GrainSides still = s.sides;
+  for (double& v : s.grid.velocity) v = s.random.uniform(-1, 1);
+  for (GrainSides::Motion& m : s.motion) {
+    copy(s.random.vector(), m.v);
+    copy(s.random.vector(), m.omega);
+  }
+  const double claimed = s.add_force();
+  double power = 0;
+  for (std::size_t i = 0; i < springs.size(); ++i) power -= (s.grid.force[i] - springs[i]) * s.grid.velocity[i];
+  for (int i = 0; i < 4; ++i)
+    for (int d = 0; d < 3; ++d)
+      power -= (s.sides.sides[i].force[d] - still.sides[i].force[d]) * s.motion[i].v[d] +
+               (s.sides.sides[i].torque[d] - still.sides[i].torque[d]) * s.motion[i].omega[d];
+  EXPECT_GT(claimed, 0.0);
+  test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
+}
+
+TEST_P(Links, StiffnessOfASide) {
+  Scene s(136, parameters(GetParam()));
+  std::vector<double> per_side(4, 0.0), expected(4, 0.0);
+  s.links.side_stiffness(per_side);
+  for (const Link& k : s.points.links) {
+    const int body = s.points.meta[k.slot / kLanes].body;
+    expected[2 * body + (k.grain == s.bodies[body].grain[1])] += 900.0 * k.area;
+  }
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(per_side[i], expected[i], 1e-13 * expected[i]);
+}
+
+TEST_P(Links, LetGo) {
+  Scene s(137, parameters(GetParam()));
+  s.place_grains(0.2, 1.0);
+  s.links.add_stiffness(s.grid);
+  s.grid.set_added_mass(0.2, 0.0, 4.0);
+  const double before = s.energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
+  EXPECT_GT(inertial, 0.0);
+  std::vector<int> failed;
+  for (std::size_t i = 0; i < s.slots.size(); i += 3) failed.push_back(s.slots[i]);
+  std::sort(failed.begin(), failed.end());
+  int expected = 0;
+  for (const Link& k : s.points.links) expected += std::binary_search(failed.begin(), failed.end(), k.slot);
+  double released = 0;
+  EXPECT_EQ(s.links.let_go(s.points, {}, s.grid, s.sides, released), 0);
+  EXPECT_EQ(s.links.let_go(s.points, failed, s.grid, s.sides, released), expected);
+  EXPECT_EQ(s.links.let_go(s.points, failed, s.grid, s.sides, released), 0);  // once only
+  for (const Link& k : s.points.links)
+    EXPECT_EQ(k.attached == 0, std::binary_search(failed.begin(), failed.end(), k.slot));
+  test::expect_within(std::fabs((before - s.energy()) / released - 1.0), 1e-13, "spring energy released");
+  s.add_force();
+  s.expect_balanced(s.grid.force, 1e-14, "after");
+  // added mass reacts as before until the stiffness is taken anew
+  EXPECT_EQ(s.links.inertial_energy(s.grid, s.sides), inertial);
+  std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
+  s.links.add_stiffness(s.grid);
+  s.grid.set_added_mass(0.2, 0.0, 4.0);
+  EXPECT_LT(s.links.inertial_energy(s.grid, s.sides), inertial);
+
+  // a layout from the store as it is now gives the same force
+  const std::vector<double> force = s.grid.force;
+  PenaltyLinks again;
+  again.build(s.points, s.bodies, s.links.parameters(), kH, kDensity);
+  std::vector<Grid::Cell> cells;
+  for (BlockMeta& m : s.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+  s.links.add_cells(cells);  // keeps the nodes
+  again.add_cells(cells);
+  std::vector<char> fresh;
+  s.grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
+  again.bind(s.sides);
+  again.add_force(s.grid, s.sides);
+  test::Worst worst;
+  for (std::size_t i = 0; i < force.size(); ++i) worst.add(std::fabs(force[i] - s.grid.force[i]));
+  expect_within(worst, 1e-12, "force of the links that are left");
+}
+
+// A spring one node wide, by hand: normal along R q0, not along the present vector.
+TEST_P(Links, DirectionsOfTheSpring) {
+  Scene s(138, parameters(GetParam()));
+  for (int axis = 0; axis < 2; ++axis) {
+    // every node moves along or across the bond of body 0; grains stay
+    const Vector n = Eigen::Map<const Vector>(s.bodies[0].centre[1]).normalized();
+    const Vector move = 0.3 * (axis == 0 ? n : n.unitOrthogonal());
+    s.place_grains(0.0, 0.0);
+    for (int i = 0; i < s.grid.size(); ++i)
+      if (body_of(s.grid.keys[i][0]) == 0) copy(move, &s.grid.displacement[3 * i]);
+    s.add_force();
+    for (int side = 0; side < 2; ++side) {
+      Vector expected = Vector::Zero();
+      for (const Link& k : s.points.links) {
+        const int b = k.slot / kLanes, l = k.slot % kLanes;
+        if (s.points.meta[b].body != 0 || k.grain != s.bodies[0].grain[side]) continue;
+        const vd* X = s.points.blocks[b].X;
+        const Vector at = GetParam() ? Vector(Eigen::Map<const Vector>(k.foot)) : Vector(X[0][l], X[1][l], X[2][l]);
+        const Vector m = (at - Eigen::Map<const Vector>(s.bodies[0].centre[side])).normalized();
+        const Vector normal = move.dot(m) * m;
+        expected += k.area * (900.0 * normal + 250.0 * (move - normal));
+      }
+      const Vector force = Eigen::Map<const Vector>(s.sides.sides[side].force);
+      test::expect_within((force - expected).norm() / expected.norm(), 1e-12, "force on a grain");
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Penalty, Links, ::testing::Values(true, false),
+                         [](const ::testing::TestParamInfo<bool>& p) { return p.param ? "at_surface" : "at_points"; });
+
+}  // namespace
+}  // namespace mpdem

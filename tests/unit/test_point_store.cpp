@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/point_store.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "lanes.h"
+#include "mpm/quadratic_bspline.h"
+
+namespace mpdem {
+namespace {
+
+constexpr double kCell = 0.2;
+
+PointRecord random_record(test::Random& random) {
+  PointRecord r;
+  r.body = random.index(3);
+  r.part = random.index(2);
+  r.failed = random.index(5) == 0;
+  r.has_frame = random.index(2);
+  for (double& v : r.X) v = random.uniform(-0.5, 0.5);
+  r.volume = random.uniform(0.1, 1);
+  for (double& v : r.F) v += random.uniform(-0.1, 0.1);
+  const Eigen::Quaterniond q(random.frame());
+  r.q[0] = q.w();
+  r.q[1] = q.x();
+  r.q[2] = q.y();
+  r.q[3] = q.z();
+  for (double& v : r.strain) v = random.uniform(-0.01, 0.01);
+  if (random.index(2))
+    for (double& v : r.damage) v = random.uniform(-0.1, 0.1);
+  r.links = random.index(3);
+  for (int i = 0; i < r.links; ++i) {
+    Link& k = r.link[i];
+    k.slot = -1;
+    k.grain = 1 + random.index(1000);
+    for (double& v : k.foot) v = random.uniform(-1, 1);
+    k.area = random.uniform(0, 1);
+    k.attached = random.index(2);
+  }
+  return r;
+}
+
+std::vector<double> packed(const PointRecord& r) {
+  std::vector<double> buf(PointRecord::kPacked, -1.0);
+  EXPECT_EQ(r.pack(buf.data()), PointRecord::kPacked);
+  return buf;
+}
+
+// Everything a store says about its points and links, to compare two of them.
+std::vector<double> content(const PointStore& s) {
+  std::vector<double> all;
+  for (std::size_t b = 0; b < s.blocks.size(); ++b) {
+    const BlockMeta& m = s.meta[b];
+    for (int d = 0; d < 3; ++d) all.push_back(m.base[d]);
+    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged)})
+      all.push_back(v);
+    for (int l = 0; l < kLanes; ++l) {
+      all.push_back(s.tags[b][l]);
+      const std::vector<double> p = packed(s.record(static_cast<int>(kLanes * b) + l));
+      all.insert(all.end(), p.begin(), p.end());
+    }
+  }
+  for (const Link& k : s.links) all.insert(all.end(), {double(k.slot), double(k.grain), k.foot[0], k.area});
+  return all;
+}
+
+TEST(PointRecord, PackAndUnpack) {
+  test::Random random(81);
+  for (int n = 0; n < 200; ++n) {
+    const PointRecord r = random_record(random);
+    const std::vector<double> buf = packed(r);
+    PointRecord back;
+    EXPECT_EQ(back.unpack(buf.data()), PointRecord::kPacked);
+    EXPECT_EQ(packed(back), buf);
+    EXPECT_EQ(back.body, r.body);
+    EXPECT_EQ(back.part, r.part);
+    EXPECT_EQ(back.failed, r.failed);
+    EXPECT_EQ(back.has_frame, r.has_frame);
+    EXPECT_EQ(back.links, r.links);
+    EXPECT_TRUE(std::equal(r.X, r.X + 3, back.X));
+    EXPECT_EQ(back.volume, r.volume);
+    EXPECT_TRUE(std::equal(r.F, r.F + 9, back.F));
+    EXPECT_TRUE(std::equal(r.q, r.q + 4, back.q));
+    EXPECT_TRUE(std::equal(r.strain, r.strain + 6, back.strain));
+    EXPECT_TRUE(std::equal(r.damage, r.damage + 6, back.damage));
+    for (int i = 0; i < r.links; ++i) {
+      EXPECT_EQ(back.link[i].grain, r.link[i].grain);
+      EXPECT_TRUE(std::equal(r.link[i].foot, r.link[i].foot + 3, back.link[i].foot));
+      EXPECT_EQ(back.link[i].area, r.link[i].area);
+      EXPECT_EQ(back.link[i].attached, r.link[i].attached);
+    }
+  }
+}
+
+struct Filled {
+  PointStore store;
+  std::vector<PointRecord> records;
+  std::vector<int> slots, tags;
+
+  Filled(std::uint64_t seed, int n) {
+    test::Random random(seed);
+    for (int i = 0; i < n; ++i) {
+      records.push_back(random_record(random));
+      tags.push_back(1000 + 7 * i);
+      slots.push_back(store.add(records.back(), tags.back()));
+    }
+  }
+};
+
+TEST(PointStore, AddAndRecordRoundTrip) {
+  const Filled f(82, 300);
+  std::set<int> different(f.slots.begin(), f.slots.end());
+  EXPECT_EQ(different.size(), f.slots.size());
+  for (std::size_t i = 0; i < f.records.size(); ++i) {
+    const int b = f.slots[i] / kLanes, l = f.slots[i] % kLanes;
+    EXPECT_EQ(packed(f.store.record(f.slots[i])), packed(f.records[i]));
+    EXPECT_EQ(f.store.tags[b][l], f.tags[i]);
+    EXPECT_EQ(f.store.meta[b].body, f.records[i].body);
+    EXPECT_EQ(f.store.meta[b].part, f.records[i].part);
+    EXPECT_TRUE(f.store.meta[b].occupied >> l & 1);
+    EXPECT_EQ(f.store.meta[b].linked >> l & 1, f.records[i].links > 0);
+    for (int k = 0; k < f.store.record(f.slots[i]).links; ++k)
+      EXPECT_EQ(f.store.record(f.slots[i]).link[k].slot, f.slots[i]);
+  }
+  EXPECT_GT(f.store.memory_usage(), 300u * sizeof(double) * 30);
+}
+
+// Checks what `arrange` promises, given what the store held before.
+void expect_arranged(const PointStore& s, const std::vector<PointRecord>& records, const std::vector<int>& tags,
+                     const std::vector<int>& new_slot) {
+  ASSERT_EQ(new_slot.size(), records.size());
+  std::size_t occupied = 0;
+  for (const BlockMeta& m : s.meta) occupied += __builtin_popcount(m.occupied);
+  EXPECT_EQ(occupied, records.size());
+  ASSERT_EQ(s.damage.size(), s.blocks.size());
+  ASSERT_EQ(s.meta.size(), s.blocks.size());
+  ASSERT_EQ(s.tags.size(), s.blocks.size());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const PointRecord& r = records[i];
+    const int b = new_slot[i] / kLanes, l = new_slot[i] % kLanes;
+    EXPECT_EQ(packed(s.record(new_slot[i])), packed(r));
+    EXPECT_EQ(s.tags[b][l], tags[i]);
+    EXPECT_EQ(s.meta[b].body, r.body);
+    EXPECT_EQ(s.meta[b].part, r.part);
+    EXPECT_EQ(s.meta[b].linked >> l & 1, r.links > 0);
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(s.meta[b].base[d], support_base(r.X[d], 1.0 / kCell));
+  }
+  std::vector<std::array<int, 6>> order;  // body, part, cell, tag
+  for (std::size_t b = 0; b < s.blocks.size(); ++b) {
+    const BlockMeta& m = s.meta[b];
+    bool damaged = false;
+    for (int l = 0; l < kLanes; ++l) {
+      if (m.occupied >> l & 1) {
+        order.push_back({m.body, m.part, m.base[0], m.base[1], m.base[2], s.tags[b][l]});
+        for (double v : s.record(static_cast<int>(kLanes * b) + l).damage) damaged |= v != 0.0;
+        continue;
+      }
+      // empty lanes: nothing of their own, finite weights, at the end of the block
+      EXPECT_EQ(m.occupied >> l, 0);
+      EXPECT_EQ(double(s.blocks[b].volume[l]), 0.0);
+      EXPECT_FALSE((m.failed | m.framed | m.linked) >> l & 1);
+      for (int d = 0; d < 3; ++d) EXPECT_EQ(support_base(s.blocks[b].X[d][l], 1.0 / kCell), m.base[d]);
+      EXPECT_EQ(test::matrix(s.blocks[b].F, l), test::Matrix(test::Matrix::Identity()));
+    }
+    EXPECT_NE(m.occupied, 0);
+    EXPECT_EQ(m.damaged, damaged);
+  }
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  // a block is only left unfilled where its cell ends
+  for (std::size_t b = 0; b + 1 < s.blocks.size(); ++b) {
+    const bool same_cell = s.meta[b].body == s.meta[b + 1].body && s.meta[b].part == s.meta[b + 1].part &&
+                           std::equal(s.meta[b].base, s.meta[b].base + 3, s.meta[b + 1].base);
+    if (same_cell) {
+      EXPECT_EQ(s.meta[b].occupied, 0xff);
+    }
+  }
+  const auto by_slot = [](const Link& a, const Link& b) { return a.slot < b.slot; };
+  EXPECT_TRUE(std::is_sorted(s.links.begin(), s.links.end(), by_slot));
+}
+
+TEST(PointStore, ArrangeGroupsByBodyPartAndCell) {
+  Filled f(83, 2000);
+  std::size_t links = 0;
+  for (const PointRecord& r : f.records) links += r.links;
+  std::vector<int> where;
+  f.store.arrange(f.slots, f.tags, kCell, where);
+  expect_arranged(f.store, f.records, f.tags, where);
+  EXPECT_EQ(f.store.links.size(), links);
+  // and again, from the new places
+  std::vector<int> again;
+  const std::vector<double> before = content(f.store);
+  f.store.arrange(where, f.tags, kCell, again);
+  EXPECT_EQ(again, where);
+  EXPECT_EQ(content(f.store), before);
+}
+
+TEST(PointStore, ArrangeDoesNotDependOnTheOrderOfArrival) {
+  Filled f(84, 1000);
+  std::vector<int> order(f.records.size());
+  std::iota(order.begin(), order.end(), 0);
+  test::Random random(85);
+  std::vector<int> where;
+  f.store.arrange(f.slots, f.tags, kCell, where);
+  for (int n = 0; n < 5; ++n) {
+    random.shuffle(order);
+    PointStore other;
+    std::vector<int> slots, tags, place;
+    for (int i : order) {
+      slots.push_back(other.add(f.records[i], f.tags[i]));
+      tags.push_back(f.tags[i]);
+    }
+    other.arrange(slots, tags, kCell, place);
+    EXPECT_EQ(content(other), content(f.store));
+    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(place[i], where[order[i]]);
+  }
+}
+
+TEST(PointStore, ArrangeDropsWhatIsNotListedAndTakesInArrivals) {
+  Filled f(86, 500);
+  std::vector<int> where;
+  f.store.arrange(f.slots, f.tags, kCell, where);
+  std::vector<int> live, tags;
+  std::vector<PointRecord> records;
+  for (std::size_t i = 0; i < f.records.size(); i += 3) {
+    live.push_back(where[i]);
+    tags.push_back(f.tags[i]);
+    records.push_back(f.records[i]);
+  }
+  test::Random random(87);
+  for (int n = 0; n < 40; ++n) {
+    records.push_back(random_record(random));
+    tags.push_back(100000 + n);
+    live.push_back(f.store.add(records.back(), tags.back()));
+    EXPECT_EQ(packed(f.store.record(live.back())), packed(records.back()));
+  }
+  std::vector<int> place;
+  f.store.arrange(live, tags, kCell, place);
+  expect_arranged(f.store, records, tags, place);
+}
+
+TEST(PointStore, ArrangeMovesPointsToOtherParts) {
+  Filled f(90, 400);
+  std::vector<int> part, where;
+  test::Random random(91);
+  for (PointRecord& r : f.records) {
+    r.part = random.index(4);
+    part.push_back(r.part);
+  }
+  f.store.arrange(f.slots, f.tags, kCell, where, part);
+  expect_arranged(f.store, f.records, f.tags, where);
+}
+
+TEST(PointStore, Clear) {
+  Filled f(88, 20);
+  f.store.clear();
+  EXPECT_TRUE(f.store.blocks.empty() && f.store.damage.empty() && f.store.meta.empty() && f.store.tags.empty() &&
+              f.store.links.empty());
+  test::Random random(89);
+  EXPECT_EQ(f.store.add(random_record(random), 1), 0);
+}
+
+}  // namespace
+}  // namespace mpdem

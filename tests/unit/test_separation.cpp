@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/separation.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "lanes.h"
+
+namespace mpdem {
+namespace {
+
+constexpr int kWidth = 8, kHeight = 10;
+constexpr double kLinkArea = 0.9;
+const double kFace[3] = {0.0, 0.0, 1.0};
+
+// A column of cells along z, the first grain below, the second above.
+std::vector<CrackPoint> column() {
+  std::vector<CrackPoint> all;
+  int tag = 1;
+  for (int k = 0; k < kHeight; ++k)
+    for (int j = 0; j < kWidth; ++j)
+      for (int i = 0; i < kWidth; ++i) {
+        CrackPoint p{};
+        p.tag = tag++;
+        p.cell[0] = i - 4;
+        p.cell[1] = j - 4;
+        p.cell[2] = k - 5;
+        p.attached[0] = k == 0;
+        p.attached[1] = k == kHeight - 1;
+        for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
+        all.push_back(p);
+      }
+  return all;
+}
+void fail(CrackPoint& p) {
+  p.failed = true;
+  p.attached[0] = p.attached[1] = false;
+}
+int level(const CrackPoint& p) { return p.cell[2] + 5; }
+
+TEST(Separation, IntactBond) {
+  const std::vector<CrackPoint> points = column();
+  const Separation s = separate(points, kFace);
+  EXPECT_FALSE(s.separated);
+  EXPECT_EQ(s.part, std::vector<int>(points.size(), 0));
+  EXPECT_EQ(s.debonded_share(), 0.0);
+}
+
+TEST(Separation, OneBridgeHolds) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 5 && !(p.cell[0] == 2 && p.cell[1] == -3)) fail(p);
+  EXPECT_FALSE(separate(points, kFace).separated);
+}
+
+TEST(Separation, CrackInside) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 6) fail(p);
+  const Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  EXPECT_EQ(s.inside, kWidth * kWidth);
+  EXPECT_EQ(s.at_grain[0], 0.0);
+  EXPECT_EQ(s.at_grain[1], 0.0);
+  EXPECT_EQ(s.debonded_share(), 0.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].failed) continue;
+    EXPECT_EQ(s.part[i], level(points[i]) < 6 ? 0 : 1);
+  }
+}
+
+TEST(Separation, Debonding) {
+  for (int grain = 0; grain < 2; ++grain) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points) p.attached[grain] = false;  // the links let go, no point failed
+    const Separation s = separate(points, kFace);
+    EXPECT_TRUE(s.separated);
+    EXPECT_NEAR(s.at_grain[grain], kLinkArea * kWidth * kWidth, 1e-12);
+    EXPECT_EQ(s.at_grain[1 - grain], 0.0);
+    EXPECT_EQ(s.inside, 0.0);
+    EXPECT_EQ(s.debonded_share(), 1.0);
+  }
+}
+
+// Half the section goes along the second grain, half through the middle.
+TEST(Separation, MixedMode) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points) {
+    if (p.cell[0] < 0 && level(p) == kHeight - 1) fail(p);
+    if (p.cell[0] >= 0 && level(p) == 5) fail(p);
+    // the wall between the two levels
+    if (p.cell[0] == 0 && level(p) >= 5) fail(p);
+  }
+  const Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  EXPECT_GT(s.at_grain[1], 0.3 * kWidth * kWidth);
+  EXPECT_GT(s.inside, 0.3 * kWidth * kWidth);
+  EXPECT_EQ(s.at_grain[0], 0.0);
+  EXPECT_GT(s.debonded_share(), 0.1);
+  EXPECT_LT(s.debonded_share(), 0.9);
+}
+
+TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
+  std::vector<CrackPoint> points = column();
+  // two cracks leave a slab of two layers (128 cells) between them
+  for (CrackPoint& p : points)
+    if (level(p) == 3 || level(p) == 6) fail(p);
+  Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!points[i].failed) {
+      EXPECT_EQ(s.part[i], level(points[i]) < 3 ? 0 : level(points[i]) > 6 ? 1 : 2);
+    }
+  // a later look at the same parts changes nothing
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = s.part[i];
+  EXPECT_EQ(separate(points, kFace).part, s.part);
+
+  // a slab of fewer cells than count goes with its neighbours
+  points = column();
+  int crumb = 0;
+  for (CrackPoint& p : points) {
+    if (level(p) == 3 || level(p) == 6) fail(p);
+    if ((level(p) == 4 || level(p) == 5) && p.cell[0] >= -1) fail(p);
+    crumb += (level(p) == 4 || level(p) == 5) && !p.failed;
+  }
+  ASSERT_LT(crumb, kLeastLoose);
+  s = separate(points, kFace);
+  EXPECT_LE(*std::max_element(s.part.begin(), s.part.end()), 1);
+}
+
+// A part that breaks again splits, and never takes in points of another part.
+TEST(Separation, PartsOnlySplit) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 6) fail(p);
+  const Separation first = separate(points, kFace);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = first.part[i];
+  for (CrackPoint& p : points)
+    if (level(p) == 2) fail(p);
+  const Separation second = separate(points, kFace);
+  std::map<int, int> parent;  // new part to old
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto it = parent.emplace(second.part[i], points[i].part).first;
+    EXPECT_EQ(it->second, points[i].part);
+    if (!points[i].failed) {
+      EXPECT_EQ(second.part[i], level(points[i]) < 2 ? 0 : level(points[i]) > 6 ? 1 : 2);
+    }
+  }
+}
+
+TEST(Separation, OrderOfThePointsDoesNotMatter) {
+  test::Random random(181);
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 4 + (p.cell[0] + p.cell[1]) % 2 || level(p) == 4 || random.index(20) == 0) fail(p);
+  const Separation a = separate(points, kFace);
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (int n = 0; n < 5; ++n) {
+    random.shuffle(order);
+    std::vector<CrackPoint> shuffled;
+    for (int i : order) shuffled.push_back(points[i]);
+    const Separation b = separate(shuffled, kFace);
+    EXPECT_EQ(b.separated, a.separated);
+    EXPECT_EQ(b.inside, a.inside);
+    for (int g = 0; g < 2; ++g) EXPECT_NEAR(b.at_grain[g], a.at_grain[g], 1e-12);
+    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(b.part[i], a.part[order[i]]);
+  }
+}
+
+}  // namespace
+}  // namespace mpdem

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include <vector>
+
+#include "lanes.h"
+#include "mpm/gather.h"
+#include "mpm/scatter.h"
+
+namespace mpdem {
+namespace {
+
+using test::Matrix;
+using test::Vector;
+
+constexpr double kH = 0.37, kInverse = 1.0 / kH;
+constexpr int kNodes = 64;
+
+// A block of points in one cell, its 27 nodes scattered over an array of 64.
+struct Block {
+  vd X[3];
+  int base[3], column[9];
+
+  explicit Block(test::Random& random) {
+    for (int d = 0; d < 3; ++d) base[d] = random.index(41) - 20;
+    for (int l = 0; l < kLanes; ++l)
+      for (int d = 0; d < 3; ++d) X[d][l] = kH * (base[d] + random.uniform(0.5, 1.5));
+    std::vector<int> starts;
+    for (int i = 0; i + 3 <= kNodes; i += 3) starts.push_back(i);
+    for (int& c : column) {
+      const int pick = random.index(static_cast<int>(starts.size()));
+      c = starts[pick];
+      starts.erase(starts.begin() + pick);
+    }
+  }
+  Weights weights() const { return Weights(X, base, kInverse); }
+  Vector point(int l) const { return {X[0][l], X[1][l], X[2][l]}; }
+
+  template <class F>
+  void for_nodes(F f) const {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k)
+          f(column[3 * i + j] + k, i, j, k, Vector(kH * (base[0] + i), kH * (base[1] + j), kH * (base[2] + k)));
+  }
+};
+
+TEST(Weights, CellOfAPoint) {
+  EXPECT_EQ(support_base(0.0, kInverse), -1);
+  EXPECT_EQ(support_base(0.49 * kH, kInverse), -1);
+  EXPECT_EQ(support_base(0.51 * kH, kInverse), 0);
+  EXPECT_EQ(support_base(-0.49 * kH, kInverse), -1);
+  EXPECT_EQ(support_base(-0.51 * kH, kInverse), -2);
+  EXPECT_EQ(support_base(7.2 * kH, kInverse), 6);
+}
+
+TEST(Weights, PartitionOfUnityAndLinearReproduction) {
+  test::Random random(71);
+  test::Worst unity, linear, unity_slope, linear_slope, negative;
+  for (int n = 0; n < 200; ++n) {
+    const Block b(random);
+    const Weights s = b.weights();
+    for (int d = 0; d < 3; ++d)
+      for (int l = 0; l < kLanes; ++l) {
+        double sum = 0, moment = 0, slope = 0, slope_moment = 0;
+        for (int i = 0; i < kSupport; ++i) {
+          const double w = s.w[d][i][l], dw = s.dw[d][i][l], x = b.base[d] + i;  // in cells
+          sum += w;
+          moment += w * x;
+          slope += dw * kH;
+          slope_moment += dw * kH * x;
+          negative.add(-w);
+        }
+        unity.add(std::fabs(sum - 1.0));
+        linear.add(std::fabs(moment - b.X[d][l] * kInverse));
+        unity_slope.add(std::fabs(slope));
+        linear_slope.add(std::fabs(slope_moment - 1.0));
+      }
+  }
+  expect_within(unity, 1e-13, "sum of weights - 1");
+  expect_within(linear, 1e-13, "position");
+  expect_within(unity_slope, 1e-13, "sum of gradients");
+  expect_within(linear_slope, 1e-13, "gradient of the position");
+  expect_within(negative, 0.0, "negative weight");
+}
+
+// Central differences of a quadratic are exact.
+TEST(Weights, GradientsAreThoseOfTheWeights) {
+  test::Random random(72);
+  test::Worst worst;
+  const double step = 0.01 * kH;
+  for (int n = 0; n < 100; ++n) {
+    const Block b(random);
+    Block ahead = b, behind = b;
+    for (int d = 0; d < 3; ++d) {
+      ahead.X[d] += step;
+      behind.X[d] -= step;
+    }
+    const Weights s = b.weights(), a = ahead.weights(), p = behind.weights();
+    for (int d = 0; d < 3; ++d)
+      for (int i = 0; i < kSupport; ++i)
+        for (int l = 0; l < kLanes; ++l)
+          worst.add(kH * std::fabs((a.w[d][i][l] - p.w[d][i][l]) / (2 * step) - s.dw[d][i][l]));
+  }
+  expect_within(worst, 1e-12, "gradient");
+}
+
+TEST(Weights, ValueAndGradientAreContinuousAcrossCells) {
+  vd X[3];
+  for (int d = 0; d < 3; ++d) X[d] = splat(2.5 * kH);  // where the cells 1 and 2 meet
+  const int low[3] = {1, 1, 1}, high[3] = {2, 2, 2};
+  const Weights a(X, low, kInverse), b(X, high, kInverse);
+  for (int d = 0; d < 3; ++d) {
+    EXPECT_NEAR(double(a.w[d][0][0]), 0.0, 1e-15);
+    EXPECT_NEAR(double(b.w[d][2][0]), 0.0, 1e-15);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_NEAR(double(a.w[d][i + 1][0]), double(b.w[d][i][0]), 1e-15);
+      EXPECT_NEAR(double(a.dw[d][i + 1][0]), double(b.dw[d][i][0]), 1e-14);
+    }
+  }
+}
+
+TEST(Gather, LinearFieldIsExact) {
+  test::Random random(73);
+  test::Worst value, gradient;
+  for (int n = 0; n < 200; ++n) {
+    const Block b(random);
+    const Matrix A = random.general();
+    const Vector c = random.vector();
+    std::vector<double> nodal(3 * kNodes, 1e30);
+    b.for_nodes([&](int node, int, int, int, const Vector& x) {
+      const Vector v = A * (x / kH) + c;
+      for (int d = 0; d < 3; ++d) nodal[3 * node + d] = v[d];
+    });
+    const Weights s = b.weights();
+    vd out[3];
+    gather_value(nodal.data(), b.column, s, out);
+    const Mat3<vd> G = gather_gradient(nodal.data(), b.column, s);
+    for (int l = 0; l < kLanes; ++l) {
+      const Vector exact = A * (b.point(l) / kH) + c;
+      value.add((Vector(out[0][l], out[1][l], out[2][l]) - exact).norm() / (b.point(l).norm() / kH + 1.0));
+      gradient.add(kH * test::matrix(G, l) - A, b.point(l).norm() / kH + 1.0);
+    }
+  }
+  expect_within(value, 1e-13, "value");
+  expect_within(gradient, 1e-13, "gradient");
+}
+
+std::vector<double> random_field(test::Random& random, int n) {
+  std::vector<double> v(n);
+  for (double& x : v) x = random.uniform(-1, 1);
+  return v;
+}
+
+TEST(Gather, IsTheSumOverTheNodes) {
+  test::Random random(74);
+  test::Worst value, gradient;
+  for (int n = 0; n < 100; ++n) {
+    const Block b(random);
+    const std::vector<double> nodal = random_field(random, 3 * kNodes);
+    const Weights s = b.weights();
+    vd out[3];
+    gather_value(nodal.data(), b.column, s, out);
+    const Mat3<vd> G = gather_gradient(nodal.data(), b.column, s);
+    for (int l = 0; l < kLanes; ++l) {
+      Vector u = Vector::Zero();
+      Matrix g = Matrix::Zero();
+      b.for_nodes([&](int node, int i, int j, int k, const Vector&) {
+        const Vector v(nodal[3 * node], nodal[3 * node + 1], nodal[3 * node + 2]);
+        const double x = s.w[0][i][l], y = s.w[1][j][l], z = s.w[2][k][l];
+        u += x * y * z * v;
+        g += v * Vector(s.dw[0][i][l] * y * z, x * s.dw[1][j][l] * z, x * y * s.dw[2][k][l]).transpose();
+      });
+      value.add((Vector(out[0][l], out[1][l], out[2][l]) - u).norm());
+      gradient.add(test::matrix(G, l) - g, kInverse);
+    }
+  }
+  expect_within(value, 1e-14, "value");
+  expect_within(gradient, 1e-14, "gradient");
+}
+
+TEST(Scatter, IsTheTransposeOfGather) {
+  test::Random random(75);
+  test::Worst value, gradient, scalar, outside;
+  for (int n = 0; n < 200; ++n) {
+    const Block b(random);
+    const Weights s = b.weights();
+    const std::vector<double> v = random_field(random, 3 * kNodes);
+    std::vector<double> from_value(3 * kNodes, 0.0), from_gradient(3 * kNodes, 0.0), from_scalar(kNodes, 0.0);
+    vd T[3], m, u[3];
+    Mat3<vd> P;
+    for (int l = 0; l < kLanes; ++l) {
+      test::set_matrix(P, l, random.general());
+      for (int d = 0; d < 3; ++d) T[d][l] = random.uniform(-1, 1);
+      m[l] = random.uniform(0, 1);
+    }
+    scatter_value(from_value.data(), b.column, s, T);
+    scatter_gradient(from_gradient.data(), b.column, s, P);
+    scatter_scalar(from_scalar.data(), b.column, s, m);
+    gather_value(v.data(), b.column, s, u);
+    const Mat3<vd> G = gather_gradient(v.data(), b.column, s);
+    double at_points = 0, at_points_gradient = 0, at_nodes = 0, at_nodes_gradient = 0;
+    for (int d = 0; d < 3; ++d) at_points += sum_lanes(T[d] * u[d]);
+    for (int i = 0; i < 9; ++i) at_points_gradient += sum_lanes(P.a[i / 3][i % 3] * G.a[i / 3][i % 3]);
+    for (int i = 0; i < 3 * kNodes; ++i) {
+      at_nodes += from_value[i] * v[i];
+      at_nodes_gradient += from_gradient[i] * v[i];
+    }
+    value.add(std::fabs(at_points - at_nodes));
+    gradient.add(kH * std::fabs(at_points_gradient - at_nodes_gradient));
+    double total = 0;
+    Vector moment = Vector::Zero(), exact = Vector::Zero();
+    b.for_nodes([&](int node, int, int, int, const Vector& x) {
+      total += from_scalar[node];
+      moment += from_scalar[node] * x;
+    });
+    for (int l = 0; l < kLanes; ++l) exact += m[l] * b.point(l);
+    scalar.add(std::fabs(total - sum_lanes(m)));
+    scalar.add((moment - exact).norm() / 30.0);
+    // nothing goes to nodes of others
+    std::vector<char> mine(kNodes, 0);
+    b.for_nodes([&](int node, int, int, int, const Vector&) { mine[node] = 1; });
+    for (int node = 0; node < kNodes; ++node)
+      if (!mine[node])
+        for (int d = 0; d < 3; ++d)
+          outside.add(std::fabs(from_value[3 * node + d]) + std::fabs(from_gradient[3 * node + d]) + from_scalar[node]);
+  }
+  expect_within(value, 1e-13, "value");
+  expect_within(gradient, 1e-13, "gradient");
+  expect_within(scalar, 1e-13, "scalar: sum and first moment");
+  expect_within(outside, 0.0, "other nodes");
+}
+
+TEST(Scatter, AddsToWhatIsThere) {
+  test::Random random(76);
+  const Block b(random);
+  const Weights s = b.weights();
+  vd T[3];
+  for (vd& t : T)
+    for (int l = 0; l < kLanes; ++l) t[l] = random.uniform(-1, 1);
+  std::vector<double> once(3 * kNodes, 0.0), twice = random_field(random, 3 * kNodes);
+  const std::vector<double> before = twice;
+  scatter_value(once.data(), b.column, s, T);
+  scatter_value(twice.data(), b.column, s, T);
+  for (int i = 0; i < 3 * kNodes; ++i) EXPECT_NEAR(twice[i], before[i] + once[i], 1e-15);
+}
+
+}  // namespace
+}  // namespace mpdem

@@ -1,0 +1,83 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Builds LIGGGHTS 3.8.0 from source with the series of patches/ and this package, then
+# runs the system tests on the result.
+#
+#   tools/liggghts_from_source.sh DIRECTORY
+#
+# The executable is DIRECTORY/liggghts-mpdem. From the environment:
+#   TARBALL   liggghts_3.8.0+repack1.orig.tar.xz; fetched from Debian's archive if not set
+#   JOBS      of make (2)
+# A second call compiles what has changed. Another tarball or series starts anew.
+set -eu
+unset MAKEFLAGS MFLAGS MAKELEVEL  # of a make that called this script
+
+tarball_name=liggghts_3.8.0+repack1.orig.tar.xz
+tree_name=LIGGGHTS-PUBLIC-3.8.0
+
+stop() {
+  echo "liggghts_from_source.sh: $*" >&2
+  exit 1
+}
+
+# Source packages need a deb-src entry. It is put, like the lists of packages, into a
+# folder of its own: neither root nor a change of the system's settings is needed.
+fetch() {
+  echo "Fetching $tarball_name"
+  rm -rf apt
+  mkdir -p apt/lists/partial apt/archives/partial
+  apt-get indextargets --format '$(ORIGIN)|$(COMPONENT)|$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' \
+    | sed -n 's/^Debian|main|/deb-src [signed-by=\/usr\/share\/keyrings\/debian-archive-keyring.gpg] /p' \
+    | sort -u > apt/sources.list
+  [ -s apt/sources.list ] || stop "apt knows no Debian archive; give the tarball by TARBALL=..."
+  set -- -o Dir::Etc::SourceList="$PWD/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
+         -o Dir::State::Lists="$PWD/apt/lists" -o Dir::Cache="$PWD/apt" -o APT::Sandbox::User=root
+  apt-get "$@" --quiet update
+  apt-get "$@" --quiet source --tar-only liggghts
+  rm -rf apt
+  [ -e "$tarball_name" ] || stop "Debian's archive has another version than $tarball_name"
+}
+
+[ $# -eq 1 ] || stop "usage: tools/liggghts_from_source.sh DIRECTORY"
+for tool in patch xz g++ mpicxx; do
+  command -v $tool > /dev/null || stop "$tool is missing; on Debian: apt-get install patch xz-utils g++ libopenmpi-dev"
+done
+root=$(cd "$(dirname "$0")/.." && pwd)
+[ -z "${TARBALL:-}" ] || TARBALL=$(realpath "$TARBALL")
+mkdir -p "$1"
+cd "$1"
+directory=$PWD
+
+if [ -n "${TARBALL:-}" ]; then
+  tarball=$TARBALL
+  [ -e "$tarball" ] || stop "no such file: $tarball"
+else
+  [ -e $tarball_name ] || fetch
+  tarball=$directory/$tarball_name
+fi
+
+series=$(cat "$tarball" "$root"/patches/*.patch | sha256sum)
+if [ "$series" != "$(cat series 2> /dev/null)" ]; then
+  rm -rf series $tree_name
+  tar -xf "$tarball"
+  for p in "$root"/patches/*.patch; do
+    echo "Applying $(basename "$p")"
+    patch -d $tree_name -p1 --fuzz=0 --quiet < "$p"
+  done
+  echo "$series" > series
+fi
+
+cd $tree_name/src
+ln -sfn "$root/src/USER-MPDEM" USER-MPDEM
+# as Debian builds it, but without VTK; the file is a copy of the default without its head
+sed -e 1,10d -e 's/^USE_VTK *=.*/USE_VTK = "OFF"/' -e 's/^USE_SUPERQUADRICS *=.*/USE_SUPERQUADRICS = "OFF"/' \
+    MAKE/Makefile.user_default > MAKE/Makefile.user
+make yes-user-mpdem
+nice -n 10 make -j "${JOBS:-2}" auto
+cp lmp_auto "$directory/liggghts-mpdem"
+echo "Built $directory/liggghts-mpdem"
+
+if ls "$root"/tests/system/test_*.py > /dev/null 2>&1; then
+  cd "$root"
+  MPDEM_EXE=$directory/liggghts-mpdem nice -n 10 /usr/bin/python3 -m pytest -p no:cacheprovider tests/system
+fi
