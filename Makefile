@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test liggghts-from-source clean
+.PHONY: all demo test bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -40,6 +40,12 @@ test: all
 # $(BUILD)/from-source. TARBALL=... if it is at hand, JOBS=... for other than 2.
 liggghts-from-source: $(BUILD)/.setup
 	tools/liggghts_from_source.sh $(BUILD)/from-source
+
+# Rate of the step on one core.
+bench: $(BUILD)/.setup
+	cmake -S . -B $(BUILD) -DMPDEM_BENCH=ON $(CMAKE_OPTIONS)
+	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step
+	$(BUILD)/bench/bench_step
 
 clean:
 	rm -rf $(BUILD)

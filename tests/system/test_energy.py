@@ -14,7 +14,7 @@ def test_pulled_through_failure(tmp_path, figures, B0, speed):
               + cement(cell, 4e-9, elastic=CALCITE, axis="radial", damage=f"damage tensor B0 {B0} cutoff 0.9")
               + pull(speed, 4e-6)
               + thermo(20, ["f_bond", "f_bond[17]", "f_cem[12]"] + FORCES) + "run 2600\n")
-    table = run(script, tmp_path, ranks=2).table()
+    table = run(script, tmp_path).table()
     force, failed = table["f_bond"], table["f_bond[17]"]
     peak, first_failure = force.argmax(), np.argmax(failed > 0)
     assert failed[-1] > 100 and abs(force[-30:].mean()) < 0.1 * force[peak], "not broken"

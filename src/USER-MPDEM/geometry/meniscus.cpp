@@ -68,7 +68,16 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
       return 0.0;
     }
   };
-  const double limit = (0.5 * M_PI - contact_angle) * (1.0 - 1e-9);
+  // On the larger of two grains the angle ends before a right angle, where the arc leaves the
+  // girth of the smaller.
+  double limit = (0.5 * M_PI - contact_angle) * (1.0 - 1e-9);
+  constexpr int kScan = 1000;
+  for (int k = kScan - 1; k > 0 && measure_of(limit) == 0.0; --k) {
+    double lo = limit * k / kScan, hi = limit * (k + 1) / kScan;
+    if (measure_of(lo) == 0.0) continue;
+    for (int i = 0; i < 60; ++i) (measure_of(0.5 * (lo + hi)) > 0.0 ? lo : hi) = 0.5 * (lo + hi);
+    limit = lo;
+  }
   const double most = measure_of(limit);
   if (!(value > 0.0) || most < value) {
     std::ostringstream why;

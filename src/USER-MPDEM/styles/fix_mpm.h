@@ -95,6 +95,7 @@ class FixMpm : public Fix {
   void refresh_added_mass();
   void drop_added_mass();
   void set_frames();
+  void start_bodies();
   void start_velocities(const std::vector<char>& fresh);
   void reproject();
   double kinetic_energy() const;  // of this rank's nodes, at the half step
@@ -137,7 +138,8 @@ class FixMpm : public Fix {
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
   double density_ = 0.0;
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
-  bool built_ = false, started_ = false, reported_ = false;
+  bool built_ = false, reported_ = false;
+  int bodies_started_ = 0;  // the first of the table; the others are new and where they were made
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   bigint points_expected_ = -1;
   mpdem::NodeKinematics restored_;

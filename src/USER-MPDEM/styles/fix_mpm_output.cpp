@@ -121,6 +121,7 @@ const std::vector<FixMpm::BondState>& FixMpm::bonds() {
   constexpr int kRow = 2 * kSide + 6;
   std::vector<double> sum(kRow * n, 0.0), most(n, 0.0);
   for (const OwnedSide& o : owned_) {
+    if (!coupled_) break;
     const mpdem::GrainSide& s = sides_.sides[o.at];
     double* row = &sum[kRow * o.body + kSide * o.side];
     for (int d = 0; d < 3; ++d) {
@@ -216,7 +217,7 @@ void FixMpm::write_restart(FILE* fp) {
   }
   MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
-  std::vector<double> head = {kRestartVersion, cell_, dt_last_, started_ ? 1.0 : 0.0, start_energy_};
+  std::vector<double> head = {kRestartVersion, cell_, dt_last_, static_cast<double>(bodies_started_), start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(static_cast<double>(all.size() / kNodeRow));
   const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
@@ -232,7 +233,7 @@ void FixMpm::restart(char* buf) {
                                         kRestartVersion));
   restored_cell_ = v[1];
   dt_last_ = v[2];
-  started_ = v[3] != 0.0;
+  bodies_started_ = static_cast<int>(v[3]);
   start_energy_ = v[4];
   if (comm->me == 0) {
     dissipated_ = v[5];

@@ -21,13 +21,15 @@ using mpdem::kLanes;
 using mpdem::text_of;
 using mpdem::vd;
 
-// Before the first run the points are where create_cement put them, and their grid with them.
+// Before their first run points are where create_cement put them, and their grid with them.
 void FixMpm::check_created_positions() {
   std::string trouble;
   for (int i = 0; i < atom->nlocal && trouble.empty(); ++i) {
     if (!avec_->is_point(i)) continue;
     const int b = avec_->slot[i] / kLanes, l = avec_->slot[i] % kLanes;
-    const mpdem::Body& body = avec_->bodies[avec_->points.meta[b].body];
+    const int index = avec_->points.meta[b].body;
+    if (index < bodies_started_) continue;
+    const mpdem::Body& body = avec_->bodies[index];
     double x[3], most = 0.0;
     for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + avec_->points.blocks[b].X[d][l];
     domain->remap(x);
@@ -40,8 +42,8 @@ void FixMpm::check_created_positions() {
 }
 
 void FixMpm::setup_pre_exchange() {
-  if (!started_) check_created_positions();
-  if (!built_ || !started_) return;
+  check_created_positions();
+  if (!built_) return;
   // The state is in the points; atoms only show it, and a command that moved them in
   // between would be without effect.
   std::vector<double> shown;
@@ -162,7 +164,7 @@ void FixMpm::rebuild() {
   parent_field_.clear();
   restored_ = mpdem::NodeKinematics();
   grid_.lump_mass(points, density_);
-  if (!started_) start_velocities(fresh);
+  if (bodies_started_ < static_cast<int>(avec_->bodies.size())) start_velocities(fresh);
   if (coupled_) {
     std::vector<mpdem::Key> owned;
     for (std::size_t b = 0; b < avec_->bodies.size(); ++b)

@@ -132,7 +132,7 @@ void FixMpm::end_of_step() {
   // the step, so the sum is the trapezoidal rule, half of the last term ahead.
   work_last_ = 0.0;
   for (const OwnedSide& o : owned_)
-    for (int d = 0; d < 3; ++d)
+    for (int d = 0; coupled_ && d < 3; ++d)
       work_last_ -= dt_last_ * (sides_.sides[o.at].force[d] * atom->v[o.atom][d] +
                                 sides_.sides[o.at].torque[d] * atom->omega[o.atom][d]);
   if (gravity_) {
@@ -188,14 +188,26 @@ void FixMpm::setup(int) {
   add_forces();
   damped_ = damped;  // this force was counted in the step that led here
   react_on_grains();
-  if (!started_) {
-    grid_.drift(-0.5 * dt_last_, 0.0);
-    started_ = true;
-    const Totals& t = totals();
-    start_energy_ = t.kinetic + t.elastic + t.coupling;
-    totals_at_ = -1;
-  }
+  start_bodies();
   fill_atoms();
+}
+
+// Velocities of bodies that were not in motion yet go back half a step.
+void FixMpm::start_bodies() {
+  const int bodies = static_cast<int>(avec_->bodies.size());
+  if (bodies_started_ == bodies) return;
+  double mine = 0.0, energy;
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (mpdem::body_of(grid_.keys[i][0]) < bodies_started_) continue;
+    for (int d = 0; d < 3; ++d) {
+      double& v = grid_.velocity[3 * i + d];
+      if (grid_.halo.counts_here()[i]) mine += 0.5 * grid_.mass[i] * v * v;
+      v -= 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+    }
+  }
+  MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
+  start_energy_ += energy;
+  bodies_started_ = bodies;
 }
 
 void FixMpm::fill_atoms() {
@@ -206,8 +218,9 @@ void FixMpm::fill_atoms() {
   struct Motion {
     vd u[3], v[3];
   };
-  std::vector<Motion> motion(points.blocks.size());
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+  // Points made since the grid was laid out are not on it yet and stay where they are.
+  std::vector<Motion> motion(arranged_blocks_);
+  for (std::size_t b = 0; b < arranged_blocks_; ++b) {
     const mpdem::Weights w(points.blocks[b].X, points.meta[b].base, 1.0 / cell_);
     mpdem::gather_value(grid_.displacement.data(), points.meta[b].column, w, motion[b].u);
     mpdem::gather_value(velocity.data(), points.meta[b].column, w, motion[b].v);
@@ -216,6 +229,7 @@ void FixMpm::fill_atoms() {
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec_->is_point(i)) continue;
     const int b = avec_->slot[i] / kLanes, l = avec_->slot[i] % kLanes;
+    if (b >= static_cast<int>(arranged_blocks_)) continue;
     const mpdem::Body& body = avec_->bodies[points.meta[b].body];
     double* x = atom->x[i];
     for (int d = 0; d < 3; ++d) {
