@@ -3,7 +3,7 @@
 # Installs what building, testing and plotting need from Debian's archive, if anything is
 # missing. Without root it prints the one line to run and stops.
 set -eu
-packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin
+packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
           libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pytest"
 missing=""
 for p in $packages; do
