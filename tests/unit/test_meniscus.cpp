@@ -111,8 +111,7 @@ TEST(Meniscus, ContentOfAPairOfBeads) {
   }
 }
 
-// Fails while filling_for() takes what fits from a filling angle of a right angle on grain 1:
-// with a smaller grain 2 there is no meniscus there, and every content is refused.
+// With a smaller grain 2 not every filling angle of grain 1 has a meniscus.
 TEST(Meniscus, FillingAngleInverts) {
   test::Worst volume, neck;
   std::vector<std::string> refused_cases;
