@@ -22,7 +22,7 @@ class Cement {
 
   // All of one volume, the material frame turned by q.
   Cement(double h, const std::vector<Vector>& X, double volume,
-         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity()) {
+         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0) {
     std::vector<int> tags(X.size());
     std::iota(tags.begin(), tags.end(), 1);
     for (std::size_t i = 0; i < X.size(); ++i) {
@@ -37,12 +37,13 @@ class Cement {
       slots.push_back(points.add(r, tags[i]));
     }
     std::vector<int> place;
-    points.arrange(slots, tags, h, place);
+    points.arrange(slots, tags, h, place, {}, basis);
     slots = place;
     std::vector<Grid::Cell> cells;
     for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
     std::vector<char> fresh;
-    grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh);
+    grid.basis = basis;
+    grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh, {}, margin);
   }
 
   Vector place(int node) const {

@@ -279,7 +279,7 @@ TEST_P(Links, ActionIsReactionWithAddedMass) {
       const int i = 3 * n + d;
       rate[i] = s.grid.mass[n] * s.grid.acceleration[i] - (all[i] - s.grid.force[i]);
     }
-  s.links.add_reaction(s.grid, s.sides);
+  s.links.add_reaction(s.grid, s.grid.acceleration, 1.0, s.sides);
   s.expect_balanced(rate, 1e-14, "with added mass");
 }
 

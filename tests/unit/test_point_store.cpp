@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "lanes.h"
-#include "mpm/quadratic_bspline.h"
 
 namespace mpdem {
 namespace {
@@ -148,7 +147,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
     EXPECT_EQ(s.meta[b].body, r.body);
     EXPECT_EQ(s.meta[b].part, r.part);
     EXPECT_EQ(s.meta[b].linked >> l & 1, r.links > 0);
-    for (int d = 0; d < 3; ++d) EXPECT_EQ(s.meta[b].base[d], support_base(r.X[d], 1.0 / kCell));
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(s.meta[b].base[d], support_base(r.X[d], 1.0 / kCell, 0.5));
   }
   std::vector<std::array<int, 6>> order;  // body, part, cell, tag
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
@@ -164,7 +163,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
       EXPECT_EQ(m.occupied >> l, 0);
       EXPECT_EQ(double(s.blocks[b].volume[l]), 0.0);
       EXPECT_FALSE((m.failed | m.framed | m.linked) >> l & 1);
-      for (int d = 0; d < 3; ++d) EXPECT_EQ(support_base(s.blocks[b].X[d][l], 1.0 / kCell), m.base[d]);
+      for (int d = 0; d < 3; ++d) EXPECT_EQ(support_base(s.blocks[b].X[d][l], 1.0 / kCell, 0.5), m.base[d]);
       EXPECT_EQ(test::matrix(s.blocks[b].F, l), test::Matrix(test::Matrix::Identity()));
     }
     EXPECT_NE(m.occupied, 0);

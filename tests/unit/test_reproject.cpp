@@ -37,7 +37,7 @@ TEST(Reproject, LinearFieldsPassUnchanged) {
   c.set_velocity([&](const Vector& X) { return Vector(A * X / kH + v0); });
   const std::vector<double> before = c.grid.velocity;
   std::vector<double> jump;
-  reproject_velocity(c.points, c.grid, kDensity, jump);
+  reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
   test::Worst worst;
   for (std::size_t i = 0; i < before.size(); ++i) {
     worst.add(std::fabs(c.grid.velocity[i] - before[i]) / 5.0);
@@ -52,7 +52,7 @@ TEST(Reproject, KeepsMomentumAndMomentOfMomentum) {
   c.set_velocity([&](const Vector&) { return random.vector(); });
   const std::vector<double> before = c.grid.velocity;
   std::vector<double> jump;
-  reproject_velocity(c.points, c.grid, kDensity, jump);
+  reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
   Vector p = Vector::Zero(), L = Vector::Zero();
   double p_size = 0, L_size = 0, moved = 0;
   for (int n = 0; n < c.grid.size(); ++n) {
@@ -77,7 +77,7 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
   test::Worst asymmetry, gain, loss;
   const auto project = [&](const std::vector<double>& v) {
     c.grid.velocity = v;
-    reproject_velocity(c.points, c.grid, kDensity, jump);
+    reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
     return c.grid.velocity;
   };
   const auto field = [&] {
@@ -102,6 +102,52 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
   expect_within(asymmetry, 1e-14, "asymmetry");
   expect_within(gain, 1e-13, "gain");
   expect_within(loss, 0.0, "negative product");
+}
+
+// All methods from the one map y: pic is y itself, xpic its polynomial, flip with nothing to
+// keep is pic, and each keeps momentum.
+TEST(Reproject, MethodsArePolynomialsOfOneMap) {
+  test::Random random(124);
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
+    Cement c(kH, test::scattered(random, kH, 4, 6), kH * kH * kH / 6, Eigen::Quaterniond::Identity(), basis);
+    c.grid.lump_mass(c.points, kDensity);
+    std::vector<double> v(c.grid.velocity.size()), jump;
+    for (double& x : v) x = random.uniform(-1, 1);
+    for (double& a : c.grid.acceleration) a = random.uniform(-1, 1);
+    const auto apply = [&](const std::vector<double>& field, Transfer::Method method, int order, double A, double dt) {
+      c.grid.velocity = field;
+      Transfer t;
+      t.method = method;
+      t.order = order;
+      t.flip_share = A;
+      reproject_velocity(c.points, c.grid, kDensity, t, dt, jump);
+      return c.grid.velocity;
+    };
+    const auto combine = [](double a, const std::vector<double>& x, double b, const std::vector<double>& y) {
+      std::vector<double> r(x.size());
+      for (std::size_t i = 0; i < r.size(); ++i) r[i] = a * x[i] + b * y[i];
+      return r;
+    };
+    const auto y = [&](const std::vector<double>& f) { return apply(f, Transfer::pic, 1, 0, 0); };
+    const std::vector<double> a = c.grid.acceleration, yv = y(v), yyv = y(yv), ya = y(a);
+    // 1 - (1 - y)^2 = 2 y - y^2
+    const std::vector<double> cases[][2] = {
+        {apply(v, Transfer::xpic, 1, 0, 0), yv},
+        {apply(v, Transfer::xpic, 2, 0, 0), combine(2, yv, -1, yyv)},
+        {apply(v, Transfer::flip, 1, 0.0, 0.5), combine(1, combine(1, yv, 0.5, ya), -0.5, a)},
+        {apply(v, Transfer::flip, 1, 1.0, 0.5), combine(1, combine(1, v, 0.5, ya), -0.5, a)}};
+    test::Worst worst;
+    for (const auto& pair : cases)
+      for (std::size_t i = 0; i < v.size(); ++i) worst.add(std::fabs(pair[0][i] - pair[1][i]));
+    expect_within(worst, 1e-13, "method against polynomial");
+    // what xpic 2 makes of the velocity before the kick, seen by the points: y q(y) = 2 y - y^2
+    c.grid.velocity = v;
+    filter_velocity(c.points, c.grid, kDensity, 2);
+    const std::vector<double> filtered = c.grid.velocity, through = y(filtered), exact = combine(2, yv, -1, yyv);
+    test::Worst filter;
+    for (std::size_t i = 0; i < v.size(); ++i) filter.add(std::fabs(through[i] - exact[i]));
+    expect_within(filter, 1e-13, "filter");
+  }
 }
 
 }  // namespace

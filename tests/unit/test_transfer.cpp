@@ -13,56 +13,62 @@ using test::Matrix;
 using test::Vector;
 
 constexpr double kH = 0.37, kInverse = 1.0 / kH;
-constexpr int kNodes = 64;
+constexpr int kNodes = 96;
 
-// A block of points in one cell, its 27 nodes scattered over an array of 64.
+// A block of points in one cell, the columns of its nodes scattered over an array.
+template <class Type>
 struct Block {
+  static constexpr int S = Type::kSupport;
   vd X[3];
-  int base[3], column[9];
+  int base[3], column[S * S];
 
   explicit Block(test::Random& random) {
     for (int d = 0; d < 3; ++d) base[d] = random.index(41) - 20;
     for (int l = 0; l < kLanes; ++l)
-      for (int d = 0; d < 3; ++d) X[d][l] = kH * (base[d] + random.uniform(0.5, 1.5));
+      for (int d = 0; d < 3; ++d) X[d][l] = kH * (base[d] + Type::kShift + random.uniform(0, 1));
     std::vector<int> starts;
-    for (int i = 0; i + 3 <= kNodes; i += 3) starts.push_back(i);
+    for (int i = 0; i + S <= kNodes; i += S) starts.push_back(i);
     for (int& c : column) {
       const int pick = random.index(static_cast<int>(starts.size()));
       c = starts[pick];
       starts.erase(starts.begin() + pick);
     }
   }
-  Weights weights() const { return Weights(X, base, kInverse); }
+  Weights<Type> weights() const { return Weights<Type>(X, base, kInverse); }
   Vector point(int l) const { return {X[0][l], X[1][l], X[2][l]}; }
 
   template <class F>
   void for_nodes(F f) const {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k)
-          f(column[3 * i + j] + k, i, j, k, Vector(kH * (base[0] + i), kH * (base[1] + j), kH * (base[2] + k)));
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j)
+        for (int k = 0; k < S; ++k)
+          f(column[S * i + j] + k, i, j, k, Vector(kH * (base[0] + i), kH * (base[1] + j), kH * (base[2] + k)));
   }
 };
 
+template <class Type>
+class Transfers : public ::testing::Test {};
+using Types = ::testing::Types<LinearTent, QuadraticBspline, CubicBspline>;
+TYPED_TEST_SUITE(Transfers, Types);
+
 TEST(Weights, CellOfAPoint) {
-  EXPECT_EQ(support_base(0.0, kInverse), -1);
-  EXPECT_EQ(support_base(0.49 * kH, kInverse), -1);
-  EXPECT_EQ(support_base(0.51 * kH, kInverse), 0);
-  EXPECT_EQ(support_base(-0.49 * kH, kInverse), -1);
-  EXPECT_EQ(support_base(-0.51 * kH, kInverse), -2);
-  EXPECT_EQ(support_base(7.2 * kH, kInverse), 6);
+  const double shift[3] = {cell_shift(Basis::linear), cell_shift(Basis::quadratic), cell_shift(Basis::cubic)};
+  const double X[] = {0.01, 0.49, 0.51, -0.49, -0.51, 7.2};
+  const int base[3][6] = {{0, 0, 0, -1, -1, 7}, {-1, -1, 0, -1, -2, 6}, {-1, -1, -1, -2, -2, 6}};
+  for (int b = 0; b < 3; ++b)
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(support_base(X[i] * kH, kInverse, shift[b]), base[b][i]);
 }
 
-TEST(Weights, PartitionOfUnityAndLinearReproduction) {
+TYPED_TEST(Transfers, PartitionOfUnityAndLinearReproduction) {
   test::Random random(71);
   test::Worst unity, linear, unity_slope, linear_slope, negative;
   for (int n = 0; n < 200; ++n) {
-    const Block b(random);
-    const Weights s = b.weights();
+    const Block<TypeParam> b(random);
+    const Weights<TypeParam> s = b.weights();
     for (int d = 0; d < 3; ++d)
       for (int l = 0; l < kLanes; ++l) {
         double sum = 0, moment = 0, slope = 0, slope_moment = 0;
-        for (int i = 0; i < kSupport; ++i) {
+        for (int i = 0; i < TypeParam::kSupport; ++i) {
           const double w = s.w[d][i][l], dw = s.dw[d][i][l], x = b.base[d] + i;  // in cells
           sum += w;
           moment += w * x;
@@ -83,47 +89,105 @@ TEST(Weights, PartitionOfUnityAndLinearReproduction) {
   expect_within(negative, 0.0, "negative weight");
 }
 
-// Central differences of a quadratic are exact.
-TEST(Weights, GradientsAreThoseOfTheWeights) {
+// Central differences are exact for a quadratic; those of a cubic are off by step^2/6 times its
+// third derivative, at most 3/h^3.
+TYPED_TEST(Transfers, GradientsAreThoseOfTheWeights) {
   test::Random random(72);
   test::Worst worst;
-  const double step = 0.01 * kH;
+  const double step = 1e-3 * kH;
   for (int n = 0; n < 100; ++n) {
-    const Block b(random);
-    Block ahead = b, behind = b;
+    const Block<TypeParam> b(random);
+    Block<TypeParam> ahead = b, behind = b;
     for (int d = 0; d < 3; ++d) {
       ahead.X[d] += step;
       behind.X[d] -= step;
     }
-    const Weights s = b.weights(), a = ahead.weights(), p = behind.weights();
+    const Weights<TypeParam> s = b.weights(), a = ahead.weights(), p = behind.weights();
     for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < kSupport; ++i)
+      for (int i = 0; i < TypeParam::kSupport; ++i)
         for (int l = 0; l < kLanes; ++l)
           worst.add(kH * std::fabs((a.w[d][i][l] - p.w[d][i][l]) / (2 * step) - s.dw[d][i][l]));
   }
-  expect_within(worst, 1e-12, "gradient");
+  expect_within(worst, TypeParam::kSupport == 4 ? 0.51e-6 : 2e-11, "gradient");
 }
 
-TEST(Weights, ValueAndGradientAreContinuousAcrossCells) {
+TYPED_TEST(Transfers, ValueAndGradientAreContinuousAcrossCells) {
+  constexpr int S = TypeParam::kSupport;
   vd X[3];
-  for (int d = 0; d < 3; ++d) X[d] = splat(2.5 * kH);  // where the cells 1 and 2 meet
+  for (int d = 0; d < 3; ++d) X[d] = splat((2 + TypeParam::kShift) * kH);  // where the cells 1 and 2 meet
   const int low[3] = {1, 1, 1}, high[3] = {2, 2, 2};
-  const Weights a(X, low, kInverse), b(X, high, kInverse);
+  const Weights<TypeParam> a(X, low, kInverse), b(X, high, kInverse);
   for (int d = 0; d < 3; ++d) {
     EXPECT_NEAR(double(a.w[d][0][0]), 0.0, 1e-15);
-    EXPECT_NEAR(double(b.w[d][2][0]), 0.0, 1e-15);
-    for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(double(b.w[d][S - 1][0]), 0.0, 1e-15);
+    for (int i = 0; i < S - 1; ++i) {
       EXPECT_NEAR(double(a.w[d][i + 1][0]), double(b.w[d][i][0]), 1e-15);
-      EXPECT_NEAR(double(a.dw[d][i + 1][0]), double(b.dw[d][i][0]), 1e-14);
+      if (S > 2) {  // a tent has a kink there
+        EXPECT_NEAR(double(a.dw[d][i + 1][0]), double(b.dw[d][i][0]), 1e-14);
+      }
     }
   }
 }
 
-TEST(Gather, LinearFieldIsExact) {
+// kAffine is the second moment, and where it has none the affine part is the gradient.
+TYPED_TEST(Transfers, SecondMoment) {
+  test::Random random(77);
+  test::Worst worst;
+  for (int n = 0; n < 100; ++n) {
+    const Block<TypeParam> b(random);
+    const Weights<TypeParam> s = b.weights(), m = with_moments(s, b.X, b.base, kH);
+    for (int d = 0; d < 3; ++d)
+      for (int l = 0; l < kLanes; ++l) {
+        double first = 0, second = 0;
+        for (int i = 0; i < TypeParam::kSupport; ++i) {
+          const double r = (b.base[d] + i) * kH - b.X[d][l];
+          first += m.dw[d][i][l];
+          second += m.dw[d][i][l] * r;
+          if (TypeParam::kAffine == 0.0) {
+            const double t = b.X[d][l] * kInverse - b.base[d];
+            worst.add(std::fabs(m.dw[d][i][l] - s.dw[d][i][l] * t * (1 - t) * kH * kH) / kH);
+          }
+        }
+        worst.add(std::fabs(first) / kH);
+        if (TypeParam::kAffine > 0.0) worst.add(std::fabs(second * TypeParam::kAffine / (kH * kH) - 1.0));
+      }
+  }
+  expect_within(worst, 1e-12, "moments");
+}
+
+TYPED_TEST(Transfers, ScatterAffineIsValueAndMoment) {
+  test::Random random(78);
+  test::Worst worst;
+  for (int n = 0; n < 100; ++n) {
+    const Block<TypeParam> b(random);
+    const Weights<TypeParam> s = b.weights(), m = with_moments(s, b.X, b.base, kH);
+    vd T[3];
+    Mat3<vd> A;
+    for (int l = 0; l < kLanes; ++l) {
+      test::set_matrix(A, l, random.general());
+      for (int d = 0; d < 3; ++d) T[d][l] = random.uniform(-1, 1);
+    }
+    std::vector<double> one(3 * kNodes, 0.0), two(3 * kNodes, 0.0);
+    scatter_affine(one.data(), b.column, m, T, A);
+    scatter_value(two.data(), b.column, s, T);
+    scatter_gradient(two.data(), b.column, m, A);
+    for (int i = 0; i < 3 * kNodes; ++i) worst.add(std::fabs(one[i] - two[i]));
+    vd v[3], w[3];
+    const Mat3<vd> G = gather_gradient(one.data(), b.column, s), H = gather_value_and_gradient(one.data(), b.column, s, v);
+    gather_value(one.data(), b.column, s, w);
+    for (int l = 0; l < kLanes; ++l) {
+      worst.add(kH * (test::matrix(G, l) - test::matrix(H, l)).norm());
+      for (int d = 0; d < 3; ++d) worst.add(std::fabs(v[d][l] - w[d][l]));
+    }
+  }
+  expect_within(worst, 1e-13, "difference");
+}
+
+TYPED_TEST(Transfers, GatherLinearFieldIsExact) {
   test::Random random(73);
   test::Worst value, gradient;
   for (int n = 0; n < 200; ++n) {
-    const Block b(random);
+    const Block<TypeParam> b(random);
     const Matrix A = random.general();
     const Vector c = random.vector();
     std::vector<double> nodal(3 * kNodes, 1e30);
@@ -131,7 +195,7 @@ TEST(Gather, LinearFieldIsExact) {
       const Vector v = A * (x / kH) + c;
       for (int d = 0; d < 3; ++d) nodal[3 * node + d] = v[d];
     });
-    const Weights s = b.weights();
+    const Weights<TypeParam> s = b.weights();
     vd out[3];
     gather_value(nodal.data(), b.column, s, out);
     const Mat3<vd> G = gather_gradient(nodal.data(), b.column, s);
@@ -151,13 +215,13 @@ std::vector<double> random_field(test::Random& random, int n) {
   return v;
 }
 
-TEST(Gather, IsTheSumOverTheNodes) {
+TYPED_TEST(Transfers, GatherIsTheSumOverTheNodes) {
   test::Random random(74);
   test::Worst value, gradient;
   for (int n = 0; n < 100; ++n) {
-    const Block b(random);
+    const Block<TypeParam> b(random);
     const std::vector<double> nodal = random_field(random, 3 * kNodes);
-    const Weights s = b.weights();
+    const Weights<TypeParam> s = b.weights();
     vd out[3];
     gather_value(nodal.data(), b.column, s, out);
     const Mat3<vd> G = gather_gradient(nodal.data(), b.column, s);
@@ -178,12 +242,12 @@ TEST(Gather, IsTheSumOverTheNodes) {
   expect_within(gradient, 1e-14, "gradient");
 }
 
-TEST(Scatter, IsTheTransposeOfGather) {
+TYPED_TEST(Transfers, ScatterIsTheTransposeOfGather) {
   test::Random random(75);
   test::Worst value, gradient, scalar, outside;
   for (int n = 0; n < 200; ++n) {
-    const Block b(random);
-    const Weights s = b.weights();
+    const Block<TypeParam> b(random);
+    const Weights<TypeParam> s = b.weights();
     const std::vector<double> v = random_field(random, 3 * kNodes);
     std::vector<double> from_value(3 * kNodes, 0.0), from_gradient(3 * kNodes, 0.0), from_scalar(kNodes, 0.0);
     vd T[3], m, u[3];
@@ -230,10 +294,10 @@ TEST(Scatter, IsTheTransposeOfGather) {
   expect_within(outside, 0.0, "other nodes");
 }
 
-TEST(Scatter, AddsToWhatIsThere) {
+TYPED_TEST(Transfers, ScatterAddsToWhatIsThere) {
   test::Random random(76);
-  const Block b(random);
-  const Weights s = b.weights();
+  const Block<TypeParam> b(random);
+  const Weights<TypeParam> s = b.weights();
   vd T[3];
   for (vd& t : T)
     for (int l = 0; l < kLanes; ++l) t[l] = random.uniform(-1, 1);

@@ -11,9 +11,18 @@
 
 namespace mpdem {
 
+// Where the link was when its body was created.
+double PenaltyLinks::created(const PointStore& points, const Link& k, int d) const {
+  const int b = k.slot / kLanes, l = k.slot % kLanes;
+  if (p_.at_surface) return k.foot[d];
+  return points.motion.empty() ? points.blocks[b].X[d][l] : points.motion[b].X0[d][l];
+}
+
 void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodies,
-                         const PenaltyParameters& parameters, double cell, double density) {
+                         const PenaltyParameters& parameters, double cell, double density, Basis basis) {
   p_ = parameters;
+  basis_ = basis;
+  const double shift = cell_shift(basis), middle = cell_middle(basis);
   inverse_h_ = 1.0 / cell;
   density_ = density;
   blocks_.clear();
@@ -34,8 +43,8 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     it.tag = points.tags[b][l];
     it.link = static_cast<int>(i);
     for (int d = 0; d < 3; ++d) {
-      it.X[d] = p_.at_surface ? k.foot[d] : points.blocks[b].X[d][l];
-      it.base[d] = support_base(it.X[d], inverse_h_);
+      it.X[d] = p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[b].X[d][l];
+      it.base[d] = support_base(it.X[d], inverse_h_, shift);
     }
     items.push_back(it);
   }
@@ -55,7 +64,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     const Mat3<double> R = rotation_of(body.orientation[b.side]);
     for (int d = 0; d < 3; ++d) {
       b.base[d] = first.base[d];
-      b.X[d] = splat((b.base[d] + 1.0) * cell);
+      b.X[d] = splat((b.base[d] + middle) * cell);
       b.q0[d] = splat(body.radius[b.side]);  // any direction will do where the area is zero
     }
     for (int l = 0; l < kLanes; ++l) b.link[l] = -1;
@@ -69,7 +78,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
       double q[3];
       for (int d = 0; d < 3; ++d) {
         b.X[d][l] = items[i].X[d];
-        q[d] = items[i].X[d] - body.centre[b.side][d];
+        q[d] = created(points, k, d) - body.centre[b.side][d];
       }
       for (int d = 0; d < 3; ++d) b.q0[d][l] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
     }
@@ -93,20 +102,72 @@ void PenaltyLinks::bind(const GrainSides& sides) {
   for (LinkBlock& b : blocks_) b.at = sides.find(b.body, b.side);
 }
 
+bool PenaltyLinks::find_columns(const Grid& grid) {
+  bool all = true;
+  for (LinkBlock& b : blocks_) all = grid.find_columns(field_of(b.body, b.part), b.base, b.column) && all;
+  return all;
+}
+
+bool PenaltyLinks::move_places(PointStore& points, const Grid& grid, double dt) {
+  const double shift = cell_shift(basis_);
+  bool left = false;
+  with_basis(basis_, [&](auto type) {
+    for (LinkBlock& b : blocks_) {
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      vd v[3];
+      gather_value(grid.velocity.data(), b.column, w, v);
+      for (int l = 0; l < kLanes; ++l) {
+        if (b.link[l] < 0) continue;
+        Link& k = points.links[b.link[l]];
+        for (int d = 0; d < 3; ++d) {
+          b.X[d][l] += dt * v[d][l];
+          k.moved[d] += dt * v[d][l];
+          const double t = b.X[d][l] * inverse_h_ - (shift + b.base[d]);
+          left = left || !(t >= 0.0 && t < 1.0);
+        }
+      }
+    }
+  });
+  return left;
+}
+
+void PenaltyLinks::move_to_present(PointStore& points, const Grid& grid) const {
+  with_basis(basis_, [&](auto type) {
+    for (const LinkBlock& b : blocks_) {
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      vd u[3];
+      gather_value(grid.displacement.data(), b.column, w, u);
+      for (int l = 0; l < kLanes; ++l)
+        if (b.link[l] >= 0)
+          for (int d = 0; d < 3; ++d) points.links[b.link[l]].moved[d] += u[d][l];
+    }
+  });
+}
+
+void PenaltyLinks::renumber(const std::vector<int>& new_place) {
+  for (LinkBlock& b : blocks_)
+    for (int& k : b.link)
+      if (k >= 0) k = new_place[k];
+}
+
 void PenaltyLinks::add_stiffness(Grid& grid) {
   const double k = std::max(p_.kn, p_.kt);
-  for (LinkBlock& b : blocks_) {
-    b.inertia = b.area;
-    b.inert = b.attached;
-    if (b.attached) scatter_scalar(grid.penalty.data(), b.column, Weights(b.X, b.base, inverse_h_), k * b.area);
-  }
+  with_basis(basis_, [&](auto type) {
+    for (LinkBlock& b : blocks_) {
+      b.inertia = b.area;
+      b.inert = b.attached;
+      if (b.attached)
+        scatter_scalar(grid.penalty.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), k * b.area);
+    }
+  });
 }
 
 // Current vector q from the grain's centre, its deviation from R q0 and the direction n.
+template <class Type>
 void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta,
                          vd* n) const {
   vd u[3], r[3];
-  gather_value(grid.displacement.data(), b.column, Weights(b.X, b.base, inverse_h_), u);
+  gather_value(grid.displacement.data(), b.column, Weights<Type>(b.X, b.base, inverse_h_), u);
   for (int d = 0; d < 3; ++d) {
     q[d] = b.X[d] + u[d] - s.x[d];
     r[d] = s.R.a[d][0] * b.q0[0] + s.R.a[d][1] * b.q0[1] + s.R.a[d][2] * b.q0[2];
@@ -116,90 +177,105 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
 }
 
-double PenaltyLinks::add_force(Grid& grid, GrainSides& sides) const {
+double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
   double power = 0.0;
   const double sqrt_kn = std::sqrt(p_.kn), sqrt_kt = std::sqrt(p_.kt);
-  for (const LinkBlock& b : blocks_) {
-    if (!b.attached) continue;
-    GrainSide& s = sides.sides[b.at];
-    vd q[3], delta[3], n[3], f[3];
-    place(b, grid, s, q, delta, n);
-    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
-    for (int d = 0; d < 3; ++d) f[d] = -b.area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
-    const Weights w(b.X, b.base, inverse_h_);
-    if (p_.damping > 0.0) {
-      vd v[3];
-      gather_value(grid.velocity.data(), b.column, w, v);
-      v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
-      v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
-      v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
-      const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-      vd taken{};
-      for (int d = 0; d < 3; ++d) {
-        const vd fd = b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
-        f[d] -= fd;
-        taken += fd * v[d];
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (const LinkBlock& b : blocks_) {
+      if (!b.attached && skip_detached) continue;
+      GrainSide& s = sides.sides[b.at];
+      vd q[3], delta[3], n[3], f[3];
+      place<Type>(b, grid, s, q, delta, n);
+      const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
+      for (int d = 0; d < 3; ++d) f[d] = -b.area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      if (p_.damping > 0.0) {
+        vd v[3];
+        gather_value(grid.velocity.data(), b.column, w, v);
+        v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
+        v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
+        v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
+        const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+        vd taken{};
+        for (int d = 0; d < 3; ++d) {
+          const vd fd = b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
+          f[d] -= fd;
+          taken += fd * v[d];
+        }
+        power += sum_lanes(taken);
       }
-      power += sum_lanes(taken);
+      scatter_value(grid.force.data(), b.column, w, f);
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        s.force[d] -= sum_lanes(f[d]);
+        s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
+      }
     }
-    scatter_value(grid.force.data(), b.column, w, f);
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      s.force[d] -= sum_lanes(f[d]);
-      s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
-    }
-  }
+  });
   return power;
 }
 
+// Calls f(side, node, place from the grain's centre, added mass) for all nodes with such mass.
 template <class F>
-void PenaltyLinks::for_each_added_mass(const LinkBlock& b, const Grid& grid, const GrainSide& s, F f) const {
-  const Weights w(b.X, b.base, inverse_h_);
-  const vd kA = std::max(p_.kn, p_.kt) * b.inertia;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k) {
-        const long node = b.column[3 * i + j] + k;
-        if (grid.added_mass[node] == 0.0) continue;
-        // the node's added mass belongs to its links by their share of its stiffness
-        const double m = grid.added_mass[node] / grid.penalty[node] *
-                         sum_lanes(kA * w.w[0][i] * w.w[1][j] * w.w[2][k]);
-        const double* u = &grid.displacement[3 * node];
-        const double r[3] = {(b.base[0] + i) * grid.h + u[0] - s.x[0], (b.base[1] + j) * grid.h + u[1] - s.x[1],
-                             (b.base[2] + k) * grid.h + u[2] - s.x[2]};
-        f(node, r, m);
-      }
+void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
+  const double k = std::max(p_.kn, p_.kt);
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    constexpr int S = Type::kSupport;
+    for (const LinkBlock& b : blocks_) {
+      if (!b.inert) continue;
+      const GrainSide& s = sides.sides[b.at];
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      const vd kA = k * b.inertia;
+      for (int i = 0; i < S; ++i)
+        for (int j = 0; j < S; ++j)
+          for (int l = 0; l < S; ++l) {
+            const long node = b.column[S * i + j] + l;
+            if (grid.added_mass[node] == 0.0) continue;
+            // the node's added mass belongs to its links by their share of its stiffness
+            const double m = grid.added_mass[node] / grid.penalty[node] * sum_lanes(kA * w.w[0][i] * w.w[1][j] * w.w[2][l]);
+            const double* u = &grid.displacement[3 * node];
+            const double r[3] = {(b.base[0] + i) * grid.h + u[0] - s.x[0], (b.base[1] + j) * grid.h + u[1] - s.x[1],
+                                 (b.base[2] + l) * grid.h + u[2] - s.x[2]};
+            f(b.at, node, r, m);
+          }
+    }
+  });
 }
 
-void PenaltyLinks::add_reaction(const Grid& grid, GrainSides& sides) const {
-  for (const LinkBlock& b : blocks_) {
-    if (!b.inert) continue;
-    GrainSide& s = sides.sides[b.at];
-    for_each_added_mass(b, grid, s, [&](long node, const double* r, double m) {
-      const double* a = &grid.acceleration[3 * node];
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        s.force[d] += m * a[d];
-        s.torque[d] += m * (r[e] * a[g] - r[g] * a[e]);
-      }
-    });
-  }
+void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
+  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
+    GrainSide& s = sides.sides[at];
+    const double* a = &field[3 * node];
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      s.force[d] += scale * m * a[d];
+      s.torque[d] += scale * m * (r[e] * a[g] - r[g] * a[e]);
+    }
+  });
 }
 
 double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides) const {
   double energy = 0.0;
-  for (const LinkBlock& b : blocks_) {
-    if (!b.inert) continue;
-    const GrainSide& s = sides.sides[b.at];
-    for_each_added_mass(b, grid, s, [&](long node, const double* r, double m) {
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
-        energy += 0.5 * m * v * v;
-      }
-    });
-  }
+  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
+    const GrainSide& s = sides.sides[at];
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
+      energy += 0.5 * m * v * v;
+    }
+  });
   return energy;
+}
+
+// Of the springs of a block, lane by lane.
+vd PenaltyLinks::energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const {
+  vd q[3], delta[3], n[3];
+  with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, s, q, delta, n); });
+  const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
+  const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
+  return 0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
 }
 
 int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid,
@@ -215,11 +291,7 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
         freed |= static_cast<std::uint8_t>(1u << l);
     }
     if (!freed) continue;
-    vd q[3], delta[3], n[3];
-    place(b, grid, sides.sides[b.at], q, delta, n);
-    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
-    const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
-    const vd U = 0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
+    const vd U = energy(b, grid, sides.sides[b.at]);
     for (int l = 0; l < kLanes; ++l) {
       if (!(freed >> l & 1)) continue;
       released += U[l];
@@ -235,14 +307,8 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
 
 double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides) const {
   double U = 0.0;
-  for (const LinkBlock& b : blocks_) {
-    if (!b.attached) continue;
-    vd q[3], delta[3], n[3];
-    place(b, grid, sides.sides[b.at], q, delta, n);
-    const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
-    const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
-    U += sum_lanes(0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn));
-  }
+  for (const LinkBlock& b : blocks_)
+    if (b.attached) U += sum_lanes(energy(b, grid, sides.sides[b.at]));
   return U;
 }
 

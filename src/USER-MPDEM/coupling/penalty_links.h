@@ -40,10 +40,20 @@ class PenaltyLinks {
   // Lays out the links of the store in blocks of one cell and one side.
   // Call sides() and cells() before the grid and the sides are built, bind() after.
   void build(const PointStore& points, const std::vector<Body>& bodies, const PenaltyParameters& parameters,
-             double cell, double density);
+             double cell, double density, Basis basis = Basis::quadratic);
   std::vector<Key> needed_sides() const;
   void add_cells(std::vector<Grid::Cell>& cells);
   void bind(const GrainSides& sides);
+  // Instead of add_cells() where the grid stands already; false if it has not all the nodes.
+  bool find_columns(const Grid& grid);
+
+  // Moves the places of the links, and the cement's ends in the store, with the cement by dt;
+  // true if one left its cell, so that the links have to be built anew.
+  bool move_places(PointStore& points, const Grid& grid, double dt);
+  // The present becomes the reference of the cement's ends in the store; build() again then.
+  void move_to_present(PointStore& points, const Grid& grid) const;
+  // After PointStore::sort_links().
+  void renumber(const std::vector<int>& new_place);
 
   // Row-summed stiffness of this rank's links into grid.penalty. Links that let go count,
   // and react, until this is called again.
@@ -51,9 +61,9 @@ class PenaltyLinks {
 
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.
-  double add_force(Grid& grid, GrainSides& sides) const;
-  // Reaction of the added mass, once the accelerations are known.
-  void add_reaction(const Grid& grid, GrainSides& sides) const;
+  double add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // Reaction of the added mass to the acceleration scale * field of the nodes.
+  void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
 
   // Frees the links of points that failed (slots, ascending); returns how many, and adds
   // the spring energy they gave up to `released`.
@@ -78,17 +88,20 @@ class PenaltyLinks {
     vd inertia; // area that counts in grid.penalty
     vd damper;  // damping coefficient over sqrt(k)
     int body, part, side, at;  // at: index into GrainSides
-    int base[3], column[9];
+    int base[3], column[kMostColumns];
     int link[kLanes];
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
-  // Calls f(node, place from the grain's centre, added mass) for the nodes of the block.
   template <class F>
-  void for_each_added_mass(const LinkBlock& b, const Grid& grid, const GrainSide& s, F f) const;
+  void for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const;
+  double created(const PointStore& points, const Link& k, int d) const;
+  vd energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const;
+  template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
 
   PenaltyParameters p_;
+  Basis basis_ = Basis::quadratic;
   double inverse_h_ = 0, density_ = 0;
   std::vector<LinkBlock> blocks_;
 };

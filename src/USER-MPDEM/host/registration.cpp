@@ -17,6 +17,7 @@
 #include "../styles/atom_vec_mpdem.h"
 #include "../styles/compute_mpm_atom.h"
 #include "../styles/create_cement.h"
+#include "../styles/fix_check_timestep_mpm.h"
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
 #include "atom.h"
@@ -62,6 +63,7 @@ void LAMMPS::post_create() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS11post_createEv")(this);
   auto& fixes = mpdem::fix_styles(modify);
   fixes["mpm"] = &make_fix<FixMpm>;
+  fixes["check/timestep/mpm"] = &make_fix<FixCheckTimestepMpm>;
   fixes["mpm/couple"] = &make_fix<FixMpmCouple>;
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
@@ -80,7 +82,7 @@ void LAMMPS::help() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
   std::fprintf(screen,
                "\n\n* USER-MPDEM styles\n\n"
-               "atom_style mpdem, fix mpm, fix mpm/couple, compute mpm/atom, command create_cement\n");
+               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, command create_cement\n");
 }
 
 }  // namespace LAMMPS_NS

@@ -33,8 +33,9 @@ inline Frame spin(const Frame& q, vd vx, vd vy, vd vz) {
   const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
   const Frame p{q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y,
                 q.y + y * q.w + z * q.x - x * q.z, q.z + z * q.w + x * q.y - y * q.x};
-  // Normalising p itself keeps |q| = 1 over any number of steps.
-  const vd n = 1.0 / sqrt(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
+  // Normalising p itself keeps |q| = 1 over any number of steps; without spin q keeps its bits.
+  const vd r = 1.0 / sqrt(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
+  const vd n = select((x == 0.0) & (y == 0.0) & (z == 0.0), splat(1.0), r);
   return {n * p.w, n * p.x, n * p.y, n * p.z};
 }
 

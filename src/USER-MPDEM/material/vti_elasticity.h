@@ -44,6 +44,7 @@ struct VtiElasticity {
 
   // Speed of the fastest plane wave along the axis or in the plane.
   double fastest_wave(double density) const;
+  double softest_shear() const { return C44 < C66 ? C44 : C66; }
 
   // Largest eigenvalue of the stiffness as a map of symmetric tensors (Mandel form).
   double largest_stiffness() const;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The one pass over the points of a step: velocity gradient from the grid, deformation
-// gradient, co-rotated strain, damage, stress, internal force to the grid. Total
-// Lagrangian with Kirchhoff stress tau = C(D) : strain, P = tau F^-T and
+// The one pass over the points of a step with `total` kinematics: velocity gradient from the
+// grid, deformation gradient, co-rotated strain, damage, stress, internal force to the grid.
+// Total Lagrangian with Kirchhoff stress tau = C(D) : strain, P = tau F^-T and
 //   f_I = - sum_p V_p P_p grad N_I(X_p),
 // which conserves momentum and angular momentum of the nodes to rounding. The law gives
 // energy per reference volume, so its stress is work-conjugate there: taken as the Cauchy
@@ -16,18 +16,32 @@
 
 #include "../material/tensor_damage.h"
 #include "grid.h"
+#include "pass_clock.h"
 #include "point_store.h"
 
 namespace mpdem {
 
+// Work that is left out where it cannot matter.
+struct AdvanceOptions {
+  bool skip_undamaged = true;  // no return map where a bound says that nothing grows
+  bool skip_failed = true;     // nor anything else in blocks all of whose points failed
+  bool skip_resting = true;    // nor in bodies all of whose nodes are at rest, see resting.h
+};
+
 struct AdvanceResult {
   double dissipated = 0.0, released = 0.0;  // energy of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
+  PassTicks ticks;
 };
 
-// Advances every point by dt with the nodal velocity and adds the internal force at the
-// end of the step. Failed points keep their state and give no force.
-void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, double dt, AdvanceResult& result);
+// Advances the points of the blocks [first, last) by dt with the nodal velocity and adds the
+// internal force at the end of the step. Failed points keep their state and give no force.
+void advance_points(PointStore& points, int first, int last, Grid& grid, const TensorDamage& law, double dt,
+                    const AdvanceOptions& options, AdvanceResult& result);
+
+inline void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, double dt, AdvanceResult& result) {
+  advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, AdvanceOptions(), result);
+}
 
 // Adds the internal force of the present state; changes no point.
 void add_internal_force(const PointStore& points, Grid& grid, const TensorDamage& law);

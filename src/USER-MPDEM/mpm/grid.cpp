@@ -23,9 +23,49 @@ NodeKinematics Grid::kinematics() const {
   return k;
 }
 
+namespace {
+
+// Every key with its neighbours from `low` to `high` in direction d; ascending, each once.
+void widen(std::vector<Key>& keys, int d, int low, int high) {
+  std::vector<Key> wide;
+  wide.reserve(keys.size() * (high - low + 1));
+  for (Key k : keys) {
+    const int at = k[1 + d];
+    for (int i = low; i <= high; ++i) {
+      k[1 + d] = at + i;
+      wide.push_back(k);
+    }
+  }
+  std::sort(wide.begin(), wide.end());
+  wide.erase(std::unique(wide.begin(), wide.end()), wide.end());
+  keys.swap(wide);
+}
+
+}  // namespace
+
+int Grid::base_node(int field, const int* base) const {
+  const Key k{field, base[0], base[1], base[2]};
+  const auto it = std::lower_bound(keys.begin(), keys.end(), k);
+  return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
+}
+
+bool Grid::find_columns(int field, const int* base, int* column) const {
+  const int S = support(basis);
+  for (int i = 0; i < S; ++i)
+    for (int j = 0; j < S; ++j) {
+      const int at[3] = {base[0] + i, base[1] + j, base[2]};
+      column[S * i + j] = base_node(field, at);
+      // the whole column, or what lies there is no margin
+      const Key last{field, at[0], at[1], at[2] + S - 1};
+      const int end = column[S * i + j] + S - 1;
+      if (column[S * i + j] < 0 || end >= size() || keys[end] != last) return false;
+    }
+  return true;
+}
+
 void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells,
                  const NodeKinematics& restored, std::vector<char>& fresh,
-                 const std::map<int, int>& parent_field) {
+                 const std::map<int, int>& parent_field, int margin) {
   const NodeKinematics before = restored.keys.empty() ? kinematics() : restored;
   h = cell_size;
 
@@ -35,28 +75,23 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   std::sort(unique.begin(), unique.end());
   unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
 
-  keys.clear();
-  keys.reserve(27 * unique.size());
-  for (const Key& c : unique)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        for (int k = 0; k < 3; ++k) keys.push_back({c[0], c[1] + i, c[2] + j, c[3] + k});
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  const int S = support(basis), columns_of_cell = S * S;
+  keys = unique;
+  for (int d = 2; d >= 0; --d) widen(keys, d, -margin, S - 1 + margin);
   keys.shrink_to_fit();
 
-  std::vector<int> columns(9 * unique.size());
-  for (std::size_t u = 0; u < unique.size(); ++u)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const Key k{unique[u][0], unique[u][1] + i, unique[u][2] + j, unique[u][3]};
-        columns[9 * u + 3 * i + j] =
-            static_cast<int>(std::lower_bound(keys.begin(), keys.end(), k) - keys.begin());
-      }
+  std::vector<int> columns(columns_of_cell * unique.size());
+  for (std::size_t u = 0; u < unique.size(); ++u) find_columns(unique[u][0], &unique[u][1], &columns[columns_of_cell * u]);
   for (const Cell& c : cells) {
     const Key k{c.field, c.base[0], c.base[1], c.base[2]};
     const std::size_t u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
-    std::copy(&columns[9 * u], &columns[9 * u] + 9, c.column);
+    std::copy(&columns[columns_of_cell * u], &columns[columns_of_cell * u] + columns_of_cell, c.column);
+  }
+  inside_.clear();
+  if (margin > 0) {
+    inside_.assign(keys.size(), 0);
+    for (int d = 2; d >= 0; --d) widen(unique, d, 1 - margin, margin - 1);
+    for (const Key& k : unique) inside_[base_node(k[0], &k[1])] = 1;
   }
 
   const std::size_t n = keys.size();
@@ -92,16 +127,19 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   added_mass.assign(n, 0.0);
   penalty.assign(n, 0.0);
   force.assign(3 * n, 0.0);
+  momentum.clear();
   halo.build(comm, keys);
 }
 
 void Grid::lump_mass(const PointStore& points, double density) {
   std::fill(mass.begin(), mass.end(), 0.0);
   const double inverse_h = 1.0 / h;
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const Weights s(points.blocks[b].X, points.meta[b].base, inverse_h);
-    scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
-  }
+  with_basis(basis, [&](auto type) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const Weights<decltype(type)> s(points.blocks[b].X, points.meta[b].base, inverse_h);
+      scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
+    }
+  });
   halo.sum(mass.data(), 1);
 }
 
@@ -133,6 +171,12 @@ void Grid::drift(double dt_v, double dt_u) {
     v[i] += dt_v * a[i];
     u[i] += dt_u * v[i];
   }
+}
+
+std::size_t Grid::memory_usage() const {
+  return keys.capacity() * sizeof(Key) +
+         sizeof(double) * (mass.capacity() + penalty.capacity() + added_mass.capacity() + velocity.capacity() +
+                           displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity());
 }
 
 bool Grid::finite() const {

@@ -7,7 +7,9 @@
 // Nodes are ordered by field (body and part), i, j, k; three consecutive k of a cell are neighbours in
 // memory and make a column.
 //
-// Leap-frog state after step n: displacement u_n, velocity v_n-1/2, acceleration a_n.
+// Leap-frog state after step n: displacement u_n, velocity v_n-1/2, acceleration a_n. Where
+// the reference is taken anew in every step (`updated`), displacements are zero, and mass and
+// momentum come from the points each time.
 #ifndef MPDEM_GRID_H
 #define MPDEM_GRID_H
 
@@ -29,15 +31,17 @@ struct NodeKinematics {
 class Grid {
  public:
   double h = 0.0;
+  Basis basis = Basis::quadratic;
   std::vector<Key> keys;
   std::vector<double> mass;        // lumped
   std::vector<double> penalty;     // row sum of the penalty stiffness, see coupling/
   std::vector<double> added_mass;  // of the semi-implicit penalty
   std::vector<double> velocity, displacement, force, acceleration;
+  std::vector<double> momentum;  // of the points, `updated` only
 
   int size() const { return static_cast<int>(keys.size()); }
 
-  // A cell that needs its 27 nodes, and where to put the first node of each column.
+  // A cell that needs its nodes, and where to put the first node of each column.
   struct Cell {
     int field;  // field_of(body, part)
     const int* base;
@@ -47,9 +51,16 @@ class Grid {
   // Collective. Lays out the nodes of `cells`, carries the motion over
   // from the nodes that any rank had before, and finds the ranks to share them with.
   // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
-  // take the motion of the field it came from.
+  // take the motion of the field it came from. margin: cells around the wanted ones that get
+  // nodes too.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh, const std::map<int, int>& parent_field = {});
+             std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0);
+
+  // Columns of a cell after build(); false if it has no nodes here. base_node: first of all.
+  bool find_columns(int field, const int* base, int* column) const;
+  int base_node(int field, const int* base) const;
+  // Is the cell with this first node at least one cell away from the end of the margin?
+  bool well_inside(int base_node) const { return inside_[base_node]; }
 
   // Collective. Lumped mass of the points, density uniform.
   void lump_mass(const PointStore& points, double density);
@@ -71,8 +82,12 @@ class Grid {
   bool finite() const;
 
   NodeKinematics kinematics() const;
+  std::size_t memory_usage() const;
 
   HaloSum halo;
+
+ private:
+  std::vector<char> inside_;  // of first nodes, with a margin only
 };
 
 }  // namespace mpdem

@@ -3,9 +3,7 @@
 #include "point_store.h"
 
 #include <algorithm>
-#include <cstring>
-
-#include "quadratic_bspline.h"
+#include <numeric>
 
 namespace mpdem {
 
@@ -45,12 +43,18 @@ int PointRecord::pack(double* buf) const {
   buf[m++] = part;
   buf[m++] = failed;
   buf[m++] = has_frame;
+  buf[m++] = moving;
   for (double v : X) buf[m++] = v;
   buf[m++] = volume;
   for (double v : F) buf[m++] = v;
   for (double v : q) buf[m++] = v;
   for (double v : strain) buf[m++] = v;
   for (double v : damage) buf[m++] = v;
+  if (moving) {
+    for (double w : X0) buf[m++] = w;
+    for (double w : v) buf[m++] = w;
+    for (double w : C) buf[m++] = w;
+  }
   buf[m++] = links;
   for (int i = 0; i < kMaxLinks; ++i) {
     const bool used = i < links;
@@ -58,6 +62,7 @@ int PointRecord::pack(double* buf) const {
     for (int d = 0; d < 3; ++d) buf[m++] = used ? link[i].foot[d] : 0.0;
     buf[m++] = used ? link[i].area : 0.0;
     buf[m++] = used ? link[i].attached : 0;
+    for (int d = 0; d < 3; ++d) buf[m++] = used ? link[i].moved[d] : 0.0;
   }
   return m;
 }
@@ -68,12 +73,18 @@ int PointRecord::unpack(const double* buf) {
   part = static_cast<int>(buf[m++]);
   failed = buf[m++] != 0.0;
   has_frame = buf[m++] != 0.0;
+  moving = buf[m++] != 0.0;
   for (double& v : X) v = buf[m++];
   volume = buf[m++];
   for (double& v : F) v = buf[m++];
   for (double& v : q) v = buf[m++];
   for (double& v : strain) v = buf[m++];
   for (double& v : damage) v = buf[m++];
+  if (moving) {
+    for (double& w : X0) w = buf[m++];
+    for (double& w : v) w = buf[m++];
+    for (double& w : C) w = buf[m++];
+  }
   links = static_cast<int>(buf[m++]);
   for (int i = 0; i < kMaxLinks; ++i) {
     link[i].slot = -1;
@@ -81,6 +92,7 @@ int PointRecord::unpack(const double* buf) {
     for (int d = 0; d < 3; ++d) link[i].foot[d] = buf[m++];
     link[i].area = buf[m++];
     link[i].attached = static_cast<int>(buf[m++]);
+    for (int d = 0; d < 3; ++d) link[i].moved[d] = buf[m++];
   }
   return m;
 }
@@ -88,9 +100,11 @@ int PointRecord::unpack(const double* buf) {
 void PointStore::clear() {
   blocks.clear();
   damage.clear();
+  motion.clear();
   meta.clear();
   tags.clear();
   links.clear();
+  settled_ = 0;
 }
 
 void PointStore::set(int slot, const PointRecord& r, int tag) {
@@ -105,6 +119,15 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   p.q.z[l] = r.q[3];
   set_lane(p.strain, l, r.strain);
   set_lane(damage[b].D, l, r.damage);
+  if (r.moving) let_move();
+  if (!motion.empty()) {
+    PointMotion& u = motion[b];
+    for (int d = 0; d < 3; ++d) {
+      u.X0[d][l] = r.moving ? r.X0[d] : r.X[d];
+      u.v[d][l] = r.v[d];
+    }
+    for (int i = 0; i < 9; ++i) u.C.a[i / 3][i % 3][l] = r.C[i];
+  }
   BlockMeta& m = meta[b];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
   m.occupied |= bit;
@@ -117,11 +140,12 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
 
 int PointStore::add(const PointRecord& r, int tag) {
   // The tail keeps one body a block, as everywhere.
-  const bool fresh = blocks.empty() || meta.back().occupied == 0xff || meta.back().body != r.body ||
+  const bool fresh = blocks.size() == settled_ || meta.back().occupied == 0xff || meta.back().body != r.body ||
                      meta.back().part != r.part;
   if (fresh) {
     blocks.push_back(empty_block());
     damage.emplace_back();
+    if (!motion.empty()) motion.emplace_back(PointMotion{});
     meta.emplace_back();
     meta.back().body = r.body;
     meta.back().part = r.part;
@@ -156,25 +180,34 @@ PointRecord PointStore::record(int slot) const {
   r.q[3] = p.q.z[l];
   get_lane(p.strain, l, r.strain);
   get_lane(damage[b].D, l, r.damage);
-  const auto range = std::equal_range(links.begin(), links.end(), Link{slot, 0, {0, 0, 0}, 0, 0},
+  if (!motion.empty()) {
+    const PointMotion& u = motion[b];
+    r.moving = true;
+    for (int d = 0; d < 3; ++d) {
+      r.X0[d] = u.X0[d][l];
+      r.v[d] = u.v[d][l];
+    }
+    for (int i = 0; i < 9; ++i) r.C[i] = u.C.a[i / 3][i % 3][l];
+  }
+  const auto range = std::equal_range(links.begin(), links.end(), Link{slot, 0, {0, 0, 0}, 0, 0, {0, 0, 0}},
                                       [](const Link& a, const Link& c) { return a.slot < c.slot; });
   for (auto it = range.first; it != range.second; ++it) r.link[r.links++] = *it;
   return r;
 }
 
 void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-                         std::vector<int>& new_slot, const std::vector<int>& new_part) {
+                         std::vector<int>& new_slot, const std::vector<int>& new_part, Basis basis) {
   struct Item {
     int body, part, base[3], tag, index;
   };
-  const double inverse_h = 1.0 / cell;
+  const double inverse_h = 1.0 / cell, shift = cell_shift(basis);
   std::vector<Item> items(live.size());
   for (std::size_t i = 0; i < live.size(); ++i) {
     const int b = live[i] / kLanes, l = live[i] % kLanes;
     Item& it = items[i];
     it.body = meta[b].body;
     it.part = new_part.empty() ? meta[b].part : new_part[i];
-    for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h);
+    for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h, shift);
     it.tag = live_tags[i];
     it.index = static_cast<int>(i);
   }
@@ -189,23 +222,22 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
     return a.tag < b.tag;
   });
 
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < items.size(); ++count) {
+    const std::size_t first = i;
+    for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l) ++i;
+  }
   PointStore next;
   next.links.reserve(links.size());
+  next.blocks.reserve(count);
+  next.damage.reserve(count);
+  next.meta.reserve(count);
+  next.tags.reserve(count);
+  if (!motion.empty()) next.motion.reserve(count);
   new_slot.assign(live.size(), -1);
   for (std::size_t i = 0; i < items.size();) {
-    next.blocks.push_back(empty_block());
-    next.damage.emplace_back();
-    next.meta.emplace_back();
-    next.tags.emplace_back();
-    next.tags.back().fill(0);
-    BlockMeta& m = next.meta.back();
-    m.body = items[i].body;
-    m.part = items[i].part;
-    for (int d = 0; d < 3; ++d) {
-      m.base[d] = items[i].base[d];
-      // Empty lanes sit at the middle of the cell, where every weight is finite.
-      next.blocks.back().X[d] = splat((m.base[d] + 1.0) * cell);
-    }
+    next.add_block(items[i].body, items[i].part, items[i].base, cell, basis);
+    if (!motion.empty()) next.let_move();
     const std::size_t first = i;
     for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l, ++i) {
       const int slot = kLanes * (static_cast<int>(next.blocks.size()) - 1) + l;
@@ -221,8 +253,86 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
   *this = std::move(next);
 }
 
+void PointStore::let_move() {
+  if (!motion.empty() || blocks.empty()) return;
+  motion.assign(blocks.size(), PointMotion{});
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (int d = 0; d < 3; ++d) motion[b].X0[d] = blocks[b].X[d];
+}
+
+int PointStore::add_block(int body, int part, const int* base, double cell, Basis basis) {
+  blocks.push_back(empty_block());
+  damage.emplace_back();
+  if (!motion.empty()) motion.emplace_back(PointMotion{});
+  meta.emplace_back();
+  tags.emplace_back();
+  tags.back().fill(0);
+  BlockMeta& m = meta.back();
+  m.body = body;
+  m.part = part;
+  const double middle = cell_middle(basis);
+  for (int d = 0; d < 3; ++d) {
+    m.base[d] = base[d];
+    // Empty lanes sit at the middle of the cell, where every weight is finite.
+    blocks.back().X[d] = splat((base[d] + middle) * cell);
+  }
+  settled_ = blocks.size();
+  return static_cast<int>(blocks.size()) - 1;
+}
+
+void PointStore::move(int slot, int new_slot, double cell, Basis basis) {
+  const int b = slot / kLanes, l = slot % kLanes, to = new_slot / kLanes, lane = new_slot % kLanes;
+  // Blocks are arrays of vectors, so a lane is every eighth number of them.
+  const auto copy = [l, lane](auto& target, const auto& source) {
+    double* t = reinterpret_cast<double*>(&target);
+    const double* s = reinterpret_cast<const double*>(&source);
+    for (std::size_t i = 0; i < sizeof source / sizeof(double); i += kLanes) t[i + lane] = s[i + l];
+  };
+  copy(blocks[to], blocks[b]);
+  copy(damage[to], damage[b]);
+  if (!motion.empty()) copy(motion[to], motion[b]);
+  tags[to][lane] = tags[b][l];
+  const BlockMeta& m = meta[b];
+  BlockMeta& n = meta[to];
+  const auto hand_over = [l, lane](std::uint8_t& target, std::uint8_t source) {
+    target = static_cast<std::uint8_t>((target & ~(1u << lane)) | (source >> l & 1u) << lane);
+  };
+  hand_over(n.occupied, m.occupied);
+  hand_over(n.failed, m.failed);
+  hand_over(n.framed, m.framed);
+  hand_over(n.linked, m.linked);
+  n.damaged |= m.damaged;
+  empty_lane(slot, cell, basis);
+}
+
+void PointStore::empty_lane(int slot, double cell, Basis basis) {
+  const int b = slot / kLanes, l = slot % kLanes;
+  const double middle = cell_middle(basis);
+  PointRecord nothing;
+  for (int d = 0; d < 3; ++d) nothing.X[d] = (meta[b].base[d] + middle) * cell;
+  set(slot, nothing, 0);
+  const std::uint8_t others = static_cast<std::uint8_t>(~(1u << l));
+  meta[b].occupied &= others;
+  meta[b].failed &= others;
+  meta[b].framed &= others;
+  meta[b].linked &= others;
+}
+
+std::vector<int> PointStore::sort_links() {
+  std::vector<int> order(links.size()), new_place(links.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return links[a].slot < links[b].slot; });
+  std::vector<Link> sorted(links.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    sorted[i] = links[order[i]];
+    new_place[order[i]] = static_cast<int>(i);
+  }
+  links.swap(sorted);
+  return new_place;
+}
+
 std::size_t PointStore::memory_usage() const {
-  return blocks.capacity() * sizeof(PointBlock) + damage.capacity() * sizeof(Damage) +
+  return motion.capacity() * sizeof(PointMotion) + blocks.capacity() * sizeof(PointBlock) + damage.capacity() * sizeof(Damage) +
          meta.capacity() * sizeof(BlockMeta) + tags.capacity() * sizeof(tags[0]) +
          links.capacity() * sizeof(Link);
 }

@@ -8,8 +8,10 @@
 // Points that arrive from another rank or a restart file wait in blocks of their own at
 // the end until the next `arrange`.
 //
-// Lengths are relative to the origin of the point's body and refer to the configuration
-// in which the body was created.
+// Lengths are relative to the origin of the point's body. X is the place in the reference
+// configuration: where the body was created, or, if there is a `motion`, where the points were
+// when the reference was last taken anew (with `updated` kinematics, in every step); F is
+// relative to it.
 #ifndef MPDEM_POINT_STORE_H
 #define MPDEM_POINT_STORE_H
 
@@ -19,17 +21,19 @@
 
 #include "../material/corotational.h"
 #include "../material/tensor3.h"
-#include "simd.h"
+#include "basis.h"
 
 namespace mpdem {
 
-// Bond of a point to a grain. The foot point lies on the surface of the grain.
+// Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
+// the body was created; the cement there has its reference at foot + moved.
 struct Link {
   int slot;
   int grain;        // tag
   double foot[3];
   double area;      // of the grain's surface
   int attached;     // 0 once it has let go
+  double moved[3] = {0, 0, 0};
 };
 
 // One point, for transfer between ranks, restart files and creation.
@@ -44,10 +48,14 @@ struct PointRecord {
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
   double damage[6] = {0, 0, 0, 0, 0, 0};
+  bool moving = false;  // has the next three
+  double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
   Link link[kMaxLinks];
 
-  static constexpr int kPacked = 4 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 6;
+  // Numbers that pack() gives, moving or not.
+  static constexpr int kPacked = 5 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 9;
+  static constexpr int kPackedMoving = kPacked + 15;
   int pack(double* buf) const;
   int unpack(const double* buf);
 };
@@ -60,10 +68,16 @@ struct PointBlock {
   Sym3<vd> strain;
 };
 
+// Of points whose reference moves: where they were created, velocity and its affine part.
+struct PointMotion {
+  vd X0[3], v[3];
+  Mat3<vd> C;
+};
+
 struct BlockMeta {
   int body = 0, part = 0;
-  int base[3] = {0, 0, 0};  // cell, see quadratic_bspline.h
-  int column[9] = {0};      // first nodes of its columns, set by the grid
+  int base[3] = {0, 0, 0};       // cell, see basis.h
+  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t linked = 0;  // had a link to a grain when it was made
   bool damaged = false;     // some lane has D != 0
@@ -88,6 +102,7 @@ class PointStore {
 
   std::vector<PointBlock> blocks;
   std::vector<Damage> damage;
+  std::vector<PointMotion> motion;  // empty while the first reference stands
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
@@ -101,13 +116,29 @@ class PointStore {
   // points alone, not on how they came here. Link positions follow. new_part[i], if there are
   // any, is the part that live[i] goes to.
   void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-               std::vector<int>& new_slot, const std::vector<int>& new_part = {});
+               std::vector<int>& new_slot, const std::vector<int>& new_part = {}, Basis basis = Basis::quadratic);
+
+  // Gives the points a motion, at rest, if they have none.
+  void let_move();
+
+  // A block without points in cell `base`; returns its number.
+  int add_block(int body, int part, const int* base, double cell, Basis basis);
+  // Moves a point, without its links, to a free lane of another block; its old lane becomes
+  // empty.
+  void move(int slot, int new_slot, double cell, Basis basis);
+  // Ascending in slot again, after moves; new_place[i] is where link i went.
+  std::vector<int> sort_links();
+
+  // Where the points of a block were created.
+  const vd* created_at(int b) const { return motion.empty() ? blocks[b].X : motion[b].X0; }
 
   void clear();
   std::size_t memory_usage() const;
 
  private:
+  std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   void set(int slot, const PointRecord& r, int tag);
+  void empty_lane(int slot, double cell, Basis basis);
 };
 
 }  // namespace mpdem

@@ -7,36 +7,80 @@
 
 namespace mpdem {
 
-void reproject_velocity(const PointStore& points, Grid& grid, double density, std::vector<double>& jump) {
-  std::vector<double>& momentum = jump;
-  momentum.assign(grid.velocity.size(), 0.0);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const PointBlock& p = points.blocks[b];
-    const BlockMeta& m = points.meta[b];
-    const Weights s(p.X, m.base, 1.0 / grid.h);
-    // The first moments of the weights take the place of their gradients.
-    Weights moment(s);
-    for (int d = 0; d < 3; ++d)
-      for (int i = 0; i < kSupport; ++i) moment.dw[d][i] = s.w[d][i] * ((m.base[d] + i) * grid.h - p.X[d]);
-    const vd mass = density * p.volume;
-    vd v[3];
-    gather_value(grid.velocity.data(), m.column, s, v);
-    Mat3<vd> C = gather_gradient(grid.velocity.data(), m.column, moment);
-    for (int i = 0; i < 3; ++i) {
-      v[i] *= mass;
-      for (int j = 0; j < 3; ++j) C.a[i][j] *= mass * (4.0 / (grid.h * grid.h));
+namespace {
+
+// out = y field, or, with the affine part, what apic makes of it. Collective.
+void project(const PointStore& points, Grid& grid, double density, bool affine, const std::vector<double>& field,
+             std::vector<double>& out) {
+  out.assign(field.size(), 0.0);
+  with_basis(grid.basis, [&](auto type) {
+    using Type = decltype(type);
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const PointBlock& p = points.blocks[b];
+      const BlockMeta& m = points.meta[b];
+      const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
+      const vd mass = density * p.volume;
+      vd v[3];
+      gather_value(field.data(), m.column, s, v);
+      for (int i = 0; i < 3; ++i) v[i] *= mass;
+      if (!affine) {
+        scatter_value(out.data(), m.column, s, v);
+        continue;
+      }
+      // The first moments of the weights take the place of their gradients.
+      const Weights<Type> moment = with_moments(s, p.X, m.base, grid.h);
+      Mat3<vd> C = gather_gradient(field.data(), m.column, Type::kAffine > 0.0 ? moment : s);
+      const vd scale = mass * (Type::kAffine > 0.0 ? Type::kAffine / (grid.h * grid.h) : 1.0);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) C.a[i][j] *= scale;
+      scatter_affine(out.data(), m.column, moment, v, C);
     }
-    scatter_value(momentum.data(), m.column, s, v);
-    scatter_gradient(momentum.data(), m.column, moment, C);
-  }
-  grid.halo.sum(momentum.data(), 3);
+  });
+  grid.halo.sum(out.data(), 3);
   for (int i = 0; i < grid.size(); ++i) {
     const double inertia = grid.mass[i] + grid.added_mass[i];
     for (int d = 0; d < 3; ++d) {
-      double& v = grid.velocity[3 * i + d];
-      const double before = v;
-      if (inertia > 0.0) v = (momentum[3 * i + d] + grid.added_mass[i] * v) / inertia;
-      jump[3 * i + d] = v - before;
+      double& y = out[3 * i + d];
+      y = inertia > 0.0 ? (y + grid.added_mass[i] * field[3 * i + d]) / inertia : field[3 * i + d];
+    }
+  }
+}
+
+}  // namespace
+
+void reproject_velocity(const PointStore& points, Grid& grid, double density, const Transfer& transfer, double dt,
+                        std::vector<double>& jump) {
+  const std::size_t n = grid.velocity.size();
+  std::vector<double>& v = grid.velocity;
+  jump.resize(n);
+  if (transfer.method == Transfer::flip) {
+    const double A = transfer.flip_share;
+    std::vector<double> rest(n);  // what is projected
+    for (std::size_t i = 0; i < n; ++i) rest[i] = (1.0 - A) * v[i] + dt * grid.acceleration[i];
+    project(points, grid, density, false, rest, jump);
+    for (std::size_t i = 0; i < n; ++i) jump[i] -= rest[i];
+  } else if (transfer.method == Transfer::xpic) {
+    std::vector<double> r(v), y;
+    for (int k = 0; k < transfer.order; ++k) {
+      project(points, grid, density, false, r, y);
+      for (std::size_t i = 0; i < n; ++i) r[i] -= y[i];
+    }
+    for (std::size_t i = 0; i < n; ++i) jump[i] = -r[i];
+  } else {
+    project(points, grid, density, transfer.method == Transfer::apic, v, jump);
+    for (std::size_t i = 0; i < n; ++i) jump[i] -= v[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) v[i] += jump[i];
+}
+
+void filter_velocity(const PointStore& points, Grid& grid, double density, int order) {
+  // q(y) = (1 - (1 - y)^m)/y = sum over k < m of (1 - y)^k
+  std::vector<double> r(grid.velocity), y;
+  for (int k = 1; k < order; ++k) {
+    project(points, grid, density, false, r, y);
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      r[i] -= y[i];
+      grid.velocity[i] += r[i];
     }
   }
 }

@@ -14,8 +14,8 @@ namespace LAMMPS_NS {
 
 namespace {
 constexpr char kMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-constexpr int kVersion = 1;
-constexpr int kPlainState = 1, kGrainState = 1 + 4, kPointState = 1 + mpdem::PointRecord::kPacked;
+constexpr int kVersion = 2;
+constexpr int kPlainState = 1, kGrainState = 1 + 4;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
@@ -86,8 +86,9 @@ int AtomVecMpdem::unpack_exchange(double* buf) {
 // Exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
   int n = AtomVecSphere::size_restart();
+  const int point_state = 1 + (points.motion.empty() ? mpdem::PointRecord::kPacked : mpdem::PointRecord::kPackedMoving);
   for (int i = 0; i < atom->nlocal; ++i)
-    n += 1 + (slot[i] >= 0 ? kPointState : slot[i] <= -2 ? kGrainState : kPlainState);
+    n += 1 + (slot[i] >= 0 ? point_state : slot[i] <= -2 ? kGrainState : kPlainState);
   return n;
 }
 

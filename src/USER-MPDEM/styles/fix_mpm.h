@@ -20,14 +20,21 @@ FixStyle(mpm,FixMpm)
 
 #include "../coupling/grain_sides.h"
 #include "../coupling/penalty_links.h"
+#include "../coupling/relaxation.h"
 #include "../geometry/shape.h"
 #include "../material/tensor_damage.h"
-#include "../mpm/advance_points.h"
+#include "../mpm/advance_updated.h"
 #include "../mpm/grid.h"
+#include "../mpm/resting.h"
 #include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
+#include "step_timer.h"
 #include "table_file.h"
+
+namespace mpdem {
+class Arguments;
+}
 
 namespace LAMMPS_NS {
 
@@ -82,23 +89,39 @@ class FixMpm : public Fix {
   const mpdem::TensorDamage& law() const { return *law_; }
   double cell() const { return cell_; }
   AtomVecMpdem* cement() const { return avec_; }
-  // Brings LIGGGHTS' positions and velocities of the points up to date.
+  mpdem::Basis basis() const { return basis_; }
+  // Brings LIGGGHTS' positions, velocities and slots of the points up to date.
   void fill_atoms();
+
+  // Collective. Largest stable time step in the present state, from the largest eigenvalue of
+  // the cement and the stiffness that the links give to free grains.
+  double stable_step();
 
  private:
   void parse(int narg, char** arg);
+  void parse_damage(mpdem::Arguments& args, mpdem::DamageParameters& damage);
+  void parse_transfer(mpdem::Arguments& args);
+  void parse_skip(mpdem::Arguments& args);
+  void check_words(mpdem::Arguments& args) const;
   void check_scene();
   void check_created_positions();
   void find_other_forces();
   void rebuild();
+  void lay_out_grid();
   void find_owned_grains();
   void refresh_added_mass();
   void drop_added_mass();
-  void set_frames();
+  void set_frames(mpdem::PointStore& points) const;
   void start_bodies();
   void start_velocities(const std::vector<char>& fresh);
+  void step_total(double dt);
+  void step_updated(double dt);
   void reproject();
-  double kinetic_energy() const;  // of this rank's nodes, at the half step
+  bool distorted();
+  void take_new_reference();
+  void move_links();
+  void sync_slots();
+  double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
   void add_forces();
   void react_on_grains();
@@ -109,9 +132,15 @@ class FixMpm : public Fix {
   void count_points();
   void check_state();
   void report_parameters();
-  double cement_eigenvalue() const;
+  double cement_eigenvalue();
   double stability_bound() const;
-  double stable_step() const;
+  double step_for(double eigenvalue) const;
+  double limit_for(double dt);
+  void set_time_step();
+  void report_times();
+
+  // Width over which a crack localises, in cells.
+  static constexpr double kBandOverCell = 1.5;
 
   // words of the script
   double cell_ = 0.0;
@@ -119,7 +148,16 @@ class FixMpm : public Fix {
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
+  mpdem::Basis basis_ = mpdem::Basis::quadratic;
+  bool updated_ = false;
+  mpdem::Transfer transfer_;
+  bool transfer_given_ = false;
   int reproject_every_ = 0;
+  double reproject_distortion_ = 0.0;  // 0: not `auto`
+  mpdem::AdvanceOptions skip_;
+  bool skip_detached_ = true;
+  double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step
+  double mass_scale_ = 1.0, relax_ = 0.0;  // quasistatic
   std::unique_ptr<mpdem::TensorDamage> law_;
   mpdem::VtiConstants constants_;
   bool coupled_ = false;
@@ -130,13 +168,19 @@ class FixMpm : public Fix {
   mpdem::Grid grid_;
   mpdem::PenaltyLinks links_;
   mpdem::GrainSides sides_;
+  mpdem::Relaxation relaxation_;
+  mpdem::Resting resting_;
+  mpdem::UpdatedPass updated_pass_;
+  double eigenvalue_ = 0.0;  // found for the present layout, 0: not yet
+  std::size_t blocks_when_arranged_ = 0;
   struct OwnedSide {
     int atom, at, body, side;
   };
   std::vector<OwnedSide> owned_;
-  std::size_t arranged_blocks_ = 0;
+  std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
-  double density_ = 0.0;
+  double density_ = 0.0;   // of the calcite
+  double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
   bool built_ = false, reported_ = false;
   int bodies_started_ = 0;  // the first of the table; the others are new and where they were made
@@ -166,6 +210,9 @@ class FixMpm : public Fix {
   double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_last_ = 0.0;
   mpdem::AdvanceResult advance_;
   std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty
+
+  mpdem::StepTimer timer_;
+  bigint timed_from_ = 0;
 
   Totals totals_;
   std::vector<BondState> bonds_;

@@ -45,7 +45,7 @@ void FixMpm::record_events() {
     mpdem::Vector3 axis, X;
     for (int d = 0; d < 3; ++d) {
       axis[d] = body.centre[1][d] - body.centre[0][d];
-      X[d] = points.blocks[b].X[d][l];
+      X[d] = points.created_at(b)[d][l];
     }
     axis.normalize();
     int least = 0;

@@ -75,7 +75,7 @@ bool FixMpm::separate_bodies() {
       s.point.part = m.part;
       s.point.failed = m.failed >> l & 1;
       for (int d = 0; d < 3; ++d)
-        s.point.cell[d] = static_cast<int>(std::floor(points.blocks[b].X[d][l] / body.spacing));
+        s.point.cell[d] = static_cast<int>(std::floor(points.created_at(static_cast<int>(b))[d][l] / body.spacing));
       for (int g = 0; g < 2; ++g) {
         s.point.attached[g] = false;
         s.point.link_area[g] = 0.0;
@@ -120,7 +120,8 @@ bool FixMpm::separate_bodies() {
     for (int i = 0; i < in.count[r]; ++i, ++n) {
       const Sent& s = in.data[n];
       const int part = found[s.body].part[at[s.body]++];
-      if (part != s.point.part) back[r].push_back({s.slot, part});
+      // `updated` fragments may meet again, so they share their nodes
+      if (part != s.point.part && !updated_) back[r].push_back({s.slot, part});
     }
   const std::vector<Returned> changed = mpdem::all_to_all(world, back).data;
   MPI_Allreduce(MPI_IN_PLACE, result.data(), 4 * bodies, MPI_DOUBLE, MPI_SUM, world);

@@ -82,7 +82,7 @@ void FixMpm::setup_pre_neighbor() {
 
 void FixMpm::pre_neighbor() {
   count_points();
-  int changed = 0;
+  int changed = updated_;  // slots were brought up to date for the exchange
   std::size_t live = 0;
   for (int i = 0; i < atom->nlocal; ++i) live += avec_->is_point(i);
   std::size_t arranged = 0;
@@ -90,7 +90,7 @@ void FixMpm::pre_neighbor() {
   if (live != arranged) changed = 1;
   // Arrivals sit in tail blocks that no grid knows.
   for (int i = 0; i < atom->nlocal && !changed; ++i)
-    if (avec_->slot[i] / kLanes >= static_cast<int>(arranged_blocks_)) changed = 1;
+    if (avec_->slot[i] / kLanes >= static_cast<int>(laid_out_blocks_)) changed = 1;
   for (const OwnedSide& o : owned_) {
     const int i = atom->map(avec_->bodies[o.body].grain[o.side]);
     if (i < 0 || i >= atom->nlocal) changed = 1;
@@ -142,40 +142,67 @@ void FixMpm::rebuild() {
       const auto moved = new_part_.find(slot);
       parts.push_back(moved != new_part_.end() ? moved->second : points.meta[slot / kLanes].part);
     }
-  points.arrange(live, tags, cell_, place, parts);
+  points.arrange(live, tags, cell_, place, parts, basis_);
   std::size_t at = 0;
   for (int i = 0; i < atom->nlocal; ++i)
     if (avec_->is_point(i)) avec_->slot[i] = place[at++];
-  arranged_blocks_ = points.blocks.size();
-  set_frames();
+  set_frames(points);
+  blocks_when_arranged_ = points.blocks.size();
+  lay_out_grid();
+}
 
+// Grid, links and sides for the blocks as they are.
+void FixMpm::lay_out_grid() {
+  mpdem::PointStore& points = avec_->points;
+  laid_out_blocks_ = points.blocks.size();
   std::vector<mpdem::Grid::Cell> cells;
   for (mpdem::BlockMeta& m : points.meta) cells.push_back({mpdem::field_of(m.body, m.part), m.base, m.column});
   if (coupled_) {
-    links_.build(points, avec_->bodies, penalty_, cell_, density_);
+    links_.build(points, avec_->bodies, penalty_, cell_, inertia_, basis_);
     links_.add_cells(cells);
   }
   if (restored_cell_ != 0.0 && restored_cell_ != cell_)
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
                                  restored_cell_, "; use that"));
   std::vector<char> fresh;
-  grid_.build(world, cell_, cells, restored_, fresh, parent_field_);
+  grid_.basis = basis_;
+  grid_.build(world, cell_, cells, restored_, fresh, parent_field_, updated_ ? mpdem::UpdatedPass::kMargin : 0);
   new_part_.clear();
   parent_field_.clear();
   restored_ = mpdem::NodeKinematics();
-  grid_.lump_mass(points, density_);
-  if (bodies_started_ < static_cast<int>(avec_->bodies.size())) start_velocities(fresh);
+  grid_.lump_mass(points, inertia_);
+  if (bodies_started_ < static_cast<int>(avec_->bodies.size())) {
+    start_velocities(fresh);
+    if (updated_) mpdem::UpdatedPass::start(points, grid_, bodies_started_);
+  }
+  if (relax_ > 0.0) relaxation_.build(grid_, avec_->bodies, relax_, std::sqrt(law_->elasticity().softest_shear() / inertia_));
   if (coupled_) {
-    std::vector<mpdem::Key> owned;
+    std::vector<mpdem::Key> owned, needed = links_.needed_sides();
     for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
       for (int s = 0; s < 2; ++s) {
         const int i = atom->map(avec_->bodies[b].grain[s]);
         if (i >= 0 && i < atom->nlocal) owned.push_back({static_cast<int>(b), s, 0, 0});
       }
-    sides_.build(world, avec_->bodies, links_.needed_sides(), owned);
+    if (relax_ > 0.0) {
+      const std::vector<mpdem::Key> more = relaxation_.needed_sides();
+      needed.insert(needed.end(), more.begin(), more.end());
+      std::sort(needed.begin(), needed.end());
+      needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
+    }
+    sides_.build(world, avec_->bodies, needed, owned);
     links_.bind(sides_);
+    if (relax_ > 0.0) relaxation_.bind(sides_);
   }
+  resting_.bind(points, grid_);
+  if (updated_) updated_pass_.bind(points, grid_);
   find_owned_grains();
+  if (built_ && eigenvalue_ > 0.0 && !updated_) {
+    const double limit = limit_for(update->dt);
+    if (update->dt > limit)
+      mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
+                                   " after parts came apart at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit,
+                                   "' or less"));
+  }
   built_ = true;
   if (dt_last_ == 0.0) dt_last_ = update->dt;
   refresh_added_mass();
@@ -197,8 +224,7 @@ void FixMpm::drop_added_mass() {
 }
 
 // Frame of each new point: third axis along the axis of the elasticity.
-void FixMpm::set_frames() {
-  mpdem::PointStore& points = avec_->points;
+void FixMpm::set_frames(mpdem::PointStore& points) const {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     mpdem::BlockMeta& m = points.meta[b];
     if (m.framed == m.occupied) continue;
@@ -266,19 +292,21 @@ void FixMpm::start_velocities(const std::vector<char>& fresh) {
   }
 
   std::vector<double> momentum(3 * grid_.size(), 0.0);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::PointBlock& p = points.blocks[b];
-    const auto& A = fit[points.meta[b].body];
-    vd rest[3];
-    for (int d = 0; d < 3; ++d) {
-      vd v;
-      for (int l = 0; l < kLanes; ++l) v[l] = velocity[3 * (kLanes * b + l) + d];
-      rest[d] = density_ * p.volume *
-                (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / cell_));
+  mpdem::with_basis(basis_, [&](auto type) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const mpdem::PointBlock& p = points.blocks[b];
+      const auto& A = fit[points.meta[b].body];
+      vd rest[3];
+      for (int d = 0; d < 3; ++d) {
+        vd v;
+        for (int l = 0; l < kLanes; ++l) v[l] = velocity[3 * (kLanes * b + l) + d];
+        rest[d] = inertia_ * p.volume *
+                  (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / cell_));
+      }
+      mpdem::scatter_value(momentum.data(), points.meta[b].column,
+                           mpdem::Weights<decltype(type)>(p.X, points.meta[b].base, 1.0 / cell_), rest);
     }
-    mpdem::scatter_value(momentum.data(), points.meta[b].column, mpdem::Weights(p.X, points.meta[b].base, 1.0 / cell_),
-                         rest);
-  }
+  });
   grid_.halo.sum(momentum.data(), 3);
   for (int i = 0; i < grid_.size(); ++i) {
     if (!fresh[i]) continue;

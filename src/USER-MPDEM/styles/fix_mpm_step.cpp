@@ -10,7 +10,6 @@
 #include <cmath>
 
 #include "../mpm/gather.h"
-#include "../mpm/reproject.h"
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
@@ -48,62 +47,78 @@ void FixMpm::post_integrate() {
 void FixMpm::post_force(int) {
   const double dt = update->dt;
   // After a check; not in it, where the forces of the step are still to be shown.
-  if ((update->ntimestep - 1) % check_every_ == 0 && separate_bodies()) rebuild();
+  if ((update->ntimestep - 1) % check_every_ == 0) {
+    timer_.start(mpdem::StepTimer::kLayout);
+    if (separate_bodies()) rebuild();
+  }
   jump_.clear();
-  if (reproject_every_ > 0 && update->ntimestep % reproject_every_ == 0) reproject();
-  grid_.drift(0.5 * (dt_last_ + dt), dt);
-  dt_last_ = dt;
-  distribute_grains();
-
-  grid_.clear_force();
   advance_.dissipated = advance_.released = 0.0;
   advance_.failed.clear();
-  mpdem::advance_points(avec_->points, grid_, *law_, dt, advance_);
-  if (coupled_) links_.let_go(avec_->points, advance_.failed, grid_, sides_, advance_.released);
+  if (updated_) {
+    step_updated(dt);
+  } else {
+    step_total(dt);
+    sides_.clear_forces();
+  }
+  dt_last_ = dt;
   record_events();
   dissipated_ += advance_.dissipated;
   released_ += advance_.released;
   add_forces();
   react_on_grains();
+  timer_.stop();
 }
 
-// The kinetic energy that a projection leaves out counts as damped.
-void FixMpm::reproject() {
-  const double before = kinetic_energy();
-  mpdem::reproject_velocity(avec_->points, grid_, density_, jump_);
-  damped_ += before - kinetic_energy();
+void FixMpm::step_total(double dt) {
+  timer_.start(mpdem::StepTimer::kNodes);
+  if (reproject_every_ > 0 && update->ntimestep % reproject_every_ == 0) reproject();
+  grid_.drift(0.5 * (dt_last_ + dt), dt);
+  timer_.start(mpdem::StepTimer::kCoupling);
+  distribute_grains();
+  timer_.start(mpdem::StepTimer::kPoints);
+  grid_.clear_force();
+  resting_.advance(avec_->points, grid_, *law_, dt, skip_, advance_);
+  timer_.start(mpdem::StepTimer::kCoupling);
+  if (coupled_) links_.let_go(avec_->points, advance_.failed, grid_, sides_, advance_.released);
+  if (reproject_distortion_ > 0.0 && update->ntimestep % check_every_ == 0 && distorted()) take_new_reference();
 }
 
-double FixMpm::kinetic_energy() const {
+double FixMpm::kinetic_energy(double kick) const {
   double energy = 0.0;
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
-    const double* v = &grid_.velocity[3 * i];
-    energy += 0.5 * grid_.mass[i] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int d = 0; d < 3; ++d) {
+      const double v = grid_.velocity[3 * i + d] + kick * grid_.acceleration[3 * i + d];
+      energy += 0.5 * grid_.mass[i] * v * v;
+    }
   }
   return energy;
 }
 
 // Everything but the internal force, which is on the nodes already.
 void FixMpm::add_forces() {
-  sides_.clear_forces();
-  if (coupled_) damped_ += dt_last_ * links_.add_force(grid_, sides_);
+  timer_.start(mpdem::StepTimer::kCoupling);
+  if (coupled_) damped_ += dt_last_ * links_.add_force(grid_, sides_, skip_detached_);
+  timer_.start(mpdem::StepTimer::kHalo);
   grid_.sum_force();
+  timer_.start(mpdem::StepTimer::kNodes);
+  if (coupled_ && relax_ > 0.0) damped_ += dt_last_ * relaxation_.add_force(grid_, sides_);
   if (gravity_) {
     double g[3];
     gravity_->get_gravity(g);
     for (int i = 0; i < grid_.size(); ++i)
-      for (int d = 0; d < 3; ++d) grid_.force[3 * i + d] += grid_.mass[i] * g[d];
+      for (int d = 0; d < 3; ++d) grid_.force[3 * i + d] += grid_.mass[i] / mass_scale_ * g[d];
   }
   grid_.update_acceleration();
 }
 
 void FixMpm::react_on_grains() {
   if (!coupled_) return;
-  // A re-projection is an acceleration too, as far as the added mass is concerned.
-  for (std::size_t i = 0; i < jump_.size(); ++i) grid_.acceleration[i] += jump_[i] / dt_last_;
-  links_.add_reaction(grid_, sides_);
-  for (std::size_t i = 0; i < jump_.size(); ++i) grid_.acceleration[i] -= jump_[i] / dt_last_;
+  timer_.start(mpdem::StepTimer::kCoupling);
+  // A change of velocity by transfer is an acceleration too, as far as the added mass is
+  // concerned.
+  if (!jump_.empty()) links_.add_reaction(grid_, jump_, 1.0 / dt_last_, sides_);
+  links_.add_reaction(grid_, grid_.acceleration, 1.0, sides_);
   sides_.sum_forces();
   for (const OwnedSide& o : owned_)
     for (int d = 0; d < 3; ++d) {
@@ -128,6 +143,7 @@ void FixMpm::distribute_grains() {
 }
 
 void FixMpm::end_of_step() {
+  timer_.start(mpdem::StepTimer::kOutput);
   // Work of grains and gravity on the cement. Forces and velocities are both those of the end of
   // the step, so the sum is the trapezoidal rule, half of the last term ahead.
   work_last_ = 0.0;
@@ -141,7 +157,7 @@ void FixMpm::end_of_step() {
     for (int i = 0; i < grid_.size(); ++i)
       if (grid_.halo.counts_here()[i])
         for (int d = 0; d < 3; ++d)
-          work_last_ += dt_last_ * grid_.mass[i] * g[d] *
+          work_last_ += dt_last_ * grid_.mass[i] / mass_scale_ * g[d] *
                         (grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d]);
   }
   work_ += work_last_;
@@ -155,12 +171,14 @@ void FixMpm::end_of_step() {
     check_state();
   }
   if (output_due) fill_atoms();
+  timer_.stop();
 }
 
 void FixMpm::post_run() {
   fill_atoms();
   write_events();
   report_modes();
+  report_times();
 }
 
 void FixMpm::check_state() {
@@ -176,15 +194,24 @@ void FixMpm::check_state() {
 }
 
 void FixMpm::setup(int) {
+  timer_.clear();
+  timed_from_ = update->ntimestep;
+  advance_.ticks = mpdem::PassTicks();
   totals_at_ = bonds_at_ = -1;
   jump_.clear();
   report_parameters();
   write_events();
   distribute_grains();
   check_state();
-  grid_.clear_force();
-  mpdem::add_internal_force(avec_->points, grid_, *law_);
+  if (updated_) {
+    mpdem::UpdatedPass::project(avec_->points, grid_, *law_, inertia_, transfer_);
+    grid_.halo.sum(grid_.mass.data(), 1);
+  } else {
+    grid_.clear_force();
+    mpdem::add_internal_force(avec_->points, grid_, *law_);
+  }
   const double damped = damped_;
+  sides_.clear_forces();
   add_forces();
   damped_ = damped;  // this force was counted in the step that led here
   react_on_grains();
@@ -211,6 +238,7 @@ void FixMpm::start_bodies() {
 }
 
 void FixMpm::fill_atoms() {
+  if (updated_ && built_) sync_slots();
   const mpdem::PointStore& points = avec_->points;
   // v_n = v_n-1/2 + dt a_n / 2
   std::vector<double> velocity(grid_.velocity);
@@ -219,17 +247,19 @@ void FixMpm::fill_atoms() {
     vd u[3], v[3];
   };
   // Points made since the grid was laid out are not on it yet and stay where they are.
-  std::vector<Motion> motion(arranged_blocks_);
-  for (std::size_t b = 0; b < arranged_blocks_; ++b) {
-    const mpdem::Weights w(points.blocks[b].X, points.meta[b].base, 1.0 / cell_);
-    mpdem::gather_value(grid_.displacement.data(), points.meta[b].column, w, motion[b].u);
-    mpdem::gather_value(velocity.data(), points.meta[b].column, w, motion[b].v);
-  }
+  std::vector<Motion> motion(laid_out_blocks_);
+  mpdem::with_basis(basis_, [&](auto type) {
+    for (std::size_t b = 0; b < laid_out_blocks_; ++b) {
+      const mpdem::Weights<decltype(type)> w(points.blocks[b].X, points.meta[b].base, 1.0 / cell_);
+      mpdem::gather_value(grid_.displacement.data(), points.meta[b].column, w, motion[b].u);
+      mpdem::gather_value(velocity.data(), points.meta[b].column, w, motion[b].v);
+    }
+  });
   std::string trouble;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec_->is_point(i)) continue;
     const int b = avec_->slot[i] / kLanes, l = avec_->slot[i] % kLanes;
-    if (b >= static_cast<int>(arranged_blocks_)) continue;
+    if (b >= static_cast<int>(laid_out_blocks_)) continue;
     const mpdem::Body& body = avec_->bodies[points.meta[b].body];
     double* x = atom->x[i];
     for (int d = 0; d < 3; ++d) {

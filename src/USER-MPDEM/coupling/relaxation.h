@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Damping that leads a loaded bond to rest without holding its grains back: every node is
+// slowed relative to the velocity it would have if the cement followed its two grains,
+//   f = -rate m (v - (1 - s) v_1(x) - s v_2(x)),   s = d_1/(d_1 + d_2),
+// v_g the rigid motion of grain g at the node and d_g its distance from the grain's surface
+// at creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a
+// share of twice the angular frequency of a shear wave across the thickest place,
+// 2 pi c_s/thickness, which is critical damping of about the slowest motion.
+#ifndef MPDEM_RELAXATION_H
+#define MPDEM_RELAXATION_H
+
+#include <vector>
+
+#include "../mpm/grid.h"
+#include "grain_sides.h"
+
+namespace mpdem {
+
+class Relaxation {
+ public:
+  // After the layout of the grid. critical_share: of critical damping.
+  void build(const Grid& grid, const std::vector<Body>& bodies, double critical_share, double shear_speed);
+  void bind(const GrainSides& sides);
+  // Both sides of every body with nodes here.
+  std::vector<Key> needed_sides() const;
+
+  // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs);
+  // returns the power taken by the nodes that count on this rank.
+  double add_force(Grid& grid, GrainSides& sides) const;
+
+ private:
+  struct Range {
+    int first, last, side[2];  // nodes of a body's part, indices into GrainSides
+    double rate;
+    int body;
+  };
+  std::vector<Range> ranges_;
+  std::vector<double> share_;  // s of each node
+};
+
+}  // namespace mpdem
+
+#endif

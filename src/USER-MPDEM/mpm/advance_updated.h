@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The one pass over the points of a step with `updated` kinematics: the reference is the
+// present, weights are new in every step, points go from cell to cell. Fused from grid to
+// points to grid: each block takes velocity and its gradient from the nodes, moves, finds its
+// stress and gives mass, momentum and internal force
+//   f_I = - sum_p V_p tau_p grad N_I(x_p)
+// to the nodes where it now is. Points that left their cell are taken out of their block and
+// put into one of the new cell afterwards, so blocks stay blocks of one cell without sorting;
+// the grid has nodes some cells ahead of the points.
+#ifndef MPDEM_ADVANCE_UPDATED_H
+#define MPDEM_ADVANCE_UPDATED_H
+
+#include <vector>
+
+#include "advance_points.h"
+#include "transfer.h"
+
+namespace mpdem {
+
+class UpdatedPass {
+ public:
+  // Cells around those with points that the grid must have at every bind().
+  static constexpr int kMargin = 3;
+
+  // After points or grid were laid out anew.
+  void bind(const PointStore& points, const Grid& grid);
+
+  // Velocities of the points from those of the nodes, for points that have none yet.
+  static void start(PointStore& points, const Grid& grid, int first_body);
+
+  // Needs grid.velocity at the middle of the step and, for flip, that acceleration times dt_v
+  // went into it. Overwrites grid.mass, grid.momentum and grid.force with this rank's sums.
+  void advance(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+               const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
+
+  // Mass, momentum and force of the points as they are.
+  static void project(const PointStore& points, Grid& grid, const TensorDamage& law, double density,
+                      const Transfer& transfer);
+
+  // Points that changed cell in the last step: slot before, slot after; ascending.
+  struct Move {
+    int from, to;
+  };
+  const std::vector<Move>& moves() const { return moves_; }
+  // Some point is near the end of the margin: lay out the grid anew before the next step.
+  bool layout_is_stale() const { return stale_; }
+  // Tag of a point that went further than the nodes reach or is not finite, 0: none.
+  int lost() const { return lost_; }
+
+ private:
+  template <class Type>
+  void pass(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+            const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
+  void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
+
+  std::vector<int> block_with_room_;  // of the cell with this first node, or -1
+  std::vector<Move> moves_;
+  std::vector<int> targets_;          // blocks that points came into
+  std::vector<std::uint8_t> fresh_;   // their new lanes, of every block
+  bool stale_ = false;
+  int lost_ = 0;
+};
+
+// The present becomes the reference: points of `total` kinematics go where they are, their
+// deformation gradient starts anew. They need a motion.
+void move_to_present(PointStore& points, const Grid& grid);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "largest_eigenvalue.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <cstdint>
+
+#include "gather.h"
+#include "point_stress.h"
+#include "scatter.h"
+
+namespace mpdem {
+
+namespace {
+
+constexpr int kMostProducts = 200;
+
+// out = -K x: the internal force that a displacement x adds.
+void add_stiffness_force(const PointStore& points, const Grid& grid, const TensorDamage& law, const std::vector<double>& x,
+                         std::vector<double>& out) {
+  std::fill(out.begin(), out.end(), 0.0);
+  with_basis(grid.basis, [&](auto type) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const BlockMeta& m = points.meta[b];
+      if (m.failed == m.occupied) continue;
+      const PointBlock& p = points.blocks[b];
+      const Weights<decltype(type)> s(p.X, m.base, 1.0 / grid.h);
+      const Mat3<vd> L = product(gather_gradient(x.data(), m.column, s), inverse(p.F));
+      const Sym3<vd> e{L.a[0][0], L.a[1][1], L.a[2][2], 0.5 * (L.a[1][2] + L.a[2][1]),
+                       0.5 * (L.a[0][2] + L.a[2][0]), 0.5 * (L.a[0][1] + L.a[1][0])};
+      const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
+      const Sym3<vd> t = m.damaged ? law.stress(strain, points.damage[b].D) : law.elasticity().stress(strain);
+      const vd live = select(lanes(m.failed), vd{}, p.volume);
+      scatter_gradient(out.data(), m.column, s, weighted_piola(p.F, p.q, t, live));
+    }
+  });
+}
+
+// The same number in [-1, 1] for a node on every rank and in every run.
+double scrambled(const Key& k, int c) {
+  std::uint64_t z = 0x9e3779b97f4a7c15ull * (c + 1);
+  for (int i : k) {
+    z = (z ^ static_cast<std::uint32_t>(i)) * 0xbf58476d1ce4e5b9ull;
+    z ^= z >> 29;
+  }
+  z *= 0x94d049bb133111ebull;
+  z ^= z >> 32;
+  return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
+}
+
+}  // namespace
+
+double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h) {
+  const double most = basis == Basis::quadratic ? 6.0 : basis == Basis::cubic ? 3.14 : 0.0;
+  return most * largest_stiffness / (density * h * h);
+}
+
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const TensorDamage& law,
+                                      double tolerance) {
+  const int n = grid.size();
+  const std::vector<char>& counts = grid.halo.counts_here();
+  const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    double mine = 0.0, all;
+    for (int i = 0; i < n; ++i)
+      if (counts[i])
+        mine += grid.mass[i] * (a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2]);
+    MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
+    return all;
+  };
+  std::vector<double> v(3 * n), before(3 * n, 0.0), w(3 * n);
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c) v[3 * i + c] = grid.mass[i] > 0.0 ? scrambled(grid.keys[i], c) : 0.0;
+  const double norm = std::sqrt(dot(v, v));
+  EigenvalueEstimate best{0.0, 0.0, 0};
+  if (!(norm > 0.0)) return best;
+  for (double& x : v) x /= norm;
+
+  std::vector<double> diagonal, side;
+  double beta = 0.0;
+  for (int k = 0; k < kMostProducts; ++k) {
+    add_stiffness_force(points, grid, law, v, w);
+    grid.halo.sum(w.data(), 3);
+    for (int i = 0; i < n; ++i) {
+      const double r = grid.mass[i] > 0.0 ? -1.0 / grid.mass[i] : 0.0;
+      for (int c = 0; c < 3; ++c) w[3 * i + c] *= r;
+    }
+    const double alpha = dot(v, w);
+    for (int i = 0; i < 3 * n; ++i) w[i] -= alpha * v[i] + beta * before[i];
+    diagonal.push_back(alpha);
+    beta = std::sqrt(dot(w, w));
+    const int m = static_cast<int>(diagonal.size());
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+    const Eigen::VectorXd d = Eigen::Map<Eigen::VectorXd>(diagonal.data(), m);
+    const Eigen::VectorXd e = Eigen::Map<Eigen::VectorXd>(side.data(), m - 1);
+    solver.computeFromTridiagonal(d, e);
+    best = {solver.eigenvalues()[m - 1], beta * std::fabs(solver.eigenvectors()(m - 1, m - 1)), m};
+    if (best.residual <= tolerance * best.value || beta == 0.0) break;
+    side.push_back(beta);
+    before.swap(v);
+    for (int i = 0; i < 3 * n; ++i) v[i] = w[i] / beta;
+  }
+  return best;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Largest eigenvalue of M^-1 K of the cement on its grid: K its secant stiffness in the present
+// state, M the lumped mass. The central difference is stable up to dt = 2/sqrt(lambda).
+//
+// Lanczos iteration in the inner product of M (Golub & Van Loan, Matrix Computations, ch. 10),
+// which is power iteration with its history used. The operator is never formed: one product
+// is one gather and one scatter over the points.
+#ifndef MPDEM_LARGEST_EIGENVALUE_H
+#define MPDEM_LARGEST_EIGENVALUE_H
+
+#include <mpi.h>
+
+#include "../material/tensor_damage.h"
+#include "grid.h"
+#include "point_store.h"
+
+namespace mpdem {
+
+struct EigenvalueEstimate {
+  double value;     // 1/time^2
+  double residual;  // an eigenvalue lies within it of value
+  int products;     // with the operator
+};
+
+// Collective. Stops when the residual is below tolerance times the value.
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const TensorDamage& law,
+                                      double tolerance = 1e-3);
+
+// Upper bound for any place of the points, 0 if the basis has none. With row-sum lumping the
+// largest eigenvalue is at most that of a single point (Fried 1972), and there at most
+// max over t of sum_I (dN_I/dt)^2 / N_I, 6 for quadratic B-splines and 3.14 for cubic, times
+// the largest stiffness over density h^2.
+double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Tent functions on a uniform grid: two nodes a direction, base = floor(X/h). Their gradient
+// jumps from cell to cell, so points that cross cells feel it, and a node at the rim of the
+// cement can have next to no mass at full force (Sulsky, Chen & Schreyer, Comput. Methods
+// Appl. Mech. Engng 118 (1994) 179).
+#ifndef MPDEM_LINEAR_TENT_H
+#define MPDEM_LINEAR_TENT_H
+
+#include "simd.h"
+
+namespace mpdem {
+
+struct LinearTent {
+  static constexpr int kSupport = 2;
+  static constexpr double kShift = 0.0;   // base = floor(X/h - kShift)
+  static constexpr double kMiddle = 0.5;  // of the cell, from base
+  static constexpr double kAffine = 0.0;  // see basis.h
+
+  // t = X/h - base in [0, 1]
+  static void factors(vd t, double inverse_h, vd* w, vd* dw) {
+    w[0] = 1.0 - t;
+    w[1] = t;
+    dw[0] = splat(-inverse_h);
+    dw[1] = splat(inverse_h);
+  }
+};
+
+}  // namespace mpdem
+
+#endif

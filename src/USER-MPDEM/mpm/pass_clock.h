@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Where the time of a pass over the points goes. Gather, material and scatter are fused, block
+// by block, so one block in 64 is timed and the time of the whole pass is split in the
+// proportion found. Ticks have no unit of their own.
+#ifndef MPDEM_PASS_CLOCK_H
+#define MPDEM_PASS_CLOCK_H
+
+#include <chrono>
+#include <cstdint>
+
+namespace mpdem {
+
+struct PassTicks {
+  std::uint64_t gather = 0, material = 0, scatter = 0;
+};
+
+class PassClock {
+ public:
+  explicit PassClock(PassTicks& ticks) : ticks_(ticks) {}
+
+  void start(int block) {
+    timed_ = (block & 63) == 0;
+    if (timed_) last_ = now();
+  }
+  void gathered() { if (timed_) lap(ticks_.gather); }
+  void stressed() { if (timed_) lap(ticks_.material); }
+  void scattered() { if (timed_) lap(ticks_.scatter); }
+
+ private:
+  static std::uint64_t now() {
+#if defined(__x86_64__)
+    return __builtin_ia32_rdtsc();
+#else
+    return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+#endif
+  }
+  void lap(std::uint64_t& sum) {
+    const std::uint64_t t = now();
+    sum += t - last_;
+    last_ = t;
+  }
+  PassTicks& ticks_;
+  std::uint64_t last_ = 0;
+  bool timed_ = false;
+};
+
+}  // namespace mpdem
+
+#endif

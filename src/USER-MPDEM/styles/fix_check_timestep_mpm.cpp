@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "fix_check_timestep_mpm.h"
+
+#include "arguments.h"
+#include "comm.h"
+#include "error.h"
+#include "fix_mpm.h"
+#include "modify.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::text_of;
+
+FixCheckTimestepMpm::FixCheckTimestepMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
+  mpdem::Arguments args(lmp, text_of("fix check/timestep/mpm (id ", id, ")"), narg, arg, 3);
+  nevery = args.integer("the number of steps between checks", 1);
+  cement_id_ = args.word("the ID of a fix mpm");
+  fraction_ = args.positive("the share of the stable step");
+  stop_ = args.empty() ? false : args.choice("what to do", {"warn", "stop"}) == "stop";
+  if (!args.empty()) args.complain("'" + args.word("") + "' is one word too many; the form is N ID FRACTION [warn|stop]");
+  vector_flag = 1;
+  size_vector = 2;
+  global_freq = nevery;
+}
+
+int FixCheckTimestepMpm::setmask() { return FixConst::END_OF_STEP; }
+
+void FixCheckTimestepMpm::init() {
+  const int i = modify->find_fix(cement_id_.c_str());
+  cement_ = i < 0 ? nullptr : dynamic_cast<FixMpm*>(modify->fix[i]);
+  if (!cement_)
+    mpdem::stop_all(lmp, text_of("fix check/timestep/mpm (id ", id, "): '", cement_id_, "' is not a fix mpm; define that fix "
+                                 "before and name its ID here"));
+}
+
+void FixCheckTimestepMpm::setup(int) { check(); }
+void FixCheckTimestepMpm::end_of_step() { check(); }
+
+void FixCheckTimestepMpm::check() {
+  limit_ = cement_->stable_step();
+  share_ = limit_ > 0.0 ? update->dt / limit_ : 0.0;
+  if (!(share_ > fraction_)) return;
+  const std::string text =
+      text_of("fix check/timestep/mpm (id ", id, "): time step ", update->dt, " is ", share_, " of the stable step ", limit_,
+              " at step ", update->ntimestep, ", more than ", fraction_, "; use 'timestep ", fraction_ * limit_, "' or less");
+  if (stop_) mpdem::stop_all(lmp, text);
+  if (comm->me == 0) error->warning("fix check/timestep/mpm", 0, text.c_str());
+}
+
+double FixCheckTimestepMpm::compute_vector(int n) { return n == 0 ? share_ : limit_; }
+
+}  // namespace LAMMPS_NS

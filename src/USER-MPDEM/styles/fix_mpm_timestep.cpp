@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Time step of fix mpm: what is stable, `timestep auto`, and what is said about it.
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "../mpm/largest_eigenvalue.h"
+#include "arguments.h"
+#include "atom.h"
+#include "comm.h"
+#include "fix_mpm.h"
+#include "force.h"
+#include "modify.h"
+#include "pair.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::text_of;
+
+// Bound of the largest eigenvalue of the cement, or what was found if there is no bound or the
+// time step needs more.
+double FixMpm::cement_eigenvalue() {
+  if (eigenvalue_ > 0.0) return eigenvalue_;
+  return mpdem::eigenvalue_bound(basis_, law_->elasticity().largest_stiffness(), inertia_, cell_);
+}
+
+// Largest dt^2 lambda. A mode that re-projection removes altogether takes half of what the
+// central difference takes.
+double FixMpm::stability_bound() const { return reproject_every_ > 0 || updated_ ? 2.0 : 4.0; }
+
+double FixMpm::step_for(double eigenvalue) const {
+  double w2 = eigenvalue;
+  if (coupled_ && built_) {
+    // A grain that follows its own mass feels all its links.
+    std::vector<double> k(sides_.sides.size(), 0.0);
+    links_.side_stiffness(k);
+    double worst = 0.0;
+    for (const OwnedSide& o : owned_) {
+      const double r = atom->radius[o.atom], M = atom->rmass[o.atom];
+      worst = std::max(worst, k[o.at] / M * (1.0 + r * r / (0.4 * r * r)));
+    }
+    double all;
+    MPI_Allreduce(&worst, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+    w2 += all;
+  }
+  const double z = penalty_.damping;
+  return std::sqrt(stability_bound() / w2) * (std::sqrt(1.0 + z * z) - z);
+}
+
+double FixMpm::stable_step() {
+  const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
+  return step_for(e.value + e.residual);
+}
+
+// The bound will do for steps below it; the eigenvalue itself costs some passes.
+double FixMpm::limit_for(double dt) {
+  eigenvalue_ = 0.0;
+  const double bound = cement_eigenvalue();
+  if (bound > 0.0) {
+    const double limit = step_for(bound);
+    if (dt <= limit) return limit;
+  }
+  const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
+  eigenvalue_ = e.value + e.residual;
+  return step_for(eigenvalue_);
+}
+
+// `timestep auto`: before other fixes take up the step, so from a layout of its own.
+void FixMpm::set_time_step() {
+  if (step_fraction_ == 0.0) return;
+  mpdem::PointStore points = avec_->points;
+  std::vector<int> live, tags, slots;
+  for (std::size_t b = 0; b < points.meta.size(); ++b)
+    for (int l = 0; l < mpdem::kLanes; ++l)
+      if (points.meta[b].occupied >> l & 1) {
+        live.push_back(mpdem::kLanes * static_cast<int>(b) + l);
+        tags.push_back(points.tags[b][l]);
+      }
+  points.sort_links();
+  points.arrange(live, tags, cell_, slots, {}, basis_);
+  set_frames(points);
+  std::vector<mpdem::Grid::Cell> cells;
+  for (mpdem::BlockMeta& m : points.meta) cells.push_back({mpdem::field_of(m.body, m.part), m.base, m.column});
+  mpdem::Grid grid;
+  grid.basis = basis_;
+  std::vector<char> fresh;
+  grid.build(world, cell_, cells, mpdem::NodeKinematics(), fresh);
+  grid.lump_mass(points, inertia_);
+  const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
+  const double dt = step_fraction_ * step_for(e.value + e.residual);
+  if (comm->me == 0)
+    for (FILE* f : {screen, logfile})
+      if (f)
+        std::fprintf(f, "%s\n", text_of("fix mpm (id ", id, "): timestep auto: ", dt, ", ", step_fraction_,
+                                        " of the limit, from the largest eigenvalue ", e.value, " found in ", e.products,
+                                        " products").c_str());
+  if (dt == update->dt) return;
+  update->dt = dt;
+  if (force->pair) force->pair->reset_dt();
+  // Those before this one took up the old step in their init.
+  for (int i = 0; i < modify->nfix && modify->fix[i] != this; ++i)
+    if (modify->fix[i]->time_integrate) modify->fix[i]->init();
+}
+
+void FixMpm::report_parameters() {
+  const double limit = limit_for(update->dt);
+  if (comm->me == 0 && !reported_) {
+    const auto& p = law_->parameters();
+    std::string text = text_of(
+        "fix mpm (id ", id, "): ", points_expected_, " material points, ", avec_->bodies.size(), " bodies, cell ", cell_,
+        "\n  elastic   Ep ", constants_.Ep, ", Ez ", constants_.Ez, ", nu_p ", constants_.nu_p, ", nu_zp ", constants_.nu_zp,
+        ", Gzp ", constants_.Gzp, ", C33 ", law_->elasticity().C33, "\n");
+    if (p.B0 > 0.0) {
+      text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full",
+                      ", zeta ", p.zeta, ", interface ", p.interface, ", viscosity ", p.viscosity, ", crack band exponent ", p.exponent, "\n");
+      const char* names[2] = {"along the axis", "in the plane  "};
+      const double E[2] = {constants_.Ez, constants_.Ep};
+      for (int i = 0; i < 2; ++i) {
+        const mpdem::ImpliedStrength s = mpdem::implied_strength(p, E[i]);
+        text += text_of("  implies   ", names[i], ": tensile strength ", s.tensile_strength, ", strain at onset ", s.onset_strain,
+                        ", at failure ", s.failure_strain, "\n");
+      }
+      const mpdem::ImpliedStrength s = mpdem::implied_strength(p, constants_.Ez);
+      text += text_of("  implies   energy per crack area ", s.work_per_volume * kBandOverCell * cell_, " for a crack ", kBandOverCell,
+                      fracture_energy_ > 0.0 ? " cells wide\n"
+                                             : " cells wide: without regularization it is proportional to the cell\n");
+    } else {
+      text += "  damage    none\n";
+    }
+    if (mass_scale_ > 1.0 || relax_ > 0.0)
+      text += text_of("  quasistatic: inertia ", mass_scale_, " times that of the calcite, damping ", relax_, " of critical\n");
+    text += text_of("  time step ", update->dt, ", stable up to ", limit, eigenvalue_ > 0.0 ? "" : " at least", "\n");
+    for (FILE* f : {screen, logfile})
+      if (f) std::fprintf(f, "%s", text.c_str());
+    reported_ = true;
+  }
+  if (update->dt > limit)
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
+                                 "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
+}
+
+// Where the time of the run went, the slowest rank for each phase.
+void FixMpm::report_times() {
+  const bigint steps = update->ntimestep - timed_from_;
+  if (steps <= 0) return;
+  using mpdem::StepTimer;
+  const auto& mine = timer_.seconds();
+  const mpdem::PassTicks& t = advance_.ticks;
+  const double ticks = std::max(1.0, static_cast<double>(t.gather + t.material + t.scatter));
+  std::vector<double> s = {mine[StepTimer::kPoints] * t.scatter / ticks, mine[StepTimer::kNodes], mine[StepTimer::kHalo],
+                           mine[StepTimer::kPoints] * t.gather / ticks, mine[StepTimer::kPoints] * t.material / ticks,
+                           mine[StepTimer::kCoupling], mine[StepTimer::kLayout], mine[StepTimer::kOutput]};
+  double total = 0.0, bytes = memory_usage(), asleep[2] = {1.0 * resting_.asleep(), 1.0 * resting_.fields()};
+  for (double x : mine) total += x;
+  s.push_back(total);
+  MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, world);
+  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, world);
+  const Totals& now = totals();
+  if (comm->me != 0) return;
+  const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
+  const double all = s.back();
+  std::string text = text_of("fix mpm (id ", id, "): ", all, " s in ", steps, " steps, ",
+                             static_cast<double>(points_expected_) * static_cast<double>(steps) / std::max(all, 1e-9),
+                             " point steps per second, ", bytes / static_cast<double>(points_expected_), " bytes a point\n ");
+  for (std::size_t i = 0; i + 1 < s.size(); ++i)
+    text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
+  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bodies at rest");
+  if (mass_scale_ > 1.0 || relax_ > 0.0) {
+    const double energy = now.kinetic + now.elastic + now.coupling;
+    text += text_of("\n  quasistatic: kinetic share of the energy ", energy > 0.0 ? now.kinetic / energy : 0.0);
+  }
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s\n", text.c_str());
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Transfers of velocity between nodes and points: every step with `updated` kinematics, every N
+// steps or when the cement has distorted with `total`.
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../mpm/reproject.h"
+#include "arguments.h"
+#include "atom.h"
+#include "fix_mpm.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::StepTimer;
+using mpdem::kLanes;
+using mpdem::text_of;
+using mpdem::vd;
+
+// The kinetic energy that a projection leaves out counts as damped.
+void FixMpm::reproject() {
+  // flip projects the velocity after the kick
+  const double kick = transfer_.method == mpdem::Transfer::flip ? 0.5 * (dt_last_ + update->dt) : 0.0;
+  const double before = kinetic_energy(kick);
+  mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, kick, jump_);
+  damped_ += before - kinetic_energy(kick);
+}
+
+void FixMpm::step_updated(double dt) {
+  mpdem::PointStore& points = avec_->points;
+  timer_.start(StepTimer::kLayout);
+  int stale = updated_pass_.layout_is_stale(), any;
+  MPI_Allreduce(&stale, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any) {
+    // Blocks fill badly when points went through many cells.
+    int sparse = points.blocks.size() > blocks_when_arranged_ + blocks_when_arranged_ / 3;
+    MPI_Allreduce(MPI_IN_PLACE, &sparse, 1, MPI_INT, MPI_MAX, world);
+    const double before = links_.inertial_energy(grid_, sides_);
+    if (sparse) {
+      sync_slots();
+      rebuild();
+    } else {
+      lay_out_grid();
+    }
+    if (coupled_) distribute_grains();
+    damped_ += before - links_.inertial_energy(grid_, sides_);
+  }
+
+  timer_.start(StepTimer::kNodes);
+  const double dt_v = 0.5 * (dt_last_ + dt);
+  grid_.drift(dt_v, 0.0);
+  const double before = kinetic_energy(0.0);
+  if (transfer_.method == mpdem::Transfer::xpic && transfer_.order > 1) {
+    for (std::size_t i = 0; i < grid_.velocity.size(); ++i) grid_.velocity[i] -= dt_v * grid_.acceleration[i];
+    mpdem::filter_velocity(points, grid_, inertia_, transfer_.order);
+    for (std::size_t i = 0; i < grid_.velocity.size(); ++i) grid_.velocity[i] += dt_v * grid_.acceleration[i];
+  }
+  timer_.start(StepTimer::kCoupling);
+  distribute_grains();
+  const bool links_left = coupled_ && links_.move_places(points, grid_, dt);
+
+  timer_.start(StepTimer::kPoints);
+  updated_pass_.advance(points, grid_, *law_, inertia_, dt, dt_v, transfer_, skip_, advance_);
+  if (updated_pass_.lost())
+    mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): material point ", updated_pass_.lost(),
+                                 " moved more than two cells in step ", update->ntimestep,
+                                 " or is not finite; check the motion of the grains and the time step"));
+  timer_.start(StepTimer::kHalo);
+  grid_.halo.sum(grid_.mass.data(), 1);
+  grid_.halo.sum(grid_.momentum.data(), 3);
+
+  laid_out_blocks_ = points.blocks.size();
+
+  timer_.start(StepTimer::kNodes);
+  const double inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
+  jump_.resize(grid_.velocity.size());
+  for (int i = 0; i < grid_.size(); ++i) {
+    const double c = grid_.added_mass[i], m = grid_.mass[i] + c, r = m > 0.0 ? 1.0 / m : 0.0;
+    for (int d = 0; d < 3; ++d) {
+      double& v = grid_.velocity[3 * i + d];
+      const double w = r * (grid_.momentum[3 * i + d] + c * v);
+      jump_[3 * i + d] = w - v;
+      v = w;
+    }
+  }
+  damped_ += before - kinetic_energy(0.0);
+  sides_.clear_forces();
+  if (coupled_) {
+    timer_.start(StepTimer::kCoupling);
+    links_.add_reaction(grid_, jump_, 1.0 / dt, sides_);
+    links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
+    if (links_left) move_links();
+    refresh_added_mass();
+    damped_ += inertial - links_.inertial_energy(grid_, sides_);
+  }
+  jump_.clear();
+}
+
+// Links whose place left its cell go into other blocks; where the grid ends, it is laid out anew
+// in the next step, and until then the margin has the nodes.
+void FixMpm::move_links() {
+  links_.build(avec_->points, avec_->bodies, penalty_, cell_, inertia_, basis_);
+  if (!links_.find_columns(grid_))
+    mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a link moved out of the grid at step ", update->ntimestep,
+                                 "; check the motion of the grains and the time step"));
+  links_.bind(sides_);
+}
+
+// Has any point of `total` kinematics distorted by more than is asked for? Collective.
+bool FixMpm::distorted() {
+  const mpdem::PointStore& points = avec_->points;
+  vd most{};
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::Mat3<vd>& F = points.blocks[b].F;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) most = mpdem::max(most, mpdem::abs(F.a[i][j] - (i == j ? 1.0 : 0.0)));
+  }
+  double mine = 0.0, all;
+  for (int l = 0; l < kLanes; ++l) mine = std::max(mine, most[l]);
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_MAX, world);
+  return all > reproject_distortion_;
+}
+
+// The present becomes the reference of points and links; velocities go over by transfer.
+void FixMpm::take_new_reference() {
+  mpdem::PointStore& points = avec_->points;
+  const double before = kinetic_energy(0.0), inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
+  mpdem::UpdatedPass::start(points, grid_, 0);
+  mpdem::move_to_present(points, grid_);
+  if (coupled_) links_.move_to_present(points, grid_);
+  std::fill(grid_.displacement.begin(), grid_.displacement.end(), 0.0);
+  rebuild();
+  if (coupled_) distribute_grains();
+  mpdem::UpdatedPass::project(points, grid_, *law_, inertia_, transfer_);
+  grid_.halo.sum(grid_.mass.data(), 1);
+  grid_.halo.sum(grid_.momentum.data(), 3);
+  for (int i = 0; i < grid_.size(); ++i)
+    if (grid_.mass[i] > 0.0)
+      for (int d = 0; d < 3; ++d) grid_.velocity[3 * i + d] = grid_.momentum[3 * i + d] / grid_.mass[i];
+  damped_ += before - kinetic_energy(0.0);
+  if (coupled_) damped_ += inertial - links_.inertial_energy(grid_, sides_);
+}
+
+// Slots of the atoms, which fall behind while points change cells.
+void FixMpm::sync_slots() {
+  mpdem::PointStore& points = avec_->points;
+  links_.renumber(points.sort_links());
+  for (std::size_t b = 0; b < points.meta.size(); ++b)
+    for (int l = 0; l < kLanes; ++l)
+      if (points.meta[b].occupied >> l & 1) {
+        const int i = atom->map(points.tags[b][l]);
+        if (i >= 0 && i < atom->nlocal) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
+      }
+}
+
+}  // namespace LAMMPS_NS

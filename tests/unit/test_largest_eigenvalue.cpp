@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/largest_eigenvalue.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "cement.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+
+constexpr double kH = 1e-4, kDensity = 2710;
+
+class LargestEigenvalue : public ::testing::TestWithParam<Basis> {};
+INSTANTIATE_TEST_SUITE_P(Bases, LargestEigenvalue, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic));
+
+// Against all eigenvalues of the matrix, which is found column by column from the internal force
+// of small displacements.
+TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
+  test::Random random(151);
+  const Eigen::Quaterniond q(test::rotation(random.direction(), 1.0));
+  Cement c(kH, test::lattice(kH, 3), kH * kH * kH / 8, q, GetParam());
+  c.grid.lump_mass(c.points, kDensity);
+  const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), DamageParameters());
+  const int n = 3 * c.grid.size();
+  Eigen::MatrixXd A(n, n);
+  const double step = 1e-6 * kH;
+  for (int i = 0; i < n; ++i) {
+    Cement moved = c;
+    moved.grid.velocity.assign(n, 0.0);
+    moved.grid.velocity[i] = step;
+    moved.advance(law, 1.0);
+    for (int j = 0; j < n; ++j)
+      A(j, i) = -moved.grid.force[j] / step / std::sqrt(c.grid.mass[i / 3] * c.grid.mass[j / 3]);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> all(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly);
+  const double exact = all.eigenvalues()[n - 1];
+  const EigenvalueEstimate found = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law, 1e-6);
+  test::expect_within(std::fabs(found.value / exact - 1.0), 2e-6, "eigenvalue");  // differences of order step/h
+  EXPECT_LE(found.value, exact * (1.0 + 2e-6));
+  const EigenvalueEstimate rough = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law, 1e-3);
+  EXPECT_LT(rough.products, found.products);
+  EXPECT_NEAR(rough.value / exact, 1.0, 1e-3);
+  const double bound = eigenvalue_bound(GetParam(), law.elasticity().largest_stiffness(), kDensity, kH);
+  if (GetParam() == Basis::linear) EXPECT_EQ(bound, 0.0);
+  else EXPECT_LE(exact, bound);
+}
+
+}  // namespace
+}  // namespace mpdem

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/resting.h"
+
+#include <cstring>
+
+#include "cement.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::Vector;
+
+constexpr double kH = 1e-4, kDensity = 2710;
+
+// Velocity comes and goes; asleep or not, points and forces are the same to the bit.
+TEST(Resting, SleepsAndWakesExactly) {
+  test::Random random(161);
+  DamageParameters p;
+  p.B0 = 1e6;
+  const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), p);
+  Cement one(kH, test::scattered(random, kH, 3, 8), kH * kH * kH / 8);
+  Cement two = one;
+  Resting on, off;
+  on.bind(one.points, one.grid);
+  off.bind(two.points, two.grid);
+  AdvanceOptions all;
+  all.skip_resting = false;
+  int slept = 0;
+  for (int n = 0; n < 60; ++n) {
+    const bool moving = n / 10 % 2 == 1;
+    for (double& v : one.grid.velocity) v = moving ? random.uniform(-1, 1) * 3e-3 * kH : 0.0;
+    two.grid.velocity = one.grid.velocity;
+    AdvanceResult a, b;
+    one.grid.clear_force();
+    two.grid.clear_force();
+    on.advance(one.points, one.grid, law, 1.0, AdvanceOptions(), a);
+    off.advance(two.points, two.grid, law, 1.0, all, b);
+    slept += on.asleep();
+    EXPECT_EQ(off.asleep(), 0);
+    EXPECT_EQ(a.failed, b.failed);
+    EXPECT_EQ(a.dissipated, b.dissipated);
+    EXPECT_EQ(one.grid.force, two.grid.force) << "step " << n;
+    EXPECT_EQ(std::memcmp(one.points.blocks.data(), two.points.blocks.data(), one.points.blocks.size() * sizeof(PointBlock)), 0);
+    EXPECT_EQ(std::memcmp(one.points.damage.data(), two.points.damage.data(), one.points.damage.size() * sizeof(PointStore::Damage)), 0);
+  }
+  EXPECT_GE(slept, 15);  // of 30 steps at rest
+}
+
+// Points that the bound lets pass, and blocks that failed, change nothing either.
+TEST(Skip, UndamagedAndFailedPoints) {
+  test::Random random(162);
+  DamageParameters p;
+  p.B0 = 1e6;
+  const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), p);
+  Cement one(kH, test::scattered(random, kH, 3, 8), kH * kH * kH / 8);
+  Cement two = one;
+  AdvanceOptions none;
+  none.skip_undamaged = none.skip_failed = none.skip_resting = false;
+  double largest = 0;
+  test::Worst worst;
+  std::size_t failed = 0;
+  for (int n = 0; n < 60; ++n) {
+    one.set_velocity([&](const Vector& x) { return Vector(2e-3 * x[0] * x[0] / kH, 0, 0); });
+    two.grid.velocity = one.grid.velocity;
+    AdvanceResult a, b;
+    one.grid.clear_force();
+    two.grid.clear_force();
+    const int blocks = static_cast<int>(one.points.blocks.size());
+    advance_points(one.points, 0, blocks, one.grid, law, 1.0, AdvanceOptions(), a);
+    advance_points(two.points, 0, blocks, two.grid, law, 1.0, none, b);
+    failed += a.failed.size();
+    EXPECT_EQ(a.failed, b.failed);
+    for (double f : one.grid.force) largest = std::max(largest, std::fabs(f));
+    for (std::size_t i = 0; i < one.grid.force.size(); ++i) worst.add(std::fabs(one.grid.force[i] - two.grid.force[i]) / largest);
+  }
+  EXPECT_GT(failed, one.slots.size() / 4);
+  // the stress of an undamaged point by M^-1 differs from C0 : strain by rounding
+  expect_within(worst, 1e-12, "force");
+}
+
+}  // namespace
+}  // namespace mpdem
