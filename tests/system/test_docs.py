@@ -43,6 +43,8 @@ def test_line(line, tmp_path):
     elif " mpm/couple " in line:
         couple = line
     script = f"{scene}timestep 5e-9\n{cement}\n{couple}\n"
+    if " check/timestep/mpm " in line:
+        script += line + "\n"
     if command == "compute":
         name = line.split()[1]
         script += f"{line}\ndump d calcite custom 1 points.txt id c_{name}\n"

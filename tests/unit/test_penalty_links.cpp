@@ -305,17 +305,6 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
 }
 
-TEST_P(Links, StiffnessOfASide) {
-  Scene s(136, parameters(GetParam()));
-  std::vector<double> per_side(4, 0.0), expected(4, 0.0);
-  s.links.side_stiffness(per_side);
-  for (const Link& k : s.points.links) {
-    const int body = s.points.meta[k.slot / kLanes].body;
-    expected[2 * body + (k.grain == s.bodies[body].grain[1])] += 900.0 * k.area;
-  }
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(per_side[i], expected[i], 1e-13 * expected[i]);
-}
-
 TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);

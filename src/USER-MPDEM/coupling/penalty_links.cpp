@@ -108,26 +108,29 @@ bool PenaltyLinks::find_columns(const Grid& grid) {
   return all;
 }
 
-bool PenaltyLinks::move_places(PointStore& points, const Grid& grid, double dt) {
-  const double shift = cell_shift(basis_);
-  bool left = false;
+void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   with_basis(basis_, [&](auto type) {
     for (LinkBlock& b : blocks_) {
-      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      vd v[3];
-      gather_value(grid.velocity.data(), b.column, w, v);
-      for (int l = 0; l < kLanes; ++l) {
-        if (b.link[l] < 0) continue;
-        Link& k = points.links[b.link[l]];
-        for (int d = 0; d < 3; ++d) {
-          b.X[d][l] += dt * v[d][l];
-          k.moved[d] += dt * v[d][l];
-          const double t = b.X[d][l] * inverse_h_ - (shift + b.base[d]);
-          left = left || !(t >= 0.0 && t < 1.0);
-        }
-      }
+      gather_value(grid.velocity.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), b.move);
+      for (vd& m : b.move) m *= dt;
     }
   });
+}
+
+bool PenaltyLinks::move_places(PointStore& points) {
+  const double shift = cell_shift(basis_);
+  bool left = false;
+  for (LinkBlock& b : blocks_)
+    for (int l = 0; l < kLanes; ++l) {
+      if (b.link[l] < 0) continue;
+      Link& k = points.links[b.link[l]];
+      for (int d = 0; d < 3; ++d) {
+        b.X[d][l] += b.move[d][l];
+        k.moved[d] += b.move[d][l];
+        const double t = b.X[d][l] * inverse_h_ - (shift + b.base[d]);
+        left = left || !(t >= 0.0 && t < 1.0);
+      }
+    }
   return left;
 }
 
@@ -310,10 +313,6 @@ double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides) co
   for (const LinkBlock& b : blocks_)
     if (b.attached) U += sum_lanes(energy(b, grid, sides.sides[b.at]));
   return U;
-}
-
-void PenaltyLinks::side_stiffness(std::vector<double>& per_side) const {
-  for (const LinkBlock& b : blocks_) per_side[b.at] += std::max(p_.kn, p_.kt) * sum_lanes(b.area);
 }
 
 }  // namespace mpdem

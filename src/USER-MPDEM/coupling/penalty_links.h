@@ -47,9 +47,11 @@ class PenaltyLinks {
   // Instead of add_cells() where the grid stands already; false if it has not all the nodes.
   bool find_columns(const Grid& grid);
 
-  // Moves the places of the links, and the cement's ends in the store, with the cement by dt;
-  // true if one left its cell, so that the links have to be built anew.
-  bool move_places(PointStore& points, const Grid& grid, double dt);
+  // How far the cement carries the places of the links in dt, with the nodes as they are.
+  void find_moves(const Grid& grid, double dt);
+  // Moves them, and the cement's ends in the store, so far; true if one left its cell, so that
+  // the links have to be built anew.
+  bool move_places(PointStore& points);
   // The present becomes the reference of the cement's ends in the store; build() again then.
   void move_to_present(PointStore& points, const Grid& grid) const;
   // After PointStore::sort_links().
@@ -74,10 +76,6 @@ class PenaltyLinks {
   double spring_energy(const Grid& grid, const GrainSides& sides) const;
   double inertial_energy(const Grid& grid, const GrainSides& sides) const;
 
-  // Bound of the angular frequency that the links give a grain of this mass and inertia,
-  // the cement held: sum of k A / M + sum of k A r^2 / I per side of this rank.
-  void side_stiffness(std::vector<double>& per_side) const;
-
   const PenaltyParameters& parameters() const { return p_; }
 
  private:
@@ -87,6 +85,7 @@ class PenaltyLinks {
     vd area;    // zero in empty lanes and once let go
     vd inertia; // area that counts in grid.penalty
     vd damper;  // damping coefficient over sqrt(k)
+    vd move[3]; // of X in this step, `updated` only
     int body, part, side, at;  // at: index into GrainSides
     int base[3], column[kMostColumns];
     int link[kLanes];

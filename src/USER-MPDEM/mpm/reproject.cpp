@@ -38,10 +38,10 @@ void project(const PointStore& points, Grid& grid, double density, bool affine, 
   });
   grid.halo.sum(out.data(), 3);
   for (int i = 0; i < grid.size(); ++i) {
-    const double inertia = grid.mass[i] + grid.added_mass[i];
+    const double c = grid.added_mass[i], inertia = grid.mass[i] + c;
     for (int d = 0; d < 3; ++d) {
       double& y = out[3 * i + d];
-      y = inertia > 0.0 ? (y + grid.added_mass[i] * field[3 * i + d]) / inertia : field[3 * i + d];
+      y = inertia > 0.0 ? (y + c * field[3 * i + d]) / inertia : field[3 * i + d];
     }
   }
 }

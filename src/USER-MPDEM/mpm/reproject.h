@@ -31,7 +31,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, double density, co
                         std::vector<double>& jump);
 
 // Collective. v <- q(y) v, q as in transfer.h: what xpic m makes of the velocity before the
-// acceleration comes in.
+// acceleration comes in. Kept is the momentum that includes that of the added mass.
 void filter_velocity(const PointStore& points, Grid& grid, double density, int order);
 
 }  // namespace mpdem

@@ -56,6 +56,7 @@ void FixMpm::set_coupling(const std::string& coupling_id, const mpdem::PenaltyPa
   coupled_ = !coupling_id.empty();
   coupling_id_ = coupling_id;
   penalty_ = p;
+  set_time_step();
 }
 
 void FixMpm::init() {
@@ -63,8 +64,13 @@ void FixMpm::init() {
   check_scene();
   check_host_recipe(lmp, mpdem::text_of("fix mpm (id ", id, "): "), *avec_);
   find_other_forces();
-  set_time_step();
   coupled_ = false;  // fix mpm/couple says so again in its own init
+  bool follows = false;
+  for (int i = 0; i < modify->nfix; ++i) follows = follows || std::string(modify->fix[i]->style) == "mpm/couple";
+  if (!follows) set_time_step();
+  if (!follows && relax_ > 0.0)
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'quasistatic ", mass_scale_, " ", relax_, "' damps relative to the grains, "
+                                 "which needs a fix mpm/couple; define one, or use damping 0"));
 }
 
 void FixMpm::check_scene() {

@@ -121,6 +121,7 @@ class FixMpm : public Fix {
   void take_new_reference();
   void move_links();
   void sync_slots();
+  double half_kick_of_jump() const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
   void add_forces();
@@ -134,6 +135,7 @@ class FixMpm : public Fix {
   void report_parameters();
   double cement_eigenvalue();
   double stability_bound() const;
+  bool is_prescribed(int i) const;
   double step_for(double eigenvalue) const;
   double limit_for(double dt);
   void set_time_step();
@@ -209,6 +211,7 @@ class FixMpm : public Fix {
   double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion
   double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_last_ = 0.0;
   mpdem::AdvanceResult advance_;
+  std::vector<double> transferred_;  // change of the nodal velocity by the transfer of this step, `updated` only
   std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty
 
   mpdem::StepTimer timer_;

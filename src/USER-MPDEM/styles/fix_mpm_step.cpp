@@ -65,6 +65,7 @@ void FixMpm::post_force(int) {
   dissipated_ += advance_.dissipated;
   released_ += advance_.released;
   add_forces();
+  if (updated_) damped_ += half_kick_of_jump();
   react_on_grains();
   timer_.stop();
 }

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <map>
 
 #include "../mpm/largest_eigenvalue.h"
 #include "arguments.h"
@@ -33,18 +35,32 @@ double FixMpm::cement_eigenvalue() {
 // central difference takes.
 double FixMpm::stability_bound() const { return reproject_every_ > 0 || updated_ ? 2.0 : 4.0; }
 
+// Is the motion of this grain given, whatever forces act on it?
+bool FixMpm::is_prescribed(int i) const {
+  for (int k = 0; k < modify->nfix; ++k) {
+    const Fix* fix = modify->fix[k];
+    if ((atom->mask[i] & fix->groupbit) && (std::strcmp(fix->style, "move") == 0 || std::strcmp(fix->style, "freeze") == 0))
+      return true;
+  }
+  return false;
+}
+
 double FixMpm::step_for(double eigenvalue) const {
   double w2 = eigenvalue;
-  if (coupled_ && built_) {
-    // A grain that follows its own mass feels all its links.
-    std::vector<double> k(sides_.sides.size(), 0.0);
-    links_.side_stiffness(k);
-    double worst = 0.0;
-    for (const OwnedSide& o : owned_) {
-      const double r = atom->radius[o.atom], M = atom->rmass[o.atom];
-      worst = std::max(worst, k[o.at] / M * (1.0 + r * r / (0.4 * r * r)));
+  if (coupled_) {
+    // A grain that follows its own mass feels all its links, of all its bonds.
+    const double k = std::max(penalty_.kn, penalty_.kt);
+    std::map<int, double> stiffness;
+    for (const mpdem::Body& b : avec_->bodies)
+      for (int s = 0; s < 2; ++s) stiffness[b.grain[s]] += k * b.attached_area[s];
+    double worst = 0.0, all;
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (avec_->is_point(i) || is_prescribed(i)) continue;
+      const auto it = stiffness.find(atom->tag[i]);
+      if (it == stiffness.end()) continue;
+      // moment of inertia 2/5 M r^2, lever arm r
+      worst = std::max(worst, it->second / atom->rmass[i] * 3.5);
     }
-    double all;
     MPI_Allreduce(&worst, &all, 1, MPI_DOUBLE, MPI_MAX, world);
     w2 += all;
   }

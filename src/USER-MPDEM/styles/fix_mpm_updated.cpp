@@ -21,13 +21,21 @@ using mpdem::kLanes;
 using mpdem::text_of;
 using mpdem::vd;
 
-// The kinetic energy that a projection leaves out counts as damped.
+// The kinetic energy that a projection leaves out counts as damped: that at the step, where
+// velocity is half a kick ahead of what is stored.
 void FixMpm::reproject() {
-  // flip projects the velocity after the kick
-  const double kick = transfer_.method == mpdem::Transfer::flip ? 0.5 * (dt_last_ + update->dt) : 0.0;
-  const double before = kinetic_energy(kick);
-  mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, kick, jump_);
-  damped_ += before - kinetic_energy(kick);
+  const double before = kinetic_energy(0.5 * dt_last_);
+  mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, 0.5 * (dt_last_ + update->dt), jump_);
+  damped_ += before - kinetic_energy(0.5 * dt_last_);
+}
+
+// The same for a transfer in the course of the step, whose acceleration is known only now.
+double FixMpm::half_kick_of_jump() const {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < transferred_.size(); ++i)
+    if (grid_.halo.counts_here()[i / 3])
+      energy -= 0.5 * dt_last_ * grid_.mass[i / 3] * grid_.acceleration[i] * transferred_[i];
+  return energy;
 }
 
 void FixMpm::step_updated(double dt) {
@@ -46,22 +54,28 @@ void FixMpm::step_updated(double dt) {
     } else {
       lay_out_grid();
     }
-    if (coupled_) distribute_grains();
+    distribute_grains();
     damped_ += before - links_.inertial_energy(grid_, sides_);
+  } else {
+    distribute_grains();
   }
 
   timer_.start(StepTimer::kNodes);
   const double dt_v = 0.5 * (dt_last_ + dt);
   grid_.drift(dt_v, 0.0);
-  const double before = kinetic_energy(0.0);
+  const double before = kinetic_energy(0.0), inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
+  jump_.assign(grid_.velocity.size(), 0.0);
   if (transfer_.method == mpdem::Transfer::xpic && transfer_.order > 1) {
-    for (std::size_t i = 0; i < grid_.velocity.size(); ++i) grid_.velocity[i] -= dt_v * grid_.acceleration[i];
+    const std::vector<double> kicked(grid_.velocity);
+    for (std::size_t i = 0; i < kicked.size(); ++i) grid_.velocity[i] -= dt_v * grid_.acceleration[i];
     mpdem::filter_velocity(points, grid_, inertia_, transfer_.order);
-    for (std::size_t i = 0; i < grid_.velocity.size(); ++i) grid_.velocity[i] += dt_v * grid_.acceleration[i];
+    for (std::size_t i = 0; i < kicked.size(); ++i) {
+      grid_.velocity[i] += dt_v * grid_.acceleration[i];
+      jump_[i] = grid_.velocity[i] - kicked[i];
+    }
   }
   timer_.start(StepTimer::kCoupling);
-  distribute_grains();
-  const bool links_left = coupled_ && links_.move_places(points, grid_, dt);
+  if (coupled_) links_.find_moves(grid_, dt);
 
   timer_.start(StepTimer::kPoints);
   updated_pass_.advance(points, grid_, *law_, inertia_, dt, dt_v, transfer_, skip_, advance_);
@@ -76,14 +90,15 @@ void FixMpm::step_updated(double dt) {
   laid_out_blocks_ = points.blocks.size();
 
   timer_.start(StepTimer::kNodes);
-  const double inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
-  jump_.resize(grid_.velocity.size());
+  // The velocity that points take from nodes is theirs and the added mass' together; what flip
+  // keeps in the points is theirs alone. A node with neither keeps what it has.
+  const double shared = transfer_.method == mpdem::Transfer::flip ? 1.0 - transfer_.flip_share : 1.0;
   for (int i = 0; i < grid_.size(); ++i) {
-    const double c = grid_.added_mass[i], m = grid_.mass[i] + c, r = m > 0.0 ? 1.0 / m : 0.0;
+    const double c = shared * grid_.added_mass[i], m = grid_.mass[i] + c;
     for (int d = 0; d < 3; ++d) {
       double& v = grid_.velocity[3 * i + d];
-      const double w = r * (grid_.momentum[3 * i + d] + c * v);
-      jump_[3 * i + d] = w - v;
+      const double w = m > 0.0 ? (grid_.momentum[3 * i + d] + c * v) / m : v;
+      jump_[3 * i + d] += w - v;
       v = w;
     }
   }
@@ -91,12 +106,13 @@ void FixMpm::step_updated(double dt) {
   sides_.clear_forces();
   if (coupled_) {
     timer_.start(StepTimer::kCoupling);
-    links_.add_reaction(grid_, jump_, 1.0 / dt, sides_);
+    links_.add_reaction(grid_, jump_, shared * shared / dt, sides_);
     links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
-    if (links_left) move_links();
+    if (links_.move_places(points)) move_links();
     refresh_added_mass();
     damped_ += inertial - links_.inertial_energy(grid_, sides_);
   }
+  transferred_.swap(jump_);
   jump_.clear();
 }
 

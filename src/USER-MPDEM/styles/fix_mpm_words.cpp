@@ -176,6 +176,9 @@ void FixMpm::check_words(Arguments& args) const {
   if (!updated_ && transfer_given_ && reproject_every_ == 0 && reproject_distortion_ == 0.0)
     args.complain("'transfer' says how velocities are re-projected, which 'kinematics total' does with 'reproject N' or 'reproject "
                   "auto D' only; give one of them, or 'kinematics updated'");
+  if (updated_ && relax_ > 0.0)
+    args.complain(text_of("'quasistatic ", mass_scale_, " ", relax_, "' with 'kinematics updated': its damping goes with the reference "
+                          "of 'kinematics total'; use that, or damping 0"));
   if (flip && reproject_every_ > 1)
     args.complain(text_of("'transfer flip' with 'reproject ", reproject_every_, "' feeds energy into the cement; use 'reproject 1', "
                           "or 'transfer apic' or 'xpic' with any interval"));

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Time step of fix mpm: the limit is the true one, and a pull may be made in fewer steps."""
+import re
+
+import numpy as np
+import pytest
+from scenes import cement, edit, launch, pair, pull, run, shift, thermo
+
+CELL = 2e-4
+SCENE = pair(CELL / 2) + cement(CELL, 1e-9) + pull(0.1, 2e-6)
+
+
+def auto(share):
+    return edit(SCENE, "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto {share}")
+
+
+@pytest.fixture(scope="module")
+def limit(tmp_path_factory):
+    out = run(auto(1.0) + "run 0\n", tmp_path_factory.mktemp("limit")).output
+    return float(re.search(r"timestep auto: (\S+),", out).group(1))
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.98])
+def test_stable_below_the_limit(share, limit, tmp_path):
+    t = run(edit(SCENE, "timestep     1e-09", f"timestep {share * limit}") + thermo(50, ["f_cem[5]", "f_cem[12]", "f_cem[11]"])
+            + "run 3000\n", tmp_path).table()
+    assert np.isfinite(t["f_cem[5]"]).all() and abs(t["f_cem[12]"]).max() < 0.01
+
+
+@pytest.mark.parametrize("share", [1.02, 1.2])
+def test_stopped_above_the_limit(share, limit, tmp_path):
+    result = launch(edit(SCENE, "timestep     1e-09", f"timestep {share * limit}") + "run 10\n", tmp_path)
+    assert result.status != 0 and "exceeds the stable step" in result.errors()[0], result.output[-500:]
+
+
+def test_auto_goes_to_other_fixes(tmp_path, limit):
+    """`fix move` and `fix nve/sphere`, defined before and after, use the step that was found."""
+    script = auto(0.9).replace("fix          cem", "group one id 1\nfix early one nve/sphere\nfix          cem").replace("fix hold first move linear 0 0 0\n", "")
+    t = run(script + thermo(1, ["dt", "f_bond[13]"]) + "variable z2 equal z[2]\nvariable want equal v_dz\nrun 100\n"
+            "variable err equal \"abs(v_z2-0.005-v_want)/v_want\"\nprint \"ERR ${err}\"\n", tmp_path)
+    assert t.value("ERR") < 1e-6
+    assert 0.7 < t.table()["dt"][-1] / (0.9 * limit) < 1  # the free grain feels all its links
+
+
+@pytest.mark.parametrize("act, status", [("warn", 0), ("stop", 1)])
+def test_check_timestep(act, status, tmp_path):
+    script = auto(0.95) + f"fix ts all check/timestep/mpm 50 cem 0.9 {act}\n" + thermo(50, ["f_ts[1]", "f_ts[2]"]) + "run 100\n"
+    result = launch(script, tmp_path, 2)
+    assert (result.status != 0) == bool(status)
+    assert "more than 0.9; use 'timestep" in result.output
+    if not status:
+        assert abs(result.table()["f_ts[1]"] - 0.95).max() < 0.01
+
+
+def test_quasistatic(tmp_path, figures):
+    """Ten times fewer steps to the same peak force. The law is viscous: without a time of its own
+    cement that softens fails at a force that falls with the speed of the pull, however slow."""
+    def peak(words, dt):
+        steps = round(4e-5 / dt)
+        script = pair(CELL / 2) + edit(cement(CELL, dt, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 viscosity 5e-6"),
+                                       "mpm cell 0.0002", f"mpm cell 0.0002 {words}")
+        script += pull(0.5, 3.2e-5) + thermo(steps // 200, ["f_bond", "f_bond[21]", "f_cem[5]", "f_cem[6]"]) + f"run {steps}\n"
+        t = run(script, tmp_path / (words.replace(" ", "_") or "plain")).table()
+        at = t["f_bond"].argmax()
+        assert 0 < at < len(t["f_bond"]) - 1  # the peak was passed
+        return t["f_bond[21]"][-1], t["f_cem[5]"][at] / (t["f_cem[5]"][at] + t["f_cem[6]"][at])
+
+    slow, share = peak("", 4e-9)
+    for words in ("quasistatic 100 0", "quasistatic 100 0.3"):
+        fast, fast_share = peak(words, 4e-8)
+        figures.below(f"{words}: peak force against ten times the steps", abs(fast / slow - 1), 0.01)
+        figures.below(f"{words}: kinetic share of the energy at the peak", fast_share, 0.01)
