@@ -28,8 +28,14 @@ def average(output, name):
 
 @pytest.mark.slow
 def test_cost(tmp_path, figures):
+    # Other load on the machine only adds, so the least of some runs counts.
+    share = min(cost(tmp_path / str(n), figures) for n in range(3))
+    figures.below("cost of LIGGGHTS itself: share of the step outside the package", share, 0.05)
+
+
+def cost(directory, figures):
     # The fixes' times hold what they do once the loop is over, which two lengths cancel.
-    output = run(scene(FREE) + f"run {2 * STEPS}\n", tmp_path).output
+    output = run(scene(FREE) + f"run {2 * STEPS}\n", directory).output
     points = int(re.search(r"(\d+) points\n", output)[1])
     assert points > 390000
     assert set(re.findall(r"Total # of neighbors = (\d+)", output)) == {"1"}, "pairs other than that of the grains"
@@ -42,7 +48,7 @@ def test_cost(tmp_path, figures):
     figures.note(f"cost with {points} points, 1 rank: step", f"{1e3 * loop:.3g} ms, of that the package {1e3 * ours:.3g} ms")
     for name in ("Pair ", "Neigh", "Comm ", "Outpt", "Fix motion nve/sphere"):
         figures.note(f"cost with {points} points, 1 rank: {name}", f"{1e6 * each_step(name):.3g} us a step")
-    figures.below(f"cost with {points} points, 1 rank: share of the step outside the package", 1 - ours / loop, 0.05)
+    return 1 - ours / loop
 
 
 @pytest.mark.slow

@@ -50,9 +50,9 @@ def test_ranks(words, tmp_path, figures):
     assert one["f_bond"].max() > 3000
     assert (one["f_bond[18]"] == four["f_bond[18]"]).all()
     figures.below(f"{words}: 1 against 4 ranks", abs(one["f_bond"] - four["f_bond"]).max() / one["f_bond"].max(), 1e-9)
-    # Through failure; with total kinematics and no transfer it is 0.0005. What a transfer takes from
-    # the kinetic energy is known to the order of the step only.
-    figures.below(f"{words}: imbalance of the energy", abs(one["f_cem[12]"]).max(), 0.05)
+    # relative to the energy, so not where there is next to none yet
+    loaded = one["f_bond"].cumsum() > one["f_bond"].max()
+    figures.below(f"{words}: imbalance of the energy", abs(one["f_cem[12]"])[loaded].max(), 0.002)
 
 
 # Fails, crosses cells and goes on: what total kinematics with shared nodes cannot show.

@@ -34,7 +34,7 @@ double FixMpm::half_kick_of_jump() const {
   double energy = 0.0;
   for (std::size_t i = 0; i < transferred_.size(); ++i)
     if (grid_.halo.counts_here()[i / 3])
-      energy -= 0.5 * dt_last_ * grid_.mass[i / 3] * grid_.acceleration[i] * transferred_[i];
+      energy -= 0.5 * dt_last_ * (grid_.mass[i / 3] + grid_.added_mass[i / 3]) * grid_.acceleration[i] * transferred_[i];
   return energy;
 }
 
@@ -107,8 +107,8 @@ void FixMpm::step_updated(double dt) {
   if (coupled_) {
     timer_.start(StepTimer::kCoupling);
     links_.add_reaction(grid_, jump_, shared * shared / dt, sides_);
-    links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
     if (links_.move_places(points)) move_links();
+    links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
     refresh_added_mass();
     damped_ += inertial - links_.inertial_energy(grid_, sides_);
   }
