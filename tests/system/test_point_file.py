@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Cement as text: write_cement and create_cement ... file, and constructed cracks with a known mode."""
+import re
+
 import numpy as np
 import pytest
 from scenes import RADIUS, NEIGHBOURS, cement, edit, launch, pair, pull, run, shift, thermo
@@ -55,12 +57,10 @@ def test_round_trip(tmp_path, figures):
             figures.below(f"{ranks} ranks: {name} of cement from a file against the made one", error, 1e-6)
 
 
-def test_round_trip_of_a_broken_turned_bond(tmp_path, figures):
-    """Damage, axes, failed points and links that let go survive, though both grains have moved and turned."""
-    script = (pair(SPACING, half_box=(9e-3, 9e-3, 14e-3)) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"
-              "unfix hold\nunfix pull\nset group grains omegay 3000\n"
-              'variable wx atom "3000*z"\nvariable wz atom "-3000*x"\nvelocity grains set v_wx 0 v_wz\n'
-              "fix fly grains nve/sphere\nrun 3000\nwrite_cement cement.txt\nrun 0\n"
+def test_round_trip_of_a_broken_bond(tmp_path, figures):
+    """Damage, axes, failed points and links that let go survive, though a grain has moved."""
+    script = (pair(SPACING) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"
+              "write_cement cement.txt\n"
               'variable q1 equal x[1]\nvariable q2 equal z[1]\nvariable q3 equal x[2]\nvariable q4 equal z[2]\n'
               'print "GRAINS ${q1} ${q2} ${q3} ${q4}"\n')
     first = run(script, tmp_path / "first")
@@ -68,16 +68,16 @@ def test_round_trip_of_a_broken_turned_bond(tmp_path, figures):
     assert a["failed"].sum() > 100 and (a["area_i"] > 0).sum() > (a["attached_i"] > 0).sum() > 0
     assert 0.01 < abs(a["ax"]).max() and (a["dzz"] > 0.1).any()
     where = [float(w) for w in first.output.split("\nGRAINS ")[1].split("\n")[0].split()]
-    assert abs(where[0]) > 1e-5, "the pair was to turn"
+    assert where[3] > RADIUS + 5e-6
     centres = f"{where[0]:.17g} 0 {where[1]:.17g}", f"{where[2]:.17g} 0 {where[3]:.17g}"
-    text = from_file("../first/cement.txt", half_box=(9e-3, 9e-3, 14e-3))
+    text = from_file("../first/cement.txt")
     text = edit(edit(text, f"0 0 {-RADIUS:.15g}", centres[0]), f"0 0 {RADIUS:.15g}", centres[1])
     run(text + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + "fix move grains nve/sphere\nrun 0\nwrite_cement again.txt\n",
         tmp_path / "second")
     b = read(tmp_path / "second" / "again.txt")
     for n in a:
         scale = np.abs(a[n]).max() if n.startswith("foot") or n in "xyz" else max(np.abs(a[n]).max(), 1e-300)
-        figures.below(f"broken bond, column {n}: change", np.abs(a[n] - b[n]).max() / scale if scale else 0.0, 1e-6)
+        figures.below(f"broken bond, column {n}: change", np.abs(a[n] - b[n]).max() / scale if scale else 0.0, 1e-12)
 
 
 def test_attached_points_are_found(ring, tmp_path, figures):
@@ -156,7 +156,7 @@ def test_mode_of_a_constructed_crack(ring, tmp_path, figures, crack):
         return
     assert f": {mode}," in lines[-1], lines
     if mode != "intact":
-        shares = [float(w) for w in np.array(lines[-1].split("surface ")[1].split())[[0, 5, 10]]]
+        shares = [float(w) for w in re.findall(r"(\S+) % ", lines[-1])]
         figures.note(f"{crack}: per cent at the first grain, the second, inside", shares)
         assert sum(shares) == pytest.approx(100, abs=0.01)
         expected = {"internal plane": (0, 0, 100), "debonding at the first grain": (100, 0, 0),
@@ -165,7 +165,7 @@ def test_mode_of_a_constructed_crack(ring, tmp_path, figures, crack):
 
 
 # name: (columns and rows, words of the message).  Grains of radius 5 mm at z = -5 and 5 mm.
-HEAD, ROW = "x y z volume", "0.0015 0 0.0001 1e-12"
+HEAD, ROW = "x y z volume", "0.001 0 0.00005 1e-12"
 BAD = {
     "short line": (f"{HEAD}\n{ROW}\n0 0 0\n", ["line 3", "3 numbers", "4 columns"]),
     "not a number": (f"{HEAD}\n0.0015 0 1e-4mm 1e-12\n", ["line 2", "1e-4mm", "'z'", "not a number"]),
@@ -180,15 +180,15 @@ BAD = {
     "no points": (f"{HEAD}\n", ["no points"]),
     "empty": ("# nothing\n", ["empty", "names of the columns"]),
     "no such pair": (f"{HEAD} grain_i grain_j\n{ROW} 2 3\n", ["no points of grains 1 and 2"]),
-    "repeated": (f"{HEAD}\n{ROW}\n0.0016 0 0.0001 1e-12\n{ROW}\n0.0015 0 -0.0001 1e-12\n", ["line 4", "repeats", "line 2"]),
-    "not on a lattice": (f"{HEAD}\n{ROW}\n0.00152 0.00001 0.00011 1e-12\n0.0015 0 -0.0001 1e-12\n", ["line 3", "shares a cell", "line 2", "spacing"]),
+    "repeated": (f"{HEAD}\n{ROW}\n0.0011 0 0.00005 1e-12\n{ROW}\n0.001 0 -0.00005 1e-12\n", ["line 4", "repeats", "line 2"]),
+    "not on a lattice": (f"{HEAD}\n{ROW}\n0.00102 0.00001 0.00006 1e-12\n0.001 0 -0.00005 1e-12\n", ["line 3", "shares a cell", "line 2", "spacing"]),
     "unknown column": (f"{HEAD} mass\n{ROW} 1\n", ["line 1", "mass", "known are", "volume"]),
     "column twice": (f"{HEAD} x\n{ROW} 1\n", ["line 1", "'x'", "twice"]),
     "column missing": ("x y volume\n0 0 1\n", ["line 1", "'z'", "missing"]),
     "half an axis": (f"{HEAD} ax ay\n{ROW} 1 0\n", ["line 1", "'az'", "missing"]),
     "one grain only": (f"{HEAD}\n0.0025 0 -0.0006 1e-12\n", ["nothing is attached to grain 2", "attach"]),
     "failed": (f"{HEAD} failed\n{ROW} 2\n", ["line 2", "'failed'", "0 or 1"]),
-    "foot off the grain": (f"{HEAD} area_i area_j foot_ix foot_iy foot_iz foot_jx foot_jy foot_jz\n{ROW} 1e-8 1e-8 0.0015 0 0 0.0015 0 0\n",
+    "foot off the grain": (f"{HEAD} area_i area_j foot_ix foot_iy foot_iz foot_jx foot_jy foot_jz\n{ROW} 1e-8 1e-8 0.001 0 0 0.001 0 0\n",
                            ["line 2", "foot point", "off the surface", "grain 1"]),
 }
 
