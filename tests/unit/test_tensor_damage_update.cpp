@@ -198,6 +198,45 @@ TEST(TensorDamageUpdate, ShareOfTheGrowth) {
   expect_within(energy, 1e-13, "dissipated over B0");
 }
 
+// A strain held far above failure: D goes to the cut-off as 1 - (1-g)^n, the point fails when it has come
+// to 0.99 of it, and all the energy it had is dissipated or released by then.
+TEST(TensorDamageUpdate, ViscousLanesFailInFiniteTime) {
+  const TensorDamage law = law_of();
+  const DamageReference reference(test::calcite());
+  for (double g : {0.002, 0.05, 0.4}) {
+    Sym3<vd> strain{}, damage{};
+    for (int l = 0; l < kLanes; ++l)
+      test::set_tensor(strain, l, strain_at(law, 40.0 + 10.0 * l, Matrix(Eigen::Vector3d(0, 0, 1).asDiagonal()), Matrix::Zero()));
+    vmask alive = splat_mask(true);
+    vd energy{};
+    const int expected = static_cast<int>(std::ceil(std::log(0.01) / std::log1p(-g)));
+    for (int n = 1; n <= expected; ++n) {
+      const TensorDamage::Update u = law.update(strain, strain, damage, alive, splat(1.0), g);
+      energy += u.dissipated + u.released;
+      for (int l = 0; l < kLanes; ++l) {
+        EXPECT_EQ(bool(u.failed[l]), n == expected) << "step " << n << ", share " << g;
+        EXPECT_NEAR(tensor(damage, l)(2, 2), n == expected ? 0.9 : 0.9 * (1.0 - std::pow(1.0 - g, n)), 1e-12);
+        if (n == expected) {
+          EXPECT_EQ(tensor(u.stress, l), Matrix(Matrix::Zero()));
+          EXPECT_NEAR(energy[l] / reference.psi(tensor(strain, l), Matrix::Zero()), 1.0, 1e-12);
+        }
+      }
+    }
+  }
+}
+
+// Where the law without viscosity would stay short of the cut-off, so does D, however long it takes.
+TEST(TensorDamageUpdate, ViscousLanesShortOfTheCutoffDoNotFail) {
+  const TensorDamage law = law_of();
+  Sym3<vd> strain{}, damage{}, target{};
+  for (int l = 0; l < kLanes; ++l)
+    test::set_tensor(strain, l, strain_at(law, 2.0 + l, Matrix(Eigen::Vector3d(0, 0, 1).asDiagonal()), Matrix::Zero()));
+  law.update(strain, strain, target, splat_mask(true));
+  for (int n = 0; n < 2000; ++n)
+    EXPECT_FALSE(any(law.update(strain, strain, damage, splat_mask(true), splat(1.0), 0.05).failed));
+  for (int l = 0; l < kLanes; ++l) EXPECT_NEAR((tensor(damage, l) - tensor(target, l)).norm(), 0.0, 1e-10);
+}
+
 TEST(TensorDamageUpdate, UnloadingIsSecant) {
   const TensorDamage law = law_of();
   test::Random random(68);

@@ -21,11 +21,16 @@ struct FillPoint {
   Vector3 X = Vector3::Zero();
   double volume = 0;
   int links = 0;
-  struct {
+  struct Attachment {
     int side = 0;
     Vector3 foot = Vector3::Zero();
     double area = 0;
+    bool attached = true;
   } link[2];
+  // Only points from a file have these.
+  Vector3 axis = Vector3::Zero();            // of the elasticity; zero: by the rule of fix mpm
+  double damage[6] = {0, 0, 0, 0, 0, 0};     // xx yy zz yz xz xy in the axes of the box
+  bool failed = false;
 };
 
 // Throws ShapeError if no cell of the lattice is inside.

@@ -20,6 +20,7 @@
 #include "../styles/fix_check_timestep_mpm.h"
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
+#include "../styles/write_cement.h"
 #include "atom.h"
 #include "private_access.h"
 #include "universe.h"
@@ -67,6 +68,7 @@ void LAMMPS::post_create() {
   fixes["mpm/couple"] = &make_fix<FixMpmCouple>;
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
+  mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
 }
 
 AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {
@@ -82,7 +84,7 @@ void LAMMPS::help() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
   std::fprintf(screen,
                "\n\n* USER-MPDEM styles\n\n"
-               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, command create_cement\n");
+               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement\n");
 }
 
 }  // namespace LAMMPS_NS

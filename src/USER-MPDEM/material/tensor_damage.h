@@ -9,7 +9,8 @@
 //   conjugate force   Y = -d(rho psi)/dD = phi sym(sigma eps_e) phi
 //   surface           F = s Yeq - B(D),  Yeq = sqrt(Y:Y/2),  B = B0 (1 - max eig D)^-m
 //   growth            dD along Y (its positive part <Y>_+ with evolution `monotone`)
-//   failure           max eig D reaches the cut-off Dcut: stress zero from then on
+//   failure           max eig D reaches the cut-off Dcut (with viscosity: it aims at Dcut and
+//                     has reached 0.99 Dcut; the rest is added then): stress zero from then on
 //
 // Effective stress of Cordebois & Sidoroff type; Chow & Wang, Int. J. Fracture 33
 // (1987) 3. The tension weight s = r + (1 - r) zeta^2, r = sum<s_i>/sum|s_i| of the
@@ -99,7 +100,7 @@ class TensorDamage {
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
   vd threshold(const Sym3<vd>& damage) const;
-  vmask at_cutoff(const Sym3<vd>& damage) const;
+  vmask at_cutoff(const Sym3<vd>& damage, double share = 1.0) const;
   vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
   struct Root {
     vd delta;

@@ -135,6 +135,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
+  m.damaged |= r.failed;  // such points may come from a file without damage
   tags[b][l] = tag;
 }
 

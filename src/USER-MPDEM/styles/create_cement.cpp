@@ -33,7 +33,8 @@ using mpdem::text_of;
 
 namespace {
 const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
-                                            "cap",     "content", "inner", "spacing", "density", "type"};
+                                            "cap",     "content", "file",  "attach",  "inner",   "spacing",
+                                            "density", "type"};
 }
 
 void CreateCement::check_scene(const Arguments& args) const {
@@ -121,6 +122,7 @@ std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const ShapeWords& w, cons
 std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& pair, double grain_mass,
                                                         Arguments& args) {
   double inner = -1.0;
+  bool has_inner = false;
   std::vector<ShapeWords> shapes;
   const std::map<std::string, std::pair<double ShapeWords::*, const char*>> own = {
       {"outer", {&ShapeWords::outer, "flat"}},          {"filling", {&ShapeWords::filling, "meniscus"}},
@@ -139,8 +141,13 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
       if (!style.empty() && style != shapes.back().style)
         args.complain("'" + key + "' belongs to 'shape " + style + "', not to 'shape " + shapes.back().style + "'");
       shapes.back().*(word->second.first) = key == "contact" ? args.not_negative(key) : args.positive(key);
+    } else if (key == "file") {
+      file_ = args.word("a file name for 'file'");
+    } else if (key == "attach") {
+      attach_ = args.positive(key);
     } else if (key == "inner") {
       inner = args.accept("auto") ? -1.0 : args.not_negative(key);
+      has_inner = true;
     } else if (key == "spacing") {
       spacing_ = args.positive(key);
     } else if (key == "density") {
@@ -151,8 +158,15 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
       args.unknown(key, kKeywords);
     }
   }
-  if (shapes.empty()) args.complain("keyword 'shape' is missing; use 'shape flat', 'shape meniscus' or 'shape coating'");
   if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
+  if (!file_.empty()) {
+    if (!shapes.empty() || has_inner)
+      args.complain(text_of("'file ", file_, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
+    return nullptr;
+  }
+  if (attach_ > 0.0) args.complain(text_of("'attach ", attach_, "' belongs to 'file'; shapes know what is attached"));
+  if (shapes.empty())
+    args.complain("keyword 'shape' is missing; use 'shape flat', 'shape meniscus', 'shape coating', or 'file' and a name");
   try {
     // Where the grains come closer than a cell no grid can resolve the film between them
     // (and between rigid touching spheres its stiffness has no bound).
@@ -207,25 +221,34 @@ void CreateCement::command(int narg, char** arg) {
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
     args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
-  if (shape->largest_thickness() < 2.0 * spacing_)
-    args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
-                          spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(),
-                          " or more cement"));
+  Body body;
   std::vector<FillPoint> fill;
+  mpdem::Vector3 corner = mpdem::Vector3::Zero();
+  std::string what;
   try {
-    fill = mpdem::fill_with_points(*shape, spacing_);
+    if (shape) {
+      if (shape->largest_thickness() < 2.0 * spacing_)
+        args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
+                              spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(), " or more cement"));
+      fill = mpdem::fill_with_points(*shape, spacing_);
+      for (int s = 0; s < 2; ++s) body.attached_area[s] = shape->attached_area(s);
+      body.volume = shape->volume();
+      body.thickness = shape->largest_thickness();
+      what = shape->describe();
+    } else {
+      fill = read_file(pair, tags, g0.x, body, corner, args);
+      what = "file '" + file_ + "'";
+    }
   } catch (const mpdem::ShapeError& e) {
     args.complain(e.what());
   }
 
-  Body body;
   for (int s = 0; s < 2; ++s) {
     const Grain& g = s == 0 ? g0 : g1;
     body.grain[s] = tags[s];
     body.radius[s] = g.radius;
-    body.attached_area[s] = shape->attached_area(s);
     std::copy(g.q, g.q + 4, body.orientation[s]);
-    const mpdem::Vector3 centre = pair.centre(s);
+    const mpdem::Vector3 centre = pair.centre(s) - corner;
     for (int c = 0; c < 3; ++c) body.centre[s][c] = centre[c];
   }
   for (int c = 0; c < 3; ++c) {
@@ -237,22 +260,21 @@ void CreateCement::command(int narg, char** arg) {
     const double first = std::round(body.shift[0][c] / domain->prd[c]);
     body.shift[0][c] = domain->periodicity[c] ? first * domain->prd[c] : 0.0;
   }
-  body.volume = shape->volume();
   body.spacing = spacing_;
-  body.thickness = shape->largest_thickness();
   body.points = static_cast<double>(fill.size());
+  check_overlap(fill, body, args);
   avec->bodies.push_back(body);
   add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
 
   if (comm->me == 0) {
     const double content = body.volume * density_ / (g0.mass + g1.mass);
     const std::string text =
-        text_of("Cement between grains ", tags[0], " and ", tags[1], ": ", shape->describe(), "\n  volume ",
+        text_of("Cement between grains ", tags[0], " and ", tags[1], ": ", what, "\n  volume ",
                 body.volume, ", content (mass over mass of the grains) ", content, ", attached area ",
                 body.attached_area[0], " + ", body.attached_area[1], ", ", fill.size(), " points\n");
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s", text.c_str());
-    if (shape->smallest_thickness() < 2.0 * spacing_ * (1.0 - 1e-9))
+    if (shape && shape->smallest_thickness() < 2.0 * spacing_ * (1.0 - 1e-9))
       error->warning("create_cement", 0,
                      text_of("the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
@@ -297,8 +319,11 @@ void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& bo
       r.link[k].grain = body.grain[p.link[k].side];
       for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
       r.link[k].area = p.link[k].area;
-      r.link[k].attached = 1;
+      r.link[k].attached = p.link[k].attached;
     }
+    r.failed = p.failed;
+    std::copy(p.damage, p.damage + 6, r.damage);
+    if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
     avec->slot[i] = avec->points.add(r, atom->tag[i]);
   }
 

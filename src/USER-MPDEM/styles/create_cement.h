@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Command create_cement: fills the cement between two grains with material points and
-// attaches them. See doc/create_cement.md.
+// Command create_cement: fills the cement between two grains with material points, or
+// reads them from a file, and attaches them. See doc/create_cement.md.
 #ifdef COMMAND_CLASS
 
 CommandStyle(create_cement,CreateCement)
@@ -13,10 +13,12 @@ CommandStyle(create_cement,CreateCement)
 #define MPDEM_CREATE_CEMENT_H
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "../geometry/lattice_fill.h"
 #include "../mpm/body.h"
+#include "../mpm/point_store.h"
 #include "arguments.h"
 #include "pointers.h"
 
@@ -45,6 +47,14 @@ class CreateCement : protected Pointers {
   void add_points(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, int body_index,
                   const mpdem::Arguments& args);
 
+  // create_cement_file.cpp
+  std::vector<mpdem::FillPoint> read_file(const mpdem::GrainPair& pair, const int* tags, const double* first_centre,
+                                          mpdem::Body& body, mpdem::Vector3& corner, const mpdem::Arguments& args);
+  void set_frame(const mpdem::FillPoint& p, mpdem::PointRecord& r) const;
+  void check_overlap(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, const mpdem::Arguments& args) const;
+
+  std::string file_;
+  double attach_ = 0;
   int groupbit_ = 0;
   int type_ = 0;
   double spacing_ = 0, density_ = 2710.0;

@@ -104,6 +104,7 @@ class FixMpm : public Fix {
   void parse_skip(mpdem::Arguments& args);
   void check_words(mpdem::Arguments& args) const;
   void check_scene();
+  void check_initial_damage();
   void check_created_positions();
   void find_other_forces();
   void rebuild();

@@ -252,6 +252,13 @@ void FixMpm::set_frames(mpdem::PointStore& points) const {
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
+      if (m.damaged) {  // given in the axes of the box
+        const mpdem::Sym3<vd> turned = mpdem::rotate_back(mpdem::rotation_matrix(f), points.damage[b].D);
+        mpdem::Sym3<vd>& D = points.damage[b].D;
+        for (vd mpdem::Sym3<vd>::*c : {&mpdem::Sym3<vd>::xx, &mpdem::Sym3<vd>::yy, &mpdem::Sym3<vd>::zz, &mpdem::Sym3<vd>::yz,
+                                       &mpdem::Sym3<vd>::xz, &mpdem::Sym3<vd>::xy})
+          (D.*c)[l] = (turned.*c)[l];
+      }
       m.framed |= static_cast<std::uint8_t>(1u << l);
     }
   }

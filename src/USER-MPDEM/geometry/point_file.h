@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Material points of a bond from a text file, as measured by X-ray CT or written by
+// write_cement. Lines: comments (# to the end of the line), one line with the names of the
+// columns, one line a point. Columns, in any order:
+//   x y z, volume                      position in the box, reference volume
+//   ax ay az                           axis of the elasticity
+//   dxx dyy dzz dyz dxz dxy            damage, components in the axes of the box
+//   d1 d2 d3 v1x v1y v1z v2x v2y v2z   or principal values and two of their directions
+//   failed                             1: carries no stress
+//   grain_i grain_j                    IDs of the grains; lines of other pairs are left out
+//   area_i area_j                      attached area of the point at the grain of the smaller /
+//                                      the larger ID
+//   foot_ix foot_iy foot_iz, foot_j.   and where on its surface (else the nearest place)
+//   attached_i attached_j              0: that link has let go
+// Without the area columns, points within `attach` of a surface are attached to it with
+// volume R^2/(r^2 attach) (r: distance to the centre), which for a layer of that thickness sums
+// up to the area of the sphere.
+#ifndef MPDEM_POINT_FILE_H
+#define MPDEM_POINT_FILE_H
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lattice_fill.h"
+
+namespace mpdem {
+
+struct PointFileOptions {
+  int tag[2] = {0, 0};       // of the grains, ascending
+  double spacing = 0;
+  double attach = 0;         // 0: one spacing
+  // Place in the box to coordinates from the middle of the gap, nearest periodic image.
+  std::function<Vector3(const Vector3&)> to_body = [](const Vector3& x) { return x; };
+};
+
+struct PointCloud {
+  std::vector<FillPoint> points;
+  // Place of a corner of the lattice, from the middle of the gap. Each point has a cell of its own;
+  // 0 if that can be, else in the middle between points of a lattice.
+  Vector3 corner = Vector3::Zero();
+  double volume = 0, thickness = 0, attached_area[2] = {0, 0};
+};
+
+// Throws ShapeError with the name of the file and the number of the line.
+PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair,
+                       const PointFileOptions& options);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// create_cement: points from a file, and the check of new cement against what is there.
+#include <mpi.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <unordered_map>
+
+#include "../geometry/point_file.h"
+#include "atom.h"
+#include "atom_vec_mpdem.h"
+#include "comm.h"
+#include "create_cement.h"
+#include "domain.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::FillPoint;
+using mpdem::text_of;
+using mpdem::Vector3;
+
+namespace {
+
+// The text of a file that only the first rank reads. Collective.
+std::string broadcast_file(MPI_Comm world, const std::string& name, std::string& trouble) {
+  int me;
+  MPI_Comm_rank(world, &me);
+  std::string text;
+  long long size = -1;
+  int code = 0;
+  if (me == 0) {
+    std::FILE* f = std::fopen(name.c_str(), "rb");
+    if (f) {
+      char buffer[65536];
+      for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, f)) > 0;) text.append(buffer, n);
+      if (!std::ferror(f)) size = static_cast<long long>(text.size());
+      else code = errno;
+      std::fclose(f);
+    } else {
+      code = errno;
+    }
+  }
+  MPI_Bcast(&code, 1, MPI_INT, 0, world);
+  MPI_Bcast(&size, 1, MPI_LONG_LONG, 0, world);
+  if (size < 0) {
+    trouble = text_of("file '", name, "' cannot be read: ", std::strerror(code), "; check name and folder");
+    return text;
+  }
+  text.resize(size);
+  constexpr long long kMost = 1 << 30;  // MPI counts in int
+  for (long long at = 0; at < size; at += kMost)
+    MPI_Bcast(&text[at], static_cast<int>(std::min(kMost, size - at)), MPI_CHAR, 0, world);
+  return text;
+}
+
+}  // namespace
+
+// Fills volume, areas and thickness of the body; `corner` is where its coordinates start, from
+// the middle of the gap.
+std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, const int* tags, const double* first_centre,
+                                               mpdem::Body& body, Vector3& corner, const mpdem::Arguments& args) {
+  std::string trouble;
+  const std::string text = broadcast_file(world, file_, trouble);
+  if (!trouble.empty()) args.complain(trouble);
+  mpdem::PointFileOptions o;
+  o.tag[0] = tags[0];
+  o.tag[1] = tags[1];
+  o.spacing = spacing_;
+  o.attach = attach_;
+  o.to_body = [&](const Vector3& x) {
+    double d[3] = {x[0] - first_centre[0], x[1] - first_centre[1], x[2] - first_centre[2]};
+    domain->minimum_image(d[0], d[1], d[2]);
+    return Vector3(Vector3(d[0], d[1], d[2]) + pair.centre(0));
+  };
+  mpdem::PointCloud cloud = mpdem::read_points(text, file_, pair, o);
+  for (FillPoint& p : cloud.points) {
+    p.X -= cloud.corner;
+    for (int k = 0; k < p.links; ++k) p.link[k].foot -= cloud.corner;
+  }
+  corner = cloud.corner;
+  body.volume = cloud.volume;
+  body.thickness = cloud.thickness;
+  std::copy(cloud.attached_area, cloud.attached_area + 2, body.attached_area);
+  return std::move(cloud.points);
+}
+
+// Third axis of the frame along the axis of the elasticity, damage in its components.
+void CreateCement::set_frame(const FillPoint& p, mpdem::PointRecord& r) const {
+  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), p.axis);
+  const double w[4] = {q.w(), q.x(), q.y(), q.z()};
+  std::copy(w, w + 4, r.q);
+  r.has_frame = true;
+  const double* D = p.damage;
+  Eigen::Matrix3d m;
+  m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
+  const Eigen::Matrix3d R = q.toRotationMatrix(), t = R.transpose() * m * R;
+  const double turned[6] = {t(0, 0), t(1, 1), t(2, 2), t(1, 2), t(0, 2), t(0, 1)};
+  std::copy(turned, turned + 6, r.damage);
+}
+
+// New points inside cells that cement of another bond fills (nearly) whole. Collective.
+void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem::Body& body,
+                                 const mpdem::Arguments& args) const {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  const mpdem::PointStore& points = avec->points;
+  if (avec->bodies.empty()) return;
+  // New points by cells as wide as the coarsest lattice.
+  double width = spacing_;
+  for (const mpdem::Body& b : avec->bodies) width = std::max(width, b.spacing);
+  const auto key = [](long i, long j, long k) { return (i * 73856093L) ^ (j * 19349663L) ^ (k * 83492791L); };
+  const auto cell = [width](double x) { return static_cast<long>(std::floor(x / width)); };
+  std::unordered_multimap<long, int> near;
+  near.reserve(fill.size());
+  Vector3 low = Vector3::Constant(1e300), high = -low;
+  for (std::size_t n = 0; n < fill.size(); ++n) {
+    near.emplace(key(cell(fill[n].X[0]), cell(fill[n].X[1]), cell(fill[n].X[2])), static_cast<int>(n));
+    low = low.cwiseMin(fill[n].X);
+    high = high.cwiseMax(fill[n].X);
+  }
+  std::vector<double> inside(avec->bodies.size(), 0.0);
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!avec->is_point(i)) continue;
+    const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
+    const mpdem::Body& other = avec->bodies[points.meta[b].body];
+    if (points.blocks[b].volume[l] < 0.95 * std::pow(other.spacing, 3)) continue;
+    const double half = 0.5 * other.spacing * (1.0 - 1e-6);
+    // From the middle of the new cement, so that the nearest periodic image is meant.
+    Vector3 middle = 0.5 * (low + high);
+    double d[3];
+    for (int c = 0; c < 3; ++c) d[c] = atom->x[i][c] - body.origin[c] - middle[c];
+    domain->minimum_image(d[0], d[1], d[2]);
+    const Vector3 x = middle + Vector3(d[0], d[1], d[2]);
+    if (((x - low).array() < -half).any() || ((x - high).array() > half).any()) continue;
+    const long at[3] = {cell(x[0]), cell(x[1]), cell(x[2])};
+    for (int n = 0; n < 27; ++n) {
+      const auto range = near.equal_range(key(at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1));
+      for (auto it = range.first; it != range.second; ++it)
+        if ((fill[it->second].X - x).cwiseAbs().maxCoeff() < half) inside[points.meta[b].body] += fill[it->second].volume;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, inside.data(), static_cast<int>(inside.size()), MPI_DOUBLE, MPI_SUM, world);
+  for (std::size_t b = 0; b < inside.size(); ++b)
+    if (inside[b] > 0.0)
+      args.complain(text_of("the cement of grains ", body.grain[0], " and ", body.grain[1], " overlaps that of grains ",
+                            avec->bodies[b].grain[0], " and ", avec->bodies[b].grain[1], ", in a volume of ", inside[b], " of ", body.volume,
+                            "; make one of them smaller (a coating: 'cap')"));
+}
+
+}  // namespace LAMMPS_NS

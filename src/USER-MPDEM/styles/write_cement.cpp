@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "write_cement.h"
+
+#include <mpi.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <vector>
+
+#include "../parallel/all_to_all.h"
+#include "arguments.h"
+#include "atom.h"
+#include "atom_vec_mpdem.h"
+#include "comm.h"
+#include "domain.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::Arguments;
+using mpdem::text_of;
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+
+struct GrainNow {
+  int tag;
+  double x[3], q[4];
+};
+struct PointNow {
+  int tag;
+  double x[3];
+  mpdem::PointRecord record;
+};
+
+Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}; }
+
+}  // namespace
+
+void WriteCement::command(int narg, char** arg) {
+  Arguments args(lmp, "write_cement", narg, arg, 0);
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
+  if (!avec) args.complain(text_of("atom style '", atom->atom_style, "' has no cement; use 'atom_style mpdem'"));
+  const std::string name = args.word("a file name");
+  int wanted[2] = {0, 0};
+  while (!args.empty()) {
+    if (!args.accept("pair")) args.unknown(args.word(""), {"pair"});
+    for (int& t : wanted) t = args.integer("pair", 1);
+    std::sort(wanted, wanted + 2);
+  }
+  std::vector<char> chosen;
+  for (const mpdem::Body& b : avec->bodies)
+    chosen.push_back(wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1]));
+  if (std::count(chosen.begin(), chosen.end(), 1) == 0)
+    args.complain(wanted[0] == 0 ? std::string("there is no cement; use create_cement before")
+                                 : text_of("grains ", wanted[0], " and ", wanted[1], " have no cement; name a pair given to create_cement"));
+
+  // Everything to the first rank, which writes in the order of the IDs.
+  std::vector<std::vector<GrainNow>> grains(comm->nprocs);
+  std::vector<std::vector<PointNow>> points(comm->nprocs);
+  double unframed[2] = {0, 0}, all[2];
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (avec->is_point(i)) {
+      PointNow p;
+      p.tag = atom->tag[i];
+      std::copy(atom->x[i], atom->x[i] + 3, p.x);
+      p.record = avec->points.record(avec->slot[i]);
+      if (!chosen[p.record.body]) continue;
+      ++unframed[p.record.has_frame];
+      points[0].push_back(p);
+    } else if (avec->orientation(i)) {
+      GrainNow g;
+      g.tag = atom->tag[i];
+      std::copy(atom->x[i], atom->x[i] + 3, g.x);
+      std::copy(avec->orientation(i), avec->orientation(i) + 4, g.q);
+      grains[0].push_back(g);
+    }
+  }
+  MPI_Allreduce(unframed, all, 2, MPI_DOUBLE, MPI_SUM, world);
+  if (all[0] > 0.0 && all[1] > 0.0)
+    args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));
+  const bool axes = all[1] > 0.0;
+  std::map<int, GrainNow> grain;
+  for (const GrainNow& g : mpdem::all_to_all(world, grains).data) grain[g.tag] = g;
+  std::vector<PointNow> mine = mpdem::all_to_all(world, points).data;
+  std::sort(mine.begin(), mine.end(), [](const PointNow& a, const PointNow& b) { return a.tag < b.tag; });
+
+  std::string trouble;
+  std::FILE* f = nullptr;
+  if (comm->me == 0) {
+    for (std::size_t b = 0; b < chosen.size() && trouble.empty(); ++b)
+      for (int t : avec->bodies[b].grain)
+        if (chosen[b] && !grain.count(t)) trouble = text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
+    if (trouble.empty()) f = std::fopen(name.c_str(), "w");
+    if (!f && trouble.empty()) trouble = text_of("write_cement: file '", name, "' cannot be written: ", std::strerror(errno), "; check name and folder");
+  }
+  if (f) {
+    std::fprintf(f, "# cement of USER-MPDEM at step %lld, to be read by create_cement ... file\n", static_cast<long long>(update->ntimestep));
+    for (std::size_t b = 0; b < chosen.size(); ++b)
+      if (chosen[b])
+        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bodies[b].grain[0], avec->bodies[b].grain[1], avec->bodies[b].spacing);
+    std::fprintf(f, "grain_i grain_j x y z volume %sdxx dyy dzz dyz dxz dxy failed "
+                    "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j\n", axes ? "ax ay az " : "");
+    for (const PointNow& p : mine) {
+      const mpdem::PointRecord& r = p.record;
+      const mpdem::Body& body = avec->bodies[r.body];
+      std::fprintf(f, "%d %d %.17g %.17g %.17g %.17g", body.grain[0], body.grain[1], p.x[0], p.x[1], p.x[2], r.volume);
+      const double* D = r.damage;
+      Eigen::Matrix3d m;
+      m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
+      if (axes) {
+        const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
+        m = R * m * R.transpose();
+        std::fprintf(f, " %.17g %.17g %.17g", R(0, 2), R(1, 2), R(2, 2));
+      }
+      std::fprintf(f, " %.17g %.17g %.17g %.17g %.17g %.17g %d", m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1), r.failed);
+      for (int s = 0; s < 2; ++s) {
+        const mpdem::Link* link = nullptr;
+        for (int k = 0; k < r.links; ++k)
+          if (r.link[k].grain == body.grain[s]) link = &r.link[k];
+        if (!link) {
+          std::fprintf(f, " 0 0 0 0 0");
+          continue;
+        }
+        // The foot point turns with its grain.
+        const GrainNow& g = grain[body.grain[s]];
+        const Vector3 from = Vector3(link->foot[0], link->foot[1], link->foot[2]) -
+                             Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
+        const Vector3 foot = Vector3(g.x[0], g.x[1], g.x[2]) + quaternion(g.q) * (quaternion(body.orientation[s]).conjugate() * from);
+        std::fprintf(f, " %.17g %.17g %.17g %.17g %d", link->area, foot[0], foot[1], foot[2], link->attached);
+      }
+      std::fprintf(f, "\n");
+    }
+    const bool bad = std::ferror(f) != 0;
+    if (std::fclose(f) != 0 || bad) trouble = text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));
+  }
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Command write_cement: material points as text that create_cement reads. See
+// doc/write_cement.md.
+#ifdef COMMAND_CLASS
+
+CommandStyle(write_cement,WriteCement)
+
+#else
+
+#ifndef MPDEM_WRITE_CEMENT_H
+#define MPDEM_WRITE_CEMENT_H
+
+#include "pointers.h"
+
+namespace LAMMPS_NS {
+
+class WriteCement : protected Pointers {
+ public:
+  explicit WriteCement(LAMMPS* lmp) : Pointers(lmp) {}
+  void command(int narg, char** arg);
+};
+
+}  // namespace LAMMPS_NS
+
+#endif
+#endif
