@@ -41,13 +41,11 @@ test: all
 liggghts-from-source: $(BUILD)/.setup
 	tools/liggghts_from_source.sh $(BUILD)/from-source
 
-# Rates, error against wall time, ranks: tables, JSON, CSV and pictures in $(BUILD)/bench/report.
-# BENCH="..." picks some of rates accuracy bond ranks, QUICK=--quick takes a minute.
-BENCH ?= rates accuracy bond ranks
+# Rate of the step on one core.
 bench: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) -DMPDEM_BENCH=ON $(CMAKE_OPTIONS)
-	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step accuracy liggghts-mpdem
-	/usr/bin/python3 tools/bench_report.py $(BUILD) $(QUICK) $(BENCH)
+	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step
+	$(BUILD)/bench/bench_step
 
 clean:
 	rm -rf $(BUILD)
