@@ -39,8 +39,8 @@ def band(m):
     return 1 + (spent(m, beside) if beside > 0 else 0) / work(m)
 
 
-def lattice(cells, per_cell, offset, turn=0.0, width=2):
-    """Points of the bar and the volume of one; `offset` along z in spacings moves lattice against grid."""
+def lattice(cells, per_cell, width=2):
+    """Points of the bar and their spacing."""
     s = LENGTH / cells / per_cell
     n, k = cells * per_cell, width * per_cell
     z = (np.arange(n) - n / 2 + 0.5) * s
@@ -48,10 +48,10 @@ def lattice(cells, per_cell, offset, turn=0.0, width=2):
     return np.array([(a, b, c) for a in x for b in x for c in z]), s
 
 
-def bar(directory, cells, m, per_cell=2, offset=0, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0):
-    X, s = lattice(cells, per_cell, offset)
+def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0):
+    X, s = lattice(cells, per_cell)
     h = LENGTH / cells * cell_factor
-    weak = np.abs(X[:, 2] - X[X[:, 2] > 0, 2].min() - offset * s) < 0.1 * s
+    weak = np.abs(X[:, 2] - X[X[:, 2] > 0, 2].min()) < 0.1 * s
     # Strength goes as (1 - D)^((3 - m)/2): that of 0.99 B0
     D0 = np.where(weak, 1 - 0.99**(1 / (3 - m)), 0.0)
     first = X[:, 2] == X[:, 2].min()
