@@ -68,6 +68,9 @@ CASES = {
                   ["fix mpm (id cem)", "1e-06", "exceeds", "use 'timestep"]),
     # scene
     "no points": ([(CREATE, "group calcite subtract all all")], ["fix mpm (id cem)", "no material points", "create_cement"]),
+    **{f"shape out of range: {words}": ([("shape flat inner 1e-3 outer 2e-3", f"shape {words} inner 1e-3")], ["create_cement", value])
+       for words, value in (("meniscus filling 30 contact 95", "95"), ("meniscus filling 120", "120"), ("coating thickness 4e-4 cap 200", "200"),
+                            ("coating thickness 4e-4 cap 1", "1"), ("meniscus neck 7e-3", "0.007"))},
     "no such shape": ([("shape flat", "shape disc")], ["create_cement", "disc", "one of", "flat"]),
     "too much cement": ([("inner 1e-3 outer 2e-3", "content 5")], ["create_cement", "does not fit", "reduce the content"]),
     "cement wider than the grain": ([("outer 2e-3", "outer 6e-3")], ["create_cement", "0.006", "0.005", "outer radius"]),

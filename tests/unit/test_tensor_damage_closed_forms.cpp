@@ -276,5 +276,43 @@ TEST(CrackBand, ExponentForAFractureEnergy) {
   EXPECT_THROW(crack_band_exponent(p, 0.0, 1e-4), std::domain_error);
 }
 
+// The hat of strain, layer by layer: each is loaded along s = f_t (e/e0)^-(3-m)/(1+m) to failure or to a third of that strain,
+// and gives back what is elastic.
+TEST(ClosedForms, CrackInCellsTakesItsEnergy) {
+  test::Worst worst;
+  const double cell = 1e-4, E = 6e10;
+  for (double m : {-0.5, 0.0, 0.8, 1.0, 1.7, 2.5, 2.9}) {
+    DamageParameters p;
+    p.B0 = test::kB0;
+    p.exponent = m;
+    const ImpliedStrength s = implied_strength(p, E);
+    const auto spent = [&](double e_end) {  // work to e_end less what comes back on unloading
+      if (e_end <= s.onset_strain) return 0.0;
+      const int n = 20000;
+      double sum = 0.5 * s.tensile_strength * s.onset_strain;
+      const double f = std::pow(e_end / s.onset_strain, 1.0 / n), q = -(3.0 - m) / (1.0 + m);
+      double e = s.onset_strain, last = s.tensile_strength;
+      for (int i = 1; i <= n; ++i) {
+        const double next = s.onset_strain * std::pow(f, i), stress = s.tensile_strength * std::pow(next / s.onset_strain, q);
+        sum += 0.5 * (last + stress) * (next - e);
+        e = next;
+        last = stress;
+      }
+      return sum - 0.5 * last * e;
+    };
+    const double kept = s.tensile_strength * std::pow(s.failure_strain / s.onset_strain, -(3.0 - m) / (1.0 + m));
+    const double G = 0.5 * cell * 2.0 * (spent(s.failure_strain) + 0.5 * kept * s.failure_strain + spent(s.failure_strain / 3.0));
+    worst.add(std::fabs(localisation_cells(p) * s.work_per_volume * cell / G - 1.0), std::to_string(m));
+    DamageParameters q = p;
+    q.exponent = 0.0;
+    worst.add(std::fabs(crack_cell_exponent(q, localisation_cells(p) * s.work_per_volume * cell, cell) - m), std::to_string(m));
+  }
+  expect_within(worst, 1e-6, "energy of the crack and exponent");
+  DamageParameters p;
+  p.B0 = test::kB0;
+  EXPECT_THROW(crack_cell_exponent(p, 1e-9, cell), std::domain_error);
+  EXPECT_THROW(crack_cell_exponent(p, 1e9, cell), std::domain_error);
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -35,12 +35,41 @@ Sym3<vd> scaled(const Sym3<vd>& h, const Sym3<vd>& x) {
 
 }  // namespace
 
-// Work of a volume pulled to failure, over sqrt(2) B0.
-static double band_work(double m, double Dcut) {
-  const double log_keep = std::log(1.0 - Dcut), x = (1.0 - m) * log_keep;
+namespace {
+
+// Energy that a volume has spent on damage D = 1 - keep, over sqrt(2) B0.
+double spent_work(double m, double keep) {
+  const double log_keep = std::log(keep), x = (1.0 - m) * log_keep;
   // -log_keep (1 - e^x)/(-x) at m = 1 is -log_keep
-  const double spent = std::fabs(x) < 1e-12 ? -log_keep : -log_keep * std::expm1(x) / x;
-  return spent + 0.5 * std::exp(x);
+  return std::fabs(x) < 1e-12 ? -log_keep : -log_keep * std::expm1(x) / x;
+}
+
+// Work of a volume pulled to failure, over sqrt(2) B0.
+double band_work(double m, double Dcut) {
+  return spent_work(m, 1.0 - Dcut) + 0.5 * std::exp((1.0 - m) * std::log(1.0 - Dcut));
+}
+
+// m in (-1,3) at which the rising function work(m) is `wanted`; false if there is none.
+template <class F>
+bool find_exponent(F work, double wanted, double& least, double& most, double& m) {
+  double lo = -1.0 + 1e-9, hi = 3.0 - 1e-9;
+  least = work(lo);
+  most = work(hi);
+  if (!(wanted > least && wanted < most)) return false;
+  for (int i = 0; i < 200; ++i) {
+    const double mid = 0.5 * (lo + hi);
+    if (mid == lo || mid == hi) break;
+    (work(mid) < wanted ? lo : hi) = mid;
+  }
+  m = hi;
+  return true;
+}
+
+}  // namespace
+
+double localisation_cells(const DamageParameters& p) {
+  const double m = p.exponent, keep = (1.0 - p.Dcut) * std::pow(3.0, 2.0 / (1.0 + m));
+  return 1.0 + (keep < 1.0 ? spent_work(m, keep) / band_work(m, p.Dcut) : 0.0);
 }
 
 ImpliedStrength implied_strength(const DamageParameters& p, double E) {
@@ -50,21 +79,33 @@ ImpliedStrength implied_strength(const DamageParameters& p, double E) {
 }
 
 double crack_band_exponent(const DamageParameters& p, double G_f, double band) {
-  constexpr double kLow = -1.0 + 1e-9, kHigh = 3.0 - 1e-9;
-  const double energy = std::sqrt(2.0) * p.B0, wanted = G_f / (energy * band);
-  if (!(wanted > band_work(kLow, p.Dcut) && wanted < band_work(kHigh, p.Dcut))) {
+  const double energy = std::sqrt(2.0) * p.B0;
+  double least, most, m = 0.0;
+  if (!find_exponent([&](double x) { return band_work(x, p.Dcut); }, G_f / (energy * band), least, most, m)) {
     std::ostringstream why;
     why << "G_f " << G_f << " cannot be spent on a band of width " << band << ": with this B0 and cut-off the width must lie between "
-        << G_f / (energy * band_work(kHigh, p.Dcut)) << " and " << G_f / (energy * band_work(kLow, p.Dcut));
+        << G_f / (energy * most) << " and " << G_f / (energy * least);
     throw std::domain_error(why.str());
   }
-  double lo = kLow, hi = kHigh;  // W rises with m
-  for (int i = 0; i < 200; ++i) {
-    const double mid = 0.5 * (lo + hi);
-    if (mid == lo || mid == hi) break;
-    (band_work(mid, p.Dcut) < wanted ? lo : hi) = mid;
+  return m;
+}
+
+double crack_cell_exponent(const DamageParameters& p, double G_f, double cell) {
+  const double energy = std::sqrt(2.0) * p.B0;
+  double least, most, m = 0.0;
+  const auto work = [&](double x) {
+    DamageParameters q = p;
+    q.exponent = x;
+    return localisation_cells(q) * band_work(x, p.Dcut);
+  };
+  if (!find_exponent(work, G_f / (energy * cell), least, most, m)) {
+    std::ostringstream why;
+    why << "G_f " << G_f << " cannot be spent on a crack in cells of " << cell << ": with this B0 and cut-off it must lie between "
+        << energy * cell * least << " and " << energy * cell * most << ", or for this G_f the cell between "
+        << G_f / (energy * most) << " and " << G_f / (energy * least);
+    throw std::domain_error(why.str());
   }
-  return hi;
+  return m;
 }
 
 TensorDamage::State TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {

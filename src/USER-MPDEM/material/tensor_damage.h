@@ -42,6 +42,17 @@ struct DamageParameters {
 // of bands that G_f allows, if there is none in (-1,3).
 double crack_band_exponent(const DamageParameters& p, double G_f, double band);
 
+// Width of the band, in cells, in which a body of quadratic B-splines with two points a cell and
+// direction breaks across a grid axis. The narrowest strain that the splines have is a hat of
+// two cells, on a face between the halves of two cells: 3/4 of its top in the two nearest layers of
+// points, which fail together, and 1/4 in the next two, which damage as far as a third
+// of the strain at failure takes them. A layer is half a cell wide, so that with
+// 1 - D = (e/e0)^(-2/(1+m)) the width is 1 + w/W, w the energy a volume spends on D at e_f/3.
+// Measured by tests/verification/softening_bar.py.
+double localisation_cells(const DamageParameters& p);
+// Exponent m that spends G_f on a crack of that width. Throws like crack_band_exponent.
+double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
+
 // What the parameters mean for uniaxial stress along a direction of modulus E
 // (theory: s = E e0^4/e^3 past the onset for exponent 0).
 struct ImpliedStrength {

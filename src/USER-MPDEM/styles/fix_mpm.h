@@ -142,9 +142,6 @@ class FixMpm : public Fix {
   void set_time_step();
   void report_times();
 
-  // Width over which a crack localises, in cells.
-  static constexpr double kBandOverCell = 1.5;
-
   // words of the script
   double cell_ = 0.0;
   enum { kRadial, kBond, kGlobal } axis_ = kRadial;

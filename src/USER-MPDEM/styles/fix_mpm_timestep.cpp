@@ -142,7 +142,8 @@ void FixMpm::report_parameters() {
                         ", at failure ", s.failure_strain, "\n");
       }
       const mpdem::ImpliedStrength s = mpdem::implied_strength(p, constants_.Ez);
-      text += text_of("  implies   energy per crack area ", s.work_per_volume * kBandOverCell * cell_, " for a crack ", kBandOverCell,
+      const double band = mpdem::localisation_cells(p);
+      text += text_of("  implies   energy per crack area ", s.work_per_volume * band * cell_, " for a crack ", band,
                       fracture_energy_ > 0.0 ? " cells wide\n"
                                              : " cells wide: without regularization it is proportional to the cell\n");
     } else {

@@ -97,9 +97,9 @@ void FixMpm::parse(int narg, char** arg) {
   if (fracture_energy_ > 0.0) {
     if (damage.B0 == 0.0) args.complain("'regularization crackband' needs 'damage tensor'");
     try {
-      damage.exponent = mpdem::crack_band_exponent(damage, fracture_energy_, kBandOverCell * cell_);
+      damage.exponent = mpdem::crack_cell_exponent(damage, fracture_energy_, cell_);
     } catch (const std::domain_error& e) {
-      args.complain(text_of("'regularization crackband': ", e.what(), "; the band is ", kBandOverCell, " cells"));
+      args.complain(text_of("'regularization crackband': ", e.what()));
     }
   }
   check_words(args);
