@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Loads pairs of beads of every shape, load and content of a table, on all cores.
+
+    tools/pair_table.py OUT --shapes flat,meniscus --loads tension,shear --contents 0.01,0.05
+    tools/pair_table.py OUT --table doc/data/study.json
+
+Runs examples/pair_table/in.pair_table once for each entry, as many at a time as there are cores, and
+leaves table.csv and table.png in OUT. Called again it goes on where it was stopped: finished runs
+are kept, others are run from the start. Needs Debian's python3-numpy and python3-matplotlib.
+"""
+import argparse
+import json
+import os
+import signal
+import sys
+
+sys.dont_write_bytecode = True  # leave the source tree as it is
+
+try:
+    from mpdem import run, table
+except ImportError as missing:
+    sys.exit(f"pair_table.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def at_least_one(text):
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
+    return int(text)
+
+
+def arguments():
+    p = argparse.ArgumentParser(description="Loads pairs of beads of every shape, load and content of a table.")
+    p.add_argument("out", metavar="OUT", help="folder of the runs, table.csv and table.png")
+    p.add_argument("--table", metavar="JSON", help="groups of runs; instead of the words below")
+    p.add_argument("--shapes", metavar="A,B", default="flat,meniscus,coating", help=", ".join(table.SHAPES))
+    p.add_argument("--loads", metavar="A,B", default="tension,shear", help=", ".join(table.LOADS))
+    p.add_argument("--contents", metavar="C,D", default="0.05,0.11,0.17,0.25", help="masses of cement over mass of the beads")
+    p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the script, or refine, layers, coarse")
+    p.add_argument("--vary", metavar="NAME=V,W", action="append", default=[], help="the same, with several values")
+    p.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
+    p.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
+    p.add_argument("--exe", metavar="FILE", default=os.path.join(ROOT, "build", "liggghts-mpdem"), help="the executable")
+    p.add_argument("--script", metavar="FILE", default=os.path.join(ROOT, "examples", "pair_table", "in.pair_table"))
+    return p.parse_args()
+
+
+def pairs(words, option):
+    found = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not (name and equals and value):
+            raise run.Trouble(f"{option} {word}: must be NAME=VALUE")
+        found[name] = value
+    return found
+
+
+def numbers(text):
+    try:
+        return [float(t) for t in text.split(",")]
+    except ValueError:
+        raise run.Trouble(f"--contents {text}: must be numbers with commas between them") from None
+
+
+def groups(args):
+    if not args.table:
+        return [{"shapes": args.shapes.split(","), "loads": args.loads.split(","), "contents": numbers(args.contents),
+                 "set": pairs(args.set, "--set"),
+                 "vary": {k: v.split(",") for k, v in pairs(args.vary, "--vary").items()}}]
+    try:
+        with open(args.table) as f:
+            found = json.load(f)
+    except ValueError as e:
+        raise run.Trouble(f"{args.table}: not JSON ({e}); see doc/data/study.json") from None
+    if not isinstance(found, list) or not all(isinstance(g, dict) for g in found):
+        raise run.Trouble(f"{args.table}: must be a list of groups; see doc/data/study.json")
+    return found
+
+
+def main():
+    args = arguments()
+    if not os.access(args.exe, os.X_OK):
+        raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
+    entries = {}
+    for group in groups(args):
+        entries.update({r.label: r for r in table.product(group)})
+    runs = list(entries.values())
+    run.make_folder(args.out)
+    jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
+    signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
+    runner = table.Runner(os.path.abspath(args.out), runs, os.path.abspath(args.exe), os.path.abspath(args.script), jobs, args.ranks)
+    try:
+        failed = runner.go()
+    except KeyboardInterrupt:
+        sys.exit("pair_table.py: stopped; the same command goes on from here")
+    rows = table.write(os.path.join(args.out, "table.csv"), runs, os.path.abspath(args.out), os.path.abspath(args.script))
+    from mpdem import table_figure
+    if rows:
+        table_figure.draw(os.path.join(args.out, "table.png"), rows)
+    print(f"written to {args.out}: table.csv{', table.png' if rows else ''}")
+    if failed:
+        raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
+                          "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3]))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except run.Trouble as trouble:
+        sys.exit(f"pair_table.py: {trouble}")
+    except OSError as trouble:
+        sys.exit(f"pair_table.py: {trouble.filename}: {trouble.strerror}; check the path, its rights and the disk")
