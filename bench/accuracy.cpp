@@ -85,6 +85,9 @@ struct Load {
       f[facet.normal][0] = facet.sense * facet.area * problem.traction(facet, t);
       scatter_value(s.grid.force.data(), column, Weights<Type>(X, base, 1.0 / h), f);
     }
+    for (int i = 0; i < s.grid.size(); ++i)
+      if (problem.held({h * s.grid.keys[i][1], h * s.grid.keys[i][2], h * s.grid.keys[i][3]}))
+        for (int d = 0; d < 3; ++d) s.grid.force[3 * i + d] = s.grid.velocity[3 * i + d] = 0.0;
   }
   void operator()(Stepper& s, double t) const {
     with_basis(s.grid.basis, [&](auto type) { add<decltype(type)>(s, t); });

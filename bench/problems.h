@@ -29,6 +29,7 @@ class Problem {
   virtual void box(double h, Point& low, Point& high) const = 0;
   virtual Point displacement(const Point& X, double t) const = 0;
   virtual Point velocity(const Point& X, double t) const = 0;  // also of nodes around the body
+  virtual bool held(const Point&) const { return false; }  // is a node there at rest?
   virtual bool loaded() const { return true; }
   virtual Point body_force(const Point&, double) const { return {0, 0, 0}; }  // per mass
   // A piece of surface: reference place, area, direction and sense of the normal.
