@@ -41,11 +41,12 @@ test: all
 liggghts-from-source: $(BUILD)/.setup
 	tools/liggghts_from_source.sh $(BUILD)/from-source
 
-# Rate of the step on one core.
+# Rates, accuracy, tables and figures in $(BUILD)/bench/results. BENCH="--quick", or names such as
+# BENCH="vortex step/total"; see doc/performance.md.
 bench: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) -DMPDEM_BENCH=ON $(CMAKE_OPTIONS)
-	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step
-	$(BUILD)/bench/bench_step
+	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step accuracy liggghts-mpdem
+	/usr/bin/python3 tools/bench_report.py --build $(BUILD) $(BENCH)
 
 clean:
 	rm -rf $(BUILD)

@@ -1,90 +1,237 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Rate of the full step (scatter, nodes, gather, material) on one core: a cube of n^3 cells
-// of eight points, elastic or damaging. Damaging: the cube is stretched so that every point
-// of the chosen share grows damage in every step.
+// Rates on one core, see doc/performance.md:
+//   step/<kinematics>/<basis>/<transfer>/<elastic|damaging>   the full step of a cube of 110 592
+//   size/<points>                                             the default step by number of points
+//   scalar/total/quadratic/none/elastic                       the yardstick of scalar_step.h
+//   machine/triad, machine/multiply_add                       what the core can do
+// Arguments: names (regular expressions), and those of Google Benchmark.
 #include <benchmark/benchmark.h>
 #include <mpi.h>
 
-#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <memory>
+#include <random>
 
-#include "mpm/advance_points.h"
+#include "machine.h"
+#include "scalar_step.h"
 
 namespace {
 
 using namespace mpdem;
+using namespace mpdem::bench;
 
-constexpr double kCell = 1e-4;
-constexpr double kDensity = 2710.0;
+constexpr double kCell = 1e-4, kStep = 3e-9;
+// So heavy that the large forces of the random states below move nothing.
+constexpr double kDensity = 2710e9;
+// A hundredth of the points change cell in a step.
+constexpr Point kVelocity = {0.006 * kCell / kStep, 0.003 * kCell / kStep, 0.001 * kCell / kStep};
+constexpr double kGrowth = 1e-5;  // of the strain of damaging points in a step
+
+TensorDamage cement() {
+  DamageParameters p;
+  p.B0 = 9.6e6;
+  return TensorDamage(VtiElasticity(VtiConstants{50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
+}
+
+// One point anywhere in each eighth of a cell.
+std::vector<Point> stratified_cube(int cells) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  std::vector<Point> X;
+  const int n = 2 * cells;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k)
+        X.push_back({0.5 * kCell * (i + uniform(random)), 0.5 * kCell * (j + uniform(random)), 0.5 * kCell * (k + uniform(random))});
+  return X;
+}
 
 struct Cube {
-  PointStore points;
-  Grid grid;
+  Stepper s;
+  int points;
+  bool damaging;
 
-  explicit Cube(int cells) {
-    std::vector<int> live, tags, slots;
-    const int n = 2 * cells;
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        for (int k = 0; k < n; ++k) {
-          PointRecord r;
-          r.X[0] = (i + 0.5 - cells) * 0.5 * kCell;
-          r.X[1] = (j + 0.5 - cells) * 0.5 * kCell;
-          r.X[2] = (k + 0.5 - cells) * 0.5 * kCell;
-          r.volume = 0.125 * kCell * kCell * kCell;
-          tags.push_back(static_cast<int>(tags.size()) + 1);
-          live.push_back(points.add(r, tags.back()));
-        }
-    points.arrange(live, tags, kCell, slots);
-    std::vector<Grid::Cell> wanted;
-    for (BlockMeta& m : points.meta) wanted.push_back({field_of(m.body, m.part), m.base, m.column});
-    std::vector<char> fresh;
-    grid.build(MPI_COMM_SELF, kCell, wanted, {}, fresh);
-    grid.lump_mass(points, kDensity);
+  Cube(const Method& m, int cells, bool damaging)
+      : s(m, kCell, stratified_cube(cells), kCell * kCell * kCell / 8, cement(), kDensity), points(8 * cells * cells * cells),
+        damaging(damaging) {
+    s.start([&](const Point&) { return kVelocity; });
+    s.accelerate();
+    if (damaging) strain_tenth(0.1 * cells * kCell);
+  }
+
+  // Points with X < front get a random strain tensor, scaled to the onset of damage, then 20 % more.
+  void strain_tenth(double front) {
+    std::mt19937 random(11);
+    std::normal_distribution<double> normal;
+    s.for_points([&](int b, int l) {
+      PointBlock& p = s.points.blocks[b];
+      if (p.X[0][l] >= front) return;
+      vd* e = &p.strain.xx;
+      for (int c = 0; c < 6; ++c) e[c][l] = normal(random);
+      const TensorDamage::Drive drive = s.law().drive(p.strain, Sym3<vd>{});
+      const double scale = std::sqrt(s.law().parameters().B0 / drive.Yeq[l]);
+      for (int c = 0; c < 6; ++c) e[c][l] *= 1.001 * scale;
+      s.points.meta[b].damaged = true;
+    });
+    for (int n = 0; n < 40; ++n) step(0.005);
+  }
+
+  void step(double growth = kGrowth) {
+    if (damaging)
+      for (std::size_t b = 0; b < s.points.blocks.size(); ++b)
+        if (s.points.meta[b].damaged) s.points.blocks[b].strain = splat(1.0 + growth) * s.points.blocks[b].strain;
+    s.step(kStep);
+  }
+
+  // Share of the points whose damage grows in one more step.
+  double growing() {
+    std::vector<double> before(points + 1), after(points + 1);
+    const auto note = [&](std::vector<double>& trace_of) {
+      s.for_points([&](int b, int l) { trace_of[s.points.tags[b][l]] = trace(s.points.damage[b].D)[l]; });
+    };
+    note(before);
+    step();
+    note(after);
+    int n = 0;
+    for (int i = 1; i <= points; ++i) n += after[i] > before[i];
+    return static_cast<double>(n) / points;
   }
 };
 
-// range(0): cells a side; range(1): per cent of the points that damage in every step.
-void full_step(benchmark::State& state) {
-  Cube cube(static_cast<int>(state.range(0)));
-  const double share = 0.01 * static_cast<double>(state.range(1));
-  DamageParameters p;
-  p.B0 = 9.6e6;
-  const TensorDamage law(VtiElasticity(VtiConstants{50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
-  const double dt = 3e-9;
-  const double half = 0.5 * kCell * static_cast<double>(state.range(0));
-  // Stretch along x of the slab x > (1 - 2 share) half, whose strain starts at the surface.
-  const double onset = std::pow(2.0, 0.25) * std::sqrt(p.B0 / law.elasticity().C11), rate = 1e-5 * onset / dt;
-  const double from = half * (1.0 - 2.0 * share);
-  for (std::size_t b = 0; share > 0.0 && b < cube.points.blocks.size(); ++b)
-    cube.points.blocks[b].strain.xx = select(cube.points.blocks[b].X[0] > from, splat(onset), vd{});
-  AdvanceResult result;
-  for (auto _ : state) {
-    for (int i = 0; i < cube.grid.size(); ++i) {
-      const double x = cube.grid.keys[i][1] * kCell;
-      cube.grid.velocity[3 * i] = share > 0.0 ? rate * std::max(x - from, 0.0) : std::sin(100.0 * x);
-    }
-    cube.grid.clear_force();
-    advance_points(cube.points, cube.grid, law, dt, result);
-    cube.grid.sum_force();
-    cube.grid.update_acceleration();
-    cube.grid.drift(dt, dt);
+// The last cube is kept: Google Benchmark calls several times to find out how long to run.
+Cube& cube(const Method& m, int cells, bool damaging) {
+  static std::unique_ptr<Cube> last;
+  static std::string what;
+  const std::string wanted = m.name() + (damaging ? "d" : "e") + std::to_string(cells);
+  if (what != wanted) {
+    last.reset();
+    last = std::make_unique<Cube>(m, cells, damaging);
+    what = wanted;
   }
-  const double points = 8.0 * std::pow(static_cast<double>(state.range(0)), 3);
-  state.counters["points/s"] = benchmark::Counter(points * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
-  state.counters["bytes/point"] = static_cast<double>(cube.points.memory_usage()) / points;
-  state.counters["failed"] = static_cast<double>(result.failed.size());
+  return *last;
 }
-BENCHMARK(full_step)->ArgsProduct({{12, 24, 48}, {0}})->Args({24, 10})->Unit(benchmark::kMillisecond);
+
+benchmark::Counter rate(double each, const benchmark::State& state) {
+  return benchmark::Counter(each * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+// Flops of a point of the default step, a multiply-add counting two, read off the kernels:
+// weights 54, gather 486 + 9, strain and frame 325 + 9, stress and bound of damage 66, Piola
+// stress 196, scatter 378 + 71 for the sums over lanes, nodes 2.
+constexpr double kFlops = 54 + 495 + 334 + 66 + 196 + 449 + 2;
+
+// Bytes between memory and core: all of the block read, F, frame and strain written, the
+// block's meta data, and 280 bytes a node in the drift, the pass and the acceleration.
+double bytes_moved(const Cube& c) {
+  return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid.size() / c.points;
+}
+
+void full_step(benchmark::State& state, const Method& m, int cells, bool damaging) {
+  Cube& c = cube(m, cells, damaging);
+  const long crossed = c.s.crossings();
+  for (auto _ : state) c.step();
+  const double steps = static_cast<double>(state.iterations());
+  const double crossings = static_cast<double>(c.s.crossings() - crossed);
+  state.counters["points/s"] = rate(c.points, state);
+  state.counters["points"] = c.points;
+  state.counters["bytes/point"] = static_cast<double>(c.s.memory_usage()) / c.points;
+  state.counters["fill"] = c.points / static_cast<double>(kLanes * c.s.points.blocks.size());
+  state.counters["crossing"] = crossings / steps / c.points;
+  if (damaging) state.counters["growing"] = c.growing();
+  if (!damaging && m.name() == "total/quadratic/none") {
+    state.counters["flop/s"] = rate(kFlops * c.points, state);
+    state.counters["bytes/s"] = rate(bytes_moved(c) * c.points, state);
+  }
+}
+
+void scalar_step(benchmark::State& state) {
+  Cube c(Method(), 24, false);
+  std::vector<ScalarPoint> p = scalar_points(c.s);
+  std::vector<double> velocity(c.s.grid.velocity), force(velocity.size());
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = std::sin(0.1 * static_cast<double>(i));
+  c.s.grid.velocity = velocity;
+  // That it is the same method.
+  c.s.grid.clear_force();
+  AdvanceResult result;
+  advance_points(c.s.points, c.s.grid, c.s.law(), kStep, result);
+  scalar_advance(p, velocity.data(), force.data(), kCell, c.s.law(), kStep);
+  double largest = 0, worst = 0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    largest = std::max(largest, std::fabs(force[i]));
+    worst = std::max(worst, std::fabs(force[i] - c.s.grid.force[i]));
+  }
+  if (!(worst < 1e-11 * largest)) state.SkipWithError("the scalar kernel gives another force");
+  long over = 0;
+  for (auto _ : state) {
+    c.s.grid.velocity = velocity;
+    c.s.grid.drift(0.0, kStep);
+    std::fill(force.begin(), force.end(), 0.0);
+    over += scalar_advance(p, velocity.data(), force.data(), kCell, c.s.law(), kStep);
+    c.s.grid.update_acceleration();
+    for (double& v : velocity) v = -v;
+  }
+  benchmark::DoNotOptimize(over);
+  state.counters["points/s"] = rate(c.points, state);
+}
+
+void triad_rate(benchmark::State& state) {
+  const std::size_t n = std::size_t(1) << 25;  // 256 MB each
+  std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
+  for (auto _ : state) {
+    triad(a.data(), b.data(), c.data(), 3.0, n);
+    benchmark::ClobberMemory();
+  }
+  state.counters["bytes/s"] = rate(24.0 * static_cast<double>(n), state);
+}
+
+void multiply_add_rate(benchmark::State& state) {
+  const long n = 1 << 20;
+  for (auto _ : state) benchmark::DoNotOptimize(multiply_add(0.5, n));
+  state.counters["flop/s"] = rate(2.0 * kLanes * kChains * static_cast<double>(n), state);
+}
+
+std::vector<std::string> register_all() {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name, auto f) {
+    names.push_back(name);
+    benchmark::RegisterBenchmark(name.c_str(), f)->Unit(benchmark::kMillisecond);
+  };
+  add("machine/triad", triad_rate);
+  add("machine/multiply_add", multiply_add_rate);
+  add("scalar/total/quadratic/none/elastic", scalar_step);
+  for (const Method& m : all_methods())
+    for (bool damaging : {false, true})
+      add("step/" + m.name() + (damaging ? "/damaging" : "/elastic"),
+          [=](benchmark::State& s) { full_step(s, m, 24, damaging); });
+  for (int cells : {11, 23, 50, 79})
+    add("size/" + std::to_string(8 * cells * cells * cells), [=](benchmark::State& s) { full_step(s, Method(), cells, false); });
+  return names;
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-  benchmark::RunSpecifiedBenchmarks();
+  const std::vector<std::string> names = register_all();
+  std::string filter;
+  std::vector<char*> rest;
+  for (int i = 0; i < argc; ++i)
+    if (i == 0 || std::strncmp(argv[i], "-", 1) == 0) rest.push_back(argv[i]);
+    else filter += (filter.empty() ? "" : "|") + std::string(argv[i]);
+  filter = "--benchmark_filter=" + filter;
+  if (filter.back() != '=') rest.push_back(&filter[0]);
+  int count = static_cast<int>(rest.size());
+  benchmark::Initialize(&count, rest.data());
+  const bool wrong = benchmark::ReportUnrecognizedArguments(count, rest.data());
+  const bool none = !wrong && benchmark::RunSpecifiedBenchmarks() == 0;
+  if (none) {
+    std::fprintf(stderr, "bench_step: no benchmark matches; names are\n");
+    for (const std::string& n : names) std::fprintf(stderr, "  %s\n", n.c_str());
+  }
   MPI_Finalize();
-  return 0;
+  return wrong || none;
 }

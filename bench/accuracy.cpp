@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Error and time of the step on problems with a known solution, see doc/performance.md.
+//   accuracy [--quick] [--list] [name ...]
+// Names (regular expressions) are problem/kinematics/basis/transfer. CSV on standard output:
+// seconds are those of the step on one core, loads left out; error is the rms over the points of
+// the difference in displacement over a typical displacement, nan if the run broke down; drift
+// the largest change of energy over the initial energy in ten periods, where there is no load.
+#include <mpi.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <regex>
+#include <stdexcept>
+
+#include "mpm/gather.h"
+#include "mpm/scatter.h"
+#include "problems.h"
+
+namespace {
+
+using namespace mpdem;
+using namespace mpdem::bench;
+
+constexpr double kOfStable = 0.9;
+constexpr int kEnergyCells = 16;
+
+std::vector<Point> lattice(const Problem& p, double h) {
+  Point low, high;
+  p.box(h, low, high);
+  std::vector<Point> X;
+  int n[3];
+  for (int d = 0; d < 3; ++d) n[d] = static_cast<int>(std::lround(2 * (high[d] - low[d]) / h));
+  for (int i = 0; i < n[0]; ++i)
+    for (int j = 0; j < n[1]; ++j)
+      for (int k = 0; k < n[2]; ++k) {
+        const Point x = {low[0] + 0.5 * h * (i + 0.5), low[1] + 0.5 * h * (j + 0.5), low[2] + 0.5 * h * (k + 0.5)};
+        if (p.inside(x, h)) X.push_back(x);
+      }
+  return X;
+}
+
+Point created_at(const Stepper& s, int b, int l) {
+  const vd* X = s.points.created_at(b);
+  return {X[0][l], X[1][l], X[2][l]};
+}
+
+// Consistent nodal forces of body force and traction. With `updated` the surface is where the
+// solution says.
+struct Load {
+  const Problem& problem;
+  std::vector<Problem::Facet> facets;
+
+  template <class Type>
+  void add(Stepper& s, double t) const {
+    const double h = s.grid.h;
+    const std::vector<PointBlock>& blocks = s.points.blocks;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const BlockMeta& m = s.points.meta[b];
+      vd f[3] = {};
+      for (int l = 0; l < kLanes; ++l)
+        if (m.occupied >> l & 1) {
+          const Point a = problem.body_force(created_at(s, static_cast<int>(b), l), t);
+          for (int d = 0; d < 3; ++d) f[d][l] = problem.density * blocks[b].volume[l] * a[d];
+        }
+      scatter_value(s.grid.force.data(), m.column, Weights<Type>(blocks[b].X, m.base, 1.0 / h), f);
+    }
+    for (const Problem::Facet& facet : facets) {
+      Point x = facet.X;
+      if (s.method().updated) {
+        const Point u = problem.displacement(facet.X, t);
+        for (int d = 0; d < 3; ++d) x[d] += u[d];
+      }
+      vd X[3], f[3] = {};
+      int base[3], column[kMostColumns];
+      for (int d = 0; d < 3; ++d) {
+        // a hair inside, for the cell that has points
+        const double inside = d == facet.normal ? x[d] - 1e-9 * h * facet.sense : x[d];
+        base[d] = support_base(inside, 1.0 / h, Type::kShift);
+        X[d] = splat(inside);
+      }
+      if (!s.grid.find_columns(field_of(0, 0), base, column)) throw std::runtime_error("surface outside of the grid");
+      f[facet.normal][0] = facet.sense * facet.area * problem.traction(facet, t);
+      scatter_value(s.grid.force.data(), column, Weights<Type>(X, base, 1.0 / h), f);
+    }
+    for (int i = 0; i < s.grid.size(); ++i)
+      if (problem.held({h * s.grid.keys[i][1], h * s.grid.keys[i][2], h * s.grid.keys[i][3]}))
+        for (int d = 0; d < 3; ++d) s.grid.force[3 * i + d] = s.grid.velocity[3 * i + d] = 0.0;
+  }
+  void operator()(Stepper& s, double t) const {
+    with_basis(s.grid.basis, [&](auto type) { add<decltype(type)>(s, t); });
+  }
+};
+
+double error(const Problem& p, const Stepper& s) {
+  double sum = 0.0;
+  long n = 0;
+  with_basis(s.grid.basis, [&](auto type) {
+    for (std::size_t b = 0; b < s.points.blocks.size(); ++b) {
+      const PointBlock& q = s.points.blocks[b];
+      const BlockMeta& m = s.points.meta[b];
+      vd u[3];
+      if (s.method().updated) {
+        for (int d = 0; d < 3; ++d) u[d] = q.X[d] - s.points.created_at(static_cast<int>(b))[d];
+      } else {
+        gather_value(s.grid.displacement.data(), m.column, Weights<decltype(type)>(q.X, m.base, 1.0 / s.grid.h), u);
+      }
+      for (int l = 0; l < kLanes; ++l)
+        if (m.occupied >> l & 1) {
+          const Point exact = p.displacement(created_at(s, static_cast<int>(b), l), s.time());
+          for (int d = 0; d < 3; ++d) sum += std::pow(u[d][l] - exact[d], 2);
+          ++n;
+        }
+    }
+  });
+  return std::sqrt(sum / static_cast<double>(n)) / p.scale;
+}
+
+void measure(const Problem& p, const Method& m, int cells) {
+  const double h = 1.0 / cells;
+  const std::vector<Point> X = lattice(p, h);
+  Stepper s(m, h, X, h * h * h / 8, p.law(), p.density);
+  const int steps = static_cast<int>(std::ceil(p.looks[0] / (kOfStable * s.stable_step())));
+  const double dt = p.looks[0] / steps;
+  double worst = 0.0, drift = NAN, seconds = NAN;
+  int taken = 0;
+  try {
+    s.start([&](const Point& x) { return p.velocity(x, -0.5 * dt); });
+    if (p.loaded()) s.load = Load{p, p.facets(h)};
+    s.accelerate();
+    for (double look : p.looks) {
+      for (; s.time() < look - 0.5 * dt; ++taken) s.step(dt);
+      const double e = error(p, s);
+      worst = std::isfinite(e) ? std::max(worst, e) : NAN;
+      if (std::isnan(worst)) break;
+    }
+    seconds = s.seconds();
+    if (p.energy_until > 0.0 && cells == kEnergyCells) {
+      double start = 0.0;
+      drift = 0.0;
+      for (double t = s.time(); t < p.energy_until; t += dt) {
+        s.step(dt);
+        const double energy = s.kinetic_energy(0.5 * dt) + s.strain_energy();
+        if (start == 0.0) start = energy;
+        drift = std::max(drift, std::fabs(energy / start - 1.0));
+      }
+    }
+  } catch (const std::runtime_error&) {
+    worst = NAN;
+  }
+  std::printf("%s,%s,%d,%zu,%d,%.6g,%.6g,%.6g\n", p.name.c_str(), m.name().c_str(), cells, X.size(), taken, seconds, worst, drift);
+  std::fflush(stdout);
+}
+
+int run(int argc, char** argv) {
+  bool quick = false, list = false;
+  std::string wanted;
+  for (int i = 1; i < argc; ++i) {
+    if (!std::strcmp(argv[i], "--quick")) quick = true;
+    else if (!std::strcmp(argv[i], "--list")) list = true;
+    else wanted += (wanted.empty() ? "" : "|") + std::string(argv[i]);
+  }
+  struct Run {
+    const Problem* problem;
+    const Method* method;
+    std::string name;
+  };
+  const auto problems = all_problems();
+  std::vector<Run> all, chosen;
+  for (const auto& p : problems)
+    for (const Method& m : all_methods()) all.push_back({p.get(), &m, p->name + "/" + m.name()});
+  const std::regex pattern(wanted);
+  for (const Run& r : all)
+    if (std::regex_search(r.name, pattern)) chosen.push_back(r);
+  if (chosen.empty()) {
+    std::fprintf(stderr, "accuracy: no benchmark matches '%s'; names are\n", wanted.c_str());
+    for (const Run& r : all) std::fprintf(stderr, "  %s\n", r.name.c_str());
+    return 1;
+  }
+  if (!list) std::printf("problem,method,cells,points,steps,seconds,error,drift\n");
+  for (const Run& r : chosen) {
+    const std::vector<int>& cells = r.problem->cells;
+    if (list) std::printf("%s\n", r.name.c_str());
+    for (int i = 0; !list && i < (quick ? r.problem->quick : static_cast<int>(cells.size())); ++i)
+      measure(*r.problem, *r.method, cells[i]);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  const int status = run(argc, argv);
+  MPI_Finalize();
+  return status;
+}

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "problems.h"
+
+#include <cmath>
+
+namespace mpdem::bench {
+
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+// First mode of a free bar -1 < x < 1 without lateral contraction, antisymmetric, which is that
+// of a bar of length 1 held at x = 0: u = v0/w sin(w t) sin(pi x/2), w = pi/2 c. So slow that it
+// is linear.
+struct Bar : Problem {
+  static constexpr double v0 = 1e-7;
+  const double w = 0.5 * kPi;
+  Bar() {
+    name = "bar";
+    cells = {4, 8, 16, 32, 64};
+    quick = 3;
+    looks = {end};  // a quarter of the period
+    energy_until = 40.0;
+    scale = v0 / w / std::sqrt(2.0);
+  }
+  TensorDamage law() const override { return {VtiElasticity(VtiConstants::isotropic(1.0, 0.0)), DamageParameters()}; }
+  bool inside(const Point&, double) const override { return true; }
+  void box(double h, Point& low, Point& high) const override {
+    low = {-1, 0, 0};
+    high = {1, 2 * h, 2 * h};
+  }
+  bool loaded() const override { return false; }
+  Point displacement(const Point& X, double t) const override {
+    return {v0 / w * std::sin(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0};
+  }
+  Point velocity(const Point& X, double t) const override {
+    return {v0 * std::cos(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0};
+  }
+};
+
+// Axis-aligned manufactured solution (Wallstedt & Guilkey, J. Comput. Phys. 227 (2008) 9628) in
+// three dimensions, transversely isotropic: u_i = A_i sin(pi X_i) sin(c_i pi t) in the unit cube.
+// For the law of the package, tau_i = sum_k C_ik ln F_kk per reference volume, P_i = tau_i/F_ii:
+//   rho b_i = rho u_i,tt - (C_ii - tau_i) F_ii,i / F_ii^2
+// The faces carry the traction P_i.
+struct Cube : Problem {
+  const Point A = {0.05, 0.04, 0.03}, c = {1.0, 1.2, 0.8};
+  double C[3][3];
+  Cube() {
+    name = "cube";
+    cells = {6, 8, 12, 16, 24, 32};
+    quick = 3;
+    end = 0.5;
+    looks = {end};
+    const VtiElasticity e = law().elasticity();
+    const double c3[3][3] = {{e.C11, e.C12, e.C13}, {e.C12, e.C11, e.C13}, {e.C13, e.C13, e.C33}};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) C[i][j] = c3[i][j];
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) sum += std::pow(A[i] * std::sin(c[i] * kPi * end), 2) / 2;
+    scale = std::sqrt(sum);
+  }
+  TensorDamage law() const override {
+    return {VtiElasticity(VtiConstants{1.0, 0.6, 0.25, 0.2, 0.3}), DamageParameters()};
+  }
+  bool inside(const Point&, double) const override { return true; }
+  void box(double, Point& low, Point& high) const override {
+    low = {0, 0, 0};
+    high = {1, 1, 1};
+  }
+  Point displacement(const Point& X, double t) const override {
+    Point u;
+    for (int i = 0; i < 3; ++i) u[i] = A[i] * std::sin(kPi * X[i]) * std::sin(c[i] * kPi * t);
+    return u;
+  }
+  Point velocity(const Point& X, double t) const override {
+    Point v;
+    for (int i = 0; i < 3; ++i) v[i] = A[i] * c[i] * kPi * std::sin(kPi * X[i]) * std::cos(c[i] * kPi * t);
+    return v;
+  }
+  double stretch(const Point& X, int i, double t) const {
+    return 1.0 + A[i] * kPi * std::cos(kPi * X[i]) * std::sin(c[i] * kPi * t);
+  }
+  double kirchhoff(const Point& X, int i, double t) const {
+    double tau = 0.0;
+    for (int k = 0; k < 3; ++k) tau += C[i][k] * std::log(stretch(X, k, t));
+    return tau;
+  }
+  Point body_force(const Point& X, double t) const override {
+    Point b;
+    for (int i = 0; i < 3; ++i) {
+      const double wave = A[i] * std::sin(kPi * X[i]) * std::sin(c[i] * kPi * t), F = stretch(X, i, t);
+      b[i] = -std::pow(c[i] * kPi, 2) * wave + (C[i][i] - kirchhoff(X, i, t)) * kPi * kPi * wave / (F * F) / density;
+    }
+    return b;
+  }
+  std::vector<Facet> facets(double h) const override {
+    std::vector<Facet> all;
+    const int n = static_cast<int>(std::lround(2.0 / h));
+    for (int d = 0; d < 3; ++d)
+      for (int side = 0; side < 2; ++side)
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j) {
+            Point X;
+            X[d] = side;
+            X[(d + 1) % 3] = 0.5 * h * (i + 0.5);
+            X[(d + 2) % 3] = 0.5 * h * (j + 0.5);
+            all.push_back({X, 0.25 * h * h, d, 2 * side - 1});
+          }
+    return all;
+  }
+  double traction(const Facet& f, double t) const override {
+    return kirchhoff(f.X, f.normal, t) / stretch(f.X, f.normal, t);
+  }
+};
+
+// Generalized vortex (Kamojjala, Brannon, Sadeghirad & Guilkey, Eng. Comput. 31 (2015) 193): circles
+// of radius R turn by alpha = G sin(pi t/T) H(R), H = 1 - 32 (R-1)^2 + 256 (R-1)^4 for
+// 0.75 < R < 1.25 and 0 elsewhere; E = 1000, nu = 0.3, rho = 1000, T = 1 as there. With Jaumann's
+// rate, g = R alpha,R gives tau_rt = mu sin g and -tau_rr = tau_tt = mu (1 - cos g), no change of
+// volume, and
+//   b_r = -R alpha_t^2 - (tau_rr,R + (tau_rr - tau_tt)/R)/rho
+//   b_t =  R alpha_tt - (tau_rt,R + 2 tau_rt/R)/rho.
+// This law loses strong ellipticity, and the problem its well-posedness, where the principal
+// stresses differ by 2 mu, 4 mu sin(g/2) = 2 mu or g = pi/3. G = 0.14 keeps |g| < 0.99; with
+// G = 1, as for hyperelastic materials, |g| comes to 7.
+// Out of the ring the material is at rest.
+struct Vortex : Problem {
+  static constexpr double G = 0.14;
+  Vortex() {
+    name = "vortex";
+    cells = {8, 16, 32, 48, 64};
+    quick = 2;
+    density = 1000.0;
+    looks = {0.5, 1.0};
+    scale = 1.0;  // set below
+    double sum = 0, all = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const double R = 0.75 + 0.5 * (i + 0.5) / 1000;
+      sum += R * std::pow(2 * R * std::sin(0.5 * G * profile(R)), 2);
+      all += R;
+    }
+    scale = std::sqrt(sum / all);
+  }
+  TensorDamage law() const override { return {VtiElasticity(VtiConstants::isotropic(1000.0, 0.3)), DamageParameters()}; }
+  static bool turns(double R) { return std::fabs(R - 1.0) < 0.25; }
+  // Nodes a sixteenth and more off the ring are held. Left free, the ring would turn as a rigid body:
+  // the jumps of b at both its ends, sampled by the points, leave a torque.
+  bool held(const Point& x) const override { return std::fabs(std::hypot(x[0], x[1]) - 1.0) > 0.25 + 1.0 / 16; }
+  static double profile(double R) {
+    const double x = (R - 1) * (R - 1);
+    return turns(R) ? 1 - 32 * x + 256 * x * x : 0.0;
+  }
+  bool inside(const Point& X, double) const override {
+    const double R = std::hypot(X[0], X[1]);
+    return R > 0.5 && R < 1.5;
+  }
+  void box(double h, Point& low, Point& high) const override {
+    low = {-1.5, -1.5, 0};
+    high = {1.5, 1.5, h};
+  }
+  Point displacement(const Point& X, double t) const override {
+    const double a = G * std::sin(kPi * t) * profile(std::hypot(X[0], X[1]));
+    return {std::cos(a) * X[0] - std::sin(a) * X[1] - X[0], std::sin(a) * X[0] + std::cos(a) * X[1] - X[1], 0};
+  }
+  Point velocity(const Point& X, double t) const override {
+    const double w = G * kPi * std::cos(kPi * t) * profile(std::hypot(X[0], X[1]));
+    return {-w * X[1], w * X[0], 0};
+  }
+  Point body_force(const Point& X, double t) const override {
+    const double R = std::hypot(X[0], X[1]), r = R - 1, mu = 1000.0 / 2.6;
+    if (!turns(R)) return {0, 0, 0};
+    const double s = G * std::sin(kPi * t), H = profile(R), H1 = -64 * r + 1024 * r * r * r, H2 = -64 + 3072 * r * r;
+    const double a = s * H, at = G * kPi * std::cos(kPi * t) * H, att = -kPi * kPi * a;
+    const double g = R * s * H1, g1 = s * (H1 + R * H2);
+    const double rr = -mu * (1 - std::cos(g)), rr1 = -mu * std::sin(g) * g1, rt = mu * std::sin(g), rt1 = mu * std::cos(g) * g1;
+    const double br = -R * at * at - (rr1 + 2 * rr / R) / density, bt = R * att - (rt1 + 2 * rt / R) / density;
+    const double x = (std::cos(a) * X[0] - std::sin(a) * X[1]) / R, y = (std::sin(a) * X[0] + std::cos(a) * X[1]) / R;
+    return {br * x - bt * y, br * y + bt * x, 0};
+  }
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<Problem>> all_problems() {
+  std::vector<std::unique_ptr<Problem>> all;
+  all.push_back(std::make_unique<Bar>());
+  all.push_back(std::make_unique<Cube>());
+  all.push_back(std::make_unique<Vortex>());
+  return all;
+}
+
+}  // namespace mpdem::bench

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The benchmarks in their short form: they run, and the default has its order."""
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BUILD = Path(os.environ.get("MPDEM_EXE", "build/liggghts-mpdem")).resolve().parent
+
+pytestmark = pytest.mark.skipif(not (BUILD / "bench" / "accuracy").exists(),
+                                reason="benchmarks not built (cmake -DMPDEM_BENCH=ON)")
+
+
+def report(*arguments):
+    return subprocess.run([sys.executable, str(ROOT / "tools" / "bench_report.py"), "--build", str(BUILD), *arguments],
+                          capture_output=True, text=True, timeout=300)
+
+
+def test_short_run(tmp_path, figures):
+    done = report("--quick", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    result = json.loads((tmp_path / "results.json").read_text())
+    for problem in ("bar", "cube", "vortex"):
+        order = result["orders"][f"{problem}/total/quadratic/none"]
+        figures.note(f"{problem}: order of total/quadratic/none", f"{order:.2f}")
+        assert order >= 1.9
+        assert (tmp_path / f"{problem}.png").stat().st_size > 5000
+    assert result["orders"]["vortex/updated/quadratic/apic"] > 1.0
+    steps = {r["name"]: r for r in result["rates"]}
+    assert steps["step/total/quadratic/none/elastic"]["bytes/point"] < 400
+    # a tenth damages, in every step
+    assert 0.09 < steps["step/total/quadratic/none/damaging"]["growing"] < 0.11
+    assert 0.008 < steps["step/updated/quadratic/apic/elastic"]["crossing"] < 0.012
+
+
+@pytest.mark.parametrize("name", ["stepp", "bar/total/quintic", "step/total/quadratic/none/elastic/x"])
+def test_unknown_name(name):
+    done = report(name)
+    assert done.returncode != 0
+    assert f"'{name}'" in done.stderr and "bar/total/quadratic/none" in done.stderr

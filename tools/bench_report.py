@@ -1,0 +1,245 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Runs the benchmarks and writes tables and figures; see doc/performance.md.
+
+    tools/bench_report.py [--quick] [--list] [--build DIR] [--out DIR] [NAME ...]
+
+NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all but
+those of the group `peak`, which take a quarter of an hour. Writes results.json, rates.csv,
+accuracy.csv and a PNG a diagram to DIR, by default BUILD/bench/results.
+"""
+import argparse
+import csv
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "bench"))
+DEFAULT = "total/quadratic/none"
+# Order in the cell size that theory gives, known before anything was measured: a point transfer
+# smooths the velocity by O(h^2) in each of O(1/h) steps, which leaves first order to pic and
+# apic; everything else is second order, by the lumped mass and the quadrature at the points.
+EXPECTED = {"none": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 1}
+PROBLEMS = ("bar", "cube", "vortex")
+QUICK = ["machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+         f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
+
+
+def arguments():
+    p = argparse.ArgumentParser(description="Runs the benchmarks and writes tables and figures.")
+    p.add_argument("names", metavar="NAME", nargs="*", help="benchmarks, by the first parts of their names")
+    p.add_argument("--quick", action="store_true", help="a short run of less than a minute: few cells, short times")
+    p.add_argument("--list", action="store_true", help="print the names")
+    p.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build", help="build directory")
+    p.add_argument("--out", metavar="DIR", type=Path, help="where to write (default: BUILD/bench/results)")
+    return p.parse_args()
+
+
+def output(*command):
+    return subprocess.run([str(c) for c in command], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def tell(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def chosen(names, wanted):
+    """Those that begin with one of `wanted`, part by part."""
+    for w in wanted:
+        if not any((n + "/").startswith(w.rstrip("/") + "/") for n in names):
+            sys.exit(f"bench_report.py: unknown benchmark '{w}'; names, or the first parts of them, are\n  "
+                     + "\n  ".join(names))
+    return [n for n in names if any((n + "/").startswith(w.rstrip("/") + "/") for w in wanted)]
+
+
+def rates(program, names, quick):
+    found = json.loads(output(program, *(f"^{n}$" for n in names), "--benchmark_format=json",
+                              f"--benchmark_min_time={0.02 if quick else 0.4}"))["benchmarks"]
+    keep = ("points", "points/s", "bytes/point", "fill", "crossing", "growing", "flop/s", "bytes/s")
+    # CPU time, so that what else runs on the machine counts little; `points/s` is by that already.
+    return [{"name": b["name"], "ms": b["cpu_time"], **{k: b[k] for k in keep if k in b}} for b in found]
+
+
+def accuracy(program, names, quick):
+    text = output(program, *(["--quick"] if quick else []), *(f"^{n}$" for n in names))
+    rows = list(csv.DictReader(io.StringIO(text)))
+    return [{k: v if k in ("problem", "method") else float(v) for k, v in r.items()} for r in rows]
+
+
+def curves(rows, problem):
+    """Method to its rows, coarse to fine."""
+    found = {}
+    for r in rows:
+        if r["problem"] == problem:
+            found.setdefault(r["method"], []).append(r)
+    return {m: sorted(c, key=lambda r: r["cells"]) for m, c in found.items()}
+
+
+def order(curve):
+    """Slope of the error over the three finest cells, nan where the run broke down."""
+    import numpy as np
+    e = [(math.log(r["cells"]), math.log(r["error"])) for r in curve[-3:] if r["error"] > 0]
+    return -np.polyfit(*zip(*e), 1)[0] if len(e) >= 2 and len(e) == len(curve[-3:]) else math.nan
+
+
+def better(rows, problem):
+    """For each cell of the default: the methods that are as accurate in less time, by a tenth."""
+    c = curves(rows, problem)
+    return [(r["cells"], sorted({m for m, other in c.items() for o in other
+                                 if m != DEFAULT and o["error"] <= r["error"] and o["seconds"] < 0.9 * r["seconds"]}))
+            for r in c.get(DEFAULT, [])]
+
+
+def diagram(rows, problem, file):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    colours = {"none": "black", "pic": "tab:red", "flip": "tab:green", "apic": "tab:blue", "xpic2": "tab:orange"}
+    panels = ("linear", "quadratic", "cubic")
+    fig, axes = plt.subplots(1, 3, figsize=(11, 3.8), sharex=True, sharey=True)
+    every = curves(rows, problem)
+    for ax, basis in zip(axes, panels):
+        ax.set_title(basis)
+        ax.grid(True, which="both", lw=0.3)
+        for method, curve in every.items():
+            kinematics, own_basis, transfer = method.split("/")
+            if own_basis != basis or method == DEFAULT:
+                continue
+            ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color=colours[transfer], lw=1.1, ms=4,
+                      marker="o" if kinematics == "total" else "x", ls="-" if kinematics == "total" else "--",
+                      label=f"{kinematics} {transfer}")
+        if DEFAULT in every:
+            curve = every[DEFAULT]
+            ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color="black", lw=3, alpha=0.55,
+                      label="default (total quadratic none)")
+        ax.set_xlabel("seconds, one core")
+        if ax.lines:
+            ax.legend(fontsize=6)
+    axes[0].set_ylabel("relative error")
+    fig.suptitle(problem)
+    fig.tight_layout()
+    fig.savefig(file, dpi=90)
+    plt.close(fig)
+
+
+def size_diagram(found, file):
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    sizes = sorted((r["points"], 1e9 / r["points/s"]) for r in found if r["name"].startswith("size/"))
+    fig, ax = plt.subplots(figsize=(5, 3.2))
+    ax.semilogx(*zip(*sizes), "ko-")
+    ax.set(xlabel="points", ylabel="ns a point and step, one core", ylim=(0, None))
+    ax.grid(True, lw=0.3)
+    fig.tight_layout()
+    fig.savefig(file, dpi=90)
+    plt.close(fig)
+
+
+def report(result):
+    machine = {r["name"]: r for r in result["rates"]}
+    lines = [f"load average {result['load']:.2f}"]
+    if result["rates"]:
+        lines += ["", f"{'benchmark':48} {'M points/s':>10} {'B/point':>8} {'fill':>5} {'growing':>8}"]
+    for r in result["rates"]:
+        if "points/s" in r:
+            lines.append(f"{r['name']:48} {r['points/s'] / 1e6:10.2f} {r.get('bytes/point', math.nan):8.0f} "
+                         f"{r.get('fill', math.nan):5.2f} {r.get('growing', math.nan):8.3f}")
+    step = machine.get(f"step/{DEFAULT}/elastic")
+    if step and "machine/triad" in machine and "machine/multiply_add" in machine:
+        lines += ["", "one core: triad {:.1f} GB/s, multiply-add {:.1f} Gflop/s; the step moves {:.1f} GB/s ({:.0%}) "
+                  "and computes {:.1f} Gflop/s ({:.0%})".format(
+                      machine["machine/triad"]["bytes/s"] / 1e9, machine["machine/multiply_add"]["flop/s"] / 1e9,
+                      step["bytes/s"] / 1e9, step["bytes/s"] / machine["machine/triad"]["bytes/s"],
+                      step["flop/s"] / 1e9, step["flop/s"] / machine["machine/multiply_add"]["flop/s"])]
+    scalar = machine.get(f"scalar/{DEFAULT}/elastic")
+    if step and scalar:
+        lines.append(f"the step is {step['points/s'] / scalar['points/s']:.1f} times as fast as the scalar kernel")
+    for problem in (*PROBLEMS, "stiffness", "peak"):
+        c = curves(result["accuracy"], problem)
+        if not c:
+            continue
+        lines += ["", f"{problem:34} {'expected':>8} {'order':>6} {'finest':>10} {'seconds':>8}"]
+        for method, curve in c.items():
+            lines.append(f"  {method:32} {EXPECTED[method.split('/')[-1]]:8} {order(curve):6.2f} "
+                         f"{curve[-1]['error']:10.2e} {curve[-1]['seconds']:8.3f}")
+        for cells, methods in better(result["accuracy"], problem):
+            lines.append(f"  as accurate as the default with {cells:.5g} cells in less time: {', '.join(methods) or 'none'}")
+    for r in result["accuracy"]:
+        if r["problem"] == "ranks":
+            lines.append(f"\none rank {r['one']:.2f} s, two ranks {r['two']:.2f} s: {r['speedup']:.2f} times as fast")
+    return "\n".join(lines)
+
+
+def plain(value):
+    """JSON has no nan."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    return [plain(v) for v in value] if isinstance(value, (list, tuple)) else value
+
+
+def write_csv(rows, file):
+    keys = list(dict.fromkeys(k for r in rows for k in r))
+    with open(file, "w", newline="") as f:
+        w = csv.DictWriter(f, keys, restval="")
+        w.writeheader()
+        w.writerows(rows)
+
+
+def main():
+    args = arguments()
+    step, precise = args.build / "bench" / "bench_step", args.build / "bench" / "accuracy"
+    for program in (step, precise):
+        if not program.exists():
+            sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
+    os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
+    import bonds
+    names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
+             "bonds": bonds.NAMES}
+    every = [n for group in names.values() for n in group]
+    wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every} - {"peak"}))
+    picked = set(chosen(every, wanted))
+    names = {k: [n for n in v if n in picked] for k, v in names.items()}
+    if args.list:
+        print("\n".join(n for v in names.values() for n in v))
+        return
+    out = args.out or args.build / "bench" / "results"
+    out.mkdir(parents=True, exist_ok=True)
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": []}
+    if names["rates"]:
+        tell(f"{len(names['rates'])} rates ...")
+        result["rates"] = rates(step, names["rates"], args.quick)
+        write_csv(result["rates"], out / "rates.csv")
+    if names["accuracy"]:
+        tell(f"{len(names['accuracy'])} methods on problems with a known solution ...")
+        result["accuracy"] = accuracy(precise, names["accuracy"], args.quick)
+    if names["bonds"]:
+        runs = out / "runs"
+        runs.mkdir(exist_ok=True)
+        result["accuracy"] += bonds.measure(names["bonds"], runs, args.quick, tell)
+    if result["accuracy"]:
+        write_csv(result["accuracy"], out / "accuracy.csv")
+    result["orders"] = {f"{p}/{m}": order(c) for p in PROBLEMS for m, c in curves(result["accuracy"], p).items()}
+    (out / "results.json").write_text(json.dumps(plain(result), indent=1))
+    for problem in (*PROBLEMS, "stiffness", "peak"):
+        if curves(result["accuracy"], problem):
+            diagram(result["accuracy"], problem, out / f"{problem}.png")
+    if any(r["name"].startswith("size/") for r in result["rates"]):
+        size_diagram(result["rates"], out / "size.png")
+    text = report(result)
+    (out / "report.txt").write_text(text + "\n")
+    print(text)
+    print(f"\nResults: {out}")
+
+
+if __name__ == "__main__":
+    main()
