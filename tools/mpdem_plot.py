@@ -5,8 +5,10 @@
 
     tools/mpdem_plot.py RUN_DIR [--bond bond_NAME.csv] [--points 'points_NAME.*.txt'] [--out DIR]
 
-Reads the table of `fix mpm/couple ... csv` and the text dumps of the material points,
-prints a summary and writes summary.csv, force_displacement.png and damage_cut.png.
+Reads the table of `fix mpm/couple ... csv` and the text dumps of the material points, prints a
+summary and writes summary.csv, force_displacement.png and damage_cut.png; geometry.png, if the dumps
+have the compute `attached`; interface.png, if there is the event log events_NAME.csv and links let
+go. With the table load_NAME.csv of examples/pair_table, way and load are those of its load.
 Needs Debian's python3-numpy and python3-matplotlib.
 """
 import argparse
@@ -16,7 +18,7 @@ import sys
 sys.dont_write_bytecode = True  # leave the source tree as it is
 
 try:
-    from mpdem import figures, run, summary
+    from mpdem import figures, interface, run, summary
 except ImportError as missing:
     sys.exit(f"mpdem_plot.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
              "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
@@ -36,6 +38,8 @@ def arguments():
     p.add_argument("--points", metavar="DUMP", nargs="+",
                    help="dumps of the points, names or a pattern (default: points_NAME.*.txt, "
                         "NAME as in bond_NAME.csv); 'none': no cut")
+    p.add_argument("--events", metavar="CSV", help="event log of fix mpm (default: events_NAME.csv, if it is there)")
+    p.add_argument("--grain", metavar="ID", type=int, help="grain whose interface is drawn (default: where most links let go)")
     p.add_argument("--out", metavar="DIR", help="where to write (default: RUN_DIR)")
     p.add_argument("--which", metavar="N", type=int, help="number of the bond to plot (default: the first)")
     p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")
@@ -49,6 +53,7 @@ def main():
     args = arguments()
     bonds = run.read_bonds(run.find_bond_file(args.run_dir, args.bond))
     table = run.choose(bonds, args.which)
+    interface.follow_load(args.run_dir, table)
     results = {b.number: summary.measure(b, args.window) for b in bonds}
     result = results[table.number]
     summary.show(table, result, len(bonds))
@@ -58,8 +63,8 @@ def main():
     summary.write(os.path.join(out, "summary.csv"), bonds, results)
     written = ["summary.csv"]
     if not result.peak > 0.0:
-        raise run.Trouble(f"{table.path}: bond {table.number} was never in tension, nothing to draw; "
-                          "pull its grains apart or choose another bond with --which")
+        raise run.Trouble(f"{table.path}: bond {table.number} was never loaded, nothing to draw; "
+                          "move its grains or choose another bond with --which")
 
     # The curve is drawn even if something is wrong with the dumps; the complaint comes last.
     stages, trouble = [], None
@@ -76,6 +81,7 @@ def main():
             spacing = args.spacing or run.spacing(run.read_dump(dumps[min(dumps)]))
             figures.damage_cut(os.path.join(out, "damage_cut.png"), table, result, stages, args.radius, spacing)
             written.append("damage_cut.png")
+            written += interface.draw(args, out, table, dumps, spacing)
         except run.Trouble as t:
             trouble = t
     print(f"  written to {out}: {', '.join(written)}", flush=True)

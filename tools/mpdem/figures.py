@@ -35,23 +35,25 @@ def force_displacement(path, bond, result, stages):
     counts = ax.twinx()
     ax.set_zorder(counts.get_zorder() + 1)
     ax.patch.set_visible(False)
-    um = 1e6 * bond.opening
-    handles = ax.plot(um, bond.tension, color=CURVE, label="tension")
+    um = bond.way_scale * bond.opening
+    handles = ax.plot(um, bond.tension, color=CURVE, label=bond.load_name)
     top = 1.12 * result.peak
     if np.isfinite(result.stiffness):
-        reach = 1e6 * 1.04 * result.peak / result.stiffness
+        reach = bond.way_scale * 1.04 * result.peak / result.stiffness
         handles += ax.plot([0.0, reach], [0.0, 1.04 * result.peak], "--", color="0.5", lw=0.8, zorder=1,
                            label="initial stiffness")
     if stages:
-        at = np.array([(1e6 * bond.at(s, bond.opening), bond.at(s, "tension")) for _, s, _ in stages])
+        at = np.array([(bond.way_scale * bond.at(s, bond.opening), bond.at(s, "tension")) for _, s, _ in stages])
         handles += ax.plot(at[:, 0], at[:, 1], "o", color="white", mec=CURVE, ms=4.5, mew=1.0, zorder=4,
                            clip_on=False, label="stages of the cut")
-    peak = ax.plot(1e6 * result.peak_opening, result.peak, "*", color=MARK, ms=8, zorder=5, mec="white", mew=0.4,
-                       clip_on=False, label=f"peak {result.peak:.0f} N at {1e6 * result.peak_opening:.2f} µm")
+    peak = ax.plot(bond.way_scale * result.peak_opening, result.peak, "*", color=MARK, ms=8, zorder=5, mec="white", mew=0.4,
+                       clip_on=False, label=f"peak {run.number(result.peak)} {bond.load_unit} at "
+                         f"{bond.way_scale * result.peak_opening:.3g} {bond.way_unit}")
     handles += peak
     if result.broken:
-        handles.append(ax.axvline(1e6 * result.failure_opening, color=MARK, lw=0.8, ls=":", zorder=1,
-                                  label=f"failure at {1e6 * result.failure_opening:.1f} µm (mean < {100 * FAILED_BELOW:g} %)"))
+        handles.append(ax.axvline(bond.way_scale * result.failure_opening, color=MARK, lw=0.8, ls=":", zorder=1,
+                                  label=f"failure at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit} "
+                                  f"(mean < {100 * FAILED_BELOW:g} %)"))
     else:
         lowest = f" (mean ≥ {100 * result.lowest:.1f} %)" if np.isfinite(result.lowest) else ""
         handles += ax.plot([], [], " ", label="not broken" + lowest)
@@ -68,8 +70,8 @@ def force_displacement(path, bond, result, stages):
     counts.tick_params(colors="0.45")
     counts.spines["right"].set_color("0.6")
     ax.axhline(0.0, color="0.75", lw=0.6, zorder=0)
-    ax.set_xlabel("gap opening (µm)")
-    ax.set_ylabel("tension (N)")
+    ax.set_xlabel(f"{bond.way_name} ({bond.way_unit})")
+    ax.set_ylabel(f"{bond.load_name} ({bond.load_unit})")
     counts.set_ylabel("number of failed points, of links let go", color="0.45")
     if stages:
         drawn = [h for h in handles if h.get_linestyle() != "None"]
@@ -120,10 +122,11 @@ def damage_cut(path, bond, result, stages, radius, spacing):
     for i, ((letter, step, _), points) in enumerate(zip(stages, cuts)):
         ax = fig.add_axes([(left + i * (panel_w + between)) / width, below / height, panel_w / width, panel_h / height])
         opening = bond.at(step, bond.opening)
-        outlines(ax, radius * mm, bond.gap[0] * mm, opening * mm)
+        outlines(ax, radius * mm, bond.gap[0] * mm, bond.at(step, bond.lift) * mm)
         colours = squares(ax, points, 0.52 * spacing * mm)
         tension = bond.at(step, "tension")
-        ax.set_title(f"({letter}) opening {1e6 * opening:.1f} µm\n{tension:.0f} N, "
+        ax.set_title(f"({letter}) {bond.way_name.split()[-1]} {bond.way_scale * opening:.3g} {bond.way_unit}\n"
+                     f"{run.number(tension)} {bond.load_unit}, "
                      f"{100 * tension / result.peak:.0f} % of peak", loc="left", pad=3, linespacing=1.15)
         ax.set_xlim(-wide, wide)
         ax.set_ylim(-high, high)

@@ -11,6 +11,7 @@ import numpy as np
 COLUMNS = ("step", "time", "bond", "grain1", "grain2", "gap", "tension", "points", "attached", "debonded",
            "failed", "peak_tension", "dissipated_energy", "energy_imbalance")
 DUMP_COLUMNS = ("x", "y", "z", "c_damage", "c_failed")
+EXTRA_COLUMNS = ("id", "c_bond", "c_attached", "c_grain")  # read if there
 
 
 class Trouble(Exception):
@@ -24,13 +25,40 @@ class Bond:
         self.path, self.number = path, number
         for i, name in enumerate(COLUMNS):
             setattr(self, name, rows[:, i])
-        self.opening = self.gap - self.gap[0]
+        self.lift = self.gap - self.gap[0]
+        self.opening = self.lift  # the way of the load, which is another with follow()
         self.grains = int(self.grain1[0]), int(self.grain2[0])
+        self.load, self.way_name, self.load_name = "tension", "gap opening", "tension"
+        self.way_unit, self.way_scale, self.load_unit = "µm", 1e6, "N"
+
+    def follow(self, load, step, way, force):
+        """Take the way and the force of a load other than tension from its own table."""
+        turned = load in ("torsion", "bending")
+        self.load = load
+        self.opening, self.tension = np.interp(self.step, step, way), np.interp(self.step, step, force)
+        if abs(self.tension.min()) > self.tension.max():  # loaded the other way
+            self.opening, self.tension = -self.opening, -self.tension
+        self.peak_tension = np.maximum.accumulate(self.tension)
+        self.way_name = "rotation" if turned else "gap opening" if load == "force" else "displacement"
+        self.load_name = "moment" if turned else "tension" if load == "force" else "force"
+        if turned:
+            self.way_unit, self.load_unit = "µrad", "N m"
 
     def at(self, step, column):
         """Value of a column, a name or an array, at a step between the rows."""
         values = getattr(self, column) if isinstance(column, str) else column
         return float(np.interp(step, self.step, values))
+
+
+def number(value):
+    """Whole from 100 on, three digits below."""
+    return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
+
+
+def stem(bond):
+    """NAME of bond_NAME.csv, to which the other files of the run belong."""
+    name = os.path.splitext(os.path.basename(bond.path))[0]
+    return name[len("bond_"):] if name.startswith("bond_") else name
 
 
 def make_folder(path):
@@ -122,9 +150,7 @@ def matches(run_dir, name):
 def find_dumps(run_dir, names, bond):
     """Paths by step; dumps beyond the table belong to another run."""
     if not names:
-        stem = os.path.splitext(os.path.basename(bond.path))[0]
-        stem = stem[len("bond_"):] if stem.startswith("bond_") else stem
-        names = [f"points_{stem}.*.txt"]
+        names = [f"points_{stem(bond)}.*.txt"]
     shown = os.path.join(run_dir, names[0])
     dumps = {}
     for path in sorted({p for name in names for p in matches(run_dir, name)}):
@@ -159,7 +185,7 @@ def read_dump(path):
         if lacking:
             raise Trouble(f"{path}: no column {', '.join(lacking)}; dump x y z and "
                           "'compute mpm/atom' with the ID damage and the ID failed")
-        wanted = [c for c in DUMP_COLUMNS + ("c_bond",) if c in names]
+        wanted = [c for c in DUMP_COLUMNS + EXTRA_COLUMNS if c in names]
         try:
             data = np.loadtxt(f, usecols=[names.index(c) for c in wanted], max_rows=count, ndmin=2) if count else []
         except (ValueError, IndexError):

@@ -100,19 +100,19 @@ def show(bond, r, bonds):
     def line(label, value):
         print(f"  {label:<29}{value}")
 
-    um = 1e6
-    print(f"{bond.path}: bond {bond.number} of {bonds}, grains {bond.grains[0]} and {bond.grains[1]}, "
-          f"steps {bond.step[0]:.0f} to {bond.step[-1]:.0f}")
-    line("peak force", f"{r.peak:.5g} N")
-    line("stiffness", f"{r.stiffness:.4g} N/m" if np.isfinite(r.stiffness)
+    way, unit = bond.way_scale, bond.way_unit.replace("µ", "u")
+    force = "moment" if bond.load_unit == "N m" else "force"
+    line(f"peak {force}", f"{r.peak:.5g} {bond.load_unit}" + (f" ({bond.load})" if bond.load != "tension" else ""))
+    line("stiffness", f"{r.stiffness:.4g} {bond.load_unit}/{'rad' if force == 'moment' else 'm'}" if np.isfinite(r.stiffness)
          else "too few rows between 10 and 40 % of the peak")
-    line("displacement at peak", f"{r.peak_opening * um:.4g} um (step {r.peak_step:.0f})")
+    line("displacement at peak", f"{r.peak_opening * way:.4g} {unit} (step {r.peak_step:.0f})")
+    mean = f"mean {bond.load_name} of {r.window:g} steps"
     if r.broken:
-        line("displacement at failure", f"{r.failure_opening * um:.4g} um (step {r.failure_step:.0f}: mean tension "
-             f"of {r.window:g} steps below {100 * FAILED_BELOW:g} % of the peak)")
+        line("displacement at failure", f"{r.failure_opening * way:.4g} {unit} (step {r.failure_step:.0f}: {mean} "
+             f"below {100 * FAILED_BELOW:g} % of the peak)")
     elif np.isfinite(r.lowest):
-        line("displacement at failure", f"not broken (lowest mean tension of {r.window:g} steps after the peak: "
-             f"{100 * r.lowest:.3g} % of it, at {r.lowest_opening * um:.4g} um)")
+        line("displacement at failure", f"not broken (lowest {mean} after the peak: "
+             f"{100 * r.lowest:.3g} % of it, at {r.lowest_opening * way:.4g} {unit})")
     else:
         line("displacement at failure", f"not broken (the run ends at step {bond.step[-1]:.0f}, less than {r.window:g} steps "
              "after the peak)" if r.peak > 0.0 else "not broken (never in tension)")

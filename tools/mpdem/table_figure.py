@@ -17,7 +17,7 @@ def draw(path, rows):
     settings = list(dict.fromkeys(text_of(r) for r, _ in rows))
     across = min(len(loads), 3)
     down = -(-len(loads) // across)
-    legend = 0.3 + 0.14 * max(len(settings), 5)
+    legend = 0.2 + 0.14 * max(len(settings), 4)
     fig, axes = plt.subplots(down, across, figsize=(max(2.6 * across, 4.2), 2.5 * down + legend), squeeze=False)
     for ax in axes.flat[len(loads):]:
         ax.set_visible(False)
@@ -35,7 +35,11 @@ def draw(path, rows):
                     ax.plot(a, b, MARKERS[res["mode"]], color=COLOURS[shape], ms=5, zorder=3,
                             mfc=COLOURS[shape] if res["mode"] == "debonding" else "white")
         ax.set_title(load, loc="left")
-        ax.set_yscale("log")
+        low, high = (f(v for line in ax.get_lines() for v in line.get_ydata()) for f in (min, max))
+        if high > 20 * low:
+            ax.set_yscale("log")
+        else:
+            ax.set_ylim(0.0, 1.08 * high)
         ax.set_xlim(left=0.0)
         ax.set_xlabel("content (%)")
         ax.set_ylabel("peak moment / ($\\pi R^3$) (kPa)" if turned else "peak force / ($\\pi R^2$) (kPa)")
@@ -48,7 +52,7 @@ def draw(path, rows):
     lines = [Line2D([], [], color="0.3", ls=STYLES[i % len(STYLES)], lw=0.9, label=s or "as in the script")
              for i, s in enumerate(settings)]
     fig.tight_layout(rect=(0, legend / fig.get_figheight(), 1, 1))
-    fig.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.02, 0.005), ncol=2, frameon=False)
+    fig.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.02, 0.005), ncol=2, frameon=False, columnspacing=1.0)
     if settings != [""]:
         fig.legend(handles=lines, loc="lower right", bbox_to_anchor=(0.99, 0.005), frameon=False, fontsize=6)
     save(fig, path)

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Geometry of the cement with its attached points, and how the bond to a grain lets go.
+
+A point is drawn where it was at the first dump. `attached` of a dump: 0 no link, 1 attached, 2 let go.
+"""
+import os
+import re
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Circle, Patch
+
+from . import loading, run
+from .figures import GRAIN, GRAIN_EDGE, HALF_CUT, MAP, plt, save
+
+FREE, ATTACHED, KEPT = "#9db4c8", "#c8553d", "#dddddd"
+TIMES = "plasma"
+
+
+def follow_load(folder, bond):
+    """Way and load of examples/pair_table, if its table is there; its log names the load."""
+    path = os.path.join(folder, f"load_{run.stem(bond)}.csv")
+    if not os.path.isfile(path):
+        return
+    table = loading.read_table(path)
+    load = None
+    log = os.path.join(folder, "log.liggghts")
+    if os.path.isfile(log):
+        with open(log, errors="replace") as f:
+            found = re.search(r"^shape \S+, load (\w+), content", f.read(), re.M)
+        load = found[1] if found else None
+    if load is None:
+        raise run.Trouble(f"{log}: does not name the load of {path}; keep the log of the run beside it")
+    bond.follow(load, table["step"], table["way"], table["load"])
+
+
+def draw(args, out, bond, dumps, spacing):
+    """Writes what the files allow; names of what was written."""
+    first = run.read_dump(dumps[min(dumps)])
+    if "c_attached" not in first:
+        return []
+    if "c_bond" in first:
+        first = {c: v[first["c_bond"] == bond.number] if c != "step" else v for c, v in first.items()}
+    geometry(os.path.join(out, "geometry.png"), bond, first, args.radius, spacing)
+    written = ["geometry.png"]
+    name = args.events or f"events_{run.stem(bond)}.csv"
+    path = next((p for p in (os.path.join(args.run_dir, name), name) if os.path.isfile(p)), None)
+    if path is None:
+        if args.events:
+            raise run.Trouble(f"{name}: no such file; name the 'events' file of fix mpm with --events")
+        return written
+    if "id" not in first or "c_grain" not in first:
+        return written
+    with open(path) as f:
+        if len(f.readlines()) < 2:
+            return written  # nothing failed
+    events = loading.read_table(path)
+    events = {c: np.asarray(v)[events["bond"] == bond.number] for c, v in events.items()}
+    gone = events["grain"] > 0
+    if not gone.any():
+        return written
+    grain = args.grain or max(bond.grains, key=lambda g: (events["grain"] == g).sum())
+    if grain not in bond.grains:
+        raise run.Trouble(f"--grain {grain}: the grains of bond {bond.number} are {bond.grains[0]} and {bond.grains[1]}")
+    last = run.read_dump(dumps[max(dumps)])
+    interface(os.path.join(out, "interface.png"), bond, grain, first, last, events, spacing)
+    return written + ["interface.png"]
+
+
+def tiles(x, y, half):
+    corners = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    return np.column_stack([x, y])[:, None] + corners
+
+
+def geometry(path, bond, points, radius, spacing):
+    """A cut through the line of centres, and the points attached to the first grain from above."""
+    mm, half = 1e3, 0.46e3 * spacing
+    x, y, z = (mm * points[c] for c in "xyz")
+    attached = points["c_attached"] > 0
+    keep = np.abs(points["y"]) < HALF_CUT * spacing
+    wide = 1.12 * np.hypot(x, y).max()
+    high = 1.25 * np.abs(z[keep]).max() if keep.any() else wide
+    shape = min(max(high / wide, 0.3), 1.1)
+    fig = plt.figure(figsize=(7.2, 3.0 * shape + 1.0))
+    cut = fig.add_axes([0.07, 0.5 / fig.get_figheight(), 0.52, 1 - 0.85 / fig.get_figheight()])
+    for c in (-radius - 0.5 * bond.gap[0], radius + 0.5 * bond.gap[0]):
+        cut.add_patch(Circle((0.0, mm * c), mm * radius, fc=GRAIN, ec=GRAIN_EDGE, lw=0.6, zorder=1))
+    for group, colour in ((keep & ~attached, FREE), (keep & attached, ATTACHED)):
+        cut.add_collection(PolyCollection(tiles(x[group], z[group], half), fc=colour, lw=0, zorder=2))
+    cut.set_xlim(-wide, wide)
+    cut.set_ylim(-high, high)
+    cut.set_aspect("equal")
+    cut.set_xlabel("x (mm)", labelpad=1)
+    cut.set_ylabel("z (mm)", labelpad=1)
+    cut.set_title(f"cut: {len(x)} points, {attached.sum()} attached", loc="left")
+    top = fig.add_axes([0.66, 0.5 / fig.get_figheight(), 0.32, 1 - 0.85 / fig.get_figheight()])
+    disc = attached & (points["c_grain"] == bond.grains[0] if "c_grain" in points else points["z"] < 0)
+    top.add_collection(PolyCollection(tiles(x[disc], y[disc], half), fc=ATTACHED, lw=0))
+    top.set_xlim(-wide, wide)
+    top.set_ylim(-wide, wide)
+    top.set_aspect("equal")
+    top.set_xlabel("x (mm)", labelpad=1)
+    top.set_ylabel("y (mm)", labelpad=1)
+    top.set_title(f"attached to grain {bond.grains[0]}", loc="left")
+    fig.legend(handles=[Patch(fc=ATTACHED, label="attached"), Patch(fc=FREE, label="not attached"),
+                        Patch(fc=GRAIN, ec=GRAIN_EDGE, label="grains")], loc="lower left", ncol=3, frameon=False,
+               bbox_to_anchor=(0.05, 0.0))
+    save(fig, path)
+
+
+def interface(path, bond, grain, first, last, events, spacing):
+    """Disc of the points linked to a grain: damage at the last dump, time of letting go; radius against time."""
+    linked = (first["c_attached"] > 0) & (first["c_grain"] == grain)
+    ids = first["id"][linked].astype(int)
+    x, y = 1e3 * first["x"][linked], 1e3 * first["y"][linked]
+    at = dict(zip(last["id"].astype(int), last["c_damage"]))
+    damage = np.array([at.get(i, np.nan) for i in ids])
+    mine = events["grain"] == grain
+    when = dict(zip(events["point"][mine].astype(int), events["time"][mine]))
+    time = 1e6 * np.array([when.get(i, np.nan) for i in ids])
+    gone = np.isfinite(time)
+    half, wide = 0.52e3 * spacing, 1.06 * (np.hypot(x, y).max() + 1e3 * spacing)
+    fig, axes = plt.subplots(1, 3, figsize=(9.4, 3.3), gridspec_kw={"width_ratios": [1, 1, 1.15]})
+    panels = ((damage, plt.Normalize(0, 1), MAP, "largest damage (–)", "at the last dump"),
+              (time, plt.Normalize(np.nanmin(time), max(np.nanmax(time), np.nanmin(time) + 1e-9)) if gone.any() else None, TIMES,
+               "time of letting go (µs)", f"{gone.sum()} of {len(ids)} points let go"))
+    for ax, (values, norm, colours, label, title) in zip(axes, panels):
+        known = np.isfinite(values)
+        ax.add_collection(PolyCollection(tiles(x[~known], y[~known], half), fc=KEPT, lw=0, antialiased=False))
+        shown = PolyCollection(tiles(x[known], y[known], half), array=values[known], cmap=colours, norm=norm, lw=0, antialiased=False)
+        ax.add_collection(shown)
+        ax.set_xlim(-wide, wide)
+        ax.set_ylim(-wide, wide)
+        ax.set_aspect("equal")
+        ax.set_xlabel("x (mm)")
+        ax.set_ylabel("y (mm)", labelpad=0)
+        ax.set_title(title, loc="left")
+        bar = fig.colorbar(shown, ax=ax, orientation="horizontal", pad=0.18, fraction=0.05)
+        bar.set_label(label)
+    axes[0].set_title(f"grain {grain}, points attached at the start\ndamage at the last dump", loc="left")
+    ax = axes[2]
+    r = np.hypot(x, y)
+    ax.plot(time[gone], r[gone], "s", ms=1.6, color="0.25", mew=0, label="a point lets go")
+    ax.axhspan(r.min(), r.max(), color="0.95", zorder=0, label="attached at the start")
+    ax.set_xlabel("time (µs)")
+    ax.set_ylabel("distance from the line of centres (mm)")
+    load = ax.twinx()
+    load.plot(1e6 * bond.time, bond.tension, color="#c8553d", lw=0.8)
+    load.set_ylabel(f"{bond.load_name} ({bond.load_unit})", color="#c8553d")
+    load.tick_params(colors="#c8553d")
+    if gone.any():
+        reach = 0.08 * np.ptp(time[gone]) + 0.1
+        ax.set_xlim(np.nanmin(time) - reach, np.nanmax(time) + reach)
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), frameon=False, ncol=2, markerscale=2.5)
+    fig.subplots_adjust(left=0.055, right=0.935, bottom=0.08, top=0.87, wspace=0.32)
+    # the discs keep room for their bars; the third panel fills the height
+    box = ax.get_position()
+    for a in (ax, load):
+        a.set_position([box.x0 + 0.01, 0.15, box.width, 0.70])
+    save(fig, path)
