@@ -159,9 +159,10 @@ void Stepper::step_updated(double dt) {
 }
 
 double Stepper::stable_step() {
-  double lambda = eigenvalue_bound(method_.basis, law_.elasticity().largest_stiffness(), density_, grid.h);
-  if (lambda == 0.0) lambda = 1.2 * largest_eigenvalue(MPI_COMM_SELF, points, grid, law_).value;
-  return std::sqrt(2.0 / lambda);
+  double lambda = 0.0;
+  if (method_.updated) lambda = eigenvalue_bound(method_.basis, law_.elasticity().largest_stiffness(), density_, grid.h);
+  if (lambda == 0.0) lambda = (method_.updated ? 1.2 : 1.0) * largest_eigenvalue(MPI_COMM_SELF, points, grid, law_).value;
+  return std::sqrt((method_.transfers ? 2.0 : 4.0) / lambda);
 }
 
 double Stepper::kinetic_energy(double half_step) const {
