@@ -51,7 +51,7 @@ class Stepper {
   void step(double dt);
 
   double time() const { return time_; }
-  double seconds() const { return seconds_; }  // spent in step(), load left out
+  double seconds() const { return seconds_; }  // of CPU in step(), load left out
   long crossings() const { return crossings_; }
   int layouts() const { return layouts_; }
   const AdvanceResult& result() const { return result_; }
