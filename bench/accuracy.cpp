@@ -4,7 +4,7 @@
 // Error and time of the step on problems with a known solution, see doc/performance.md.
 //   accuracy [--quick] [--list] [name ...]
 // Names (regular expressions) are problem/kinematics/basis/transfer. CSV on standard output:
-// seconds are those of the step on one core, loads left out; error is the rms over the points of
+// seconds are CPU seconds of the steps, loads left out; error is the rms over the points of
 // the difference in displacement over a typical displacement, nan if the run broke down; drift
 // the largest change of energy over the initial energy in ten periods, where there is no load.
 #include <mpi.h>

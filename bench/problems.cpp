@@ -130,7 +130,7 @@ struct Vortex : Problem {
   static constexpr double G = 0.14;
   Vortex() {
     name = "vortex";
-    cells = {8, 16, 32, 48, 64};
+    cells = {8, 16, 24, 32, 48};
     quick = 2;
     density = 1000.0;
     looks = {0.5, 1.0};
