@@ -131,7 +131,7 @@ struct Vortex : Problem {
   Vortex() {
     name = "vortex";
     cells = {8, 12, 16, 24, 32};
-    quick = 2;
+    quick = 3;
     density = 1000.0;
     looks = {0.5, 1.0};
     scale = 1.0;  // set below
