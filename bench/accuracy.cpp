@@ -24,7 +24,9 @@ namespace {
 using namespace mpdem;
 using namespace mpdem::bench;
 
-constexpr double kOfStable = 0.9;
+// Of the limit of the start. Stretch and shear of the cube and the vortex raise the largest
+// eigenvalue: with 0.9 total/linear/none breaks down in both.
+constexpr double kOfStable = 0.55;
 constexpr int kEnergyCells = 16;
 
 std::vector<Point> lattice(const Problem& p, double h) {

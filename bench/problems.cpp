@@ -49,7 +49,7 @@ struct Cube : Problem {
   double C[3][3];
   Cube() {
     name = "cube";
-    cells = {6, 8, 12, 16, 24, 32};
+    cells = {6, 8, 12, 16, 24};
     quick = 3;
     end = 0.5;
     looks = {end};
@@ -130,8 +130,8 @@ struct Vortex : Problem {
   static constexpr double G = 0.14;
   Vortex() {
     name = "vortex";
-    cells = {8, 16, 24, 32, 48};
-    quick = 2;
+    cells = {8, 12, 16, 24, 32};
+    quick = 3;
     density = 1000.0;
     looks = {0.5, 1.0};
     scale = 1.0;  // set below
