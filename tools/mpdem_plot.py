@@ -44,8 +44,8 @@ def arguments():
     p.add_argument("--which", metavar="N", type=int, help="number of the bond to plot (default: the first)")
     p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")
     p.add_argument("--spacing", metavar="H", type=positive, help="of the material points, m (default: measured)")
-    p.add_argument("--window", metavar="STEPS", type=positive, default=500,
-                   help="over which the tension is averaged to tell failure (500)")
+    p.add_argument("--window", metavar="STEPS", type=positive,
+                   help="over which the tension is averaged to tell failure (500, or as the script of pair_table)")
     return p.parse_args()
 
 
@@ -53,8 +53,9 @@ def main():
     args = arguments()
     bonds = run.read_bonds(run.find_bond_file(args.run_dir, args.bond))
     table = run.choose(bonds, args.which)
-    interface.follow_load(args.run_dir, table)
-    results = {b.number: summary.measure(b, args.window) for b in bonds}
+    window = interface.follow_load(args.run_dir, table)
+    window = args.window or window or 500
+    results = {b.number: summary.measure(b, window) for b in bonds}
     result = results[table.number]
     summary.show(table, result, len(bonds))
 

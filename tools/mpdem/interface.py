@@ -19,20 +19,21 @@ TIMES = "plasma"
 
 
 def follow_load(folder, bond):
-    """Way and load of examples/pair_table, if its table is there; its log names the load."""
+    """Way and load of examples/pair_table, if its table is there; its log names the load.
+    Returns the steps over which the script averages, None without that table."""
     path = os.path.join(folder, f"load_{run.stem(bond)}.csv")
     if not os.path.isfile(path):
-        return
+        return None
     table = loading.read_table(path)
-    load = None
+    found = None
     log = os.path.join(folder, "log.liggghts")
     if os.path.isfile(log):
         with open(log, errors="replace") as f:
-            found = re.search(r"^shape \S+, load (\w+), content", f.read(), re.M)
-        load = found[1] if found else None
-    if load is None:
+            found = re.search(r"^shape \S+, load (\w+), content \S+, chunk (\d+)", f.read(), re.M)
+    if found is None:
         raise run.Trouble(f"{log}: does not name the load of {path}; keep the log of the run beside it")
-    bond.follow(load, table["step"], table["way"], table["load"])
+    bond.follow(found[1], table["step"], table["way"], table["load"])
+    return int(found[2])
 
 
 def draw(args, out, bond, dumps, spacing):
@@ -64,7 +65,7 @@ def draw(args, out, bond, dumps, spacing):
     if grain not in bond.grains:
         raise run.Trouble(f"--grain {grain}: the grains of bond {bond.number} are {bond.grains[0]} and {bond.grains[1]}")
     last = run.read_dump(dumps[max(dumps)])
-    interface(os.path.join(out, "interface.png"), bond, grain, first, last, events, spacing)
+    interface(os.path.join(out, "interface.png"), bond, grain, first, last, events, args.radius, spacing)
     return written + ["interface.png"]
 
 
@@ -109,8 +110,12 @@ def geometry(path, bond, points, radius, spacing):
     save(fig, path)
 
 
-def interface(path, bond, grain, first, last, events, spacing):
-    """Disc of the points linked to a grain: damage at the last dump, time of letting go; radius against time."""
+def interface(path, bond, grain, first, last, events, radius, spacing):
+    """Disc of the points linked to a grain: damage at the last dump, time of letting go; radius against time.
+
+    Lines mark where the surface of the grain crosses from one layer of the lattice of points to the next:
+    rings that lie on these are the lattice's, not the material's.
+    """
     linked = (first["c_attached"] > 0) & (first["c_grain"] == grain)
     ids = first["id"][linked].astype(int)
     x, y = 1e3 * first["x"][linked], 1e3 * first["y"][linked]
@@ -143,6 +148,10 @@ def interface(path, bond, grain, first, last, events, spacing):
     r = np.hypot(x, y)
     ax.plot(time[gone], r[gone], "s", ms=1.6, color="0.25", mew=0, label="a point lets go")
     ax.axhspan(r.min(), r.max(), color="0.95", zorder=0, label="attached at the start")
+    layers = np.arange(1, int(radius / spacing)) * spacing - 0.5 * bond.gap[0]
+    layers = 1e3 * np.sqrt(np.maximum(2 * radius * layers - layers**2, 0.0))
+    for i, level in enumerate(layers[(layers > r.min() - 0.02) & (layers < r.max())]):
+        ax.axhline(level, color="#2a6fbb", lw=0.5, ls=":", zorder=1, label="surface crosses a layer of points" if not i else None)
     ax.set_xlabel("time (µs)")
     ax.set_ylabel("distance from the line of centres (mm)")
     load = ax.twinx()
@@ -152,8 +161,8 @@ def interface(path, bond, grain, first, last, events, spacing):
     if gone.any():
         reach = 0.08 * np.ptp(time[gone]) + 0.1
         ax.set_xlim(np.nanmin(time) - reach, np.nanmax(time) + reach)
-    ax.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), frameon=False, ncol=2, markerscale=2.5)
-    fig.subplots_adjust(left=0.055, right=0.935, bottom=0.08, top=0.87, wspace=0.32)
+    ax.legend(loc="upper left", bbox_to_anchor=(-0.05, 1.2), frameon=False, ncol=2, markerscale=2.5)
+    fig.subplots_adjust(left=0.055, right=0.935, bottom=0.13, top=0.87, wspace=0.32)
     # the discs keep room for their bars; the third panel fills the height
     box = ax.get_position()
     for a in (ax, load):

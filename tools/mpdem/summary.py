@@ -100,6 +100,8 @@ def show(bond, r, bonds):
     def line(label, value):
         print(f"  {label:<29}{value}")
 
+    print(f"{bond.path}: bond {bond.number} of {bonds}, grains {bond.grains[0]} and {bond.grains[1]}, "
+          f"steps {bond.step[0]:.0f} to {bond.step[-1]:.0f}")
     way, unit = bond.way_scale, bond.way_unit.replace("µ", "u")
     force = "moment" if bond.load_unit == "N m" else "force"
     line(f"peak {force}", f"{r.peak:.5g} {bond.load_unit}" + (f" ({bond.load})" if bond.load != "tension" else ""))
