@@ -24,9 +24,13 @@ def ways(positions, duration):
 COLUMNS = ["f_bond", "f_bond[13]", "f_bond[17]", "f_bond[20]", "f_cem[8]", "f_cem[9]", "f_cem[12]", "f_cem[2]", "f_cem[6]"]
 
 
-@pytest.mark.parametrize("words", ["", "kinematics updated", "basis cubic"])
+@pytest.mark.parametrize("words", ["", "kinematics updated", "basis cubic quasistatic 1 0.5"])
 def test_unload_and_reload(words, tmp_path, figures):
-    """Unloaded after damage and loaded again: no dissipation below the largest opening, no force at none."""
+    """Unloaded after damage and loaded again: no dissipation below the largest opening, no force at none.
+
+    Softening cement is not at rest when the grains turn back: what the vibration still damages, most with cubic splines,
+    is in the figure of the dissipation.
+    """
     opening = 5e-6 if "cubic" in words else 8e-6  # at which damage has begun
     script = bond(words, timestep=f"{DT}", damage=BRITTLE) + thermo(10, COLUMNS) + ways([opening, 0.0, opening, 1.2 * opening], 4e-5)
     t = run(script, tmp_path).table()
@@ -35,7 +39,7 @@ def test_unload_and_reload(words, tmp_path, figures):
     assert t["f_bond[20]"][quarter] > 1e-3 and t["f_cem[2]"][quarter] == 0, (t["f_bond[20]"][quarter], t["f_cem[2]"][quarter])
     assert (np.diff(t["f_cem[8]"]) >= 0).all()
     figures.below(f"{name}: dissipated while unloading and reloading, of all",
-                  (spent[3 * quarter - 2] - spent[quarter + 2]) / spent[-1], 0.1 if "updated" in words else 0.02)
+                  (spent[3 * quarter - 2] - spent[quarter + 2]) / spent[-1], 0.1 if "updated" in words else 0.05 if words else 0.02)
     empty = slice(2 * quarter - 3, 2 * quarter + 3)
     figures.below(f"{name}: force left at zero opening, of the peak", abs(force[empty]).max() / force.max(), 0.02)
     down, up = slice(quarter + 5, 2 * quarter - 5), slice(2 * quarter + 5, 3 * quarter - 5)

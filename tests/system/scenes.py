@@ -6,7 +6,7 @@ something else replaces words of the text with `edit`.  SI units throughout.
 """
 import os
 import re
-import shutil
+import signal
 import subprocess
 from pathlib import Path
 
@@ -206,8 +206,8 @@ def executable():
     return str(Path(path).resolve())
 
 
-def launch(script, directory, ranks=1, program=None, name="in.test", arguments=()):
-    """Runs the script in `directory`, whatever comes of it; output goes to a file."""
+def start(script, directory, ranks=1, program=None, name="in.test", arguments=()):
+    """Begins to run the script in `directory`, in a session of its own; output goes to the file NAME.out."""
     directory = Path(directory)
     directory.mkdir(exist_ok=True)
     (directory / name).write_text(script)
@@ -219,10 +219,20 @@ def launch(script, directory, ranks=1, program=None, name="in.test", arguments=(
     # Open MPI refuses to start as root, which a container may well be, without these two.
     environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **os.environ}
     with open(directory / f"{name}.out", "w") as out:
-        status = subprocess.run(command, cwd=directory, stdout=out, stderr=subprocess.STDOUT,
-                                stdin=subprocess.DEVNULL, env=environment, timeout=300).returncode
+        return subprocess.Popen(command, cwd=directory, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                env=environment, start_new_session=True)
+
+
+def launch(script, directory, ranks=1, name="in.test", **options):
+    """Runs the script in `directory`, whatever comes of it."""
+    process = start(script, directory, ranks, name=name, **options)
+    try:
+        process.wait(300)
+    except BaseException:
+        os.killpg(process.pid, signal.SIGKILL)
+        raise
     # LIGGGHTS follows one error in five with a joke that it has freed already.
-    return Run(directory, status, (directory / f"{name}.out").read_text(errors="replace"))
+    return Run(Path(directory), process.returncode, (Path(directory) / f"{name}.out").read_text(errors="replace"))
 
 
 def run(script, directory, ranks=1, **options):

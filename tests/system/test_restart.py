@@ -81,7 +81,7 @@ def test_written_during_a_run(tmp_path, figures):
         assert tail["step"][0] == step
         force = whole.table()["f_bond"][step // 10:][:len(tail["f_bond"])]
         figures.below(f"restart written at step {step} of a run: bond force of the next 30 steps, over the peak",
-                      abs(force - tail["f_bond"]).max() / peak, 1e-7)
+                      abs(force - tail["f_bond"]).max() / peak, 1e-12)
 
 
 @pytest.mark.parametrize("changes, needed", [

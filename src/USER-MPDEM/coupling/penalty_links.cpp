@@ -34,7 +34,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (!k.attached) continue;
+    if (!k.attached && !k.inert) continue;
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     Item it;
     it.body = points.meta[b].body;
@@ -71,10 +71,14 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     for (int l = 0; l < kLanes && i < items.size() && place_of(items[i]) == place_of(first); ++l, ++i) {
       const Link& k = points.links[items[i].link];
       b.link[l] = items[i].link;
-      b.attached |= static_cast<std::uint8_t>(1u << l);
-      b.area[l] = k.area;
-      const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-      b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+      b.inert |= static_cast<std::uint8_t>(1u << l);
+      b.inertia[l] = k.area;
+      if (k.attached) {
+        b.attached |= static_cast<std::uint8_t>(1u << l);
+        b.area[l] = k.area;
+        const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+        b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+      }
       double q[3];
       for (int d = 0; d < 3; ++d) {
         b.X[d][l] = items[i].X[d];
@@ -176,15 +180,23 @@ void PenaltyLinks::renumber(const std::vector<int>& new_place) {
       if (k >= 0) k = new_place[k];
 }
 
-void PenaltyLinks::add_stiffness(Grid& grid) {
+void PenaltyLinks::drop_inertia(PointStore& points) {
+  for (LinkBlock& b : blocks_) {
+    if (b.inert == b.attached) continue;
+    b.inertia = b.area;
+    b.inert = b.attached;
+    for (int l = 0; l < kLanes; ++l)
+      if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
+  }
+}
+
+void PenaltyLinks::add_stiffness(Grid& grid) const {
   const double k = std::max(p_.kn, p_.kt);
   with_basis(basis_, [&](auto type) {
-    for (LinkBlock& b : blocks_) {
-      b.inertia = b.area;
-      b.inert = b.attached;
-      if (!b.attached) continue;
+    for (const LinkBlock& b : blocks_) {
+      if (!b.inert) continue;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = k * b.area * row_sum(w);
+      const vd row = k * b.inertia * row_sum(w);
       for_each_node(w, [&](int c, int l, vd weight) { grid.penalty[b.column[c] + l] += sum_lanes(row * abs(weight)); });
     }
   });
@@ -322,6 +334,7 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
       if (!(freed >> l & 1)) continue;
       released += U[l];
       points.links[b.link[l]].attached = 0;
+      points.links[b.link[l]].inert = true;
       b.area[l] = 0.0;
       b.damper[l] = 0.0;
       ++count;

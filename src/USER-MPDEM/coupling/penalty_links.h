@@ -66,8 +66,9 @@ class PenaltyLinks {
   void renumber(const std::vector<int>& new_place);
 
   // Row-summed stiffness of this rank's links into grid.penalty. Links that let go count,
-  // and react, until this is called again.
-  void add_stiffness(Grid& grid);
+  // and react, until drop_inertia() is called.
+  void add_stiffness(Grid& grid) const;
+  void drop_inertia(PointStore& points);
 
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.

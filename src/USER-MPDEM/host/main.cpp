@@ -3,25 +3,13 @@
 //
 // liggghts-mpdem: LIGGGHTS' own driver, linked with the package.
 #include <mpi.h>
-#include <signal.h>
-
-#include <cstring>
 
 #include "input.h"
 #include "lammps.h"
-#include "signal_handling.h"
+#include "signals.h"
 
 int main(int argc, char** argv) {
-  struct sigaction quit, restart;
-  std::memset(&quit, 0, sizeof quit);
-  std::memset(&restart, 0, sizeof restart);
-  quit.sa_handler = LAMMPS_NS::SignalHandler::int_handler;
-  restart.sa_handler = LAMMPS_NS::SignalHandler::usr1_handler;
-  // mpirun passes an interrupt on as SIGTERM.
-  sigaction(SIGINT, &quit, nullptr);
-  sigaction(SIGTERM, &quit, nullptr);
-  sigaction(SIGUSR1, &restart, nullptr);
-
+  mpdem::install_signal_handlers();
   MPI_Init(&argc, &argv);
   auto* liggghts = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
   liggghts->input->file();

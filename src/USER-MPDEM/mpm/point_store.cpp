@@ -61,7 +61,7 @@ int PointRecord::pack(double* buf) const {
     buf[m++] = used ? link[i].grain : 0;
     for (int d = 0; d < 3; ++d) buf[m++] = used ? link[i].foot[d] : 0.0;
     buf[m++] = used ? link[i].area : 0.0;
-    buf[m++] = used ? link[i].attached : 0;
+    buf[m++] = used ? link[i].attached + 2 * link[i].inert : 0;
     for (int d = 0; d < 3; ++d) buf[m++] = used ? link[i].moved[d] : 0.0;
   }
   return m;
@@ -91,7 +91,9 @@ int PointRecord::unpack(const double* buf) {
     link[i].grain = static_cast<int>(buf[m++]);
     for (int d = 0; d < 3; ++d) link[i].foot[d] = buf[m++];
     link[i].area = buf[m++];
-    link[i].attached = static_cast<int>(buf[m++]);
+    const int state = static_cast<int>(buf[m++]);
+    link[i].attached = state & 1;
+    link[i].inert = state >> 1 & 1;
     for (int d = 0; d < 3; ++d) link[i].moved[d] = buf[m++];
   }
   return m;

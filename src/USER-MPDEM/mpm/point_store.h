@@ -34,6 +34,7 @@ struct Link {
   double area;      // of the grain's surface
   int attached;     // 0 once it has let go
   double moved[3] = {0, 0, 0};
+  bool inert = false;  // has let go, but its added mass still counts, see coupling/penalty_links.h
 };
 
 // One point, for transfer between ranks, restart files and creation.

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "arguments.h"
@@ -23,7 +24,7 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 1.0;
+constexpr double kRestartVersion = 2.0;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -219,8 +220,19 @@ void FixMpm::write_restart(FILE* fp) {
   if (comm->me != 0) return;
   std::vector<double> head = {kRestartVersion, cell_, dt_last_, static_cast<double>(bodies_started_), start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
+  head.push_back(update->get_cur_time());
+  head.push_back(static_cast<double>(separation_.size()));
   head.push_back(static_cast<double>(all.size() / kNodeRow));
-  const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
+  for (std::size_t b = 0; b < separation_.size(); ++b) {
+    const mpdem::Separation& s = separation_[b];
+    const double peak = b < bonds_.size() ? bonds_[b].peak : 0.0;
+    head.insert(head.end(), {failed_seen_[b], static_cast<double>(s.separated), s.at_grain[0], s.at_grain[1], s.inside, peak});
+  }
+  const std::size_t bytes = (head.size() + all.size()) * sizeof(double);
+  const int size = static_cast<int>(bytes);  // LIGGGHTS' format
+  if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    mpdem::stop_one(lmp, mpdem::text_of("fix mpm (id ", id, "): the motion of ", all.size() / kNodeRow, " nodes does not fit into the 2 GiB that a restart "
+                                 "file of LIGGGHTS has for a fix; use a larger 'cell', or several scenes"));
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(head.data(), sizeof(double), head.size(), fp);
   fwrite(all.data(), sizeof(double), all.size(), fp);
@@ -242,10 +254,25 @@ void FixMpm::restart(char* buf) {
     work_ = v[8];
     work_last_ = v[9];
   }
-  const std::size_t n = static_cast<std::size_t>(v[10]);
+  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
+  update->atime = v[10];
+  update->atimestep = update->ntimestep;
+  const std::size_t bodies = static_cast<std::size_t>(v[11]), n = static_cast<std::size_t>(v[12]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
-  const double* rows = v + 11;
+  failed_seen_.resize(bodies);
+  separation_.resize(bodies);
+  bonds_.resize(bodies);
+  const double* row = v + 13;
+  for (std::size_t b = 0; b < bodies; ++b, row += 6) {
+    failed_seen_[b] = row[0];
+    separation_[b].separated = row[1] != 0.0;
+    separation_[b].at_grain[0] = row[2];
+    separation_[b].at_grain[1] = row[3];
+    separation_[b].inside = row[4];
+    bonds_[b].peak = row[5];
+  }
+  const double* rows = row;
   const auto key = [rows](std::size_t i) {
     const double* r = rows + kNodeRow * i;
     return mpdem::Key{static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]), static_cast<int>(r[3])};

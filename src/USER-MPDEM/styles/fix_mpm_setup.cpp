@@ -77,7 +77,8 @@ void FixMpm::pre_exchange() {
 void FixMpm::setup_pre_neighbor() {
   count_points();
   rebuild();
-  if (separate_bodies()) rebuild();
+  // Bodies that a check has seen wait for the next one, so that a run in parts is the run as a whole.
+  if (separation_.size() < avec_->bodies.size() && separate_bodies()) rebuild();
 }
 
 void FixMpm::pre_neighbor() {
@@ -97,13 +98,8 @@ void FixMpm::pre_neighbor() {
   }
   int any;
   MPI_Allreduce(&changed, &any, 1, MPI_INT, MPI_MAX, world);
-  // Added masses change at this step on every decomposition or on none.
-  if (any) {
-    rebuild();
-  } else {
-    find_owned_grains();
-    drop_added_mass();
-  }
+  if (any) rebuild();
+  else find_owned_grains();
 }
 
 void FixMpm::count_points() {
@@ -219,6 +215,7 @@ void FixMpm::refresh_added_mass() {
 void FixMpm::drop_added_mass() {
   if (!coupled_ || law_->parameters().B0 == 0.0) return;
   const double before = links_.inertial_energy(grid_, sides_);
+  links_.drop_inertia(avec_->points);
   refresh_added_mass();
   released_ += before - links_.inertial_energy(grid_, sides_);
 }

@@ -46,9 +46,11 @@ void FixMpm::post_integrate() {
 
 void FixMpm::post_force(int) {
   const double dt = update->dt;
-  // After a check; not in it, where the forces of the step are still to be shown.
+  // After a check; not in it, where the forces of the step are still to be shown, and which may
+  // be the step of a restart file.
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
+    drop_added_mass();
     if (separate_bodies()) rebuild();
   }
   jump_.clear();
@@ -165,7 +167,6 @@ void FixMpm::end_of_step() {
 
   const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
-    drop_added_mass();
     write_events();
     check_state();
   } else if (output_due) {

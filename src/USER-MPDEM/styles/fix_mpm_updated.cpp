@@ -110,6 +110,7 @@ void FixMpm::step_updated(double dt) {
     links_.add_reaction(grid_, jump_, shared * shared / dt, sides_);
     if (links_.move_places(points)) move_links();
     links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
+    links_.drop_inertia(points);
     refresh_added_mass();
     damped_ += inertial - links_.inertial_energy(grid_, sides_);
   }

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// LIGGGHTS acts on a signal rank by rank, at the step that each happens to be at, and not at
+// all without a `restart` command: ranks then wait for each other forever, or the run goes on.
+// Here the ranks agree, every few steps, on the step at which all of them act.
+#include "signals.h"
+
+#include <mpi.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+
+#include "neighbor.h"
+#include "original.h"
+#include "output.h"
+#include "signal_handling.h"
+#include "update.h"
+
+namespace {
+
+constexpr int kAgreeEvery = 10;  // steps between two agreements
+volatile sig_atomic_t quit_seen = 0, restart_seen = 0;
+
+// Only what may be called in a handler.
+void say(const char* text) {
+  const ssize_t written = write(STDERR_FILENO, text, std::strlen(text));
+  static_cast<void>(written);
+}
+
+extern "C" void on_quit(int) {
+  if (quit_seen) {
+    say("\nSecond SIGINT or SIGTERM: ending at once, without a restart file.\n");
+    _Exit(EXIT_FAILURE);
+  }
+  quit_seen = 1;
+}
+
+extern "C" void on_restart(int) { restart_seen = 1; }
+
+}  // namespace
+
+namespace mpdem {
+
+void install_signal_handlers() {
+  struct sigaction quit, restart;
+  std::memset(&quit, 0, sizeof quit);
+  std::memset(&restart, 0, sizeof restart);
+  quit.sa_handler = on_quit;
+  restart.sa_handler = on_restart;
+  quit.sa_flags = restart.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &quit, nullptr);
+  sigaction(SIGTERM, &quit, nullptr);  // mpirun passes an interrupt on as this
+  sigaction(SIGUSR1, &restart, nullptr);
+}
+
+}  // namespace mpdem
+
+namespace LAMMPS_NS {
+
+// Called once a step by all ranks; 1 makes this step one at which a restart file can be written.
+int Neighbor::decide() {
+  static const auto decide_of_liggghts = mpdem::original<int (*)(Neighbor*)>("_ZN9LAMMPS_NS8Neighbor6decideEv");
+  if (update->ntimestep % kAgreeEvery == 0) {
+    int seen[2] = {quit_seen, restart_seen};
+    MPI_Allreduce(MPI_IN_PLACE, seen, 2, MPI_INT, MPI_MAX, world);
+    if (seen[0] || seen[1]) {
+      restart_seen = 0;
+      SignalHandler::request_quit = seen[0];
+      SignalHandler::request_write_restart = SignalHandler::enable_restart_writing;
+      output->restart_requested(update->ntimestep);
+      return 1;
+    }
+  }
+  return decide_of_liggghts(this);
+}
+
+}  // namespace LAMMPS_NS
