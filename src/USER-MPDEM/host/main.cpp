@@ -6,7 +6,11 @@
 #include <signal.h>
 
 #include <cstring>
+#include <exception>
+#include <new>
+#include <string>
 
+#include "error.h"
 #include "input.h"
 #include "lammps.h"
 #include "signal_handling.h"
@@ -24,7 +28,14 @@ int main(int argc, char** argv) {
 
   MPI_Init(&argc, &argv);
   auto* liggghts = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
-  liggghts->input->file();
+  try {
+    liggghts->input->file();
+  } catch (const std::bad_alloc&) {
+    liggghts->error->one("USER-MPDEM", 0, "out of memory; use fewer points (a larger 'spacing' of create_cement, "
+                                          "a larger 'cell' of fix mpm) or more ranks on more machines");
+  } catch (const std::exception& e) {
+    liggghts->error->one("USER-MPDEM", 0, (std::string("unexpected, please report: ") + e.what()).c_str());
+  }
   delete liggghts;
   MPI_Finalize();
   return 0;

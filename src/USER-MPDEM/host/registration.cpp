@@ -5,9 +5,9 @@
 // and command styles live in run-time maps that are filled anew for every set of
 // top-level classes (also after `clear`), right before LAMMPS::post_create(); atom styles
 // are a compile-time chain inside Atom::new_avec(); the list of `-h` is LAMMPS::help().
-// All three are called through the symbol table, so the definitions below take
+// They are called through the symbol table, so the definitions below take
 // precedence over the library's when the executable exports its symbols (-rdynamic);
-// they call the originals first or last.
+// they call the originals first or last. So does LAMMPS::init(), which begins every run.
 #include <dlfcn.h>
 
 #include <cstdio>
@@ -21,6 +21,7 @@
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
 #include "../styles/write_cement.h"
+#include "abort.h"
 #include "atom.h"
 #include "private_access.h"
 #include "universe.h"
@@ -69,6 +70,12 @@ void LAMMPS::post_create() {
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
   mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
+  mpdem::learn_log_name(this);
+}
+
+void LAMMPS::init() {
+  mpdem::learn_log_name(this);
+  original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4initEv")(this);
 }
 
 AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {
