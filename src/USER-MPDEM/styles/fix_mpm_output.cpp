@@ -197,6 +197,7 @@ double FixMpm::compute_vector(int n) {
 
 // Nodal motion is not held by the points, so it travels in the fix's own part of the file.
 void FixMpm::write_restart(FILE* fp) {
+  if (built_) check_state();  // a spoilt state must not take the place of a good file
   std::vector<double> sums = {dissipated_, released_, damped_, work_, work_last_};
   global_sum(sums, world);
   std::vector<double> mine;
