@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Thin front of CMake: make demo, make test. See README.md.
+# Thin front of CMake: make demo, make test, make stress. See README.md.
 BUILD ?= build
 JOBS  ?= $(shell nproc)
 RANKS ?= 2
@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test bench liggghts-from-source clean
+.PHONY: all demo test stress bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -35,6 +35,13 @@ demo: $(BUILD)/.setup
 
 test: all
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
+
+# Every test, those of stability at full length, and the table of doc/reliability.md from what they
+# measured. Takes an hour or two.
+stress: test
+	cd $(BUILD) && MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures /usr/bin/python3 -B -m pytest \
+	  -q -p no:cacheprovider --long --basetemp=stress $(CURDIR)/tests/stability
+	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
 # LIGGGHTS itself from source, with the series of patches/ and the package inside, in
 # $(BUILD)/from-source. TARBALL=... if it is at hand, JOBS=... for other than 2.

@@ -44,7 +44,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     it.link = static_cast<int>(i);
     for (int d = 0; d < 3; ++d) {
       it.X[d] = p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[b].X[d][l];
-      it.base[d] = support_base(it.X[d], inverse_h_, shift);
+      it.base[d] = support_base(points.blocks[b].X[d][l], inverse_h_, shift);
     }
     items.push_back(it);
   }
@@ -108,6 +108,29 @@ bool PenaltyLinks::find_columns(const Grid& grid) {
   return all;
 }
 
+template <class Type, class F>
+void PenaltyLinks::for_each_node(const Weights<Type>& w, F f) {
+  constexpr int S = Type::kSupport;
+  for (int i = 0; i < S; ++i)
+    for (int j = 0; j < S; ++j) {
+      const vd wij = w.w[0][i] * w.w[1][j];
+      for (int k = 0; k < S; ++k) f(S * i + j, k, wij * w.w[2][k]);
+    }
+}
+
+// Sum of the sizes of the weights: a row of the stiffness matrix of a link has the entries
+// k A |w_I| |w_J| at most.
+template <class Type>
+vd PenaltyLinks::row_sum(const Weights<Type>& w) {
+  vd sum = splat(1.0);
+  for (int d = 0; d < 3; ++d) {
+    vd of_direction{};
+    for (int i = 0; i < Type::kSupport; ++i) of_direction += abs(w.w[d][i]);
+    sum *= of_direction;
+  }
+  return sum;
+}
+
 void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   with_basis(basis_, [&](auto type) {
     for (LinkBlock& b : blocks_) {
@@ -127,7 +150,7 @@ bool PenaltyLinks::move_places(PointStore& points) {
       for (int d = 0; d < 3; ++d) {
         b.X[d][l] += b.move[d][l];
         k.moved[d] += b.move[d][l];
-        const double t = b.X[d][l] * inverse_h_ - (shift + b.base[d]);
+        const double t = points.blocks[k.slot / kLanes].X[d][k.slot % kLanes] * inverse_h_ - (shift + b.base[d]);
         left = left || !(t >= 0.0 && t < 1.0);
       }
     }
@@ -159,8 +182,10 @@ void PenaltyLinks::add_stiffness(Grid& grid) {
     for (LinkBlock& b : blocks_) {
       b.inertia = b.area;
       b.inert = b.attached;
-      if (b.attached)
-        scatter_scalar(grid.penalty.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), k * b.area);
+      if (!b.attached) continue;
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      const vd row = k * b.area * row_sum(w);
+      for_each_node(w, [&](int c, int l, vd weight) { grid.penalty[b.column[c] + l] += sum_lanes(row * abs(weight)); });
     }
   });
 }
@@ -230,19 +255,17 @@ void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides
       if (!b.inert) continue;
       const GrainSide& s = sides.sides[b.at];
       const Weights<Type> w(b.X, b.base, inverse_h_);
-      const vd kA = k * b.inertia;
-      for (int i = 0; i < S; ++i)
-        for (int j = 0; j < S; ++j)
-          for (int l = 0; l < S; ++l) {
-            const long node = b.column[S * i + j] + l;
-            if (grid.added_mass[node] == 0.0) continue;
-            // the node's added mass belongs to its links by their share of its stiffness
-            const double m = grid.added_mass[node] / grid.penalty[node] * sum_lanes(kA * w.w[0][i] * w.w[1][j] * w.w[2][l]);
-            const double* u = &grid.displacement[3 * node];
-            const double r[3] = {(b.base[0] + i) * grid.h + u[0] - s.x[0], (b.base[1] + j) * grid.h + u[1] - s.x[1],
-                                 (b.base[2] + l) * grid.h + u[2] - s.x[2]};
-            f(b.at, node, r, m);
-          }
+      const vd row = k * b.inertia * row_sum(w);
+      for_each_node(w, [&](int c, int l, vd weight) {
+        const long node = b.column[c] + l;
+        if (grid.added_mass[node] == 0.0) return;
+        // the node's added mass belongs to its links by their share of its stiffness
+        const double m = grid.added_mass[node] / grid.penalty[node] * sum_lanes(row * abs(weight));
+        const double* u = &grid.displacement[3 * node];
+        const double r[3] = {(b.base[0] + c / S) * grid.h + u[0] - s.x[0], (b.base[1] + c % S) * grid.h + u[1] - s.x[1],
+                             (b.base[2] + l) * grid.h + u[2] - s.x[2]};
+        f(b.at, node, r, m);
+      });
     }
   });
 }

@@ -34,7 +34,7 @@ using mpdem::text_of;
 namespace {
 const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
                                             "cap",     "content", "file",  "attach",  "inner",   "spacing",
-                                            "density", "type"};
+                                            "density", "type",    "grid"};
 }
 
 void CreateCement::check_scene(const Arguments& args) const {
@@ -148,6 +148,8 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
     } else if (key == "inner") {
       inner = args.accept("auto") ? -1.0 : args.not_negative(key);
       has_inner = true;
+    } else if (key == "grid") {
+      for (double& g : grid_) g = args.number(key);
     } else if (key == "spacing") {
       spacing_ = args.positive(key);
     } else if (key == "density") {
@@ -160,6 +162,8 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
   }
   if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
   if (!file_.empty()) {
+    if (grid_[0] != 0.0 || grid_[1] != 0.0 || grid_[2] != 0.0)
+      args.complain("'grid' belongs to shapes; a file says itself where its points lie");
     if (!shapes.empty() || has_inner)
       args.complain(text_of("'file ", file_, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
     return nullptr;
@@ -231,6 +235,11 @@ void CreateCement::command(int narg, char** arg) {
         args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
                               spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(), " or more cement"));
       fill = mpdem::fill_with_points(*shape, spacing_);
+      corner = mpdem::Vector3(grid_[0], grid_[1], grid_[2]);
+      for (FillPoint& p : fill) {
+        p.X -= corner;
+        for (int k = 0; k < p.links; ++k) p.link[k].foot -= corner;
+      }
       for (int s = 0; s < 2; ++s) body.attached_area[s] = shape->attached_area(s);
       body.volume = shape->volume();
       body.thickness = shape->largest_thickness();

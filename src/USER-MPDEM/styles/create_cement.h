@@ -58,6 +58,7 @@ class CreateCement : protected Pointers {
   int groupbit_ = 0;
   int type_ = 0;
   double spacing_ = 0, density_ = 2710.0;
+  double grid_[3] = {0, 0, 0};  // origin of the grid from the middle of the gap
 };
 
 }  // namespace LAMMPS_NS

@@ -24,9 +24,10 @@ using mpdem::vd;
 // The kinetic energy that a projection leaves out counts as damped: that at the step, where
 // velocity is half a kick ahead of what is stored.
 void FixMpm::reproject() {
-  const double before = kinetic_energy(0.5 * dt_last_);
+  const auto energy = [this] { return kinetic_energy(0.5 * dt_last_) + (coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0); };
+  const double before = energy();
   mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, 0.5 * (dt_last_ + update->dt), jump_);
-  damped_ += before - kinetic_energy(0.5 * dt_last_);
+  damped_ += before - energy();
 }
 
 // The same for a transfer in the course of the step, whose acceleration is known only now.
