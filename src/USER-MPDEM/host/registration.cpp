@@ -8,10 +8,7 @@
 // They are called through the symbol table, so the definitions below take
 // precedence over the library's when the executable exports its symbols (-rdynamic);
 // they call the originals first or last. So does LAMMPS::init(), which begins every run.
-#include <dlfcn.h>
-
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include "../styles/atom_vec_mpdem.h"
@@ -23,25 +20,14 @@
 #include "../styles/write_cement.h"
 #include "abort.h"
 #include "atom.h"
+#include "original.h"
 #include "private_access.h"
 #include "universe.h"
 
 namespace {
 
 using namespace LAMMPS_NS;
-
-template <class F>
-F original(const char* mangled) {
-  void* symbol = dlsym(RTLD_NEXT, mangled);
-  if (!symbol) {
-    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n",
-                 mangled);
-    std::exit(1);
-  }
-  F f;
-  std::memcpy(&f, &symbol, sizeof f);
-  return f;
-}
+using mpdem::original;
 
 template <class T>
 Fix* make_fix(LAMMPS* lmp, int narg, char** arg) {

@@ -224,7 +224,7 @@ void FixMpm::write_restart(FILE* fp) {
   const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(head.data(), sizeof(double), head.size(), fp);
-  fwrite(all.data(), sizeof(double), all.size(), fp);
+  if (!all.empty()) fwrite(all.data(), sizeof(double), all.size(), fp);
 }
 
 void FixMpm::restart(char* buf) {

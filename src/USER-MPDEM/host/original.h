@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The function of LIGGGHTS' library that one of this program of the same name hides. Member functions
+// take the object as first argument, as the Itanium C++ ABI passes it.
+#ifndef MPDEM_ORIGINAL_H
+#define MPDEM_ORIGINAL_H
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+namespace mpdem {
+
+template <class F>
+F original(const char* mangled) {
+  void* symbol = dlsym(RTLD_NEXT, mangled);
+  if (!symbol) {
+    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n",
+                 mangled);
+    std::exit(1);
+  }
+  F f;
+  std::memcpy(&f, &symbol, sizeof f);
+  return f;
+}
+
+}  // namespace mpdem
+
+#endif
