@@ -97,3 +97,88 @@ def test_wrong_fix(tmp_path, first, changes, needed):
     assert result.status != 0 and len(result.errors()) == 1, result.output[-1000:]
     for word in needed:
         assert word in result.errors()[0]
+
+
+BYTES_OF_SEAL = 40
+
+
+@pytest.fixture
+def whole(first):
+    """Bytes of a restart file with its seal."""
+    data = (first(1).directory / "middle.restart").read_bytes()
+    if data[-BYTES_OF_SEAL:-BYTES_OF_SEAL + 8] != b"MPDEMend":
+        pytest.skip("a LIGGGHTS with the package compiled in writes no seal")
+    return data
+
+
+def read_in(directory, data, ranks=1, name="middle.restart"):
+    (directory / name).write_bytes(data)
+    return launch(restarted("middle.restart") + FIXES + MOVING + "run 1\n", directory, ranks)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("kept", [0, 3, 100, 300, 500, 5000, 0.5, -8, -BYTES_OF_SEAL, -1])
+def test_truncated(tmp_path, whole, kept, ranks):
+    """All of a file but its end, which `kept` says in bytes from the front or the back, or as a share."""
+    result = read_in(tmp_path, whole[:int(kept * len(whole)) if isinstance(kept, float) else kept], ranks)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1000:]
+    for word in ("read_restart", "middle.restart", "truncated"):
+        assert word in result.errors()[0]
+    assert result.errors()[0] in (tmp_path / "log.liggghts").read_text()
+
+
+def test_every_changed_byte_shows(tmp_path, whole, figures):
+    """One bit changed, anywhere in the file and its seal, or bytes lost or put in."""
+    places = [0, 1, 40, 200, 400, len(whole) // 3, len(whole) - BYTES_OF_SEAL - 1] + list(range(len(whole) - BYTES_OF_SEAL, len(whole), 3))
+    changed = [whole[:at] + bytes([whole[at] ^ 1 << at % 8]) + whole[at + 1:] for at in places]
+    changed += [whole[:1000] + whole[1001:], whole[:1000] + b"x" + whole[1000:], whole + b"x"]
+    for number, data in enumerate(changed):
+        result = read_in(tmp_path, data)
+        assert result.status != 0 and len(result.errors()) == 1, (number, result.output[-1000:])
+        assert "read_restart" in result.errors()[0] and ("damaged" in result.errors()[0] or "truncated" in result.errors()[0])
+    figures.note("restart files with one bit or byte changed", f"{len(changed)} of {len(changed)} refused")
+
+
+def test_version_and_programs_without_seal(tmp_path, whole):
+    """A file of another version says so; one without seal whose writer makes none is read."""
+    at = whole.index(b"MPDEMrst") + 8
+    bare = whole[:-BYTES_OF_SEAL]
+    result = read_in(tmp_path, bare[:at] + (2).to_bytes(4, "little") + bare[at + 4:])
+    assert result.status != 0 and "version 2, this program reads version 3" in result.errors()[0]
+    result = read_in(tmp_path, bare[:at + 12] + bytes(4) + bare[at + 16:])
+    assert result.status == 0, result.output[-1000:]
+
+
+def test_split_over_ranks(tmp_path, whole):
+    """A file a rank ('%' in the name); those of two writings do not mix."""
+    script = FIRST + f"run {BEFORE}\nwrite_restart middle.%\nrun 1\nwrite_restart later.%\n"
+    run(script, tmp_path, 2)
+    again = edit(CONTINUED, "middle.restart", "middle.%")
+    for ranks in (1, 2):
+        run(edit(again, f"run {AFTER}\n", "run 1\n"), tmp_path, ranks)
+    shutil.copy(tmp_path / "later.1", tmp_path / "middle.1")
+    for ranks in (1, 2):
+        result = launch(again, tmp_path, ranks)
+        assert result.status != 0 and f"'middle.1' is not of step {BEFORE}" in result.errors()[0]
+    data = (tmp_path / "later.0").read_bytes()
+    (tmp_path / "later.0").write_bytes(data[:-100] + bytes([data[-100] ^ 2]) + data[-99:])
+    result = launch(edit(again, "middle.%", "later.%"), tmp_path, 2)
+    assert result.status != 0 and "'later.0' is damaged" in result.errors()[0]
+
+
+def test_cannot_be_written(tmp_path, whole):
+    result = launch(FIRST + "run 1\nwrite_restart /dev/full\n", tmp_path)
+    assert result.status != 0 and "write_restart: '/dev/full' is not a regular file" in result.errors()[0]
+
+
+def test_other_atom_styles_have_no_seal(tmp_path):
+    """The file of atom_style sphere is that of `liggghts`, byte by byte."""
+    program = shutil.which("liggghts")
+    if program is None:
+        pytest.skip("the stock program liggghts is not installed")
+    script = ("units si\natom_style sphere\nboundary f f f\nnewton off\nregion b block -1 1 -1 1 -1 1 units box\ncreate_box 1 b\n"
+              "create_atoms 1 single 0 0 0 units box\nset type 1 diameter 0.1 density 2500\nneighbor 0.01 bin\n")
+    run(script + "write_restart ours.restart\n", tmp_path)
+    assert launch(script + "write_restart theirs.restart\n", tmp_path, program=program).status == 0
+    assert (tmp_path / "ours.restart").read_bytes() == (tmp_path / "theirs.restart").read_bytes()
+    assert launch("read_restart theirs.restart\n", tmp_path).status == 0

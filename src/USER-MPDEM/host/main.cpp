@@ -4,6 +4,11 @@
 // liggghts-mpdem: LIGGGHTS' own driver, linked with the package.
 #include <mpi.h>
 
+#include <exception>
+#include <new>
+#include <string>
+
+#include "error.h"
 #include "input.h"
 #include "lammps.h"
 #include "signals.h"
@@ -12,7 +17,14 @@ int main(int argc, char** argv) {
   mpdem::install_signal_handlers();
   MPI_Init(&argc, &argv);
   auto* liggghts = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
-  liggghts->input->file();
+  try {
+    liggghts->input->file();
+  } catch (const std::bad_alloc&) {
+    liggghts->error->one("USER-MPDEM", 0, "out of memory; use fewer points (a larger 'spacing' of create_cement, "
+                                          "a larger 'cell' of fix mpm) or more ranks on more machines");
+  } catch (const std::exception& e) {
+    liggghts->error->one("USER-MPDEM", 0, (std::string("unexpected, please report: ") + e.what()).c_str());
+  }
   delete liggghts;
   MPI_Finalize();
   return 0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Functions of the LIGGGHTS library that the executable's own definitions take the place of.
+// The function of LIGGGHTS' library that one of this program of the same name hides. Member functions
+// take the object as first argument, as the Itanium C++ ABI passes it.
 #ifndef MPDEM_ORIGINAL_H
 #define MPDEM_ORIGINAL_H
 
@@ -13,12 +14,12 @@
 
 namespace mpdem {
 
-// The library's definition of a mangled name. Ends the program if there is none.
 template <class F>
 F original(const char* mangled) {
   void* symbol = dlsym(RTLD_NEXT, mangled);
   if (!symbol) {
-    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n", mangled);
+    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n",
+                 mangled);
     std::exit(1);
   }
   F f;

@@ -5,10 +5,9 @@
 // and command styles live in run-time maps that are filled anew for every set of
 // top-level classes (also after `clear`), right before LAMMPS::post_create(); atom styles
 // are a compile-time chain inside Atom::new_avec(); the list of `-h` is LAMMPS::help().
-// All three are called through the symbol table, so the definitions below take
+// They are called through the symbol table, so the definitions below take
 // precedence over the library's when the executable exports its symbols (-rdynamic);
-// they call the originals first or last.
-#include <cstdlib>
+// they call the originals first or last. So does LAMMPS::init(), which begins every run.
 #include <cstring>
 
 #include "../styles/atom_vec_mpdem.h"
@@ -18,6 +17,7 @@
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
 #include "../styles/write_cement.h"
+#include "abort.h"
 #include "atom.h"
 #include "original.h"
 #include "private_access.h"
@@ -55,6 +55,12 @@ void LAMMPS::post_create() {
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
   mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
+  mpdem::learn_log_name(this);
+}
+
+void LAMMPS::init() {
+  mpdem::learn_log_name(this);
+  original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4initEv")(this);
 }
 
 AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "gather.h"
 #include "point_stress.h"
@@ -89,6 +90,10 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, G
     for (int i = 0; i < 3 * n; ++i) w[i] -= alpha * v[i] + beta * before[i];
     diagonal.push_back(alpha);
     beta = std::sqrt(dot(w, w));
+    if (!std::isfinite(alpha) || !std::isfinite(beta)) {
+      best.value = std::numeric_limits<double>::infinity();
+      break;
+    }
     const int m = static_cast<int>(diagonal.size());
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
     const Eigen::VectorXd d = Eigen::Map<Eigen::VectorXd>(diagonal.data(), m);

@@ -17,13 +17,7 @@ void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
 }
 
 void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
-  // Error::one aborts MPI before the text is written when the output is a file.
-  int rank;
-  MPI_Comm_rank(lmp->world, &rank);
-  if (lmp->screen) std::fprintf(lmp->screen, "ERROR on proc %d: %s\n", rank, text.c_str());
-  if (lmp->logfile) std::fprintf(lmp->logfile, "ERROR on proc %d: %s\n", rank, text.c_str());
-  std::fflush(nullptr);
-  MPI_Abort(lmp->world, 1);
+  lmp->error->one("USER-MPDEM", 0, text.c_str());  // see host/abort.cpp
   std::abort();
 }
 

@@ -56,7 +56,7 @@ std::string text_of(const T&... parts) {
 
 // Error::all with the streams flushed, which survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
-// Error::one likewise: for conditions that only this rank sees.
+// Error::one, for conditions that only this rank sees.
 [[noreturn]] void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
 // Stops all ranks if any rank has a text; the lowest such rank's is shown. Collective.
 void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text);

@@ -5,6 +5,7 @@
 #include <mpi.h>
 
 #include <cstring>
+#include <limits>
 
 #include "arguments.h"
 #include "atom.h"
@@ -13,8 +14,6 @@
 namespace LAMMPS_NS {
 
 namespace {
-constexpr char kMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-constexpr int kVersion = 2;
 constexpr int kPlainState = 1, kGrainState = 1 + 4;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
@@ -104,9 +103,11 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
 }
 
 int AtomVecMpdem::unpack_restart(double* buf) {
-  const int total = static_cast<int>(buf[0]);
-  const int own = total > 0 ? static_cast<int>(buf[total - 1]) : 0;
-  if (own <= 0 || own >= total)
+  // That the file is as it was written is known from its seal, if it has one, see host/restart_seal.cpp.
+  const int total = buf[0] > 1.0 && buf[0] < std::numeric_limits<int>::max() ? static_cast<int>(buf[0]) : 1;
+  const double own_length = buf[total - 1];
+  const int own = own_length > 0.0 && own_length < total ? static_cast<int>(own_length) : 0;
+  if (own == 0)
     mpdem::stop_one(lmp, "read_restart: the file is damaged in the data of an atom; use another restart file");
   buf[0] = total - own;
   AtomVecSphere::unpack_restart(buf);
@@ -116,10 +117,11 @@ int AtomVecMpdem::unpack_restart(double* buf) {
 }
 
 void AtomVecMpdem::write_restart_settings(FILE* fp) {
-  fwrite(kMagic, 1, sizeof kMagic, fp);
-  const int head[3] = {kVersion, static_cast<int>(sizeof(mpdem::Body)), static_cast<int>(bodies.size())};
-  fwrite(head, sizeof(int), 3, fp);
-  fwrite(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp);
+  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+  const int head[kRestartHead] = {kRestartVersion, static_cast<int>(sizeof(mpdem::Body)), static_cast<int>(bodies.size()),
+                                  restart_is_sealed};
+  fwrite(head, sizeof(int), kRestartHead, fp);
+  if (!bodies.empty()) fwrite(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp);
 }
 
 // Called by every rank; only the first has the file.
@@ -128,18 +130,18 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   MPI_Comm_rank(world, &me);
   int status[2] = {0, 0};  // 1: no data of this package, 2: other version, 3: truncated
   if (me == 0) {
-    char magic[sizeof kMagic];
-    int head[3] = {0, 0, 0};
-    if (fread(magic, 1, sizeof magic, fp) != sizeof magic || std::memcmp(magic, kMagic, sizeof magic) != 0) {
+    char magic[sizeof kRestartMagic];
+    int head[kRestartHead] = {0, 0, 0, 0};
+    if (fread(magic, 1, sizeof magic, fp) != sizeof magic || std::memcmp(magic, kRestartMagic, sizeof magic) != 0) {
       status[0] = 1;
-    } else if (fread(head, sizeof(int), 3, fp) != 3) {
+    } else if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) {
       status[0] = 3;
-    } else if (head[0] != kVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
+    } else if (head[0] != kRestartVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
       status[0] = 2;
       status[1] = head[0];
     } else {
       bodies.resize(head[2]);
-      if (fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
+      if (!bodies.empty() && fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
       status[1] = head[2];
     }
   }
@@ -147,7 +149,7 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   if (status[0] == 1) mpdem::stop_all(lmp, "read_restart: the file has no data of atom_style mpdem");
   if (status[0] == 2)
     mpdem::stop_all(lmp, mpdem::text_of("read_restart: data of atom_style mpdem of version ", status[1],
-                                        ", this program reads version ", kVersion));
+                                        ", this program reads version ", kRestartVersion));
   if (status[0] == 3) mpdem::stop_all(lmp, "read_restart: the file is truncated in the data of atom_style mpdem");
   bodies.resize(status[1]);
   MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);

@@ -101,7 +101,7 @@ void FixMpm::check_scene() {
     const int slot = avec_->slot[i];
     if (avec_->points.tags[slot / mpdem::kLanes][slot % mpdem::kLanes] != atom->tag[i] && trouble.empty())
       trouble = who + text_of("the IDs of atoms were changed (material point ", atom->tag[i],
-                              "), and with them those of bonded grains; use 'delete_atoms ... compress no'");
+                              "), and with them those of bonded grains; use 'delete_atoms ... compress no', and no 'replicate' of cement");
     least = std::min(least, atom->density[i]);
     most = std::max(most, atom->density[i]);
     for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {
@@ -117,18 +117,21 @@ void FixMpm::check_scene() {
   MPI_Allreduce(&least, &low, 1, MPI_DOUBLE, MPI_MIN, world);
   MPI_Allreduce(&most, &high, 1, MPI_DOUBLE, MPI_MAX, world);
   MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  if (total == 0) mpdem::stop_all(lmp, who + "there are no material points; use create_cement before the run");
+  if (total == 0 && avec_->bodies.empty()) mpdem::stop_all(lmp, who + "there are no material points; use create_cement before the run");
+  bigint expected = 0;
+  for (const mpdem::Body& b : avec_->bodies) expected += static_cast<bigint>(b.points);
+  points_expected_ = expected;
+  if (total < expected)
+    mpdem::stop_all(lmp, who + text_of(expected - total, " of ", expected,
+                                       " material points were deleted or left the box; cement cannot be deleted by points"));
+  if (total > expected)
+    mpdem::stop_all(lmp, who + text_of("there are ", total - expected, " more material points than the ", expected,
+                                       " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));
   if (high > low * (1.0 + 1e-12))
     mpdem::stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
   density_ = low;
   inertia_ = mass_scale_ * density_;
   check_initial_damage();
-  bigint expected = 0;
-  for (const mpdem::Body& b : avec_->bodies) expected += static_cast<bigint>(b.points);
-  points_expected_ = expected;
-  if (total != expected)
-    mpdem::stop_all(lmp, who + text_of(expected - total, " of ", expected,
-                                       " material points were deleted or left the box; cement cannot be deleted by points"));
   for (const mpdem::Body& b : avec_->bodies) {
     if (b.thickness < cell_)
       mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' is larger than the cement between grains ", b.grain[0], " and ",

@@ -133,6 +133,7 @@ class FixMpm : public Fix {
   void write_events();
   void count_points();
   void check_state();
+  std::string grain_that_is_not_finite() const;
   void report_parameters();
   double cement_eigenvalue();
   double stability_bound() const;

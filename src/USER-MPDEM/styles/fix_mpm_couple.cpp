@@ -95,6 +95,7 @@ void FixMpmCouple::init() {
         trouble = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is not in the group of this fix; use the group of all grains");
     }
   mpdem::stop_if_any(lmp, trouble);
+  check_integrators();
 
   if (table_every_ > 0 && !table_open_) {
     std::string header = "step,time,bond,grain1,grain2";

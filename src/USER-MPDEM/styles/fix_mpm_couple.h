@@ -33,6 +33,7 @@ class FixMpmCouple : public Fix {
 
  private:
   FixMpm* find_cement() const;
+  void check_integrators();
   double value(int body, int column);
   void write_table();
 

@@ -198,6 +198,7 @@ double FixMpm::compute_vector(int n) {
 
 // Nodal motion is not held by the points, so it travels in the fix's own part of the file.
 void FixMpm::write_restart(FILE* fp) {
+  if (built_) check_state();  // a spoilt state must not take the place of a good file
   std::vector<double> sums = {dissipated_, released_, damped_, work_, work_last_};
   global_sum(sums, world);
   std::vector<double> mine;
@@ -235,7 +236,7 @@ void FixMpm::write_restart(FILE* fp) {
                                  "file of LIGGGHTS has for a fix; use a larger 'cell', or several scenes"));
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(head.data(), sizeof(double), head.size(), fp);
-  fwrite(all.data(), sizeof(double), all.size(), fp);
+  if (!all.empty()) fwrite(all.data(), sizeof(double), all.size(), fp);
 }
 
 void FixMpm::restart(char* buf) {

@@ -102,16 +102,6 @@ void FixMpm::pre_neighbor() {
   else find_owned_grains();
 }
 
-void FixMpm::count_points() {
-  bigint mine = 0, total;
-  for (int i = 0; i < atom->nlocal; ++i) mine += avec_->is_point(i);
-  MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  if (total != points_expected_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): ", points_expected_ - total,
-                                 " material points left the simulation box at step ", update->ntimestep,
-                                 "; use a larger or periodic box"));
-}
-
 void FixMpm::find_owned_grains() {
   owned_.clear();
   grains_here_.clear();

@@ -192,6 +192,7 @@ void FixMpm::check_state() {
     trouble = text_of("fix mpm (id ", id, "): grain ", sides_.sides[sides_.orphan()].tag,
                       " has cement but was deleted or lost at step ", update->ntimestep,
                       "; keep bonded grains, or use a larger box");
+  if (trouble.empty()) trouble = grain_that_is_not_finite();
   mpdem::stop_if_any(lmp, trouble);
 }
 

@@ -65,7 +65,12 @@ double FixMpm::step_for(double eigenvalue) const {
     w2 += all;
   }
   const double z = penalty_.damping;
-  return std::sqrt(stability_bound() / w2) * (std::sqrt(1.0 + z * z) - z);
+  const double step = std::sqrt(stability_bound() / w2) * (std::sqrt(1.0 + z * z) - z);
+  if (!(step > 0.0))  // as if nothing limited the step, were it compared with
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): no time step is stable, the square of the highest frequency is ", w2,
+                                 " with density ", density_, " of the cement and stiffness ", law_->elasticity().largest_stiffness(),
+                                 "; use densities, moduli and penalties that go together in these units"));
+  return step;
 }
 
 double FixMpm::stable_step() {

@@ -80,10 +80,10 @@ void FixMpm::step_updated(double dt) {
 
   timer_.start(StepTimer::kPoints);
   updated_pass_.advance(points, grid_, *law_, inertia_, dt, dt_v, transfer_, skip_, advance_);
-  if (updated_pass_.lost())
-    mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): material point ", updated_pass_.lost(),
-                                 " moved more than two cells in step ", update->ntimestep,
-                                 " or is not finite; check the motion of the grains and the time step"));
+  mpdem::stop_if_any(lmp, !updated_pass_.lost() ? std::string()
+                              : text_of("fix mpm (id ", id, "): material point ", updated_pass_.lost(),
+                                        " moved more than two cells in step ", update->ntimestep,
+                                        " or is not finite; check the motion of the grains and the time step"));
   timer_.start(StepTimer::kHalo);
   grid_.halo.sum(grid_.mass.data(), 1);
   grid_.halo.sum(grid_.momentum.data(), 3);

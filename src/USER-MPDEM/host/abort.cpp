@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Text of an error on every path. LIGGGHTS ends a run that fails on one rank by MPI_Abort,
+// which takes with it what stdio still buffers: with output to a file or a pipe that is the
+// error itself, and the log never gets it, since only the first rank has it open. The
+// definitions below take precedence over those of the libraries, see registration.cpp. LIGGGHTS'
+// own also follow one error in five with a joke that they have freed before it is printed.
+#include <fcntl.h>
+#include <mpi.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "abort.h"
+#include "compute.h"
+#include "error.h"
+#include "fix.h"
+#include "output.h"
+#include "universe.h"
+
+namespace mpdem {
+
+namespace {
+std::string log_name;  // of this world, known to all of its ranks
+}
+
+void learn_log_name(LAMMPS_NS::LAMMPS* lmp) {
+  char name[4096] = "";
+  if (lmp->logfile) {
+    std::fflush(lmp->logfile);
+    const int fd = fileno(lmp->logfile);
+    // What other ranks append must not be overwritten by what this one still buffers.
+    fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_APPEND);
+    const std::string link = "/proc/self/fd/" + std::to_string(fd);
+    const ssize_t n = readlink(link.c_str(), name, sizeof name - 1);
+    name[n > 0 ? n : 0] = '\0';
+  }
+  MPI_Bcast(name, sizeof name, MPI_CHAR, 0, lmp->world);
+  log_name = name;
+}
+
+}  // namespace mpdem
+
+extern "C" int MPI_Abort(MPI_Comm comm, int code) {
+  std::fflush(nullptr);
+  return PMPI_Abort(comm, code);
+}
+
+namespace LAMMPS_NS {
+
+void Error::one(const char* file, int line, const char* text) {
+  int me;
+  MPI_Comm_rank(world, &me);
+  // With `-screen file` only the first rank has a screen, with `-screen none` not even that.
+  std::fprintf(screen ? screen : stderr, "ERROR on proc %d: %s (%s:%d)\n", me, text, file, line);
+  if (universe->nworlds > 1 && universe->uscreen)
+    std::fprintf(universe->uscreen, "ERROR on proc %d: %s (%s:%d)\n", universe->me, text, file, line);
+  std::FILE* log = logfile ? logfile : mpdem::log_name.empty() ? nullptr : std::fopen(mpdem::log_name.c_str(), "a");
+  if (log) std::fprintf(log, "ERROR on proc %d: %s (%s:%d)\n", me, text, file, line);
+  MPI_Abort(world, 1);
+}
+
+// Called by all ranks of the world.
+void Error::all(const char* file, int line, const char* text) {
+  MPI_Barrier(world);
+  int me;
+  MPI_Comm_rank(world, &me);
+  if (me == 0)
+    for (std::FILE* f : {screen, logfile})
+      if (f) std::fprintf(f, "ERROR: %s (%s:%d)\n", text, file, line);
+  std::fflush(nullptr);
+  delete output;
+  if (screen && screen != stdout) std::fclose(screen);
+  if (logfile) std::fclose(logfile);
+  if (universe->nworlds > 1) MPI_Abort(universe->uworld, 1);
+  MPI_Finalize();
+  std::exit(1);
+}
+
+namespace {
+std::string of_style(const char* kind, const char* style, const char* id, const char* text) {
+  const std::string name = std::string(kind) + " " + style + " (id " + id + ")";
+  return std::strlen(text) > 2 ? name + ": " + text : "Illegal " + name + " command";
+}
+}  // namespace
+
+void Error::fix_error(const char* file, int line, Fix* fix, const char* text) { fix_error(file, line, fix, fix->style, text); }
+void Error::fix_error(const char* file, int line, Fix* fix, const char* style, const char* text) {
+  all(file, line, of_style("Fix", style, fix->id, text).c_str());
+}
+void Error::compute_error(const char* file, int line, Compute* compute, const char* text) {
+  all(file, line, of_style("Compute", compute->style, compute->id, text).c_str());
+}
+
+}  // namespace LAMMPS_NS

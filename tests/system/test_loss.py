@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is lost stops the run: exit status not 0, and one message on the screen, which is a file here, and
+in the log, on one rank and on two."""
+import pytest
+from scenes import cement, edit, launch, pair, pull
+
+GOOD = (pair(2e-4) + cement(4e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 check 5")
+        + pull(1.0, 1e-6) + "run 20\n")
+RUN = "run 20\n"
+HOLD, PULL = "fix hold first move linear 0 0 0\n", "fix pull second move variable v_dx v_dy v_dz v_vx v_vy v_vz\n"
+FREE = [(HOLD + PULL, "fix motion grains nve/sphere\n")]
+UPDATED = [("axis radial", "axis radial kinematics updated")]
+# infinite from the second step on, so that its cosine is no number
+BAD = 'variable bad equal "cos(exp(400*step))"\n'
+FLY = [(HOLD + PULL, "velocity all set 300 0 0\nfix motion grains nve/sphere\n"), ("timestep     1e-09", "timestep     1e-8")]
+THIRD = [("group        grains type 1", "create_atoms 1 single 0 0 0.0175 units box\n"
+          "group third id 3\nset group third diameter 0.005 density 2500\ngroup        grains type 1"),
+         ("-0.0125 0.0125", "-0.0125 0.025")]
+
+
+def after(text):
+    return [(RUN, RUN + text + RUN)]
+
+
+def before(text):
+    return [(RUN, text + RUN)]
+
+
+def with_force(words):
+    return FREE + [(RUN, BAD + f"fix load second addforce {words}\n" + RUN)]
+
+
+# name: (changes as (old, new), words that the message has to hold)
+CASES = {
+    # out of the box or the grid
+    "points leave the box": (FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
+    "points leave the box, updated": (UPDATED + FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
+    "points leave the grid": (UPDATED + [(HOLD + PULL, "fix motion grains nve/sphere\n"),
+                                         (RUN, 'variable v atom "1e6*z/0.0005"\nvelocity calcite set v_v 0 0\n' + RUN)],
+                              ["fix mpm (id cem)", "more than two cells", "check"]),
+    "bonded grain leaves the box": ([(HOLD + PULL, "fix motion grains move linear 0 0 1e4\nvelocity all set 0 0 1e4\n"), (RUN, "run 2000\n")],
+                                    ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+    # not finite
+    "force of a grain": (with_force("v_bad 0 0"), ["fix mpm (id cem)", "not finite"]),
+    "force of a grain, updated": (UPDATED + with_force("v_bad 0 0"), ["fix mpm (id cem)", "not finite"]),
+    "velocity of a grain": (FREE + [(RUN, 'variable bad atom "cos(exp(400*(z>0)*10))"\nvelocity second set v_bad 0 0\n' + RUN)],
+                            ["fix mpm (id cem)", "not finite"]),
+    "velocity of points": ([(RUN, 'variable bad atom "cos(exp(4000*(x>0)))"\nvelocity calcite set v_bad 0 0\n' + RUN)],
+                           ["fix mpm (id cem)", "not finite"]),
+    "place of a moved grain": ([("variable along equal", "variable other equal"),
+                                (RUN, 'variable along equal "1e-9*cos(exp(400*step))"\n' + RUN)], ["fix mpm (id cem)", "not finite", "check"]),
+    "a grain without cement": (THIRD + [(RUN, BAD + "fix alone third nve/sphere\nfix load third addforce v_bad 0 0\n" + RUN)],
+                               ["fix mpm (id cem)", "grain 3", "not finite"]),
+    "without the coupling": ([("fix          bond grains mpm/couple cem kn auto kt auto\n", ""),
+                              (RUN, 'variable bad atom "cos(exp(4000*(x>0)))"\nvelocity calcite set v_bad 0 0\n' + RUN)],
+                             ["fix mpm (id cem)", "not finite"]),
+    # deleted
+    "a bonded grain is deleted": (after("delete_atoms group second compress no\n"), ["fix mpm (id cem)", "grain 2", "deleted", "keep"]),
+    "a bonded grain is deleted before the run": (before("delete_atoms group second compress no\n"),
+                                                 ["fix mpm (id cem)", "grain 2", "deleted", "keep"]),
+    "a bonded grain is deleted, updated": (UPDATED + after("delete_atoms group second compress no\n"),
+                                           ["fix mpm (id cem)", "grain 2", "deleted", "keep"]),
+    "some points are deleted": (after("region half block -1 1 0 1 -1 1 units box\ngroup half region half\n"
+                                      "group gone subtract half grains\ndelete_atoms group gone compress no\n"),
+                                ["fix mpm (id cem)", "deleted", "cannot"]),
+    "all points are deleted": (after("delete_atoms group calcite compress no\n"), ["fix mpm (id cem)", "deleted", "cannot"]),
+    "all points are deleted before the run": (before("delete_atoms group calcite\n"), ["fix mpm (id cem)", "deleted", "cannot"]),
+    "IDs change": (THIRD + [(HOLD, HOLD + "fix rest third freeze\n"), *after("delete_atoms group third\n")],
+                   ["fix mpm (id cem)", "delete_atoms", "compress no"]),
+    "points are replicated": ([("f f f", "p p p"), ("timestep     1e-09", "replicate 2 1 1 offset 0.012 0.012 0.025 shift 0 0 0\ntimestep     1e-09")], ["fix mpm (id cem)", "IDs of atoms", "replicate"]),
+    # moved by two or by nothing
+    "two fix mpm": ([("group        first", "fix cem2 calcite mpm cell 4e-4 elastic isotropic 40e9 0.2\ngroup        first")],
+                    ["fix mpm", "cem2", "cem", "unfix"]),
+    "calcite moved by nve/sphere": (before("fix other calcite nve/sphere\n"), ["fix mpm (id cem)", "other", "nve/sphere", "give it a group"]),
+    "calcite moved by move": (before("fix other calcite move linear 0 0 1\n"), ["fix mpm (id cem)", "other", "move", "give it a group"]),
+    "a grain moved by two": (before("fix other second nve/sphere\n"),
+                             ["fix mpm/couple (id bond)", "grain 2", "'pull' (move)", "'other' (nve/sphere)", "unfix one"]),
+    "a grain moved by nothing": ([(HOLD, "")], ["fix mpm/couple (id bond)", "grain 1", "no fix", "fix freeze", "move linear 0 0 0"]),
+    "a grain held with a velocity": ([(HOLD, "fix hold first freeze\nset group first omegax 10\n")],
+                                     ["fix mpm/couple (id bond)", "grain 1", "velocity", "set"]),
+}
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("name", CASES)
+def test_message(tmp_path, name, ranks):
+    changes, needed = CASES[name]
+    script = GOOD
+    for old, new in changes:
+        script = edit(script, old, new)
+    result = launch(script, tmp_path, ranks)
+    assert result.status != 0, result.output[-1500:]
+    errors = result.errors()
+    assert len(errors) == 1, result.output[-1500:]
+    missing = [word for word in needed if word not in errors[0]]
+    assert not missing, errors[0]
+    in_log = [line for line in (tmp_path / "log.liggghts").read_text(errors="replace").splitlines() if line.startswith("ERROR")]
+    assert in_log == errors
+
+
+@pytest.mark.parametrize("hold", ["fix hold first freeze\n", HOLD, "fix rest first nve/sphere\nfix hold first freeze\n"])
+def test_ways_to_hold_a_grain(tmp_path, hold):
+    result = launch(edit(GOOD, HOLD, hold), tmp_path)
+    assert result.status == 0 and not result.errors(), result.output[-2000:]
+
+
+# Overlapping grains in the upper half of the box only: too many neighbours for one rank of two.
+CROWD = """\
+units        si
+atom_style   sphere
+newton       off
+communicate  single vel yes
+processors   1 1 2
+region       box block 0 1 0 1 0 1 units box
+create_box   1 box
+region       upper block 0.4 0.6 0.4 0.6 0.7 0.9 units box
+lattice      sc 0.04
+create_atoms 1 region upper
+set          group all diameter 0.1 density 2500
+neighbor     0.01 bin
+neigh_modify one 10 page 100
+fix c1 all property/global youngsModulus peratomtype 5e6
+fix c2 all property/global poissonsRatio peratomtype 0.45
+fix c3 all property/global coefficientRestitution peratomtypepair 1 0.3
+fix c4 all property/global coefficientFriction peratomtypepair 1 0.5
+pair_style   gran model hertz tangential history
+pair_coeff   * *
+timestep     1e-6
+fix motion all nve/sphere
+"""
+
+
+@pytest.mark.parametrize("arguments, log", [((), "log.liggghts"), (("-log", "other.log"), "other.log"), (("-screen", "none"), "log.liggghts")])
+def test_error_of_one_rank(tmp_path, arguments, log):
+    """LIGGGHTS' own Error::one on the second rank, which has no log open."""
+    result = launch(CROWD + "run 1\n", tmp_path, 2, arguments=arguments)
+    assert result.status != 0
+    errors = result.errors()
+    assert len(errors) == 1 and "ERROR on proc 1: Neighbor list overflow" in errors[0], result.output[-1500:]
+    assert (tmp_path / log).read_text().splitlines()[-1] == errors[0]
+
+
+def test_error_of_one_rank_after_the_command_log(tmp_path):
+    result = launch(CROWD + "log second.log\nrun 1\n", tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1
+    assert (tmp_path / "second.log").read_text().splitlines()[-1] == result.errors()[0]
