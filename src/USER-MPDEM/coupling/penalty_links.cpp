@@ -176,15 +176,15 @@ void PenaltyLinks::renumber(const std::vector<int>& new_place) {
       if (k >= 0) k = new_place[k];
 }
 
-void PenaltyLinks::add_stiffness(Grid& grid) {
-  const double k = std::max(p_.kn, p_.kt);
+void PenaltyLinks::add_stiffness(Grid& grid, double dt) {
+  const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
   with_basis(basis_, [&](auto type) {
     for (LinkBlock& b : blocks_) {
-      b.inertia = b.area;
+      b.inertia = k * b.area + damper * b.damper;
       b.inert = b.attached;
       if (!b.attached) continue;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = k * b.area * row_sum(w);
+      const vd row = b.inertia * row_sum(w);
       for_each_node(w, [&](int c, int l, vd weight) { grid.penalty[b.column[c] + l] += sum_lanes(row * abs(weight)); });
     }
   });
@@ -247,7 +247,6 @@ double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached
 // Calls f(side, node, place from the grain's centre, added mass) for all nodes with such mass.
 template <class F>
 void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
-  const double k = std::max(p_.kn, p_.kt);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     constexpr int S = Type::kSupport;
@@ -255,7 +254,7 @@ void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides
       if (!b.inert) continue;
       const GrainSide& s = sides.sides[b.at];
       const Weights<Type> w(b.X, b.base, inverse_h_);
-      const vd row = k * b.inertia * row_sum(w);
+      const vd row = b.inertia * row_sum(w);
       for_each_node(w, [&](int c, int l, vd weight) {
         const long node = b.column[c] + l;
         if (grid.added_mass[node] == 0.0) return;
