@@ -4,6 +4,7 @@
 A script is put together from the parts below, in their order; a test that needs
 something else replaces words of the text with `edit`.  SI units throughout.
 """
+import math
 import os
 import re
 import signal
@@ -52,16 +53,17 @@ neigh_modify include grains delay 0
 """
 
 
-def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-3, 12.5e-3), **options):
+def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-3, 12.5e-3), shape="flat", radius=RADIUS,
+         **options):
     """Two grains, 1 and 2, on `direction` through the origin, and their cement."""
     n = np.array(direction) / np.linalg.norm(direction)
     box = " ".join(f"{-b:.15g} {b:.15g}" for b in half_box)
     text = host(**options) + f"region       box block {box} units box\ncreate_box   2 box\n"
     for side in (-1, 1):
-        centre = side * (RADIUS + gap / 2) * n + 0.0  # no minus before a zero
+        centre = side * (radius + gap / 2) * n + 0.0  # no minus before a zero
         text += f"create_atoms 1 single {' '.join(f'{c:.15g}' for c in centre)} units box\n"
-    return (text + f"set          type 1 diameter {2 * RADIUS} density 2500\ngroup        grains type 1\n"
-            + NEIGHBOURS + f"create_cement calcite pair 1 2 shape flat {cement} spacing {spacing:.15g}\n")
+    return (text + f"set          type 1 diameter {2 * radius} density 2500\ngroup        grains type 1\n"
+            + NEIGHBOURS + f"create_cement calcite pair 1 2 shape {shape} {cement} spacing {spacing:.15g}\n")
 
 
 def restarted(file, **options):
@@ -114,6 +116,39 @@ def pull(speed, ramp, direction=(0, 0, 1)):
         direction,
         f'"(v_t<{ramp})*0.5*{speed}*(v_t-{ramp}/PI*sin(PI*v_t/{ramp}))+(v_t>={ramp})*{speed}*(v_t-0.5*{ramp})"',
         f'"(v_t<{ramp})*0.5*{speed}*(1-cos(PI*v_t/{ramp}))+(v_t>={ramp})*{speed}"')
+
+
+# Component of omega of grain 2, and what of the bond is measured, by load.
+TURNS = {"torsion": "omegaz", "bending": "omegay"}
+
+
+def deform(load, amount, duration, timestep, distance, parts=400):
+    """Moves grain 2 along z (tension), along x (shear), or turns it about z (torsion) or about y and the middle of the
+    line of centres (bending) by `amount`, m or rad, without a jump in velocity or acceleration, and runs the time this
+    takes: `duration`, or a little more.
+
+    The variable `load` is the force or moment that works on it.  distance: of the centres.  Omega, which fix move leaves
+    alone, is set in `parts` intervals to its value in their middle; their sum is exact.
+    """
+    every = max(1, math.ceil(duration / timestep / parts))
+    steps = every * parts
+    x = f"(v_t/{steps * timestep:.17g})"
+    turned, rate = f"{amount}*({x}-sin(2*PI*{x})/2/PI)", f"{amount}/{steps * timestep:.17g}*(1-cos(2*PI*{x}))"
+    half = 0.5 * distance
+    measured = {"tension": "-f_bond[9]", "shear": "-f_bond[7]", "torsion": "-f_bond[12]",
+                "bending": f"-f_bond[11]-{half}*f_bond[7]"}[load]
+    along = {"tension": ("z", 1.0), "shear": ("x", 1.0), "bending": ("x", half), "torsion": ("z", 0.0)}[load]
+    d = {"x": "NULL", "y": "NULL", "z": "NULL", along[0]: "v_d"}
+    v = {"x": "NULL", "y": "NULL", "z": "NULL", along[0]: "v_v"}
+    text = (f'variable t equal step*dt\nvariable d equal "{along[1]}*({turned})"\nvariable v equal "{along[1]}*({rate})"\n'
+            f"variable load equal {measured}\nfix hold first move linear 0 0 0\n"
+            f"fix pull second move variable {' '.join(d.values())} {' '.join(v.values())}\n")
+    if load not in TURNS:
+        return text + f"run {steps}\n"
+    rate = rate.replace("v_t", "v_middle")
+    return (text + f'variable middle equal v_t+{0.5 * every}*dt\nvariable omega atom "{rate}"\n'
+            f"set group second {TURNS[load]} v_omega\n"
+            f'run {steps} pre no post no every {every} "set group second {TURNS[load]} v_omega"\nset group second {TURNS[load]} 0\n')
 
 
 # A free pair that turns about y and flies; it needs a gap wide enough for no contact.

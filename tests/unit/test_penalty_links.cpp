@@ -253,7 +253,7 @@ TEST_P(Links, ActionIsReaction) {
 TEST_P(Links, ActionIsReactionWithAddedMass) {
   Scene s(134, parameters(GetParam(), 0.1));
   s.place_grains(0.1, 1.0);
-  s.links.add_stiffness(s.grid);
+  s.links.add_stiffness(s.grid, 0.05);
   s.grid.set_added_mass(0.05, 0.0, 4.0);
   int stiff = 0;
   double row_sums = 0, stiffness = 0;
@@ -261,7 +261,11 @@ TEST_P(Links, ActionIsReactionWithAddedMass) {
     stiff += s.grid.added_mass[n] > 0;
     row_sums += s.grid.penalty[n];
   }
-  for (const Link& k : s.points.links) stiffness += s.links.parameters().kn * k.area;
+  for (const Link& k : s.points.links) {
+    const double spring = s.links.parameters().kn * k.area;
+    const double mass = kDensity * s.points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+    stiffness += spring + 2.0 / 0.05 * 2.0 * s.links.parameters().damping * std::sqrt(spring * mass);
+  }
   EXPECT_GT(stiff, 10);
   EXPECT_LT(stiff, s.grid.size());
   // Weights of a place outside the cell of its point are negative in part; sizes count.
@@ -312,7 +316,7 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
 TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);
-  s.links.add_stiffness(s.grid);
+  s.links.add_stiffness(s.grid, 0.2);
   s.grid.set_added_mass(0.2, 0.0, 4.0);
   const double before = s.energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
   EXPECT_GT(inertial, 0.0);
@@ -338,7 +342,7 @@ TEST_P(Links, LetGo) {
   };
   const auto inertial_of = [&](PenaltyLinks& links) {
     std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-    links.add_stiffness(s.grid);
+    links.add_stiffness(s.grid, 0.2);
     s.grid.set_added_mass(0.2, 0.0, 4.0);
     return links.inertial_energy(s.grid, s.sides);
   };

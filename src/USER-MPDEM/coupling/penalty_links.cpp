@@ -72,12 +72,13 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
       const Link& k = points.links[items[i].link];
       b.link[l] = items[i].link;
       b.inert |= static_cast<std::uint8_t>(1u << l);
-      b.inertia[l] = k.area;
+      const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+      b.inert_area[l] = k.area;
+      b.inert_damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
       if (k.attached) {
         b.attached |= static_cast<std::uint8_t>(1u << l);
-        b.area[l] = k.area;
-        const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-        b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+        b.area[l] = b.inert_area[l];
+        b.damper[l] = b.inert_damper[l];
       }
       double q[3];
       for (int d = 0; d < 3; ++d) {
@@ -183,20 +184,22 @@ void PenaltyLinks::renumber(const std::vector<int>& new_place) {
 void PenaltyLinks::drop_inertia(PointStore& points) {
   for (LinkBlock& b : blocks_) {
     if (b.inert == b.attached) continue;
-    b.inertia = b.area;
+    b.inert_area = b.area;
+    b.inert_damper = b.damper;
     b.inert = b.attached;
     for (int l = 0; l < kLanes; ++l)
       if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
   }
 }
 
-void PenaltyLinks::add_stiffness(Grid& grid) const {
-  const double k = std::max(p_.kn, p_.kt);
+void PenaltyLinks::add_stiffness(Grid& grid, double dt) {
+  const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
   with_basis(basis_, [&](auto type) {
-    for (const LinkBlock& b : blocks_) {
+    for (LinkBlock& b : blocks_) {
       if (!b.inert) continue;
+      b.inertia = k * b.inert_area + damper * b.inert_damper;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = k * b.inertia * row_sum(w);
+      const vd row = b.inertia * row_sum(w);
       for_each_node(w, [&](int c, int l, vd weight) { grid.penalty[b.column[c] + l] += sum_lanes(row * abs(weight)); });
     }
   });
@@ -259,7 +262,6 @@ double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached
 // Calls f(side, node, place from the grain's centre, added mass) for all nodes with such mass.
 template <class F>
 void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
-  const double k = std::max(p_.kn, p_.kt);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     constexpr int S = Type::kSupport;
@@ -267,7 +269,7 @@ void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides
       if (!b.inert) continue;
       const GrainSide& s = sides.sides[b.at];
       const Weights<Type> w(b.X, b.base, inverse_h_);
-      const vd row = k * b.inertia * row_sum(w);
+      const vd row = b.inertia * row_sum(w);
       for_each_node(w, [&](int c, int l, vd weight) {
         const long node = b.column[c] + l;
         if (grid.added_mass[node] == 0.0) return;

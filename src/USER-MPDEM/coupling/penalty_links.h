@@ -22,10 +22,11 @@
 // 442). The weights sum to one and reproduce linear fields, so momentum and angular momentum
 // stay exact; some are negative.
 //
-// Semi-implicit in the node: where the row sum of the penalty stiffness is too stiff for
-// the time step, the node's mass is raised just enough (Grid::set_added_mass). The force
-// this withholds from the node, -c a, acts on the grain as +c a at the node's place, so
-// momentum and angular momentum stay exact.
+// Semi-implicit in the node: where the row sum of the penalty stiffness k is too stiff for
+// the time step, the node's mass is raised just enough (Grid::set_added_mass). A damper g,
+// which acts on the velocity of half a step ago, counts as a spring 2 g/dt: a step is stable
+// if k dt^2 + 2 g dt <= 4 m. The force this withholds from the node, -c a, acts on the grain as
+// +c a at the node's place, so momentum and angular momentum stay exact.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
@@ -65,9 +66,9 @@ class PenaltyLinks {
   // After PointStore::sort_links().
   void renumber(const std::vector<int>& new_place);
 
-  // Row-summed stiffness of this rank's links into grid.penalty. Links that let go count,
-  // and react, until drop_inertia() is called.
-  void add_stiffness(Grid& grid) const;
+  // Row-summed stiffness of this rank's links, and of their dampers at this time step, into
+  // grid.penalty. Links that let go count, and react, until drop_inertia() is called.
+  void add_stiffness(Grid& grid, double dt);
   void drop_inertia(PointStore& points);
 
   // Penalty force of the present positions on nodes and grains; returns the power that the
@@ -92,8 +93,9 @@ class PenaltyLinks {
     vd X[3];    // where the link acts, reference; maybe outside the cell, which is the point's
     vd q0[3];   // in the grain's frame
     vd area;    // zero in empty lanes and once let go
-    vd inertia; // area that counts in grid.penalty
     vd damper;  // damping coefficient over sqrt(k)
+    vd inert_area, inert_damper;  // the same, with links that let go and still have added mass
+    vd inertia;  // stiffness that counts in grid.penalty
     vd move[3]; // of X in this step, `updated` only
     int body, part, side, at;  // at: index into GrainSides
     int base[3], column[kMostColumns];

@@ -197,7 +197,7 @@ void FixMpm::lay_out_grid() {
 void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
-  links_.add_stiffness(grid_);
+  links_.add_stiffness(grid_, update->dt);
   grid_.set_added_mass(update->dt, cement_eigenvalue(), stability_bound());
 }
 
