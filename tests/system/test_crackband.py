@@ -13,9 +13,10 @@ def test_bar_that_fails_steadily(tmp_path, figures, m, cells, damping):
     figures.below(f"bar of {cells} cells, m {m}: error of the energy", abs(r["ratio"] - 1), 0.02)
 
 
-@pytest.mark.parametrize("cells", [10, 20, 40])
+@pytest.mark.parametrize("cells", [10, 20, 40, 80])
 def test_same_energy_at_any_cell(tmp_path, figures, cells):
-    """Here the elastic energy of the bar exceeds that of the crack: it snaps, and waves damage what is beside."""
-    r = at_energy(tmp_path, cells, damping=0.03)
+    """Here the elastic energy of the bar exceeds that of the crack: it snaps, and only damping keeps waves from damaging
+    what is beside (with a tenth of it: 1.6, 0.8, 0.6 and 5.2 % too much)."""
+    r = at_energy(tmp_path, cells, damping=0.3)
     figures.note(f"bar of {cells} cells, one energy: signed error, layers", f"{r['ratio'] - 1:+.3f} {r['profile']}")
-    figures.below(f"bar of {cells} cells, one energy: error", abs(r["ratio"] - 1), 0.06)
+    figures.below(f"bar of {cells} cells, one energy: error", abs(r["ratio"] - 1), 0.02)

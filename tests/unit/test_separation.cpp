@@ -48,6 +48,39 @@ TEST(Separation, IntactBond) {
   EXPECT_EQ(s.debonded_share(), 0.0);
 }
 
+// The path leads from grain to grain, over faces of intact points, past damage where there is a way.
+TEST(Separation, PathOfIntactPoints) {
+  std::vector<CrackPoint> points = column();
+  const auto expect_path = [&](std::size_t length) {
+    const std::vector<int> path = separate(points, kFace).path;
+    ASSERT_EQ(path.size(), length);
+    EXPECT_TRUE(std::is_sorted(path.begin(), path.end()));
+    std::vector<CrackPoint> only = column();
+    for (std::size_t i = 0; i < only.size(); ++i) {
+      const bool on = std::binary_search(path.begin(), path.end(), only[i].tag);
+      EXPECT_FALSE(on && points[i].failed);
+      if (!on) fail(only[i]);
+    }
+    EXPECT_FALSE(separate(only, kFace).separated);
+    for (int tag : path) {  // and no point of it is idle
+      std::vector<CrackPoint> less = only;
+      fail(less[static_cast<std::size_t>(tag) - 1]);
+      EXPECT_TRUE(separate(less, kFace).separated);
+    }
+  };
+  expect_path(kHeight);
+  for (CrackPoint& p : points) {
+    p.damaged = level(p) == 4 && p.cell[0] < 3;
+    if (level(p) == 6 && p.cell[0] > 0) fail(p);
+  }
+  expect_path(kHeight + 3);  // aside below the crack, past the damage
+  for (CrackPoint& p : points) p.damaged = true;
+  expect_path(kHeight);
+  for (CrackPoint& p : points)
+    if (level(p) == 6) fail(p);
+  EXPECT_TRUE(separate(points, kFace).path.empty());
+}
+
 TEST(Separation, OneBridgeHolds) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points)

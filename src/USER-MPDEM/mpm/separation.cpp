@@ -65,6 +65,32 @@ void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool ac
   }
 }
 
+// Shortest way over intact points of a part from the first grain to the second; empty if there is none.
+std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, bool past_damage) {
+  const auto passable = [&](int i) { return !points[i].failed && !(past_damage && points[i].damaged); };
+  constexpr int kUnseen = -2, kStart = -1;
+  std::vector<int> from(points.size(), kUnseen), queue, path;
+  for (int i : near.order())
+    if (passable(i) && points[i].attached[0]) {
+      from[i] = kStart;
+      queue.push_back(i);
+    }
+  for (std::size_t k = 0; k < queue.size(); ++k) {
+    const int i = queue[k];
+    if (points[i].attached[1]) {
+      for (int j = i; j != kStart; j = from[j]) path.push_back(points[j].tag);
+      std::sort(path.begin(), path.end());
+      break;
+    }
+    for (int j : near.of(i))
+      if (j >= 0 && from[j] == kUnseen && passable(j) && points[j].part == points[i].part) {
+        from[j] = i;
+        queue.push_back(j);
+      }
+  }
+  return path;
+}
+
 }  // namespace
 
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area) {
@@ -73,6 +99,10 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   Separation result;
   result.part.resize(n);
   for (int i = 0; i < n; ++i) result.part[i] = points[i].part;
+  for (bool past_damage : {true, false})
+    if (result.path.empty()) result.path = find_path(near, points, past_damage);
+  if (!result.path.empty()) return result;
+  result.separated = true;
 
   // Pieces of intact points of one part.
   std::vector<int> piece_of(n, -1);
@@ -99,10 +129,6 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     }
     pieces.push_back(p);
   }
-  for (const Piece& p : pieces)
-    if (p.attached[0] && p.attached[1]) return result;  // still a bond
-  result.separated = true;
-
   // Parts only ever split, so that their nodes can take over the motion they had together.
   // What is attached keeps its part, but for the first separation, where the second grain's
   // share becomes part 1. Loose pieces become parts of their own in the order of their least

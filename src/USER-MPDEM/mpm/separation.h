@@ -24,7 +24,7 @@ struct CrackPoint {
   int tag;
   int cell[3];              // of the lattice
   int part;                 // so far
-  bool failed;
+  bool failed, damaged;
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
 };
@@ -35,6 +35,9 @@ struct Separation {
   double at_grain[2] = {0, 0}, inside = 0;
   // New part of each point, in the order given.
   std::vector<int> part;
+  // Tags of intact points, ascending, that lead from one grain to the other, past damaged ones where
+  // that is possible: while none of them fails the bond is not separated.
+  std::vector<int> path;
 
   double debonded_share() const {
     const double all = at_grain[0] + at_grain[1] + inside;

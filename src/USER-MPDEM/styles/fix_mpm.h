@@ -127,7 +127,9 @@ class FixMpm : public Fix {
   void distribute_grains();
   void add_forces();
   void react_on_grains();
-  bool separate_bodies();
+  bool separate_bodies(bool debris);
+  void watch_paths();
+  bool some_path_is_cut();
   void report_modes();
   void record_events();
   void write_events();
@@ -149,6 +151,7 @@ class FixMpm : public Fix {
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
+  static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
   mpdem::Basis basis_ = mpdem::Basis::quadratic;
   bool updated_ = false;
   mpdem::Transfer transfer_;
@@ -193,6 +196,9 @@ class FixMpm : public Fix {
   // bonds that came apart
   std::vector<mpdem::Separation> separation_;
   std::vector<double> failed_seen_;    // of each body, when it was looked at
+  std::vector<std::vector<int>> path_; // of each body, see mpm/separation.h; empty: not known
+  std::vector<int> path_cut_;          // of each body, on this rank
+  bool any_path_cut_ = false;
   std::map<int, int> new_part_;        // slot, part; consumed by rebuild()
   std::map<int, int> parent_field_;
 

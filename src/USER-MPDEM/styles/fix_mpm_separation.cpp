@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bonds that come apart: at the checks of fix mpm, bodies in which points failed are looked at
-// as a whole, each by one rank, and their parts get nodes of their own (mpm/separation.h).
+// Bonds that come apart: bodies in which points failed are looked at as a whole, each by one rank, and
+// their parts get nodes of their own (mpm/separation.h). What is left of a shared node across a crack
+// pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
+// soon as one of them fails; what has come apart, at the checks of fix mpm.
 #include <mpi.h>
 
 #include <cmath>
@@ -20,6 +22,7 @@ namespace LAMMPS_NS {
 
 using mpdem::kLanes;
 using mpdem::text_of;
+using mpdem::vd;
 
 namespace {
 
@@ -30,11 +33,37 @@ struct Sent {
 struct Returned {
   int slot, part;
 };
+struct OfPath {
+  int body, tag;
+};
 
 }  // namespace
 
-// Collective. True if a part changed.
-bool FixMpm::separate_bodies() {
+// Notes the bonds whose path is cut by the points that fail in this step.
+void FixMpm::watch_paths() {
+  if (!coupled_) return;
+  const int bodies = static_cast<int>(avec_->bodies.size());
+  for (int slot : advance_.failed) {
+    const int b = avec_->points.meta[slot / kLanes].body;
+    if (static_cast<int>(path_cut_.size()) < bodies) path_cut_.resize(bodies, 0);
+    if (static_cast<int>(path_.size()) < bodies) path_.resize(bodies);
+    if (path_cut_[b] || (b < static_cast<int>(separation_.size()) && separation_[b].separated)) continue;
+    const std::vector<int>& path = path_[b];
+    path_cut_[b] = path.empty() || std::binary_search(path.begin(), path.end(), avec_->points.tags[slot / kLanes][slot % kLanes]);
+    any_path_cut_ = any_path_cut_ || path_cut_[b];
+  }
+}
+
+// Collective.
+bool FixMpm::some_path_is_cut() {
+  int mine = any_path_cut_, any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  return any != 0;
+}
+
+// Looks at bodies in which points failed: those whose path is cut, and what has come apart already,
+// if debris. Collective. True if a part changed.
+bool FixMpm::separate_bodies(bool debris) {
   if (law_->parameters().B0 == 0.0 || !coupled_) return false;
   mpdem::PointStore& points = avec_->points;
   const int bodies = static_cast<int>(avec_->bodies.size());
@@ -43,13 +72,18 @@ bool FixMpm::separate_bodies() {
   MPI_Allreduce(MPI_IN_PLACE, failed.data(), bodies, MPI_DOUBLE, MPI_SUM, world);
   separation_.resize(bodies);
   failed_seen_.resize(bodies, 0.0);
+  path_.resize(bodies);
+  path_cut_.resize(bodies, 0);
+  MPI_Allreduce(MPI_IN_PLACE, path_cut_.data(), bodies, MPI_INT, MPI_MAX, world);
   std::vector<char> look(bodies);
   bool any = false;
   for (int b = 0; b < bodies; ++b) {
-    look[b] = failed[b] != failed_seen_[b];
+    look[b] = failed[b] != failed_seen_[b] && (separation_[b].separated ? debris : path_cut_[b] != 0);
     any = any || look[b];
+    if (look[b]) failed_seen_[b] = failed[b];
   }
-  failed_seen_ = failed;
+  path_cut_.assign(bodies, 0);
+  any_path_cut_ = false;
   if (!any) return false;
 
   std::vector<std::vector<Sent>> out(comm->nprocs);
@@ -74,6 +108,8 @@ bool FixMpm::separate_bodies() {
       s.point.tag = points.tags[b][l];
       s.point.part = m.part;
       s.point.failed = m.failed >> l & 1;
+      const mpdem::Sym3<vd>& D = points.damage[b].D;
+      s.point.damaged = D.xx[l] != 0.0 || D.yy[l] != 0.0 || D.zz[l] != 0.0 || D.yz[l] != 0.0 || D.xz[l] != 0.0 || D.xy[l] != 0.0;
       for (int d = 0; d < 3; ++d)
         s.point.cell[d] = static_cast<int>(std::floor(points.created_at(static_cast<int>(b))[d][l] / body.spacing));
       for (int g = 0; g < 2; ++g) {
@@ -99,6 +135,7 @@ bool FixMpm::separate_bodies() {
   std::vector<std::vector<mpdem::CrackPoint>> whole(bodies);
   for (const Sent& s : in.data) whole[s.body].push_back(s.point);
   std::vector<mpdem::Separation> found(bodies);
+  std::vector<std::vector<OfPath>> paths(comm->nprocs);
   for (int b = 0; b < bodies; ++b) {
     if (whole[b].empty()) continue;
     const mpdem::Body& body = avec_->bodies[b];
@@ -109,6 +146,8 @@ bool FixMpm::separate_bodies() {
     }
     for (double& f : face) f = std::fabs(f) / std::sqrt(length) * body.spacing * body.spacing;
     found[b] = mpdem::separate(whole[b], face);
+    for (int tag : found[b].path)
+      for (auto& to : paths) to.push_back({b, tag});
     result[4 * b] = found[b].separated;
     result[4 * b + 1] = found[b].at_grain[0];
     result[4 * b + 2] = found[b].at_grain[1];
@@ -124,6 +163,9 @@ bool FixMpm::separate_bodies() {
       if (part != s.point.part && !updated_) back[r].push_back({s.slot, part});
     }
   const std::vector<Returned> changed = mpdem::all_to_all(world, back).data;
+  for (int b = 0; b < bodies; ++b)
+    if (look[b]) path_[b].clear();
+  for (const OfPath& p : mpdem::all_to_all(world, paths).data) path_[p.body].push_back(p.tag);
   MPI_Allreduce(MPI_IN_PLACE, result.data(), 4 * bodies, MPI_DOUBLE, MPI_SUM, world);
   for (int b = 0; b < bodies; ++b) {
     if (!look[b]) continue;

@@ -77,8 +77,16 @@ void FixMpm::pre_exchange() {
 void FixMpm::setup_pre_neighbor() {
   count_points();
   rebuild();
-  // Bodies that a check has seen wait for the next one, so that a run in parts is the run as a whole.
-  if (separation_.size() < avec_->bodies.size() && separate_bodies()) rebuild();
+  // New bodies may be cracked. Others, which after read_restart may have come apart since they were
+  // looked at, wait for the step of the next look, so that a run in parts is the run as a whole.
+  const std::size_t bodies = avec_->bodies.size();
+  const bool some_are_new = separation_.size() < bodies;
+  if (path_.size() < bodies) {
+    path_cut_.resize(bodies);
+    std::fill(path_cut_.begin() + static_cast<std::ptrdiff_t>(path_.size()), path_cut_.end(), 1);
+    any_path_cut_ = true;
+  }
+  if (some_are_new && separate_bodies(true)) rebuild();
 }
 
 void FixMpm::pre_neighbor() {

@@ -51,7 +51,10 @@ void FixMpm::post_force(int) {
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
     drop_added_mass();
-    if (separate_bodies()) rebuild();
+    if (separate_bodies(true)) rebuild();
+  } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
+    timer_.start(mpdem::StepTimer::kLayout);
+    if (separate_bodies(false)) rebuild();
   }
   jump_.clear();
   advance_.dissipated = advance_.released = 0.0;
@@ -64,6 +67,7 @@ void FixMpm::post_force(int) {
   }
   dt_last_ = dt;
   record_events();
+  watch_paths();
   dissipated_ += advance_.dissipated;
   released_ += advance_.released;
   add_forces();
