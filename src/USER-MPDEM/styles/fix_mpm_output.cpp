@@ -23,7 +23,7 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 1.0;
+constexpr double kRestartVersion = 2.0;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -218,7 +218,8 @@ void FixMpm::write_restart(FILE* fp) {
   }
   MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
-  std::vector<double> head = {kRestartVersion, cell_, dt_last_, static_cast<double>(bodies_started_), start_energy_};
+  std::vector<double> head = {kRestartVersion, cell_, static_cast<double>(basis_), 1.0 * updated_, dt_last_,
+                              static_cast<double>(bodies_started_), start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(static_cast<double>(all.size() / kNodeRow));
   const int size = static_cast<int>((head.size() + all.size()) * sizeof(double));
@@ -233,20 +234,22 @@ void FixMpm::restart(char* buf) {
     mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): restart data of version ", v[0], ", this program reads version ",
                                         kRestartVersion));
   restored_cell_ = v[1];
-  dt_last_ = v[2];
-  bodies_started_ = static_cast<int>(v[3]);
-  start_energy_ = v[4];
+  restored_basis_ = static_cast<mpdem::Basis>(static_cast<int>(v[2]));
+  restored_updated_ = v[3] != 0.0;
+  dt_last_ = v[4];
+  bodies_started_ = static_cast<int>(v[5]);
+  start_energy_ = v[6];
   if (comm->me == 0) {
-    dissipated_ = v[5];
-    released_ = v[6];
-    damped_ = v[7];
-    work_ = v[8];
-    work_last_ = v[9];
+    dissipated_ = v[7];
+    released_ = v[8];
+    damped_ = v[9];
+    work_ = v[10];
+    work_last_ = v[11];
   }
-  const std::size_t n = static_cast<std::size_t>(v[10]);
+  const std::size_t n = static_cast<std::size_t>(v[12]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
-  const double* rows = v + 11;
+  const double* rows = v + 13;
   const auto key = [rows](std::size_t i) {
     const double* r = rows + kNodeRow * i;
     return mpdem::Key{static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]), static_cast<int>(r[3])};
