@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Thin front of CMake: make demo, make test, make stress. See README.md.
+# Thin front of CMake: make demo, make test, make fuzz, make stress. See README.md.
 BUILD ?= build
 JOBS  ?= $(shell nproc)
 RANKS ?= 2
@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test stress bench liggghts-from-source clean
+.PHONY: all demo test fuzz stress bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -35,6 +35,17 @@ demo: $(BUILD)/.setup
 
 test: all
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
+
+# Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and
+# UndefinedBehaviorSanitizer; about half an hour. Findings are scripts in $(BUILD)/fuzz.
+INPUTS ?= 100000
+SEED   ?= 1
+fuzz: $(BUILD)/.setup
+	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
+	cmake --build $(BUILD) --parallel $(JOBS) --target fuzz_input
+	mkdir -p $(BUILD)/figures
+	$(BUILD)/tests/fuzz/fuzz_input --inputs $(INPUTS) --seed $(SEED) --jobs $(JOBS) --folder $(BUILD)/fuzz \
+	  --json $(BUILD)/figures/fuzz.json
 
 # Every test, those of stability at full length, and the table of doc/reliability.md from what they
 # measured. Takes an hour or two.

@@ -12,7 +12,9 @@
 // Crashes of LIGGGHTS in a command of its own other than `run`, without a function of the package on the
 // stack, are counted as `host`; they are shown but are no findings. Findings are written to a folder as scripts that repeat them.
 //
-//   fuzz_input [--inputs N] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F]
+//   fuzz_input [--inputs N] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F] [--json FILE]
+//
+// Ends with status 1 if there are findings. --json: the counts, one entry a scene.
 #include <fcntl.h>
 #include <mpi.h>
 #include <sys/mman.h>
@@ -45,7 +47,7 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile
 namespace {
 
 constexpr unsigned kSeconds = 20;
-constexpr std::size_t kMegabytes = 1500;
+constexpr std::size_t kMegabytes = 1500, kMegabytesTold = 400;  // the package is told this limit; the sanitizers take a multiple
 constexpr int kMessageStatus = 41, kMemoryStatus = 42, kExceptionStatus = 43, kSanitizerStatus = 44;
 
 enum Outcome { kOk, kMessage, kSilent, kNameless, kCrash, kHang, kMemory, kHost, kOutcomes };
@@ -61,12 +63,23 @@ struct Options {
   long inputs = 1000, only = -1;
   std::uint64_t seed = 1;
   int jobs = 1, scene = -1;
-  std::string folder = "fuzz-findings";
+  std::string folder = "fuzz-findings", json;
 };
 
 // Counts of all jobs, in shared memory.
 struct Counts {
   long outcome[fuzz::kScenes][kOutcomes];
+  long total() const {
+    long n = 0;
+    for (const auto& scene : outcome)
+      for (long k : scene) n += k;
+    return n;
+  }
+  long findings() const {
+    long n = total();
+    for (const auto& scene : outcome) n -= scene[kOk] + scene[kMessage] + scene[kHost];
+    return n;
+  }
 };
 
 std::string read_all(const std::string& name) {
@@ -221,9 +234,14 @@ Options parse(int argc, char** argv) {
     else if (key == "--jobs") o.jobs = std::atoi(v);
     else if (key == "--only") o.only = std::atol(v);
     else if (key == "--folder") o.folder = v;
+    else if (key == "--json") o.json = v;
     else if (key == "--scene") {
       for (int s = 0; s < fuzz::kScenes; ++s)
         if (std::strcmp(fuzz::kSceneNames[s], v) == 0) o.scene = s;
+      if (o.scene < 0) {
+        std::fprintf(stderr, "fuzz_input: no scene '%s'; see kSceneNames in tests/fuzz/grammar.cpp\n", v);
+        std::exit(2);
+      }
     } else {
       std::fprintf(stderr, "fuzz_input: unknown word '%s'; see the head of tests/fuzz/fuzz_input.cpp\n", key.c_str());
       std::exit(2);
@@ -266,6 +284,8 @@ int main(int argc, char** argv) {
   }
   const std::string folder = full;
   MPI_Init(nullptr, nullptr);
+  const rlimit told = {kMegabytesTold << 20, RLIM_INFINITY};
+  setrlimit(RLIMIT_RSS, &told);  // read by the package, without effect in Linux
   auto* counts = static_cast<Counts*>(mmap(nullptr, sizeof(Counts), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
   std::vector<pid_t> jobs;
   for (int j = 0; j < (o.only >= 0 ? 1 : o.jobs); ++j) {
@@ -293,26 +313,35 @@ int main(int argc, char** argv) {
     _exit(worst);
   }
   int broken = 0;
-  for (pid_t job : jobs) {
-    int status;
-    waitpid(job, &status, 0);
-    broken += status != 0;
+  for (unsigned long seconds = 1; !jobs.empty(); ++seconds) {
+    sleep(1);
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      int status;
+      if (waitpid(jobs[j], &status, WNOHANG) == 0) continue;
+      broken += status != 0;
+      jobs.erase(jobs.begin() + static_cast<long>(j--));
+    }
+    if (seconds % 60 == 0) std::fprintf(stderr, "%ld of %ld inputs, %ld findings\n", counts->total(), o.inputs, counts->findings());
   }
-  long total = 0, findings = 0;
   std::printf("%-12s", "scene");
   for (const char* name : kOutcomeNames) std::printf("%10s", name);
   std::printf("\n");
+  std::ostringstream json;
+  json << "{\"seed\": " << o.seed << ", \"inputs\": " << counts->total() << ", \"findings\": " << counts->findings() << ", \"scenes\": {";
   for (int s = 0; s < fuzz::kScenes; ++s) {
     std::printf("%-12s", fuzz::kSceneNames[s]);
+    json << (s ? ", \"" : "\"") << fuzz::kSceneNames[s] << "\": {";
     for (int k = 0; k < kOutcomes; ++k) {
-      const long n = counts->outcome[s][k];
-      std::printf("%10ld", n);
-      total += n;
-      if (k > kMessage && k != kHost) findings += n;
+      std::printf("%10ld", counts->outcome[s][k]);
+      json << (k ? ", \"" : "\"") << kOutcomeNames[k] << "\": " << counts->outcome[s][k];
     }
+    json << "}";
     std::printf("\n");
   }
-  std::printf("%ld inputs of seed %llu, %ld findings%s%s\n", total, static_cast<unsigned long long>(o.seed), findings,
+  json << "}}\n";
+  if (!o.json.empty()) write_all(o.json, json.str());
+  const long findings = counts->findings();
+  std::printf("%ld inputs of seed %llu, %ld findings%s%s\n", counts->total(), static_cast<unsigned long long>(o.seed), findings,
               findings ? ", see " : "", findings ? folder.c_str() : "");
   std::fflush(nullptr);
   PMPI_Finalize();

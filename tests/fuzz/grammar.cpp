@@ -34,7 +34,7 @@ const Lines kCreate = {
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 inner 5e-4 spacing 4e-4",
     "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 spacing 4e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 shape meniscus filling 35 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape coating thickness 8e-4 spacing 4e-4 type 2 density 2710",
+    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 30 spacing 4e-4 type 2 density 2710",
 };
 const Lines kPointFiles = {
     "create_cement calcite pair 1 2 file points.txt spacing 4e-4",
@@ -111,9 +111,9 @@ std::string odd_word(const std::string& word, Random& r) {
       char* end;
       const double v = std::strtod(word.c_str(), &end);
       if (*end || !std::isfinite(v)) return r.of(kOdd);
-      const double factor[] = {-1, 0.5, 2, 10, 1e3, 1e-6, 1e6, 1e-12, 1e12, 1 + 1e-15};
+      const double factor[] = {-1, 0.5, 2, 10, 1e3, 1e-6, 1e6, 1e-12, 1e12, 1 + 1e-15, 0.1, 0.02, 0.9, 1.1};
       char text[40];
-      std::snprintf(text, sizeof text, "%.17g", v * factor[r.below(10)]);
+      std::snprintf(text, sizeof text, "%.17g", v * factor[r.below(14)]);
       return text;
     }
     case 2: {  // a letter gone, changed or more

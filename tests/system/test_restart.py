@@ -86,8 +86,10 @@ def test_written_during_a_run(tmp_path, figures):
 
 @pytest.mark.parametrize("changes, needed", [
     ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
+    ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
+    ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
     ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["cem", "glue"]),
-], ids=["other cell", "other ID"])
+], ids=["other cell", "other basis", "other kinematics", "other ID"])
 def test_wrong_fix(tmp_path, first, changes, needed):
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     script = restarted("middle.restart") + FIXES + MOVING + "run 10\n"

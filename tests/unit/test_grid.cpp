@@ -58,6 +58,28 @@ TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
   for (double v : grid.velocity) EXPECT_EQ(v, 0.0);
 }
 
+// Points far from each other take the nodes of a margin each.
+TEST(Grid, RefusesMoreNodesThanThereIsMemoryFor) {
+  std::vector<std::array<int, 4>> list;
+  for (int i = 0; i < 1000; ++i) list.push_back({0, 100 * i, 0, 0});
+  Cells c(list);
+  Grid grid;
+  std::vector<char> fresh;
+  grid.most_bytes = 1e7;
+  try {
+    grid.build(MPI_COMM_SELF, kH, c.list(), NodeKinematics(), fresh, {}, 3);
+    FAIL();
+  } catch (const GridTooLarge& e) {
+    EXPECT_GT(e.bytes, 1e7);
+    EXPECT_LE(e.bytes, 1000.0 * 729.0 * 500.0);
+  }
+  grid.build(MPI_COMM_SELF, kH, c.list(), NodeKinematics(), fresh);  // without margin: 27 nodes each
+  EXPECT_EQ(grid.size(), 27000);
+  grid.most_bytes = 1e9;
+  grid.build(MPI_COMM_SELF, kH, c.list(), NodeKinematics(), fresh, {}, 3);
+  EXPECT_EQ(grid.size(), 729000);
+}
+
 TEST(Grid, CarriesTheMotionOver) {
   test::Random random(112);
   Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}), second({{0, 1, 0, 0}, {0, 2, 0, 1}, {1, 0, 0, 0}});

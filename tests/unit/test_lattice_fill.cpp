@@ -184,6 +184,8 @@ TEST(LatticeFill, RefusesASpacingThatDoesNotFit) {
   const Flat thin({5e-3, 5e-3, 0.0, Vector(0, 0, 1)}, 2e-3, 0.0);
   EXPECT_NE(test::shape_error([&] { fill_with_points(thin, 2e-2); }).find("spacing"), std::string::npos);
   EXPECT_NE(test::shape_error([&] { fill_with_points(thin, 1e-12); }).find("spacing"), std::string::npos);
+  const std::string many = test::shape_error([&] { fill_with_points(thin, 1e-4, 100.0); });
+  EXPECT_NE(many.find("more than the 100 that there is memory for"), std::string::npos) << many;
 }
 
 }  // namespace

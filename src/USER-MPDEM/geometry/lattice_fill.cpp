@@ -167,15 +167,15 @@ bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p
 
 }  // namespace
 
-std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing) {
+std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most) {
   const Vector3 extent = shape.half_extent();
-  // Every rank holds the list while the points are made.
-  constexpr double kMostPoints = 2e8;
   const double expected = shape.volume() / (spacing * spacing * spacing);
-  if (!(expected < kMostPoints)) {
+  constexpr double kMostCells = 1e9;  // along an axis
+  if (!(expected < most) || !(extent.maxCoeff() < kMostCells * spacing)) {
     std::ostringstream why;
-    why << "spacing " << spacing << " would take " << expected << " points, more than " << kMostPoints
-        << "; use a larger spacing";
+    why << "spacing " << spacing << " would take " << expected << " points, more than the " << most
+        << " that there is memory for; use a spacing of at least "
+        << std::max(std::cbrt(shape.volume() / most), extent.maxCoeff() / kMostCells) << " or more machines";
     throw ShapeError(why.str());
   }
   Cell from, to;

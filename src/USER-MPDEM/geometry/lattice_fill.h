@@ -33,8 +33,8 @@ struct FillPoint {
   bool failed = false;
 };
 
-// Throws ShapeError if no cell of the lattice is inside.
-std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing);
+// Throws ShapeError if no cell of the lattice is inside, or if there would be more than `most` points.
+std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most = 1e8);
 
 }  // namespace mpdem
 

@@ -40,8 +40,8 @@ struct Seal {
   std::uint64_t sum;     // over the file and the members above
 };
 constexpr char kSealMagic[8] = {'M', 'P', 'D', 'E', 'M', 'e', 'n', 'd'};
-// Less than the header of any restart file, which has more than this before the data of the atom style.
-constexpr std::int64_t kShortest = 128;
+// Less than any restart file, more than what precedes the data of the atom style, and those of one without bodies.
+constexpr std::int64_t kShortest = 500;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 File open_file(const std::string& name, const char* mode) { return File(std::fopen(name.c_str(), mode), &std::fclose); }

@@ -77,7 +77,17 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
   const int S = support(basis), columns_of_cell = S * S;
   keys = unique;
-  for (int d = 2; d >= 0; --d) widen(keys, d, -margin, S - 1 + margin);
+  // Keys of all neighbours before the double ones go, then all that is kept and carried of a node.
+  constexpr double kBytesOfNode = 500.0;
+  const double times = S + 2 * margin;
+  double mine = 0.0, most;
+  for (int d = 2; d >= 0 && mine <= most_bytes; --d) {
+    mine = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * keys.size();
+    if (mine <= most_bytes) widen(keys, d, -margin, S - 1 + margin);
+  }
+  mine = std::max(mine, kBytesOfNode * keys.size());
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  if (most > most_bytes) throw GridTooLarge(most);
   keys.shrink_to_fit();
 
   std::vector<int> columns(columns_of_cell * unique.size());

@@ -13,7 +13,9 @@
 #ifndef MPDEM_GRID_H
 #define MPDEM_GRID_H
 
+#include <limits>
 #include <map>
+#include <stdexcept>
 #include <vector>
 
 #include "../parallel/halo_sum.h"
@@ -28,10 +30,17 @@ struct NodeKinematics {
   static constexpr int kWidth = 9;
 };
 
+// With the number of bytes that some rank needs at least.
+struct GridTooLarge : std::length_error {
+  explicit GridTooLarge(double bytes) : std::length_error("grid too large"), bytes(bytes) {}
+  double bytes;
+};
+
 class Grid {
  public:
   double h = 0.0;
   Basis basis = Basis::quadratic;
+  double most_bytes = std::numeric_limits<double>::infinity();
   std::vector<Key> keys;
   std::vector<double> mass;        // lumped
   std::vector<double> penalty;     // row sum of the penalty stiffness, see coupling/
@@ -52,7 +61,7 @@ class Grid {
   // from the nodes that any rank had before, and finds the ranks to share them with.
   // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
   // take the motion of the field it came from. margin: cells around the wanted ones that get
-  // nodes too.
+  // nodes too. Throws GridTooLarge on all ranks if any would take more than most_bytes.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
              std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0);
 

@@ -14,6 +14,7 @@
 #include "../geometry/composite.h"
 #include "../geometry/flat.h"
 #include "../geometry/meniscus.h"
+#include "../parallel/memory_limit.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
 #include "comm.h"
@@ -234,7 +235,7 @@ void CreateCement::command(int narg, char** arg) {
       if (shape->largest_thickness() < 2.0 * spacing_)
         args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
                               spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(), " or more cement"));
-      fill = mpdem::fill_with_points(*shape, spacing_);
+      fill = mpdem::fill_with_points(*shape, spacing_, most_points());
       corner = mpdem::Vector3(grid_[0], grid_[1], grid_[2]);
       for (FillPoint& p : fill) {
         p.X -= corner;
@@ -289,6 +290,13 @@ void CreateCement::command(int narg, char** arg) {
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
                          .c_str());
   }
+}
+
+// How many more points the memory holds: every rank lists them while they are made, and keeps its own.
+double CreateCement::most_points() const {
+  constexpr double kListed = 500.0, kKept = 700.0;  // bytes, measured
+  const double kept = kKept / comm->nprocs;
+  return std::max(1.0, (mpdem::memory_limit(world) - kept * static_cast<double>(atom->natoms)) / (kListed + kept));
 }
 
 void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& body, int body_index,

@@ -51,6 +51,7 @@ class CreateCement : protected Pointers {
   std::vector<mpdem::FillPoint> read_file(const mpdem::GrainPair& pair, const int* tags, const double* first_centre,
                                           mpdem::Body& body, mpdem::Vector3& corner, const mpdem::Arguments& args);
   void set_frame(const mpdem::FillPoint& p, mpdem::PointRecord& r) const;
+  double most_points() const;
   void check_overlap(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, const mpdem::Arguments& args) const;
 
   std::string file_;

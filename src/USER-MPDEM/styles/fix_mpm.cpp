@@ -83,6 +83,17 @@ void FixMpm::check_scene() {
     if (modify->fix[i] != this && std::string(modify->fix[i]->style) == "mpm")
       mpdem::stop_all(lmp, who + text_of("fix '", modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
 
+  if (restored_cell_ != 0.0 && restored_cell_ != cell_)
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
+                                 restored_cell_, "; use that"));
+  if (restored_cell_ != 0.0 && (restored_basis_ != basis_ || restored_updated_ != updated_)) {
+    const char* const bases[] = {"linear", "quadratic", "cubic"};
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'basis ", bases[static_cast<int>(basis_)], "' and 'kinematics ",
+                                 updated_ ? "updated" : "total", "' but the motion of the nodes in the restart file is that of basis ",
+                                 bases[static_cast<int>(restored_basis_)], " and kinematics ",
+                                 restored_updated_ ? "updated" : "total", "; use these"));
+  }
+
   // All points in the group and moved by nothing else; a common density.
   std::string trouble;
   double least = 1e300, most = 0.0;
@@ -136,6 +147,10 @@ void FixMpm::check_scene() {
     if (b.thickness < cell_)
       mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' is larger than the cement between grains ", b.grain[0], " and ",
                                          b.grain[1], " is thick (", b.thickness, "); use a smaller cell and spacing"));
+    if (b.spacing > 1.5 * cell_)
+      mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' leaves cells without points between those of spacing ", b.spacing, " between grains ",
+                                         b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ",
+                                         b.spacing, ", better two spacings, or create the cement with a smaller spacing"));
     if (b.spacing > 0.75 * cell_ && comm->me == 0)
       error->warning("fix mpm", 0,
                      text_of("one point a cell: spacing ", b.spacing, " with cell ", cell_,

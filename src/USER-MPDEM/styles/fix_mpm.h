@@ -109,6 +109,8 @@ class FixMpm : public Fix {
   void find_other_forces();
   void rebuild();
   void lay_out_grid();
+  void build_grid(mpdem::Grid& grid, const std::vector<mpdem::Grid::Cell>& cells, const mpdem::NodeKinematics& restored,
+                  std::vector<char>& fresh, int margin);
   void find_owned_grains();
   void refresh_added_mass();
   void drop_added_mass();
@@ -191,7 +193,10 @@ class FixMpm : public Fix {
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   bigint points_expected_ = -1;
   mpdem::NodeKinematics restored_;
-  double restored_cell_ = 0.0;
+  double memory_limit_ = 0.0;  // of a rank, bytes
+  double restored_cell_ = 0.0;  // of the restart file, 0 without one
+  mpdem::Basis restored_basis_ = mpdem::Basis::quadratic;
+  bool restored_updated_ = false;
 
   // bonds that came apart
   std::vector<mpdem::Separation> separation_;

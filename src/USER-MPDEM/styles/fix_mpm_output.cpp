@@ -219,7 +219,8 @@ void FixMpm::write_restart(FILE* fp) {
   }
   MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
-  std::vector<double> head = {kRestartVersion, cell_, dt_last_, static_cast<double>(bodies_started_), start_energy_};
+  std::vector<double> head = {kRestartVersion, cell_, static_cast<double>(basis_), 1.0 * updated_, dt_last_,
+                              static_cast<double>(bodies_started_), start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(update->get_cur_time());
   head.push_back(static_cast<double>(separation_.size()));
@@ -245,26 +246,28 @@ void FixMpm::restart(char* buf) {
     mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): restart data of version ", v[0], ", this program reads version ",
                                         kRestartVersion));
   restored_cell_ = v[1];
-  dt_last_ = v[2];
-  bodies_started_ = static_cast<int>(v[3]);
-  start_energy_ = v[4];
+  restored_basis_ = static_cast<mpdem::Basis>(static_cast<int>(v[2]));
+  restored_updated_ = v[3] != 0.0;
+  dt_last_ = v[4];
+  bodies_started_ = static_cast<int>(v[5]);
+  start_energy_ = v[6];
   if (comm->me == 0) {
-    dissipated_ = v[5];
-    released_ = v[6];
-    damped_ = v[7];
-    work_ = v[8];
-    work_last_ = v[9];
+    dissipated_ = v[7];
+    released_ = v[8];
+    damped_ = v[9];
+    work_ = v[10];
+    work_last_ = v[11];
   }
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
-  update->atime = v[10];
+  update->atime = v[12];
   update->atimestep = update->ntimestep;
-  const std::size_t bodies = static_cast<std::size_t>(v[11]), n = static_cast<std::size_t>(v[12]);
+  const std::size_t bodies = static_cast<std::size_t>(v[13]), n = static_cast<std::size_t>(v[14]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
-  const double* row = v + 13;
+  const double* row = v + 15;
   for (std::size_t b = 0; b < bodies; ++b, row += 6) {
     failed_seen_[b] = row[0];
     separation_[b].separated = row[1] != 0.0;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "../mpm/scatter.h"
+#include "../parallel/memory_limit.h"
 #include "arguments.h"
 #include "atom.h"
 #include "domain.h"
@@ -145,6 +146,19 @@ void FixMpm::rebuild() {
   lay_out_grid();
 }
 
+void FixMpm::build_grid(mpdem::Grid& grid, const std::vector<mpdem::Grid::Cell>& cells, const mpdem::NodeKinematics& restored,
+                        std::vector<char>& fresh, int margin) {
+  if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
+  grid.most_bytes = 0.5 * memory_limit_;  // points and what LIGGGHTS has come on top
+  try {
+    grid.build(world, cell_, cells, restored, fresh, parent_field_, margin);
+  } catch (const mpdem::GridTooLarge& e) {
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): the grid would take more than ", e.bytes, " bytes on a rank, half of the memory for ",
+                                 "one is ", grid.most_bytes, "; use a larger 'cell', more machines",
+                                 margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
+  }
+}
+
 // Grid, links and sides for the blocks as they are.
 void FixMpm::lay_out_grid() {
   mpdem::PointStore& points = avec_->points;
@@ -155,12 +169,9 @@ void FixMpm::lay_out_grid() {
     links_.build(points, avec_->bodies, penalty_, cell_, inertia_, basis_);
     links_.add_cells(cells);
   }
-  if (restored_cell_ != 0.0 && restored_cell_ != cell_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
-                                 restored_cell_, "; use that"));
   std::vector<char> fresh;
   grid_.basis = basis_;
-  grid_.build(world, cell_, cells, restored_, fresh, parent_field_, updated_ ? mpdem::UpdatedPass::kMargin : 0);
+  build_grid(grid_, cells, restored_, fresh, updated_ ? mpdem::UpdatedPass::kMargin : 0);
   new_part_.clear();
   parent_field_.clear();
   restored_ = mpdem::NodeKinematics();

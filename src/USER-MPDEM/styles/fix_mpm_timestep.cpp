@@ -110,7 +110,7 @@ void FixMpm::set_time_step() {
   mpdem::Grid grid;
   grid.basis = basis_;
   std::vector<char> fresh;
-  grid.build(world, cell_, cells, mpdem::NodeKinematics(), fresh);
+  build_grid(grid, cells, mpdem::NodeKinematics(), fresh, 0);
   grid.lump_mass(points, inertia_);
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
   const double dt = step_fraction_ * step_for(e.value + e.residual);

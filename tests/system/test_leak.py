@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Memory of a process that makes and takes down cement again and again."""
+import re
+
+from scenes import cement, pair, point_quantities, pull, run
+
+TIMES = 50
+ALLOWED = 200e3  # bytes a round: the allocator keeps now more, now less, up to 5 MB; the cement of a round takes 3.4 MB
+CELL, DT = 2e-4, 2e-9
+# The process is the first above the shell that has its name.
+NOTE_RESIDENT = """\
+p=$$
+while ! grep -q ^liggghts /proc/$p/comm; do p=$(sed -n 's/^PPid:[^0-9]*//p' /proc/$p/status); done
+grep VmRSS /proc/$p/status >> resident.txt
+"""
+
+
+def rounds(lines):
+    # Variables outlive `clear` and cannot be defined twice.
+    lines = "".join(line if not line.startswith("variable") else f"variable {line.split()[1]} delete\n{line}" for line in lines.splitlines(True))
+    return f"label again\nvariable round loop {TIMES}\n{lines}shell sh resident.sh\nclear\nnext round\njump SELF again\n"
+
+
+def lost(directory, script):
+    """Bytes a round between the 5th round and the last, and the whole before the last `clear`."""
+    directory.mkdir()
+    (directory / "resident.sh").write_text(NOTE_RESIDENT)
+    run(script, directory)
+    resident = [1024.0 * int(kb) for kb in re.findall(r"VmRSS:\s*(\d+) kB", (directory / "resident.txt").read_text())]
+    assert len(resident) == TIMES
+    return (resident[-1] - resident[4]) / (TIMES - 5), resident[-1]
+
+
+def test_create_run_clear(tmp_path, figures):
+    scene = (pair(1e-4) + cement(CELL, DT, damage="damage tensor B0 9.6e3 events events.csv", couple="kn auto kt auto csv 10 bond.csv")
+             + pull(0.05, 1e-6) + point_quantities(["damage", "stress_zz"]) + "fix ts all check/timestep/mpm 10 cem 0.9 warn\nrun 20\n")
+    host = scene[:scene.index("create_cement")]
+    per_round, resident = lost(tmp_path / "cement", rounds(scene))
+    # LIGGGHTS' own share: the same without the cement.
+    own, _ = lost(tmp_path / "host", rounds(host + "timestep 1e-9\nfix move grains nve/sphere\nrun 20\n"))
+    figures.note("leak", f"LIGGGHTS alone: {own / 1e3:.3g} kB a round of create, run, clear; resident {resident / 1e6:.3g} MB")
+    figures.below(f"create, run, clear, {TIMES} times: growth of resident memory a round, kB", per_round / 1e3, ALLOWED / 1e3)
