@@ -117,6 +117,55 @@ TEST(Separation, Debonding) {
   }
 }
 
+TEST(Separation, BothGrainsLetGo) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 0 || level(p) == kHeight - 1) fail(p);
+  const Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  for (int grain = 0; grain < 2; ++grain) EXPECT_NEAR(s.at_grain[grain], kLinkArea * kWidth * kWidth, 1e-12);
+  EXPECT_EQ(s.debonded_share(), 1.0);
+  // crushed altogether: no surface is at a grain rather than inside
+  for (CrackPoint& p : points) fail(p);
+  EXPECT_TRUE(separate(points, kFace).separated);
+  EXPECT_EQ(separate(points, kFace).debonded_share(), 0.0);
+}
+
+// Of two cracks, one along a grain, that grain has let go of all of its surface: debonding.
+TEST(Separation, TwoCracks) {
+  for (const auto& [levels, share] : {std::make_pair(std::make_pair(0, 5), 1.0), {{5, kHeight - 1}, 1.0}, {{3, 6}, 0.0}}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points)
+      if (level(p) == levels.first || level(p) == levels.second) fail(p);
+    const Separation s = separate(points, kFace);
+    EXPECT_TRUE(s.separated);
+    EXPECT_EQ(s.debonded_share(), share);
+    EXPECT_NEAR(s.at_grain[0] + s.at_grain[1] + s.inside, (share > 0 ? kLinkArea : 1.0) * kWidth * kWidth, 1e-9);
+  }
+}
+
+// A ring let go at the first grain, the core through the middle: a stepped crack of known areas.
+TEST(Separation, SteppedCrack) {
+  std::vector<CrackPoint> points = column();
+  const auto core = [](const CrackPoint& p) { return p.cell[0] >= -2 && p.cell[0] < 2 && p.cell[1] >= -2 && p.cell[1] < 2; };
+  const auto rim = [&](const CrackPoint& p) {  // of the core
+    return !core(p) && p.cell[0] >= -3 && p.cell[0] < 3 && p.cell[1] >= -3 && p.cell[1] < 3;
+  };
+  for (CrackPoint& p : points) {
+    if (!core(p) && level(p) == 0) fail(p);
+    if (core(p) && level(p) == 5) fail(p);
+    if (rim(p) && level(p) <= 5) fail(p);
+  }
+  const Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  EXPECT_EQ(s.at_grain[1], 0.0);
+  // the column of failed points about the core goes half with it, half with what is outside
+  EXPECT_GE(s.at_grain[0], kLinkArea * (kWidth * kWidth - 36) - 1e-9);
+  EXPECT_LE(s.at_grain[0], kLinkArea * (kWidth * kWidth - 16) + 1e-9);
+  EXPECT_GE(s.inside, 16.0);
+  EXPECT_LE(s.inside, 36.0);
+}
+
 // Half the section goes along the second grain, half through the middle.
 TEST(Separation, MixedMode) {
   std::vector<CrackPoint> points = column();

@@ -158,6 +158,15 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   grow(near, points, false, part);
   for (int i = 0; i < n; ++i) result.part[i] = part[i] >= 0 ? part[i] : points[i].part;
 
+  bool held = false, loose = false;
+  for (const Piece& p : pieces) {
+    held = held || p.attached[0] || p.attached[1];
+    loose = loose || p.points >= kLeastLoose;
+  }
+  if (!held && loose)  // both grains let go between two looks
+    for (const CrackPoint& p : points)
+      for (int s = 0; s < 2; ++s) result.at_grain[s] += p.link_area[s];
+
   grow(near, points, true, side);
   for (int i = 0; i < n; ++i) {
     if (side[i] < 0) continue;

@@ -9,7 +9,8 @@
 //   crumbs go with the nearest of these (in steps from cell to cell) of their part;
 // * the separating surface lies where the material that goes with the first grain meets the
 //   material that goes with the second: inside the cement, or at a grain where that grain's
-//   own links are to material of the other. Its areas are projected on the plane across the
+//   own links are to material of the other. Where neither grain holds to anything but there is
+//   a loose piece, it is the surface of both. Its areas are projected on the plane across the
 //   line of centres.
 // Serial, on all points of one body; the result does not depend on their order.
 #ifndef MPDEM_SEPARATION_H

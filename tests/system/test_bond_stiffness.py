@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Stiffness of menisci and coatings against finite elements (tests/verification/bond_fe.py).
+
+The attached area is all of the wetted part of the spheres. 8 cells across the neck: across its diameter, or from the
+inner to the outer rim where `inner` makes it a ring. All errors but those of coatings with a crevice are negative:
+the outermost node of a B-spline is held by next to nothing but the links.
+"""
+import math
+import subprocess
+import sys
+
+import pytest
+from elastic_pair import VERIFICATION, measure_case, references
+
+CASES = references()
+ACROSS = {"meniscus across a gap": 2e-3, "meniscus at 30 degrees": 2e-3, "meniscus of touching beads": 0.8e-3,
+          "coating that ends at its ring": 1.24e-3}
+
+
+@pytest.mark.parametrize("tool", ["axisymmetric_fe.py", "bond_fe.py"])
+def test_finite_elements_themselves(tool):
+    """Closed forms of cylinders and rings, volumes, independence of the axis where it is isotropic."""
+    done = subprocess.run([sys.executable, "-B", VERIFICATION / tool, "--self-check"], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.count("ok  ") > 5 and "FAIL" not in done.stdout, done.stdout + done.stderr
+
+
+def test_references_are_of_this_solver():
+    """The stored figures are what the tool gives for the cases stored with them; three meshes tell."""
+    from bond_fe import solve_case
+    for name, case in CASES.items():
+        for load, (_, value, uncertainty) in solve_case(case, case["stiffness"], levels=3).items():
+            stored = case["stiffness"][load]
+            assert stored["relative_uncertainty"] < 1e-4, name
+            assert abs(value - stored["value"]) < 3 * uncertainty + 1e-8 * value, f"{name}, {load}: {value} +- {uncertainty}"
+
+
+@pytest.mark.parametrize("name, load", [(name, load) for name in ACROSS for load in CASES[name]["stiffness"]])
+def test_eight_cells_across(name, load, tmp_path, figures):
+    error = measure_case(tmp_path, CASES[name], load, ACROSS[name] / 8) / CASES[name]["stiffness"][load]["value"] - 1
+    figures.note(f"{name}, {load}: signed error of the stiffness", f"{error:+.4f}")
+    figures.below(f"{name}, {load}: error of the stiffness, 8 cells across the neck", abs(error), 0.02)
+
+
+@pytest.mark.parametrize("name, coarse, fine", [("meniscus across a gap", 2.5e-4, 1e-4), ("meniscus of touching beads", 2e-4, 1e-4),
+                                                ("coating that ends at its ring", 2e-4, 1e-4)])
+def test_order(name, coarse, fine, tmp_path, figures):
+    """Order 1 is to be expected: the soft layer at the bonded surface is part of a cell thick."""
+    exact = CASES[name]["stiffness"]["shear"]["value"]
+    errors = [measure_case(tmp_path / str(cell), CASES[name], "shear", cell) / exact - 1 for cell in (coarse, fine)]
+    order = math.log(errors[0] / errors[1]) / math.log(coarse / fine)
+    figures.note(f"{name}, shear: signed errors, order", " ".join(f"{e:+.4f}" for e in errors) + f", {order:.2f}")
+    assert order > 0.8
+
+
+@pytest.mark.parametrize("name, limit", [("coating", 0.06), ("coating across a gap", 0.2)])
+def test_crevice(name, limit, tmp_path, figures):
+    """Beyond the ring in which they meet, two shells share nodes as long as their distance is below a cell or two.
+
+    The bond is as if its ring were wider by a part of the cell, hence too stiff, with an order of about 1.
+    """
+    exact = CASES[name]["stiffness"]["tension"]["value"]
+    cells = (2e-4, 4e-4 / 3)
+    errors = [measure_case(tmp_path / str(cell), CASES[name], "tension", cell) / exact - 1 for cell in cells]
+    order = math.log(errors[0] / errors[1]) / math.log(cells[0] / cells[1])
+    figures.note(f"{name}, tension: signed errors with cells of {cells[0]:.3g} and {cells[1]:.3g}, order",
+                 " ".join(f"{e:+.4f}" for e in errors) + f", {order:.2f}")
+    figures.below(f"{name}, tension: error with 3 cells across the shell", abs(errors[1]), limit)
+    assert order > 0.6
+
+
+@pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.12)])
+def test_basis(basis, limit, tmp_path, figures):
+    """The wider the splines the softer the layer at the bonded surface; tents have none."""
+    name = "meniscus across a gap"
+    error = measure_case(tmp_path, CASES[name], "tension", 2e-4, basis=basis) / CASES[name]["stiffness"]["tension"]["value"] - 1
+    figures.note(f"{name}, tension, {basis}: signed error of the stiffness", f"{error:+.4f}")
+    figures.below(f"{name}, tension, {basis}: error of the stiffness, 10 cells across the neck", abs(error), limit)

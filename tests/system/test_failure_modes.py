@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Failure mode and shares of the separating surface for cracks cut into the cement beforehand, where they are known.
+
+test_point_file.py has the plain cracks of the ring; here are several at once, stepped ones, other shapes, and ranks.
+"""
+import re
+
+import numpy as np
+import pytest
+from scenes import cement, edit, pair, run, shift, thermo
+from test_point_file import CELL, DAMAGE, SPACING, read, write
+
+SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3"), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4"),
+          "coating": ("coating", "thickness 4e-4 cap 30 inner 8e-4"), "wide": ("meniscus", "neck 1e-3")}
+GAP = {"wide": 1e-3}
+MEET = np.sqrt(5.4e-3**2 - 5e-3**2)  # ring in which the shells of the coating meet
+# As far out cells of both shells share faces, though there is a crevice thinner than two spacings between them.
+TOUCH = np.sqrt(5.4e-3**2 - (5e-3 - SPACING)**2)
+STEP, FEW = 1.5e-3, np.deg2rad(18)
+
+
+def scene(shape, file=None):
+    style, words = SHAPES[shape]
+    text = pair(SPACING, shape=style, cement=words, gap=GAP.get(shape, 0.0))
+    if file is None:
+        return text
+    return edit(text, f"shape {style} {words}", f"file {file}")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Points of each shape, as write_cement has them."""
+    points = {}
+    for shape in SHAPES:
+        directory = tmp_path_factory.mktemp(shape)
+        run(scene(shape) + "write_cement cement.txt\n", directory)
+        points[shape] = read(directory / "cement.txt")
+    return points
+
+
+class Cement:
+    def __init__(self, columns):
+        self.x, self.y, self.z = (columns[c] for c in "xyz")
+        self.r, self.angle = np.hypot(self.x, self.y), np.arctan2(self.y, self.x)
+        self.at = (columns["area_i"] > 0, columns["area_j"] > 0)
+        self.plane = abs(self.z) < SPACING
+
+
+def stepped(c, side):
+    """Let go at a grain within r = STEP, through the middle outside it."""
+    wall = (abs(c.r - STEP) < SPACING) & ((c.z < SPACING) if side == 0 else (c.z > -SPACING))
+    return np.where(c.r < STEP, c.at[side], c.plane) | wall
+
+
+def sector(c, few, rest):
+    """One crack in a sector of a twentieth of the circle, from the angle 0, another in the rest; both reach its walls."""
+    within = (c.angle > 0) & (c.angle < FEW)
+    far = c.x > 0
+    wall = far & ((abs(c.y) < SPACING) | (abs(c.y * np.cos(FEW) - c.x * np.sin(FEW)) < SPACING)) & (c.z > -SPACING)
+    return np.where(within, few, rest) | wall
+
+
+# Shares of a crack that steps at r = STEP are known as well as where in the wall, two points wide, they part.
+WALL = 100 * 2 * STEP * SPACING / (2e-3**2 - 1e-3**2) + 2
+# shape, failed points, mode, shares in per cent (first grain, second, inside) or None, uncertainty if not 2
+CASES = {
+    "both grains let go": ("flat", lambda c: c.at[0] | c.at[1], "debonding", (50, 50, 0)),
+    "first grain and middle": ("flat", lambda c: c.at[0] | c.plane, "debonding", (100, 0, 0)),
+    "middle and second grain": ("flat", lambda c: c.plane | c.at[1], "debonding", (0, 100, 0)),
+    "two cracks inside": ("wide", lambda c: abs(abs(c.z) - 2.5 * SPACING) < 0.2 * SPACING, "internal", (0, 0, 100)),
+    "stepped, first grain": ("flat", lambda c: stepped(c, 0), "mixed", (42, 0, 58), WALL),
+    "stepped, second grain": ("flat", lambda c: stepped(c, 1), "mixed", (0, 42, 58), WALL),
+    "a twentieth at the second grain": ("flat", lambda c: sector(c, c.at[1], c.plane), "internal", (0, 5, 95)),
+    "a twentieth inside": ("flat", lambda c: sector(c, c.plane, c.at[1]), "debonding", (0, 95, 5)),
+    "notch around the ring": ("flat", lambda c: c.plane & (c.r > STEP), "intact", None),
+    "both grains half let go": ("flat", lambda c: np.where(c.x < 0, c.at[0], c.at[1]), "intact", None),
+    "meniscus, middle": ("meniscus", lambda c: c.plane, "internal", (0, 0, 100)),
+    "meniscus, first grain": ("meniscus", lambda c: c.at[0], "debonding", (100, 0, 0)),
+    "coating, shell of the first grain": ("coating", lambda c: c.at[0], "debonding", (100, 0, 0)),
+    "coating, shell of the second grain": ("coating", lambda c: c.at[1], "debonding", (0, 100, 0)),
+    "coating, where shells meet": ("coating", lambda c: c.plane & (c.r < TOUCH + SPACING), "internal", (0, 0, 100)),
+    "coating, let go within the ring": ("coating", lambda c: c.at[0] & (c.r < MEET - 2 * SPACING), "intact", None),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_constructed_crack(case, made, tmp_path, figures):
+    shape, crack, mode, shares, *wall = CASES[case]
+    columns = dict(made[shape])
+    columns["failed"] = crack(Cement(columns)).astype(float)
+    assert 0 < columns["failed"].sum() < len(columns["x"])
+    lines = []
+    for ranks in (1, 4):
+        directory = tmp_path / str(ranks)
+        write(directory / "cement.txt", columns)
+        done = run(scene(shape, "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
+                   + thermo(1, ["f_cem[2]", "f_bond[22]", "f_bond[23]", "f_bond[24]"]) + "run 200\n", directory, ranks)
+        lines.append([x for x in done.output.splitlines() if "of grains 1 and 2: " in x][-1])
+        t = done.table()
+        assert (t["f_cem[2]"] == columns["failed"].sum()).all(), "the pull itself broke points"
+    assert lines[0] == lines[1]
+    assert f": {mode}" in lines[0], lines[0]
+    assert t["f_bond[22]"][-1] == (mode != "intact")
+    if shares:
+        found = [float(w) for w in re.findall(r"(\S+) % ", lines[0])]
+        figures.note(f"{case}: per cent at the first grain, the second, inside", found)
+        assert found == pytest.approx(shares, abs=wall[0] if wall else 2)
+        assert [100 * t[f"f_bond[{i}]"][-1] for i in (23, 24)] == pytest.approx(found[:2], abs=0.1)
