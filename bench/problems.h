@@ -20,6 +20,8 @@ class Problem {
   std::vector<int> cells;  // a unit length
   int quick;               // the first so many of them in a short run
   double density = 1.0, end = 1.0;
+  double of_stable = 0.55;  // share of the step that is stable at the start
+  int in_plane = 2;         // points a cell along x and along y; two along z
   std::vector<double> looks;  // times of comparison, ascending; the last is `end`
   double energy_until = 0.0;  // free motion goes on so long for the drift of energy, 0: has a load
 
@@ -32,6 +34,12 @@ class Problem {
   virtual bool held(const Point&) const { return false; }  // is a node there at rest?
   virtual bool loaded() const { return true; }
   virtual Point body_force(const Point&, double) const { return {0, 0, 0}; }  // per mass
+  // Lame's constants if the stress is that of a neo-Hookean body, which the package has no law for, and
+  // law() next to nothing.
+  struct NeoHookean {
+    double lambda, mu;
+  };
+  virtual const NeoHookean* neo_hookean() const { return nullptr; }
   // A piece of surface: reference place, area, direction and sense of the normal.
   struct Facet {
     Point X;

@@ -157,6 +157,7 @@ void Stepper::step_updated(double dt) {
     filter_velocity(points, grid, density_, method_.transfer.order);
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.velocity[i] += dt * grid.acceleration[i];
   }
+  if (before_points) before_points(*this, dt);
   pass_.advance(points, grid, law_, density_, dt, dt, method_.transfer, AdvanceOptions(), result_);
   if (pass_.lost()) throw std::runtime_error("point " + std::to_string(pass_.lost()) + " is lost");
   crossings_ += static_cast<long>(pass_.moves().size());

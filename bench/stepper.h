@@ -45,6 +45,8 @@ class Stepper {
   void start(const std::function<Point(const Point&)>& velocity);
   // Adds force from outside to grid.force, before the first step and in every step.
   std::function<void(Stepper&, double time)> load;
+  // Called in every step of `updated`, once the nodes have the velocity of the step.
+  std::function<void(Stepper&, double dt)> before_points;
   // Acceleration of the present state; once, after start().
   void accelerate();
   // Throws std::runtime_error if a point is lost.
