@@ -14,7 +14,7 @@
 //
 //   fuzz_input [--inputs N] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F] [--json FILE]
 //
-// Ends with status 1 if there are findings. --json: the counts, one entry a scene.
+// Ends with status 1 if there are findings. --json: the counts for tools/reliability.py.
 #include <fcntl.h>
 #include <mpi.h>
 #include <sys/mman.h>
@@ -74,6 +74,11 @@ struct Counts {
     for (const auto& scene : outcome)
       for (long k : scene) n += k;
     return n;
+  }
+  Counts of(int scene) const {
+    Counts c{};
+    std::memcpy(c.outcome[scene], outcome[scene], sizeof outcome[scene]);
+    return c;
   }
   long findings() const {
     long n = total();
@@ -326,19 +331,23 @@ int main(int argc, char** argv) {
   std::printf("%-12s", "scene");
   for (const char* name : kOutcomeNames) std::printf("%10s", name);
   std::printf("\n");
-  std::ostringstream json;
-  json << "{\"seed\": " << o.seed << ", \"inputs\": " << counts->total() << ", \"findings\": " << counts->findings() << ", \"scenes\": {";
+  std::ostringstream json;  // as tests/conftest.py writes figures, with the counts besides
   for (int s = 0; s < fuzz::kScenes; ++s) {
+    const Counts one = counts->of(s);
+    json << (s ? ",\n " : "[") << "{\"test\": \"test_fuzz\", \"case\": \"" << fuzz::kSceneNames[s]
+         << "\", \"what\": \"Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and "
+            "UndefinedBehaviorSanitizer\", \"figure\": \"ends without a message that names its command, of " << counts->total()
+         << " inputs\", \"value\": " << one.findings() << ", \"limit\": 0, \"met\": " << (one.findings() ? "false" : "true")
+         << ", \"seed\": " << o.seed << ", \"counts\": {";
     std::printf("%-12s", fuzz::kSceneNames[s]);
-    json << (s ? ", \"" : "\"") << fuzz::kSceneNames[s] << "\": {";
     for (int k = 0; k < kOutcomes; ++k) {
       std::printf("%10ld", counts->outcome[s][k]);
       json << (k ? ", \"" : "\"") << kOutcomeNames[k] << "\": " << counts->outcome[s][k];
     }
-    json << "}";
+    json << "}}";
     std::printf("\n");
   }
-  json << "}}\n";
+  json << "]\n";
   if (!o.json.empty()) write_all(o.json, json.str());
   const long findings = counts->findings();
   std::printf("%ld inputs of seed %llu, %ld findings%s%s\n", counts->total(), static_cast<unsigned long long>(o.seed), findings,
