@@ -49,7 +49,7 @@ namespace {
 
 constexpr unsigned kSeconds = 20;
 constexpr std::size_t kMegabytes = 1500;
-constexpr std::size_t kMegabytesTold = 32;  // what the package is told; it keeps inputs short
+constexpr std::size_t kMegabytesTold = 8;  // what the package is told; it keeps inputs short
 static_assert(fuzz::kScenes == 6, "kRound is a multiple of it");
 constexpr long kRound = 3000;  // inputs of all scenes before the first scene has its turn again
 constexpr int kMessageStatus = 41, kMemoryStatus = 42, kExceptionStatus = 43, kSanitizerStatus = 44;
