@@ -32,7 +32,7 @@ const Lines kCreate = {
     "create_cement calcite pair 1 2 shape meniscus filling 30 inner 5e-4 spacing 4e-4",
     "create_cement calcite pair 1 2 shape meniscus content 0.02 contact 0 spacing 4e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 inner 5e-4 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 spacing 4e-4",
+    "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 spacing 4.5e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 shape meniscus filling 35 spacing 4e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 30 spacing 4e-4 type 2 density 2710",
 };

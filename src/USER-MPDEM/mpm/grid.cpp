@@ -76,18 +76,19 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
 
   const int S = support(basis), columns_of_cell = S * S;
-  keys = unique;
+  std::vector<Key> next = unique;
   // Keys of all neighbours before the double ones go, then all that is kept and carried of a node.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
   double mine = 0.0, most;
   for (int d = 2; d >= 0 && mine <= most_bytes; --d) {
-    mine = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * keys.size();
-    if (mine <= most_bytes) widen(keys, d, -margin, S - 1 + margin);
+    mine = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * next.size();
+    if (mine <= most_bytes) widen(next, d, -margin, S - 1 + margin);
   }
-  mine = std::max(mine, kBytesOfNode * keys.size());
+  mine = std::max(mine, kBytesOfNode * next.size());
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   if (most > most_bytes) throw GridTooLarge(most);
+  keys.swap(next);
   keys.shrink_to_fit();
 
   std::vector<int> columns(columns_of_cell * unique.size());
