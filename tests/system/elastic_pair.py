@@ -17,7 +17,7 @@ def references():
 
 
 def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic=VTI, axis="global 0 0 1", basis="quadratic",
-            kn="auto", duration=16e-6, ranks=1):
+            kn="auto", at="surface", duration=16e-6, ranks=1):
     """Force per displacement of grain 2 (tension, shear: N/m) or moment per turn (torsion, bending: N m/rad).
 
     The grain is moved smoothly and then held for a quarter of the time, over which what is left of the vibration
@@ -27,7 +27,7 @@ def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic
     amount = 1e-8 if load in ("tension", "shear") else 1e-5
     half_box = (radius + 1e-3, radius + 1e-3, 2 * radius + gap / 2 + 1e-3)
     script = pair(cell / 2, gap=gap, cement=words, shape=shape, radius=radius, half_box=half_box)
-    fixes = cement(cell, timestep, elastic=elastic, axis=axis, couple=f"kn {kn} kt {kn} damping 0.5")
+    fixes = cement(cell, timestep, elastic=elastic, axis=axis, couple=f"kn {kn} kt {kn} at {at} damping 0.5")
     script += edit(fixes, f"cell {cell:.15g} ", f"cell {cell:.15g} basis {basis} ")
     script += deform(load, amount, duration, timestep, 2 * radius + gap)
     script += "unfix pull\nfix pull second move linear 0 0 0\n"

@@ -17,6 +17,8 @@ import math
 import numpy as np
 import pytest
 from elastic_pair import measure, measure_case, references
+from scenes import pair, run
+from test_point_file import read
 
 LOADS = ("tension", "torsion", "shear", "bending")
 CYLINDER = references()["cylinder"]
@@ -43,11 +45,27 @@ def test_closed_forms(load, limit, stiff, tmp_path, figures):
     words = f"outer {A:.15g} inner 0"
     errors = []
     for cell in (COARSE, FINE):
-        k = measure(tmp_path / f"{cell}", load, "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}")
+        k = measure(tmp_path / f"{cell}", load, "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON,
+                    kn=f"{kn:.15g}")
         errors.append(k / bar(load, cell, kn) - 1)
     figures.note(f"cylinder, no Poisson's effect, kn {stiff} Ez, {load}: signed errors at 4 and 8 cells across",
                  " ".join(f"{e:+.4f}" for e in errors))
     figures.below(f"cylinder, no Poisson's effect, kn {stiff} Ez, {load}: error at 8 cells across", abs(errors[1]), limit)
+
+
+def test_links_at_the_points(tmp_path, figures):
+    """`at points`: the springs, as stiff as the cement, hold the bar at the points of the outermost layer."""
+    kn, cell = NO_POISSON[1], FINE
+    words = f"outer {A:.15g} inner 0"
+    made = pair(cell / 2, gap=LENGTH, cement=words, radius=RADIUS, half_box=(0.026, 0.026, 0.0525))
+    run(made + "write_cement cement.txt\n", tmp_path / "made")
+    points = read(tmp_path / "made" / "cement.txt")
+    ends = [np.average(points["z"], weights=points[area]) for area in ("area_i", "area_j")]
+    bar = 1 / (abs(ends[1] - ends[0]) / (NO_POISSON[1] * AREA) + 2 * cell / (kn * AREA))
+    k = measure(tmp_path, "tension", "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}",
+                at="points")
+    figures.note("cylinder, links at the points: share of its length between the points", f"{abs(ends[1] - ends[0]) / LENGTH:.4f}")
+    figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.01)
 
 
 @pytest.mark.parametrize("load, limit", [("tension", 0.005), ("torsion", 0.01), ("shear", 0.025), ("bending", 0.0125)])

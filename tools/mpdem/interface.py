@@ -83,7 +83,7 @@ def geometry(path, bond, points, radius, spacing):
     wide = 1.12 * np.hypot(x, y).max()
     high = 1.25 * np.abs(z[keep]).max() if keep.any() else wide
     shape = min(max(high / wide, 0.3), 1.1)
-    fig = plt.figure(figsize=(7.2, 3.0 * shape + 1.0))
+    fig = plt.figure(figsize=(7.2, max(3.0 * shape + 1.0, 2.9)))
     cut = fig.add_axes([0.07, 0.5 / fig.get_figheight(), 0.52, 1 - 0.85 / fig.get_figheight()])
     for c in (-radius - 0.5 * bond.gap[0], radius + 0.5 * bond.gap[0]):
         cut.add_patch(Circle((0.0, mm * c), mm * radius, fc=GRAIN, ec=GRAIN_EDGE, lw=0.6, zorder=1))
@@ -97,10 +97,12 @@ def geometry(path, bond, points, radius, spacing):
     cut.set_title(f"cut: {len(x)} points, {attached.sum()} attached", loc="left")
     top = fig.add_axes([0.66, 0.5 / fig.get_figheight(), 0.32, 1 - 0.85 / fig.get_figheight()])
     disc = attached & (points["c_grain"] == bond.grains[0] if "c_grain" in points else points["z"] < 0)
-    top.add_collection(PolyCollection(tiles(x[disc], y[disc], half), fc=ATTACHED, lw=0))
+    top.add_collection(PolyCollection(tiles(x[disc], y[disc], 0.6e3 * spacing), fc=ATTACHED, lw=0, antialiased=False))
+    top.set_ylim(-wide, wide)
+    top.set_xticks(top.get_yticks())
     top.set_xlim(-wide, wide)
     top.set_ylim(-wide, wide)
-    top.set_aspect("equal")
+    top.set_aspect("equal", anchor="W")
     top.set_xlabel("x (mm)", labelpad=1)
     top.set_ylabel("y (mm)", labelpad=1)
     top.set_title(f"attached to grain {bond.grains[0]}", loc="left")
@@ -125,7 +127,7 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     when = dict(zip(events["point"][mine].astype(int), events["time"][mine]))
     time = 1e6 * np.array([when.get(i, np.nan) for i in ids])
     gone = np.isfinite(time)
-    half, wide = 0.52e3 * spacing, 1.06 * (np.hypot(x, y).max() + 1e3 * spacing)
+    half, wide = 0.58e3 * spacing, 1.06 * (np.hypot(x, y).max() + 1e3 * spacing)
     fig, axes = plt.subplots(1, 3, figsize=(9.4, 3.3), gridspec_kw={"width_ratios": [1, 1, 1.15]})
     panels = ((damage, plt.Normalize(0, 1), MAP, "largest damage (–)", "at the last dump"),
               (time, plt.Normalize(np.nanmin(time), max(np.nanmax(time), np.nanmin(time) + 1e-9)) if gone.any() else None, TIMES,
@@ -151,7 +153,7 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     layers = np.arange(1, int(radius / spacing)) * spacing - 0.5 * bond.gap[0]
     layers = 1e3 * np.sqrt(np.maximum(2 * radius * layers - layers**2, 0.0))
     for i, level in enumerate(layers[(layers > r.min() - 0.02) & (layers < r.max())]):
-        ax.axhline(level, color="#2a6fbb", lw=0.5, ls=":", zorder=1, label="surface crosses a layer of points" if not i else None)
+        ax.axhline(level, color="#2a6fbb", lw=0.5, ls=":", zorder=1, label="next layer of points" if not i else None)
     ax.set_xlabel("time (µs)")
     ax.set_ylabel("distance from the line of centres (mm)")
     load = ax.twinx()
@@ -161,7 +163,8 @@ def interface(path, bond, grain, first, last, events, radius, spacing):
     if gone.any():
         reach = 0.08 * np.ptp(time[gone]) + 0.1
         ax.set_xlim(np.nanmin(time) - reach, np.nanmax(time) + reach)
-    ax.legend(loc="upper left", bbox_to_anchor=(-0.05, 1.2), frameon=False, ncol=2, markerscale=2.5)
+    ax.legend(loc="upper left", bbox_to_anchor=(-0.05, 1.2), frameon=False, ncol=2, markerscale=2.5,
+              columnspacing=1.2)
     fig.subplots_adjust(left=0.055, right=0.935, bottom=0.13, top=0.87, wspace=0.32)
     # the discs keep room for their bars; the third panel fills the height
     box = ax.get_position()

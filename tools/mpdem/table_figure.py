@@ -33,7 +33,7 @@ def draw(path, rows):
                 ax.plot(x, y, color=COLOURS[shape], ls=STYLES[i % len(STYLES)], lw=0.9, zorder=2)
                 for a, b, (_, res) in zip(x, y, points):
                     ax.plot(a, b, MARKERS[res["mode"]], color=COLOURS[shape], ms=5, zorder=3,
-                            mfc=COLOURS[shape] if res["mode"] == "debonding" else "white")
+                            mfc=COLOURS[shape] if res["mode"] == "debonding" else "none")
         ax.set_title(load, loc="left")
         low, high = (f(v for line in ax.get_lines() for v in line.get_ydata()) for f in (min, max))
         if high > 20 * low:
@@ -47,7 +47,7 @@ def draw(path, rows):
     shapes = [s for s in COLOURS if any(r.shape == s for r, _ in rows)]
     modes = [m for m in MARKERS if any(res["mode"] == m for _, res in rows)]
     handles = [Line2D([], [], color=COLOURS[s], lw=1.5, label=s) for s in shapes]
-    handles += [Line2D([], [], color="0.3", marker=MARKERS[m], ls="", ms=5, mfc="0.3" if m == "debonding" else "white", label=m)
+    handles += [Line2D([], [], color="0.3", marker=MARKERS[m], ls="", ms=5, mfc="0.3" if m == "debonding" else "none", label=m)
                 for m in modes]
     lines = [Line2D([], [], color="0.3", ls=STYLES[i % len(STYLES)], lw=0.9, label=s or "as in the script")
              for i, s in enumerate(settings)]
