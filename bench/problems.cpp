@@ -138,7 +138,7 @@ struct Vortex : Problem {
     quick = neo ? 2 : 3;
     density = 1000.0;
     looks = {0.5, 1.0};
-    if (neo) of_stable = 0.15;  // mu (1 + g^2) is the stiffness along the circles in the end
+    if (neo) of_stable = 0.1;  // mu (1 + g^2) is the stiffness along the circles in the end
     if (neo) in_plane = 4;       // points drift apart by a factor of seven along the circles
     scale = 1.0;  // set below
     double sum = 0, all = 0;
