@@ -139,7 +139,9 @@ void full_step(benchmark::State& state, const Method& m, int cells, bool damagin
   state.counters["points/s"] = rate(c.points, state);
   state.counters["points"] = c.points;
   state.counters["bytes/point"] = static_cast<double>(c.s.memory_usage()) / c.points;
-  state.counters["fill"] = c.points / static_cast<double>(kLanes * c.s.points.blocks.size());
+  int used = 0;
+  for (const BlockMeta& block : c.s.points.meta) used += block.occupied != 0;
+  state.counters["fill"] = c.points / static_cast<double>(kLanes * used);
   state.counters["crossing"] = crossings / steps / c.points;
   if (damaging) state.counters["growing"] = c.growing();
   if (!damaging && m.name() == "total/quadratic/none") {

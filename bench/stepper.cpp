@@ -160,7 +160,7 @@ void Stepper::step_updated(double dt) {
   if (before_points) before_points(*this, dt);
   pass_.advance(points, grid, law_, density_, dt, dt, method_.transfer, AdvanceOptions(), result_);
   if (pass_.lost()) throw std::runtime_error("point " + std::to_string(pass_.lost()) + " is lost");
-  crossings_ += static_cast<long>(pass_.moves().size());
+  crossings_ += pass_.crossings();
   grid.halo.sum(grid.mass.data(), 1);
   grid.halo.sum(grid.momentum.data(), 3);
   take_momentum();

@@ -56,9 +56,13 @@ void give(const PointStore& points, int b, vmask which, const Sym3<vd>& stress, 
 }  // namespace
 
 void UpdatedPass::bind(const PointStore& points, const Grid& grid) {
-  block_with_room_.assign(grid.size(), -1);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b)
-    if (points.meta[b].occupied != 0xff) block_with_room_[points.meta[b].column[0]] = static_cast<int>(b);
+  first_in_cell_.assign(grid.size(), -1);
+  next_in_cell_.resize(points.blocks.size());
+  for (int b = static_cast<int>(points.blocks.size()) - 1; b >= 0; --b) {
+    int& first = first_in_cell_[points.meta[b].column[0]];
+    next_in_cell_[b] = first;
+    first = b;
+  }
   fresh_.assign(points.blocks.size(), 0);
   stale_ = false;
 }
@@ -176,45 +180,93 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const TensorDamage& law, 
   }
 }
 
-// Few points in a step, so this may look things up.
+// If the points of a cell fit into one block less, those of the emptiest go to the others. True if one of
+// them is linked.
+bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
+  int in_cell = 0, blocks = 0, least = -1;
+  for (int b = first_in_cell_[node]; b >= 0; b = next_in_cell_[b]) {
+    const int n = __builtin_popcount(points.meta[b].occupied);
+    if (n == 0) continue;
+    in_cell += n;
+    ++blocks;
+    if (least < 0 || n < __builtin_popcount(points.meta[least].occupied)) least = b;
+  }
+  if (blocks < 2 || in_cell > kLanes * (blocks - 1)) return false;
+  const bool linked = points.meta[least].linked;
+  int to = first_in_cell_[node];
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(points.meta[least].occupied >> l & 1)) continue;
+    while (to == least || points.meta[to].occupied == 0xff || points.meta[to].occupied == 0) to = next_in_cell_[to];
+    int lane = 0;
+    while (points.meta[to].occupied >> lane & 1) ++lane;
+    packed_.push_back({kLanes * least + l, kLanes * to + lane});
+    points.take(points, packed_.back().from, packed_.back().to);
+    points.empty_lane(packed_.back().from, grid.h, grid.basis);
+  }
+  return linked;
+}
+
+// Few points in a step, so this may look things up. All leave before the first arrives: neighbours that
+// cross a face together then take each other's lanes, and blocks stay full.
 void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& result) {
   targets_.clear();
+  crossings_ = static_cast<int>(moves_.size());
   if (moves_.empty()) return;
   const double inverse_h = 1.0 / grid.h, shift = cell_shift(grid.basis);
   bool linked = false;
-  for (Move& move : moves_) {
-    const int from = move.from / kLanes, l = move.from % kLanes;
-    int base[3], node = -1;
+  on_the_way_.resize(moves_.size());
+  hold_.clear();
+  const int nowhere[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < moves_.size(); i += kLanes) hold_.add_block(0, 0, nowhere, grid.h, grid.basis);
+  hold_.let_move();
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    const int from = moves_[i].from / kLanes, l = moves_[i].from % kLanes, body = points.meta[from].body, part = points.meta[from].part;
+    Traveller& t = on_the_way_[i];
+    t.node = -1;
     bool finite = true;
     for (int d = 0; d < 3; ++d) {
       const double X = points.blocks[from].X[d][l] * inverse_h;
       finite = finite && std::fabs(X) < 1e9;
-      base[d] = finite ? support_base(X, 1.0, shift) : 0;
+      t.base[d] = finite ? support_base(X, 1.0, shift) : 0;
     }
-    const int body = points.meta[from].body, part = points.meta[from].part;
-    if (finite) node = grid.base_node(field_of(body, part), base);
-    int to = node >= 0 ? block_with_room_[node] : -1;
-    if (to < 0 || points.meta[to].occupied == 0xff) {
-      int column[kMostColumns];
-      if (node < 0 || !grid.find_columns(field_of(body, part), base, column)) {
-        lost_ = points.tags[from][l];
-        move.to = move.from;
-        continue;
-      }
-      to = points.add_block(body, part, base, grid.h, grid.basis);
-      std::copy(column, column + kMostColumns, points.meta[to].column);
+    if (finite) t.node = grid.base_node(field_of(body, part), t.base);
+    if (t.node < 0 || !grid.find_columns(field_of(body, part), t.base, t.column)) {
+      t.node = -1;
+      lost_ = points.tags[from][l];
+      moves_[i].to = moves_[i].from;
+      continue;
+    }
+    hold_.take(points, moves_[i].from, static_cast<int>(i));
+    linked = linked || (points.meta[from].linked >> l & 1);
+    points.empty_lane(moves_[i].from, grid.h, grid.basis);
+  }
+  packed_.clear();
+  for (const Move& m : moves_)
+    if (m.to < 0) linked = pack(points, grid, points.meta[m.from / kLanes].column[0]) || linked;
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    const Traveller& t = on_the_way_[i];
+    if (t.node < 0) continue;
+    int to = first_in_cell_[t.node];
+    while (to >= 0 && points.meta[to].occupied == 0xff) to = next_in_cell_[to];
+    if (to < 0) {
+      const BlockMeta& m = points.meta[moves_[i].from / kLanes];
+      to = points.add_block(m.body, m.part, t.base, grid.h, grid.basis);
+      std::copy(t.column, t.column + kMostColumns, points.meta[to].column);
       fresh_.push_back(0);
-      block_with_room_[node] = to;
+      next_in_cell_.push_back(first_in_cell_[t.node]);
+      first_in_cell_[t.node] = to;
     }
     int lane = 0;
     while (points.meta[to].occupied >> lane & 1) ++lane;
-    linked = linked || (points.meta[from].linked >> l & 1);
-    move.to = kLanes * to + lane;
-    points.move(move.from, move.to, grid.h, grid.basis);
-    block_with_room_[points.meta[from].column[0]] = from;
+    moves_[i].to = kLanes * to + lane;
+    points.take(hold_, static_cast<int>(i), moves_[i].to);
     if (!fresh_[to]) targets_.push_back(to);
     fresh_[to] |= static_cast<std::uint8_t>(1u << lane);
-    stale_ = stale_ || !grid.well_inside(node);
+    stale_ = stale_ || !grid.well_inside(t.node);
+  }
+  if (!packed_.empty()) {
+    moves_.insert(moves_.end(), packed_.begin(), packed_.end());
+    std::sort(moves_.begin(), moves_.end(), [](const Move& a, const Move& b) { return a.from < b.from; });
   }
   const auto renamed = [&](int slot) {
     const auto it = std::lower_bound(moves_.begin(), moves_.end(), slot, [](const Move& a, int s) { return a.from < s; });

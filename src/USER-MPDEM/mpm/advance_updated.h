@@ -39,11 +39,13 @@ class UpdatedPass {
   static void project(const PointStore& points, Grid& grid, const TensorDamage& law, double density,
                       const Transfer& transfer);
 
-  // Points that changed cell in the last step: slot before, slot after; ascending.
+  // Points that changed their slot in the last step, by going to another cell or to another block of
+  // theirs: slot before, slot after; ascending.
   struct Move {
     int from, to;
   };
   const std::vector<Move>& moves() const { return moves_; }
+  int crossings() const { return crossings_; }
   // Some point is near the end of the margin: lay out the grid anew before the next step.
   bool layout_is_stale() const { return stale_; }
   // Tag of a point that went further than the nodes reach or is not finite, 0: none.
@@ -54,13 +56,20 @@ class UpdatedPass {
   void pass(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
             const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
   void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
+  bool pack(PointStore& points, const Grid& grid, int node);
 
-  std::vector<int> block_with_room_;  // of the cell with this first node, or -1
-  std::vector<Move> moves_;
+  // Blocks of a cell: the first, by its first node, and the next of each block; -1: none.
+  std::vector<int> first_in_cell_, next_in_cell_;
+  std::vector<Move> moves_, packed_;
+  struct Traveller {
+    int node, base[3], column[kMostColumns];  // of the new cell; node -1: there is none
+  };
+  std::vector<Traveller> on_the_way_;
+  PointStore hold_;                   // the points meanwhile
   std::vector<int> targets_;          // blocks that points came into
   std::vector<std::uint8_t> fresh_;   // their new lanes, of every block
   bool stale_ = false;
-  int lost_ = 0;
+  int lost_ = 0, crossings_ = 0;
 };
 
 // The present becomes the reference: points of `total` kinematics go where they are, their

@@ -283,7 +283,7 @@ int PointStore::add_block(int body, int part, const int* base, double cell, Basi
   return static_cast<int>(blocks.size()) - 1;
 }
 
-void PointStore::move(int slot, int new_slot, double cell, Basis basis) {
+void PointStore::take(const PointStore& from, int slot, int new_slot) {
   const int b = slot / kLanes, l = slot % kLanes, to = new_slot / kLanes, lane = new_slot % kLanes;
   // Blocks are arrays of vectors, so a lane is every eighth number of them.
   const auto copy = [l, lane](auto& target, const auto& source) {
@@ -291,11 +291,11 @@ void PointStore::move(int slot, int new_slot, double cell, Basis basis) {
     const double* s = reinterpret_cast<const double*>(&source);
     for (std::size_t i = 0; i < sizeof source / sizeof(double); i += kLanes) t[i + lane] = s[i + l];
   };
-  copy(blocks[to], blocks[b]);
-  copy(damage[to], damage[b]);
-  if (!motion.empty()) copy(motion[to], motion[b]);
-  tags[to][lane] = tags[b][l];
-  const BlockMeta& m = meta[b];
+  copy(blocks[to], from.blocks[b]);
+  copy(damage[to], from.damage[b]);
+  if (!motion.empty()) copy(motion[to], from.motion[b]);
+  tags[to][lane] = from.tags[b][l];
+  const BlockMeta& m = from.meta[b];
   BlockMeta& n = meta[to];
   const auto hand_over = [l, lane](std::uint8_t& target, std::uint8_t source) {
     target = static_cast<std::uint8_t>((target & ~(1u << lane)) | (source >> l & 1u) << lane);
@@ -304,8 +304,9 @@ void PointStore::move(int slot, int new_slot, double cell, Basis basis) {
   hand_over(n.failed, m.failed);
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
-  n.damaged |= m.damaged;
-  empty_lane(slot, cell, basis);
+  const Sym3<vd>& D = damage[to].D;
+  n.damaged = n.damaged || (n.failed >> lane & 1) || D.xx[lane] != 0.0 || D.yy[lane] != 0.0 || D.zz[lane] != 0.0 ||
+              D.yz[lane] != 0.0 || D.xz[lane] != 0.0 || D.xy[lane] != 0.0;
 }
 
 void PointStore::empty_lane(int slot, double cell, Basis basis) {

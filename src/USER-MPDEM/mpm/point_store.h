@@ -124,9 +124,9 @@ class PointStore {
 
   // A block without points in cell `base`; returns its number.
   int add_block(int body, int part, const int* base, double cell, Basis basis);
-  // Moves a point, without its links, to a free lane of another block; its old lane becomes
-  // empty.
-  void move(int slot, int new_slot, double cell, Basis basis);
+  // Copies a point of another store, without its links, into a free lane.
+  void take(const PointStore& from, int slot, int new_slot);
+  void empty_lane(int slot, double cell, Basis basis);
   // Ascending in slot again, after moves; new_place[i] is where link i went.
   std::vector<int> sort_links();
 
@@ -139,7 +139,6 @@ class PointStore {
  private:
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   void set(int slot, const PointRecord& r, int tag);
-  void empty_lane(int slot, double cell, Basis basis);
 };
 
 }  // namespace mpdem
