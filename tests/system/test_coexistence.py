@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import MOMENTA, RADIUS, edit, launch, run
+from scenes import MOMENTA, RADIUS, edit, hosted, launch, run
 
 FOLDER = Path(__file__).parents[2] / "examples" / "rain"
 SCRIPT = (FOLDER / "in.rain").read_text()
@@ -55,7 +55,8 @@ def column(name, bond=1):
     return name.format(bond=bond)
 
 
-COLUMNS = ["time", "atoms", "ke", "f_cem[12]", "f_cem[11]", "f_cem[8]", "f_cem[7]", "f_tray[3]"] + [column(n, b) for b in (1, 2) for n in (TENSION, FAILED, SEPARATED)]
+COLUMNS = (["time", "atoms", "ke", "f_cem[12]", "f_cem[11]", "f_cem[8]", "f_cem[7]", "f_tray[3]"]
+           + [column(n, b) for b in (1, 2) for n in (TENSION, FAILED, SEPARATED)])
 # How many inserted beads touch another bead, and how low the lowest is.
 CONTACTS = """\
 compute      touching free contact/atom
@@ -64,6 +65,16 @@ compute      touched free reduce sum v_inserted
 compute      lowest free reduce min z
 variable     touched equal c_touched
 variable     lowest equal c_lowest
+"""
+
+
+# Of beads and cement: motion, height, what the cement stores and what it has dissipated.
+ENERGY = """\
+variable     height atom "9.81*mass*z"
+variable     motion atom "0.5*mass*(vx*vx+vy*vy+vz*vz)+0.2*mass*c_radius^2*(omegax*omegax+omegay*omegay+omegaz*omegaz)"
+compute      height all reduce sum v_height
+compute      motion grains reduce sum v_motion
+variable     energy equal c_height+c_motion+f_cem[5]+f_cem[6]+f_cem[7]+f_cem[8]+f_cem[9]+f_cem[10]
 """
 
 
@@ -82,16 +93,18 @@ def test_through_failure(ranks, tmp_path, figures):
     assert table["v_touched"].max() >= 2, "inserted beads touch nothing"
     peak = table[column(TENSION)].max()
     figures.note(f"rain, {ranks} rank(s): peak force of the pulled pair", f"{peak:.4g} N")
-    figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak", abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
+    figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak",
+                  abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to next to nothing
     figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.01)
     # The smaller beads have a radius of 1 mm; walls as soft as these give way a little.
-    figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius", (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
+    figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius",
+                  (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_what_is_far_changes_nothing(ranks, tmp_path, figures):
-    """The bond is the same with and without tray, rain and gravity's grains; the rain is that of `liggghts` without cement."""
+    """The bond is the same with and without tray and rain; the rain is that of `liggghts` without cement."""
     script = shorter(alone(SCRIPT), 8000)
     columns = [column(n) for n in (TENSION, FAILED)] + ["f_bond[13]", "f_cem[8]"]
     last = ("compute radius free property/atom radius\n"
@@ -108,7 +121,8 @@ def test_what_is_far_changes_nothing(ranks, tmp_path, figures):
     difference = abs(p[column(TENSION)] - force) / force.max()
     figures.below(f"bond with rain and tray against without, {ranks} rank(s), while intact: force over the peak",
                   difference[intact].max(), 1e-10)
-    figures.below(f"bond with rain and tray against without, {ranks} rank(s), to the end: force over the peak", difference.max(), 1e-10)
+    figures.below(f"bond with rain and tray against without, {ranks} rank(s), to the end: force over the peak",
+                  difference.max(), 1e-10)
     assert (p[column(FAILED)] == q[column(FAILED)]).all()
 
     stock = shutil.which("liggghts", path="/usr/bin:/usr/local/bin")
@@ -125,7 +139,7 @@ def test_what_is_far_changes_nothing(ranks, tmp_path, figures):
         a, b = (np.array([of[c] for c in vector]) for of in (ours, theirs))
         assert abs(b).max() > 0
         figures.below(f"beads beside cement against those of liggghts, {ranks} rank(s): {''.join(vector)}",
-                      abs(a - b).max() / abs(b).max(), 1e-12)
+                      abs(a - b).max() / abs(b).max(), 0 if hosted() else 1e-6)  # another compilation rounds otherwise
 
 
 def test_ranks(tmp_path, figures):
@@ -166,7 +180,8 @@ def test_restart(ranks, tmp_path, figures):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_inserted_into_another_group(ranks, tmp_path):
     """Beads that are not in the group of `atom_modify first` fall through everything: an error, not silence."""
-    script = edit(edit(SCRIPT, "fix          small grains", "fix          small free"), "fix          large grains", "fix          large free")
+    script = edit(SCRIPT, "fix          small grains", "fix          small free")
+    script = edit(script, "fix          large grains", "fix          large free")
     result = launch(shorter(script, 2000), start_in(tmp_path), ranks)
     assert result.status != 0 and len(result.errors()) == 1, result.output[-2000:]
     for word in ("fix mpm (id cem)", "is not in group 'grains'", "fix insert"):
@@ -183,12 +198,17 @@ def test_momentum(tmp_path, figures):
     script = edit(script, "insert_every 5000", "insert_every once")
     momenta = MOMENTA.replace(f"0.4*mass*{RADIUS}^2", "0.4*mass*c_radius^2")
     script = edit(script, RUN, "run 1\n" + RUN)  # the insertion
-    script = edit(script, THERMO, "compute radius grains property/atom radius\nvariable mass atom mass\ncompute mass all reduce sum v_mass\n"
-                  "variable weight equal 9.81*c_mass\n" + momenta + THERMO)
-    names = ["v_Px", "v_Py", "v_Pz", "v_Lz", "v_weight", "time", column(FAILED, 2)]
+    script = edit(script, THERMO, "compute radius grains property/atom radius\nvariable mass atom mass\n"
+                  "compute mass all reduce sum v_mass\nvariable weight equal 9.81*c_mass\n" + momenta + ENERGY + THERMO)
+    names = ["v_Px", "v_Py", "v_Pz", "v_Lz", "v_weight", "v_energy", "time", column(FAILED, 2)]
     table = run(with_columns(shorter(script, 6000), names, 20), start_in(tmp_path), 2).table()
     table = {n: c[table["step"] >= 1] for n, c in table.items()}
     assert table[column(FAILED, 2)][-1] > 100
+    # What contacts store is not in the sum: it is less than at the beginning as long as one lasts, and never more.
+    energy = table["v_energy"]
+    figures.below("rain without walls: energy gained, over all there is", (energy - energy[0]).max() / energy[0], 1e-6)
+    figures.note("rain without walls: energy that contacts took, over all there was", f"{1 - energy[-1] / energy[0]:.3g}")
+    assert energy[-1] < 0.95 * energy[0]
     t = table["time"] - table["time"][0]
     fall = table["v_Pz"] + table["v_weight"] * t
     scale = abs(table["v_Pz"]).max()
