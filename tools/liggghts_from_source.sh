@@ -20,24 +20,6 @@ stop() {
   exit 1
 }
 
-# Source packages need a deb-src entry. It is put, like the lists of packages, into a
-# folder of its own: neither root nor a change of the system's settings is needed.
-fetch() {
-  echo "Fetching $tarball_name"
-  rm -rf apt
-  mkdir -p apt/lists/partial apt/archives/partial
-  apt-get indextargets --format '$(ORIGIN)|$(COMPONENT)|$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' \
-    | sed -n 's/^Debian|main|/deb-src [signed-by=\/usr\/share\/keyrings\/debian-archive-keyring.gpg] /p' \
-    | sort -u > apt/sources.list
-  [ -s apt/sources.list ] || stop "apt knows no Debian archive; give the tarball by TARBALL=..."
-  set -- -o Dir::Etc::SourceList="$PWD/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null \
-         -o Dir::State::Lists="$PWD/apt/lists" -o Dir::Cache="$PWD/apt" -o APT::Sandbox::User=root
-  apt-get "$@" --quiet update
-  apt-get "$@" --quiet source --tar-only liggghts
-  rm -rf apt
-  [ -e "$tarball_name" ] || stop "Debian's archive has another version than $tarball_name"
-}
-
 [ $# -eq 1 ] || stop "usage: tools/liggghts_from_source.sh DIRECTORY"
 for tool in patch xz g++ mpicxx; do
   command -v $tool > /dev/null || stop "$tool is missing; on Debian: apt-get install patch xz-utils g++ libopenmpi-dev"
@@ -48,13 +30,8 @@ mkdir -p "$1"
 cd "$1"
 directory=$PWD
 
-if [ -n "${TARBALL:-}" ]; then
-  tarball=$TARBALL
-  [ -e "$tarball" ] || stop "no such file: $tarball"
-else
-  [ -e $tarball_name ] || fetch
-  tarball=$directory/$tarball_name
-fi
+"$root/tools/fetch_liggghts.sh" "$directory"
+tarball=$directory/$tarball_name
 
 series=$(cat "$tarball" "$root"/patches/*.patch | sha256sum)
 if [ "$series" != "$(cat series 2> /dev/null)" ]; then

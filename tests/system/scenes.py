@@ -241,6 +241,12 @@ def executable():
     return str(Path(path).resolve())
 
 
+def hosted():
+    """Whether the program runs on LIGGGHTS' shared library; else the package is compiled into a LIGGGHTS of its own."""
+    libraries = subprocess.run(["ldd", executable()], capture_output=True, text=True, check=True).stdout
+    return "libliggghts" in libraries
+
+
 def start(script, directory, ranks=1, program=None, name="in.test", arguments=()):
     """Begins to run the script in `directory`, in a session of its own; output goes to the file NAME.out."""
     directory = Path(directory)

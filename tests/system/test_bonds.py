@@ -72,7 +72,7 @@ def test_cement_added_between_runs(tmp_path, ranks):
     scene = grains([(0, 0, -0.005), (0, 0, 0.005), (0.01, 0, 0.005)], "-0.006 0.016 -0.006 0.006 -0.0105 0.0105")
     scene += CREATE % (1, 2) + cement(CELL, 1e-8) + pull(0.01, 2e-6)
     alone = run(scene + "run 400\nrun 0\n" + thermo(10, ["f_bond"]) + "run 400\n", tmp_path / "alone", ranks).table()
-    both = run(scene + "run 400\n" + CREATE % (2, 3) + "run 0\n"
+    both = run(scene + "run 400\n" + CREATE % (2, 3) + "group third id 3\nfix rest third freeze\nrun 0\n"
                + thermo(10, ["f_bond", "f_bond[2][16]", "f_bond[2][3]"]) + "run 400\n", tmp_path / "both", ranks)
     table = both.table()
     assert (table["f_bond"] == alone["f_bond"]).all()

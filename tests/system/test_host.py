@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from scenes import cement, dump, launch, pair, point_quantities, pull, run, thermo
+from scenes import cement, dump, hosted, launch, pair, point_quantities, pull, run, thermo
 
 MATERIAL = """\
 fix m1 all property/global youngsModulus peratomtype 5e6
@@ -101,6 +101,8 @@ def test_ordinary_script(tmp_path, figures, name, ranks):
     stock = shutil.which("liggghts", path="/usr/bin:/usr/local/bin")
     if not stock:
         pytest.skip("the stock program liggghts is not installed")
+    if not hosted():
+        pytest.skip("a LIGGGHTS compiled anew rounds otherwise than Debian's")
     theirs = thermo_lines(run(SCENES[name], tmp_path / "stock", ranks, program=stock).output)
     ours = thermo_lines(run(SCENES[name], tmp_path / "mpdem", ranks).output)
     assert len(theirs) > 30
@@ -110,8 +112,9 @@ def test_ordinary_script(tmp_path, figures, name, ranks):
 
 def test_help_lists_the_styles(tmp_path):
     output = launch("", tmp_path, arguments=["-h"]).output
-    for style in ("atom_style mpdem", "fix mpm", "mpm/couple", "mpm/atom", "create_cement"):
-        assert style in output, style
+    words = output.replace(",", " ").split()
+    for style in ("mpdem", "mpm", "mpm/couple", "check/timestep/mpm", "mpm/atom", "create_cement", "write_cement"):
+        assert style in words, style
 
 
 def test_clear_and_a_second_scene(tmp_path):
@@ -155,10 +158,10 @@ def test_columns_of_a_dump(tmp_path):
 
 
 def test_dump_vtk(tmp_path):
-    script = (pair(1e-4) + cement(2e-4, 2e-9) + point_quantities(["damage", "stress_zz"])
+    script = (pair(1e-4) + cement(2e-4, 2e-9) + "fix hold grains freeze\n" + point_quantities(["damage", "stress_zz"])
               + "dump points calcite custom/vtk 10 points.*.vtk id type x y z vx vy vz c_damage c_stress_zz\nrun 10\n")
     result = launch(script, tmp_path, 1)
-    if "Unknown dump style" in result.output:
+    if "Invalid dump style" in result.output:
         pytest.skip("this LIGGGHTS has no dump custom/vtk")
     assert result.status == 0 and not result.errors(), result.output[-1500:]
     for step in (0, 10):

@@ -76,6 +76,9 @@ def test_asked_for_a_restart_file(whole, tmp_path, figures):
     process.send_signal(signal.SIGUSR1)
     assert process.wait(120) == 0, output.read_text()[-2000:]
     assert len(list(tmp_path.glob("restart_forced_liggghts_*.data"))) == 1
+    # LIGGGHTS itself stops its output then, if there is no `restart` command
+    shown = re.findall(r"^ +(\d+) ", output.read_text().split("Loop time")[0], re.MULTILINE)
+    assert shown[-3:] == [str(STEPS - 100), str(STEPS - 50), str(STEPS)]
     same_tables(whole, tmp_path, figures, "SIGUSR1 on 2 ranks")
 
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// LIGGGHTS acts on a signal rank by rank, at the step that each happens to be at, and not at
-// all without a `restart` command: ranks then wait for each other forever, or the run goes on.
-// Here the ranks agree, every few steps, on the step at which all of them act.
+// LIGGGHTS acts on a signal rank by rank, at the step that each happens to be at: ranks then wait for
+// each other forever. Here they agree, every few steps, on the step at which all of them act; also
+// with `neigh_modify once yes`, with which LIGGGHTS does not look at all.
 #include "signals.h"
 
 #include <mpi.h>
@@ -40,6 +40,37 @@ extern "C" void on_quit(int) {
 
 extern "C" void on_restart(int) { restart_seen = 1; }
 
+// Output keeps its schedule to itself. The arguments of an explicit instantiation may name private
+// members ([temp.spec]).
+using LAMMPS_NS::bigint;
+using LAMMPS_NS::Output;
+struct WritesRestarts {
+  using Type = bool Output::*;
+  friend Type member(WritesRestarts);
+};
+struct NextSingle {
+  using Type = bigint Output::*;
+  friend Type member(NextSingle);
+};
+struct NextDouble {
+  using Type = bigint Output::*;
+  friend Type member(NextDouble);
+};
+template <class Tag, typename Tag::Type Member>
+struct Expose {
+  friend typename Tag::Type member(Tag) { return Member; }
+};
+template struct Expose<WritesRestarts, &Output::restart_flag>;
+template struct Expose<NextSingle, &Output::next_restart_single>;
+template struct Expose<NextDouble, &Output::next_restart_double>;
+
+// Without a `restart` command LIGGGHTS takes for the next one a step that is over, once it has written
+// a file that was asked for: thermo output and dumps would wait for that step forever.
+void keep_output_going(Output* output, bigint last_step) {
+  if (output->*member(WritesRestarts{})) return;
+  output->*member(NextSingle{}) = output->*member(NextDouble{}) = last_step + 1;
+}
+
 }  // namespace
 
 namespace mpdem {
@@ -70,6 +101,7 @@ int Neighbor::decide() {
       restart_seen = 0;
       SignalHandler::request_quit = seen[0];
       SignalHandler::request_write_restart = SignalHandler::enable_restart_writing;
+      keep_output_going(output, update->laststep);
       output->restart_requested(update->ntimestep);
       return 1;
     }

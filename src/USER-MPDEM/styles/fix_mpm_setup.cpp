@@ -100,7 +100,7 @@ void FixMpm::pre_neighbor() {
   if (live != arranged) changed = 1;
   // Arrivals sit in tail blocks that no grid knows.
   for (int i = 0; i < atom->nlocal && !changed; ++i)
-    if (avec_->slot[i] / kLanes >= static_cast<int>(laid_out_blocks_)) changed = 1;
+    if (avec_->is_point(i) && avec_->slot[i] / kLanes >= static_cast<int>(laid_out_blocks_)) changed = 1;
   for (const OwnedSide& o : owned_) {
     const int i = atom->map(avec_->bodies[o.body].grain[o.side]);
     if (i < 0 || i >= atom->nlocal) changed = 1;

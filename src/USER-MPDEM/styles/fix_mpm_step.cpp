@@ -16,6 +16,7 @@
 #include "domain.h"
 #include "fix_gravity.h"
 #include "fix_mpm.h"
+#include "host_recipe.h"
 #include "output.h"
 #include "update.h"
 
@@ -197,6 +198,7 @@ void FixMpm::check_state() {
                       " has cement but was deleted or lost at step ", update->ntimestep,
                       "; keep bonded grains, or use a larger box");
   if (trouble.empty()) trouble = grain_that_is_not_finite();
+  if (trouble.empty()) trouble = grain_outside_of_group(lmp, text_of("fix mpm (id ", id, "): "), *avec_);
   mpdem::stop_if_any(lmp, trouble);
 }
 

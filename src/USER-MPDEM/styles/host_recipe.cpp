@@ -58,4 +58,14 @@ void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& 
   mpdem::stop_if_any(lmp, trouble);
 }
 
+std::string grain_outside_of_group(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement) {
+  const Atom& atom = *lmp->atom;
+  const int bit = lmp->group->bitmask[lmp->group->find(atom.firstgroupname)];
+  for (int i = 0; i < atom.nlocal; ++i)
+    if (!cement.is_point(i) && !(atom.mask[i] & bit))
+      return who + mpdem::text_of("grain ", atom.tag[i], " is not in group '", atom.firstgroupname, "', so that it touches neither "
+                                  "grains nor walls; give the fix particletemplate or fix insert that makes it this group");
+  return "";
+}
+
 }  // namespace LAMMPS_NS

@@ -17,6 +17,10 @@ namespace LAMMPS_NS {
 // name a group that lacks a grain or holds a material point. Collective.
 void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement);
 
+// The complaint about a grain of this rank that is not in the group of `atom_modify first`, so that it
+// would have no contacts: inserted during a run, for instance. Empty if there is none.
+std::string grain_outside_of_group(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement);
+
 }  // namespace LAMMPS_NS
 
 #endif
