@@ -4,7 +4,7 @@
 """Loads pairs of beads of every shape, load and content of a table, on all cores.
 
     tools/pair_table.py OUT --shapes flat,meniscus --loads tension,shear --contents 0.01,0.05
-    tools/pair_table.py OUT --table doc/data/study.json
+    tools/pair_table.py OUT --table doc/data/study_strength.json
 
 Runs examples/pair_table/in.pair_table once for each entry, as many at a time as there are cores, and
 leaves table.csv and table.png in OUT. Called again it goes on where it was stopped: finished runs
@@ -75,9 +75,9 @@ def groups(args):
         with open(args.table) as f:
             found = json.load(f)
     except ValueError as e:
-        raise run.Trouble(f"{args.table}: not JSON ({e}); see doc/data/study.json") from None
+        raise run.Trouble(f"{args.table}: not JSON ({e}); see doc/data/study_strength.json") from None
     if not isinstance(found, list) or not all(isinstance(g, dict) for g in found):
-        raise run.Trouble(f"{args.table}: must be a list of groups; see doc/data/study.json")
+        raise run.Trouble(f"{args.table}: must be a list of groups; see doc/data/study_strength.json")
     return found
 
 
