@@ -27,7 +27,7 @@ DEFAULT = "total/quadratic/none"
 # the central difference. pic smooths the velocity by h^2/8 v'' in each of O(1/h) steps, which leaves
 # first order; xpic2 by the square of that, and with apic the affine part takes it back.
 EXPECTED = {"none": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 2}
-PROBLEMS = ("bar", "cube", "vortex")
+PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
 QUICK = ["machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
