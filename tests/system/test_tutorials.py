@@ -90,11 +90,14 @@ def tutorials(tmp_path_factory):
     beside = Path(executable()).parent / TARBALL  # where `make` puts it
     if not beside.exists():
         tool = Path(__file__).parents[2] / "tools" / "fetch_liggghts.sh"
-        fetched = subprocess.run([tool, folder], capture_output=True, text=True, timeout=300)
+        try:
+            complaint = subprocess.run([tool, folder], capture_output=True, text=True, timeout=200).stderr
+        except subprocess.TimeoutExpired:
+            complaint = "no answer"
         beside = folder / TARBALL
-        if fetched.returncode != 0 or not beside.exists():
-            pytest.skip(f"no tutorials: {TARBALL} is not beside the executable, and Debian's archive is out of reach:\n"
-                        + fetched.stderr[-500:])
+        if not beside.exists():
+            pytest.skip(f"no tutorials: {TARBALL} is not beside the executable, and Debian's archive is out of reach: "
+                        + complaint[-500:])
     with tarfile.open(beside) as source:
         source.extractall(folder, [m for m in source if m.name.startswith(FOLDER)])
     return folder / FOLDER
