@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Memory of a process that makes and takes down cement again and again."""
 import re
+from pathlib import Path
 
-from scenes import cement, pair, point_quantities, pull, run
+from scenes import cement, executable, pair, point_quantities, pull, run
 
 TIMES = 50
 ALLOWED = 200e3  # bytes a round: the allocator keeps now more, now less, up to 5 MB; the cement of a round takes 3.4 MB
@@ -10,7 +11,7 @@ CELL, DT = 2e-4, 2e-9
 # The process is the first above the shell that has its name.
 NOTE_RESIDENT = """\
 p=$$
-while ! grep -q ^liggghts /proc/$p/comm; do p=$(sed -n 's/^PPid:[^0-9]*//p' /proc/$p/status); done
+while [ $p -gt 1 ] && ! grep -q ^NAME$ /proc/$p/comm; do p=$(sed -n 's/^PPid:[^0-9]*//p' /proc/$p/status); done
 grep VmRSS /proc/$p/status >> resident.txt
 """
 
@@ -24,7 +25,7 @@ def rounds(lines):
 def lost(directory, script):
     """Bytes a round between the 5th round and the last, and the whole before the last `clear`."""
     directory.mkdir()
-    (directory / "resident.sh").write_text(NOTE_RESIDENT)
+    (directory / "resident.sh").write_text(NOTE_RESIDENT.replace("NAME", Path(executable()).name[:15]))
     run(script, directory)
     resident = [1024.0 * int(kb) for kb in re.findall(r"VmRSS:\s*(\d+) kB", (directory / "resident.txt").read_text())]
     assert len(resident) == TIMES
