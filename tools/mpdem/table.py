@@ -160,7 +160,7 @@ class Runner:
                     self.progress()
         finally:
             for item in self.active:
-                os.killpg(item["process"].pid, signal.SIGTERM)
+                os.killpg(item["process"].pid, signal.SIGKILL)  # it begins anew, so it need not save anything
             for item in self.active:
                 item["process"].wait()
                 item["out"].close()
