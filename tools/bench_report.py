@@ -118,13 +118,12 @@ def diagram(rows, problem, file):
         if DEFAULT in every:
             curve = every[DEFAULT]
             ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color="black", lw=3, alpha=0.55,
-                      label="default (total quadratic none)")
+                      label="default (total\nquadratic none)")
         ax.set_xlabel("seconds, one core")
-        if ax.lines:
-            ax.legend(fontsize=6)
-    axes[0].set_ylabel("relative error")
-    fig.suptitle(problem)
-    fig.tight_layout()
+    axes[0].set_ylabel(f"{problem}: relative error")
+    named = {line.get_label(): line for ax in axes for line in ax.lines}
+    fig.tight_layout(rect=(0, 0, 0.86, 1))
+    fig.legend(named.values(), named.keys(), loc="center left", bbox_to_anchor=(0.86, 0.55), fontsize=8, frameon=False)
     fig.savefig(file, dpi=90)
     plt.close(fig)
 

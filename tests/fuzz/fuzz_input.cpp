@@ -9,8 +9,9 @@
 //   crash      signal, sanitizer report or C++ exception
 //   hang       took more than kSeconds
 //   memory     asked for more than kMegabytes
-// Crashes of LIGGGHTS in a command of its own other than `run`, without a function of the package on the
-// stack, are counted as `host`; they are shown but are no findings. Findings are written to a folder as scripts that repeat them.
+// Crashes and hangs of LIGGGHTS in a command of its own other than `run`, without a function of the package on
+// the stack, are counted as `host`; they are shown but are no findings. Findings are written to a folder as
+// scripts that repeat them.
 //
 //   fuzz_input [--inputs N] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F] [--json FILE]
 //
@@ -114,7 +115,7 @@ bool in_command_of_host(const std::string& output) {
 Outcome judge(int status, const std::string& output) {
   const Outcome crash = in_command_of_host(output) ? kHost : kCrash;
   if (output.find("runtime error:") != std::string::npos || output.find("ERROR: AddressSanitizer") != std::string::npos) return crash;
-  if (WIFSIGNALED(status)) return WTERMSIG(status) == SIGALRM ? kHang : crash;
+  if (WIFSIGNALED(status)) return WTERMSIG(status) == SIGALRM && crash == kCrash ? kHang : crash;
   const int code = WEXITSTATUS(status);
   if (code == 0) return kOk;
   if (code == kMemoryStatus) return kMemory;
