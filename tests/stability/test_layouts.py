@@ -28,6 +28,20 @@ def events(directory):
     return [tuple(int(line.split(",")[names.index(c)]) for c in ("step", "point")) for line in lines[1:]]
 
 
+def compare(one, other, what, limit, figures):
+    """Of two runs of a bond that is torn in two: its force, and every failure."""
+    a, b = one.table(), other.table()
+    first = int(np.argmax(a["f_cem[2]"] > 0))
+    difference = abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()
+    assert first > 100 and a["f_bond[22]"][-1] == b["f_bond[22]"][-1] != 0
+    figures.below(f"{what}: force while no point fails (to step {first}), of the peak", difference[:first].max(), limit)
+    figures.note(f"{what}: force at any step, of the peak", f"{difference.max():.1e}")
+    ours, theirs = events(one.directory), events(other.directory)
+    assert len(ours) > 50
+    figures.below(f"{what}: of {len(ours)} failures, those that differ in step, point or order",
+                  sum(p != q for p, q in zip(ours, theirs)) + abs(len(ours) - len(theirs)), 0)
+
+
 _alone = {}
 
 
@@ -49,17 +63,7 @@ def test_layout(name, processors, alone, tmp_path, figures, long):
     words, steps = SETTINGS[name]
     ranks = int(np.prod(processors))
     one, many = alone(name), run(torn(words, steps, " ".join(map(str, processors))), tmp_path, ranks)
-    a, b = one.table(), many.table()
-    first = int(np.argmax(a["f_cem[2]"] > 0))
-    difference = abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()
-    what = f"{name}, {ranks} ranks, {'x'.join(map(str, processors))}"
-    assert first > 100 and a["f_bond[22]"][-1] == b["f_bond[22]"][-1] != 0
-    figures.below(f"{what}: force while no point fails (to step {first}), of the peak", difference[:first].max(), 1e-10)
-    figures.note(f"{what}: force at any step, of the peak", f"{difference.max():.1e}")
-    ours, theirs = events(one.directory), events(tmp_path)
-    assert len(ours) > 50
-    figures.below(f"{what}: of {len(ours)} failures, those that differ in step, point or order",
-                  sum(p != q for p, q in zip(ours, theirs)) + abs(len(ours) - len(theirs)), 0)
+    compare(one, many, f"{name}, {ranks} ranks, {'x'.join(map(str, processors))}", 1e-10, figures)
 
 
 def at_place(middle, n, words, processors):
@@ -78,18 +82,7 @@ def at_place(middle, n, words, processors):
 def test_across_periodic_boundaries(words, axis, tmp_path, figures, long):
     """A bond in the corner of a periodic box, cut by eight ranks, is the bond in the middle of it on one."""
     middle = run(at_place(3 * [0.025], axis, words, "* * *"), tmp_path / "middle")
-    a = middle.table()
     for ranks, cut in ((1, "* * *"), (8, "2 2 2")) if long else ((8, "2 2 2"),):
         corner = run(at_place(3 * [0.0501], axis, words, cut), tmp_path / f"corner{ranks}", ranks)
-        b = corner.table()
-        first = int(np.argmax(a["f_cem[2]"] > 0))
-        difference = abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()
-        what = f"{words}, bond in the corner on {ranks} ranks"
-        assert first > 100 and a["f_bond[22]"][-1] == b["f_bond[22]"][-1] != 0
         # A place is rounded by 1e-17 m of the box in either, which the penalty feels.
-        figures.below(f"{what}: force while no point fails, of the peak", difference[:first].max(), 1e-9)
-        figures.note(f"{what}: force at any step, of the peak", f"{difference.max():.1e}")
-        ours, theirs = events(middle.directory), events(corner.directory)
-        assert len(ours) > 50
-        figures.below(f"{what}: of {len(ours)} failures, those that differ in step, point or order",
-                      sum(p != q for p, q in zip(ours, theirs)) + abs(len(ours) - len(theirs)), 0)
+        compare(middle, corner, f"{words}, bond in the corner on {ranks} ranks", 1e-9, figures)
