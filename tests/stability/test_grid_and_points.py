@@ -28,7 +28,7 @@ def test_offset_of_the_grid(tmp_path, figures, long):
     shifts = [(0, 0, 0), (0.25, 0.25, 0.25), (0.5, 0.5, 0.5), (0, 0, 0.25), (0.25, 0, 0)]
     shifts += list(np.random.default_rng(1).uniform(-0.5, 0.5, (30 if long else 4, 3)))
     k = np.array([stiffness(offset(s), tmp_path / str(n)) for n, s in enumerate(shifts)])
-    figures.below(f"{len(k)} offsets of the grid: stiffness, largest error against finite elements", abs(k / EXACT - 1).max(), 0.065)
+    figures.below(f"{len(k)} offsets of the grid: stiffness, largest error against finite elements", abs(k / EXACT - 1).max(), 0.012)
     along = k[4] / k[0] - 1  # across the bond axis only
     figures.below("offset of a quarter cell across the bond: change of the stiffness", abs(along), 0.005)
 
@@ -50,7 +50,7 @@ def test_points_a_cell(percell, tmp_path, figures):
     """1, 8, 27 and 64 points a cell, with 1 and 27 some of them on faces of the quadratic cells."""
     inner = "inner 1e-3 outer 2e-3"
     k = stiffness(pair(CELL / percell, cement=inner) + cement(CELL, 5e-9), tmp_path / "elastic")
-    figures.below(f"{percell**3} points a cell: stiffness against finite elements", abs(k / EXACT - 1), 0.15 if percell == 1 else 0.025)
+    figures.below(f"{percell**3} points a cell: stiffness against finite elements", abs(k / EXACT - 1), 0.06 if percell == 1 else 0.012)
     script = pair(CELL / percell, cement=inner) + cement(CELL, 4e-9, axis="radial", damage=BRITTLE) + pull(4.0, 4e-6)
     t = run(script + thermo(10, ["f_bond", "f_cem[12]"]) + "run 1600\n", tmp_path / "broken").table()
     figures.below(f"{percell**3} points a cell: imbalance of the energy after the peak",

@@ -17,6 +17,7 @@ def with_damage(words):
 CASES = {
     # words of the commands
     "fix mpm: unknown keyword": ([("axis radial", "axes radial")], ["fix mpm (id cem)", "axes", "known here", "axis"]),
+    "fix mpm: unknown keyword of damage": (with_damage("damage tensor B0 9.6e3 cutof 0.9"), ["fix mpm (id cem)", "cutof", "cutoff"]),
     "fix mpm/couple: unknown keyword": ([("kn auto", "k auto")], ["fix mpm/couple (id bond)", "'k'", "known here", "kn"]),
     "create_cement: unknown keyword": ([("outer 2e-3", "outside 2e-3")], ["create_cement", "outside", "known here", "outer"]),
     "compute mpm/atom: unknown quantity": (
@@ -43,6 +44,9 @@ CASES = {
     "flip share": ([("axis radial", "axis radial kinematics updated transfer flip 1.5")], ["flip 1.5", "[0, 1]"]),
     "xpic order": ([("axis radial", "axis radial kinematics updated transfer xpic 0")], ["transfer xpic", "0", "1"]),
     "reproject with updated": ([("axis radial", "axis radial kinematics updated reproject 5")], ["reproject 5", "leave"]),
+    "edge tied with updated": ([("axis radial", "axis radial kinematics updated edge tied")], ["edge tied", "edge free", "updated"]),
+    "edge tied with reproject": ([("axis radial", "axis radial reproject 5 edge tied")], ["edge tied", "edge free", "reproject"]),
+    "edge": ([("axis radial", "axis radial edge loose")], ["fix mpm (id cem)", "loose", "one of", "tied"]),
     "reproject auto with updated": ([("axis radial", "axis radial kinematics updated reproject auto 0.1")], ["reproject auto", "leave"]),
     "reproject below 1": ([("axis radial", "axis radial reproject 0")], ["fix mpm (id cem)", "reproject", "0", "1"]),
     "reproject twice": ([("axis radial", "axis radial reproject 5 reproject auto 0.1")], ["reproject", "one of them"]),

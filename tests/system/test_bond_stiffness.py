@@ -44,13 +44,13 @@ def test_eight_cells_across(name, load, tmp_path, figures):
 @pytest.mark.parametrize("name, coarse, fine", [("meniscus across a gap", 2.5e-4, 1e-4),
                                                 ("meniscus of touching beads", 2e-4, 1e-4),
                                                 ("coating that ends at its ring", 2e-4, 1e-4)])
-def test_order(name, coarse, fine, tmp_path, figures):
-    """Order 1 is to be expected: the soft layer at the bonded surface is part of a cell thick."""
+def test_finer_cells(name, coarse, fine, tmp_path, figures):
+    """Signs differ, so there is no order to be read off two of them; at order 2 the error would fall to 0.16 to 0.25."""
     exact = CASES[name]["stiffness"]["shear"]["value"]
     errors = [measure_case(tmp_path / str(cell), CASES[name], "shear", cell) / exact - 1 for cell in (coarse, fine)]
-    order = math.log(errors[0] / errors[1]) / math.log(coarse / fine)
-    figures.note(f"{name}, shear: signed errors, order", " ".join(f"{e:+.4f}" for e in errors) + f", {order:.2f}")
-    assert order > 0.8
+    figures.note(f"{name}, shear: signed errors with cells of {coarse:g} and {fine:g}", " ".join(f"{e:+.4f}" for e in errors))
+    figures.below(f"{name}, shear: larger cells", abs(errors[0]), 0.02)
+    figures.below(f"{name}, shear: smaller cells", abs(errors[1]), 0.003)
 
 
 @pytest.mark.parametrize("name, limit", [("coating", 0.06), ("coating across a gap", 0.2)])

@@ -137,7 +137,7 @@ def test_columns_of_a_dump(tmp_path):
     """They carry the names of the computes; atoms that are no points show zero."""
     names = ["damage", "damage_xx", "drive", "stress_zz", "stress_max", "pressure", "strain_yz", "attached", "grain",
              "failed", "volume", "axis_z", "bond"]
-    script = (pair(1e-4) + cement(2e-4, 2e-9, damage="damage tensor B0 9.6e3 cutoff 0.9") + pull(0.3, 5e-7)
+    script = (pair(1e-4) + cement(2e-4, 2e-9, damage="damage tensor B0 9.6e3 cutoff 0.9") + pull(0.25, 5e-7)
               + point_quantities(names, "all") + dump(500, [f"c_{n}" for n in names], group="all")
               + "run 500\n")
     result = run(script, tmp_path, 2)

@@ -88,6 +88,7 @@ def test_written_during_a_run(tmp_path, figures):
     ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
     ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
     ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
+    ([("cell 0.0002", "cell 0.0002 edge free")], ["fix mpm (id cem)", "are free", "were tied", "edge tied"]),
     ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["cem", "glue"]),
 ], ids=["other cell", "other basis", "other kinematics", "other ID"])
 def test_wrong_fix(tmp_path, first, changes, needed):

@@ -181,7 +181,7 @@ TEST(Grid, AddedMassIsEnoughAndNoMore) {
     for (double share : {0.0, 0.25, 1.0}) {
       c.grid.penalty = k;
       const double lambda = share * bound / (dt * dt);
-      c.grid.set_added_mass(dt, lambda, bound);
+      c.grid.set_added_mass(dt, lambda, false, bound);
       int some = 0;
       for (int n = 0; n < c.grid.size(); ++n) {
         const double m = c.grid.mass[n], a = c.grid.added_mass[n], load = dt * dt * (lambda * m + k[n]);

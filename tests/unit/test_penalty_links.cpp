@@ -254,7 +254,7 @@ TEST_P(Links, ActionIsReactionWithAddedMass) {
   Scene s(134, parameters(GetParam(), 0.1));
   s.place_grains(0.1, 1.0);
   s.links.add_stiffness(s.grid, 0.05);
-  s.grid.set_added_mass(0.05, 0.0, 4.0);
+  s.grid.set_added_mass(0.05, 0.0, false, 4.0);
   int stiff = 0;
   double row_sums = 0, stiffness = 0;
   for (int n = 0; n < s.grid.size(); ++n) {
@@ -317,7 +317,7 @@ TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);
   s.links.add_stiffness(s.grid, 0.2);
-  s.grid.set_added_mass(0.2, 0.0, 4.0);
+  s.grid.set_added_mass(0.2, 0.0, false, 4.0);
   const double before = s.energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
   EXPECT_GT(inertial, 0.0);
   std::vector<int> failed;
@@ -343,7 +343,7 @@ TEST_P(Links, LetGo) {
   const auto inertial_of = [&](PenaltyLinks& links) {
     std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
     links.add_stiffness(s.grid, 0.2);
-    s.grid.set_added_mass(0.2, 0.0, 4.0);
+    s.grid.set_added_mass(0.2, 0.0, false, 4.0);
     return links.inertial_energy(s.grid, s.sides);
   };
   EXPECT_EQ(inertial_of(s.links), inertial);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <tuple>
 
 #include "../mpm/gather.h"
@@ -26,6 +27,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
   inverse_h_ = 1.0 / cell;
   density_ = density;
   blocks_.clear();
+  reduced_.clear();
 
   struct Item {
     int body, part, side, base[3], tag, link;
@@ -59,7 +61,7 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
     b.body = first.body;
     b.part = first.part;
     b.side = first.side;
-    b.at = -1;
+    b.at = b.reduced = -1;
     const Body& body = bodies[b.body];
     const Mat3<double> R = rotation_of(body.orientation[b.side]);
     for (int d = 0; d < 3; ++d) {
@@ -123,10 +125,21 @@ void PenaltyLinks::for_each_node(const Weights<Type>& w, F f) {
     }
 }
 
+template <class Type, class F>
+void PenaltyLinks::for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const {
+  if (b.reduced < 0) {
+    for_each_node(w, [&](int c, int l, vd weight) { f(b.column[c] + l, weight); });
+    return;
+  }
+  const Reduced& r = reduced_[b.reduced];
+  for (std::size_t n = 0; n < r.node.size(); ++n) f(r.node[n], r.weight[n]);
+}
+
 // Sum of the sizes of the weights: a row of the stiffness matrix of a link has the entries
 // k A |w_I| |w_J| at most.
 template <class Type>
-vd PenaltyLinks::row_sum(const Weights<Type>& w) {
+vd PenaltyLinks::row_sum(const LinkBlock& b, const Weights<Type>& w) const {
+  if (b.reduced >= 0) return reduced_[b.reduced].row_sum;
   vd sum = splat(1.0);
   for (int d = 0; d < 3; ++d) {
     vd of_direction{};
@@ -134,6 +147,38 @@ vd PenaltyLinks::row_sum(const Weights<Type>& w) {
     sum *= of_direction;
   }
   return sum;
+}
+
+void PenaltyLinks::find_masters(const Grid& grid) {
+  reduced_.clear();
+  with_basis(basis_, [&](auto type) {
+    for (LinkBlock& b : blocks_) {
+      b.reduced = -1;
+      if (grid.ties.empty()) continue;
+      std::map<int, vd> weights;
+      bool tied = false;
+      for_each_node(Weights<decltype(type)>(b.X, b.base, inverse_h_), [&](int c, int l, vd weight) {
+        const int node = b.column[c] + l, row = grid.ties.row(node);
+        const auto add = [&](int to, vd w) {
+          const auto at = weights.emplace(to, vd{}).first;
+          at->second += w;
+        };
+        if (row < 0) add(node, weight);
+        else grid.ties.for_each_master(row, [&](int master, double share) { add(master, share * weight); });
+        tied = tied || row >= 0;
+      });
+      if (!tied) continue;
+      b.reduced = static_cast<int>(reduced_.size());
+      Reduced r;
+      r.row_sum = vd{};
+      for (const auto& w : weights) {
+        r.node.push_back(w.first);
+        r.weight.push_back(w.second);
+        r.row_sum += abs(w.second);
+      }
+      reduced_.push_back(std::move(r));
+    }
+  });
 }
 
 void PenaltyLinks::find_moves(const Grid& grid, double dt) {
@@ -199,8 +244,8 @@ void PenaltyLinks::add_stiffness(Grid& grid, double dt) {
       if (!b.inert) continue;
       b.inertia = k * b.inert_area + damper * b.inert_damper;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = b.inertia * row_sum(w);
-      for_each_node(w, [&](int c, int l, vd weight) { grid.penalty[b.column[c] + l] += sum_lanes(row * abs(weight)); });
+      const vd row = b.inertia * row_sum(b, w);
+      for_each_free_node(b, w, [&](long node, vd weight) { grid.penalty[node] += sum_lanes(row * abs(weight)); });
     }
   });
 }
@@ -264,20 +309,17 @@ template <class F>
 void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
-    constexpr int S = Type::kSupport;
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
       const GrainSide& s = sides.sides[b.at];
       const Weights<Type> w(b.X, b.base, inverse_h_);
-      const vd row = b.inertia * row_sum(w);
-      for_each_node(w, [&](int c, int l, vd weight) {
-        const long node = b.column[c] + l;
+      const vd row = b.inertia * row_sum(b, w);
+      for_each_free_node(b, w, [&](long node, vd weight) {
         if (grid.added_mass[node] == 0.0) return;
         // the node's added mass belongs to its links by their share of its stiffness
         const double m = grid.added_mass[node] / grid.penalty[node] * sum_lanes(row * abs(weight));
-        const double* u = &grid.displacement[3 * node];
-        const double r[3] = {(b.base[0] + c / S) * grid.h + u[0] - s.x[0], (b.base[1] + c % S) * grid.h + u[1] - s.x[1],
-                             (b.base[2] + l) * grid.h + u[2] - s.x[2]};
+        double r[3];
+        for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
         f(b.at, node, r, m);
       });
     }

@@ -53,6 +53,8 @@ class PenaltyLinks {
   std::vector<Key> needed_sides() const;
   void add_cells(std::vector<Grid::Cell>& cells);
   void bind(const GrainSides& sides);
+  // After the grid is built: nodes and weights of links that read tied nodes, with their masters.
+  void find_masters(const Grid& grid);
   // Instead of add_cells() where the grid stands already; false if it has not all the nodes.
   bool find_columns(const Grid& grid);
 
@@ -98,11 +100,22 @@ class PenaltyLinks {
     vd inertia;  // stiffness that counts in grid.penalty
     vd move[3]; // of X in this step, `updated` only
     int body, part, side, at;  // at: index into GrainSides
+    int reduced;               // index into reduced_; -1: reads no tied node
     int base[3], column[kMostColumns];
     int link[kLanes];
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
+  // Free nodes that a block reads through ties, and how.
+  struct Reduced {
+    std::vector<int> node;
+    std::vector<vd> weight;
+    vd row_sum;
+  };
+
+  // Calls f(node, weight) for the free nodes of a block.
+  template <class Type, class F>
+  void for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const;
   template <class F>
   void for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const;
   double created(const PointStore& points, const Link& k, int d) const;
@@ -111,7 +124,7 @@ class PenaltyLinks {
   template <class Type, class F>
   static void for_each_node(const Weights<Type>& w, F f);
   template <class Type>
-  static vd row_sum(const Weights<Type>& w);
+  vd row_sum(const LinkBlock& b, const Weights<Type>& w) const;
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
 
@@ -119,6 +132,7 @@ class PenaltyLinks {
   Basis basis_ = Basis::quadratic;
   double inverse_h_ = 0, density_ = 0;
   std::vector<LinkBlock> blocks_;
+  std::vector<Reduced> reduced_;
 };
 
 }  // namespace mpdem

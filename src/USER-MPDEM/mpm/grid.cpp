@@ -65,7 +65,7 @@ bool Grid::find_columns(int field, const int* base, int* column) const {
 
 void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells,
                  const NodeKinematics& restored, std::vector<char>& fresh,
-                 const std::map<int, int>& parent_field, int margin) {
+                 const std::map<int, int>& parent_field, int margin, const std::vector<Key>& extra) {
   const NodeKinematics before = restored.keys.empty() ? kinematics() : restored;
   h = cell_size;
 
@@ -84,6 +84,10 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   for (int d = 2; d >= 0 && mine <= most_bytes; --d) {
     mine = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * next.size();
     if (mine <= most_bytes) widen(next, d, -margin, S - 1 + margin);
+  }
+  if (!extra.empty()) {
+    next.insert(next.end(), extra.begin(), extra.end());
+    widen(next, 0, 0, 0);
   }
   mine = std::max(mine, kBytesOfNode * next.size());
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
@@ -139,7 +143,17 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   penalty.assign(n, 0.0);
   force.assign(3 * n, 0.0);
   momentum.clear();
+  ties.clear();
+  any_ties_ = false;
+  tie_factor_.clear();
   halo.build(comm, keys);
+}
+
+void Grid::tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted) {
+  ties.bind(wanted, keys);
+  int mine = !wanted.empty(), all;
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, comm);
+  any_ties_ = all != 0;
 }
 
 void Grid::lump_mass(const PointStore& points, double density) {
@@ -151,17 +165,39 @@ void Grid::lump_mass(const PointStore& points, double density) {
       scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
     }
   });
+  // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes
+  // (sum w v)^2 <= (sum |w|) (sum |w| v^2) of the masters.
+  tie_factor_.clear();
+  if (any_ties_) {
+    tie_factor_ = mass;
+    for (int i = 0; i < size(); ++i)
+      if (ties.row(i) >= 0) tie_factor_[i] *= ties.weight_sum(ties.row(i));
+    ties.pull_back_sizes(tie_factor_.data());
+    ties.bequeath(mass.data(), 1);
+  }
   halo.sum(mass.data(), 1);
+  if (any_ties_) {
+    halo.sum(tie_factor_.data(), 1);
+    for (int i = 0; i < size(); ++i) tie_factor_[i] = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
+  }
+}
+
+double Grid::largest_tie_factor() const {
+  double most = 1.0;
+  for (double f : tie_factor_) most = std::max(most, f);
+  return most;
 }
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
-void Grid::set_added_mass(double dt, double lambda, double bound) {
+void Grid::set_added_mass(double dt, double lambda, bool lambda_is_bound, double bound) {
   constexpr double kMargin = 1.05;
   halo.sum(penalty.data(), 1);
-  const double share = std::min(1.0, dt * dt * lambda / bound);
-  for (int i = 0; i < size(); ++i)
+  const bool ask_ties = lambda_is_bound && !tie_factor_.empty();
+  for (int i = 0; i < size(); ++i) {
+    const double share = std::min(1.0, dt * dt * lambda * (ask_ties ? tie_factor_[i] : 1.0) / bound);
     added_mass[i] = std::max(0.0, kMargin * dt * dt / bound * penalty[i] - mass[i] * (1.0 - share));
+  }
 }
 
 void Grid::update_acceleration() {
@@ -171,6 +207,7 @@ void Grid::update_acceleration() {
     const double r = m > 0.0 ? 1.0 / m : 0.0;
     for (int c = 0; c < 3; ++c) acceleration[3 * i + c] = r * force[3 * i + c];
   }
+  ties.extend(acceleration.data());
 }
 
 void Grid::drift(double dt_v, double dt_u) {
@@ -187,7 +224,9 @@ void Grid::drift(double dt_v, double dt_u) {
 std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
          sizeof(double) * (mass.capacity() + penalty.capacity() + added_mass.capacity() + velocity.capacity() +
-                           displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity());
+                           displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
+                           tie_factor_.capacity()) +
+         ties.memory_usage();
 }
 
 bool Grid::finite() const {

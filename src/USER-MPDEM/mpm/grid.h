@@ -20,6 +20,7 @@
 
 #include "../parallel/halo_sum.h"
 #include "body.h"
+#include "edge_ties.h"
 #include "point_store.h"
 
 namespace mpdem {
@@ -47,6 +48,7 @@ class Grid {
   std::vector<double> added_mass;  // of the semi-implicit penalty
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;  // of the points, `updated` only
+  EdgeTies ties;
 
   int size() const { return static_cast<int>(keys.size()); }
 
@@ -61,9 +63,10 @@ class Grid {
   // from the nodes that any rank had before, and finds the ranks to share them with.
   // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
   // take the motion of the field it came from. margin: cells around the wanted ones that get
-  // nodes too. Throws GridTooLarge on all ranks if any would take more than most_bytes.
+  // nodes too. extra: nodes of no cell. Throws GridTooLarge on all ranks if any would take more
+  // than most_bytes.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0);
+             std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
 
   // Columns of a cell after build(); false if it has no nodes here. base_node: first of all.
   bool find_columns(int field, const int* base, int* column) const;
@@ -71,17 +74,25 @@ class Grid {
   // Is the cell with this first node at least one cell away from the end of the margin?
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
-  // Collective. Lumped mass of the points, density uniform.
+  // Collective. Ties nodes of this rank from here on, to the next build(); before lump_mass().
+  void tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted);
+
+  // Collective. Lumped mass of the points, density uniform; that of tied nodes with their heirs.
   void lump_mass(const PointStore& points, double density);
 
   void clear_force();
-  void sum_force() { halo.sum(force.data(), 3); }
+  void sum_force() {
+    ties.pull_back(force.data());
+    halo.sum(force.data(), 3);
+  }
 
   // Collective. The least mass that keeps the central difference stable when the penalty
   // (its row sums, summed over ranks here) comes on top of the cement: every node gets
-  // dt^2 (lambda m + k) <= bound (m + c), lambda the largest eigenvalue of the cement. Most
-  // nodes need none.
-  void set_added_mass(double dt, double lambda, double bound);
+  // dt^2 (lambda m + k) <= bound (m + c), lambda the largest eigenvalue of the cement; with a bound
+  // of it instead, that of a grid without ties, the ties come on top. Most nodes need none.
+  void set_added_mass(double dt, double lambda, bool lambda_is_bound, double bound);
+  // Factor of a bound of the largest eigenvalue that ties ask for; of this rank's nodes.
+  double largest_tie_factor() const;
 
   // a = f / (m + added mass)
   void update_acceleration();
@@ -96,6 +107,8 @@ class Grid {
   HaloSum halo;
 
  private:
+  bool any_ties_ = false;  // on any rank
+  std::vector<double> tie_factor_;  // of the bound, a node; empty without ties
   std::vector<char> inside_;  // of first nodes, with a margin only
 };
 

@@ -80,7 +80,9 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, G
   std::vector<double> diagonal, side;
   double beta = 0.0;
   for (int k = 0; k < kMostProducts; ++k) {
+    grid.ties.extend(v.data());
     add_stiffness_force(points, grid, law, v, w);
+    grid.ties.pull_back(w.data());
     grid.halo.sum(w.data(), 3);
     for (int i = 0; i < n; ++i) {
       const double r = grid.mass[i] > 0.0 ? -1.0 / grid.mass[i] : 0.0;

@@ -93,6 +93,10 @@ void FixMpm::check_scene() {
                                  bases[static_cast<int>(restored_basis_)], " and kinematics ",
                                  restored_updated_ ? "updated" : "total", "; use these"));
   }
+  if (restored_cell_ != 0.0 && restored_tied_ != tied_)
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): nodes at the edge are ", tied_ ? "tied" : "free", " but were ",
+                                 restored_tied_ ? "tied" : "free", " when the restart file was written; use 'edge ",
+                                 restored_tied_ ? "tied" : "free", "' and the kinematics and re-projection of that run"));
 
   // All points in the group and moved by nothing else; a common density.
   std::string trouble;

@@ -102,18 +102,24 @@ class FixMpm : public Fix {
   void parse_damage(mpdem::Arguments& args, mpdem::DamageParameters& damage);
   void parse_transfer(mpdem::Arguments& args);
   void parse_skip(mpdem::Arguments& args);
-  void check_words(mpdem::Arguments& args) const;
+  void check_words(mpdem::Arguments& args);
   void check_scene();
   void check_initial_damage();
   void check_created_positions();
   void find_other_forces();
   void rebuild();
+  void rebuild_parts();
   void lay_out_grid();
-  void build_grid(mpdem::Grid& grid, const std::vector<mpdem::Grid::Cell>& cells, const mpdem::NodeKinematics& restored,
-                  std::vector<char>& fresh, int margin);
+  void build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, const std::vector<mpdem::Grid::Cell>& cells,
+                  const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin);
+  std::vector<mpdem::EdgeTie> find_ties(const mpdem::Grid& grid);
+  std::vector<int> bodies_to_untie();
+  std::vector<double> motion_of_bodies() const;
+  void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
   void find_owned_grains();
   void refresh_added_mass();
   void drop_added_mass();
+  void take_up_added_mass(bool drop_inert);
   void set_frames(mpdem::PointStore& points) const;
   void start_bodies();
   void start_velocities(const std::vector<char>& fresh);
@@ -139,7 +145,7 @@ class FixMpm : public Fix {
   void check_state();
   std::string grain_that_is_not_finite() const;
   void report_parameters();
-  double cement_eigenvalue();
+  double eigenvalue_bound() const;
   double stability_bound() const;
   bool is_prescribed(int i) const;
   double step_for(double eigenvalue) const;
@@ -156,6 +162,8 @@ class FixMpm : public Fix {
   static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
   mpdem::Basis basis_ = mpdem::Basis::quadratic;
   bool updated_ = false;
+  bool tied_ = true;  // nodes at the edge of the cement, see mpm/edge_ties.h
+  bool tied_given_ = false;
   mpdem::Transfer transfer_;
   bool transfer_given_ = false;
   int reproject_every_ = 0;
@@ -196,7 +204,7 @@ class FixMpm : public Fix {
   double memory_limit_ = 0.0;  // of a rank, bytes
   double restored_cell_ = 0.0;  // of the restart file, 0 without one
   mpdem::Basis restored_basis_ = mpdem::Basis::quadratic;
-  bool restored_updated_ = false;
+  bool restored_updated_ = false, restored_tied_ = false;
 
   // bonds that came apart
   std::vector<mpdem::Separation> separation_;
@@ -206,6 +214,7 @@ class FixMpm : public Fix {
   bool any_path_cut_ = false;
   std::map<int, int> new_part_;        // slot, part; consumed by rebuild()
   std::map<int, int> parent_field_;
+  std::vector<char> untied_;           // of each body that came apart, in the present layout
 
   // failures since the last check, doubles throughout for MPI
   struct FailureEvent {

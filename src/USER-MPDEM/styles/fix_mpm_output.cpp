@@ -24,7 +24,7 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 2.0;
+constexpr double kRestartVersion = 3.0;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -219,10 +219,11 @@ void FixMpm::write_restart(FILE* fp) {
   }
   MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
   if (comm->me != 0) return;
-  std::vector<double> head = {kRestartVersion, cell_, static_cast<double>(basis_), 1.0 * updated_, dt_last_,
+  std::vector<double> head = {kRestartVersion, cell_, static_cast<double>(basis_), 1.0 * updated_ + 2.0 * tied_, dt_last_,
                               static_cast<double>(bodies_started_), start_energy_};
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(update->get_cur_time());
+  head.push_back(eigenvalue_);
   head.push_back(static_cast<double>(separation_.size()));
   head.push_back(static_cast<double>(all.size() / kNodeRow));
   for (std::size_t b = 0; b < separation_.size(); ++b) {
@@ -247,7 +248,8 @@ void FixMpm::restart(char* buf) {
                                         kRestartVersion));
   restored_cell_ = v[1];
   restored_basis_ = static_cast<mpdem::Basis>(static_cast<int>(v[2]));
-  restored_updated_ = v[3] != 0.0;
+  restored_updated_ = static_cast<int>(v[3]) & 1;
+  restored_tied_ = static_cast<int>(v[3]) & 2;
   dt_last_ = v[4];
   bodies_started_ = static_cast<int>(v[5]);
   start_energy_ = v[6];
@@ -261,13 +263,14 @@ void FixMpm::restart(char* buf) {
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = v[12];
   update->atimestep = update->ntimestep;
-  const std::size_t bodies = static_cast<std::size_t>(v[13]), n = static_cast<std::size_t>(v[14]);
+  eigenvalue_ = v[13];
+  const std::size_t bodies = static_cast<std::size_t>(v[14]), n = static_cast<std::size_t>(v[15]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
-  const double* row = v + 15;
+  const double* row = v + 16;
   for (std::size_t b = 0; b < bodies; ++b, row += 6) {
     failed_seen_[b] = row[0];
     separation_[b].separated = row[1] != 0.0;

@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "../mpm/scatter.h"
-#include "../parallel/memory_limit.h"
 #include "arguments.h"
 #include "atom.h"
 #include "domain.h"
@@ -146,17 +145,13 @@ void FixMpm::rebuild() {
   lay_out_grid();
 }
 
-void FixMpm::build_grid(mpdem::Grid& grid, const std::vector<mpdem::Grid::Cell>& cells, const mpdem::NodeKinematics& restored,
-                        std::vector<char>& fresh, int margin) {
-  if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
-  grid.most_bytes = 0.5 * memory_limit_;  // points and what LIGGGHTS has come on top
-  try {
-    grid.build(world, cell_, cells, restored, fresh, parent_field_, margin);
-  } catch (const mpdem::GridTooLarge& e) {
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): the grid would take more than ", e.bytes, " bytes on a rank, half of the memory for ",
-                                 "one is ", grid.most_bytes, "; use a larger 'cell', more machines",
-                                 margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
-  }
+// Where parts came apart. Links have other nodes then, and their added mass another energy.
+void FixMpm::rebuild_parts() {
+  distribute_grains();
+  const double before = links_.inertial_energy(grid_, sides_);
+  rebuild();
+  distribute_grains();
+  released_ += before - links_.inertial_energy(grid_, sides_);
 }
 
 // Grid, links and sides for the blocks as they are.
@@ -169,13 +164,15 @@ void FixMpm::lay_out_grid() {
     links_.build(points, avec_->bodies, penalty_, cell_, inertia_, basis_);
     links_.add_cells(cells);
   }
+  const std::vector<int> to_untie = bodies_to_untie();
+  const std::vector<double> motion = to_untie.empty() ? std::vector<double>() : motion_of_bodies();
   std::vector<char> fresh;
   grid_.basis = basis_;
-  build_grid(grid_, cells, restored_, fresh, updated_ ? mpdem::UpdatedPass::kMargin : 0);
+  build_grid(grid_, points, cells, restored_, fresh, updated_ ? mpdem::UpdatedPass::kMargin : 0);
+  if (!to_untie.empty()) keep_motion_of_bodies(to_untie, motion);
   new_part_.clear();
   parent_field_.clear();
   restored_ = mpdem::NodeKinematics();
-  grid_.lump_mass(points, inertia_);
   if (bodies_started_ < static_cast<int>(avec_->bodies.size())) {
     start_velocities(fresh);
     if (updated_) mpdem::UpdatedPass::start(points, grid_, bodies_started_);
@@ -196,6 +193,7 @@ void FixMpm::lay_out_grid() {
     }
     sides_.build(world, avec_->bodies, needed, owned);
     links_.bind(sides_);
+    links_.find_masters(grid_);
     if (relax_ > 0.0) relaxation_.bind(sides_);
   }
   resting_.bind(points, grid_);
@@ -217,14 +215,20 @@ void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
   links_.add_stiffness(grid_, update->dt);
-  grid_.set_added_mass(update->dt, cement_eigenvalue(), stability_bound());
+  const bool known = eigenvalue_ > 0.0;
+  grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, stability_bound());
 }
 
 // The same in the course of a run, where links that let go give up their added mass.
 void FixMpm::drop_added_mass() {
-  if (!coupled_ || law_->parameters().B0 == 0.0) return;
+  if (coupled_ && law_->parameters().B0 != 0.0) take_up_added_mass(true);
+}
+
+// With the eigenvalue as it is known now.
+void FixMpm::take_up_added_mass(bool drop_inert) {
+  if (!coupled_) return;
   const double before = links_.inertial_energy(grid_, sides_);
-  links_.drop_inertia(avec_->points);
+  if (drop_inert) links_.drop_inertia(avec_->points);
   refresh_added_mass();
   released_ += before - links_.inertial_energy(grid_, sides_);
 }
@@ -320,6 +324,7 @@ void FixMpm::start_velocities(const std::vector<char>& fresh) {
                            mpdem::Weights<decltype(type)>(p.X, points.meta[b].base, 1.0 / cell_), rest);
     }
   });
+  grid_.ties.bequeath(momentum.data(), 3);
   grid_.halo.sum(momentum.data(), 3);
   for (int i = 0; i < grid_.size(); ++i) {
     if (!fresh[i]) continue;
@@ -331,6 +336,11 @@ void FixMpm::start_velocities(const std::vector<char>& fresh) {
       grid_.velocity[3 * i + d] = v;
     }
   }
+  // not those in motion, to which it would do nothing but round
+  std::vector<double> extended(grid_.velocity);
+  grid_.ties.extend(extended.data());
+  for (std::size_t i = 0; i < extended.size(); ++i)
+    if (fresh[i / 3]) grid_.velocity[i] = extended[i];
 }
 
 }  // namespace LAMMPS_NS

@@ -52,10 +52,10 @@ void FixMpm::post_force(int) {
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
     drop_added_mass();
-    if (separate_bodies(true)) rebuild();
+    if (separate_bodies(true)) rebuild_parts();
   } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
     timer_.start(mpdem::StepTimer::kLayout);
-    if (separate_bodies(false)) rebuild();
+    if (separate_bodies(false)) rebuild_parts();
   }
   jump_.clear();
   advance_.dissipated = advance_.released = 0.0;
@@ -212,6 +212,7 @@ void FixMpm::setup(int) {
   write_events();
   distribute_grains();
   check_state();
+  if (!updated_) take_up_added_mass(false);
   if (updated_) {
     mpdem::UpdatedPass::project(avec_->points, grid_, *law_, inertia_, transfer_);
     grid_.halo.sum(grid_.mass.data(), 1);

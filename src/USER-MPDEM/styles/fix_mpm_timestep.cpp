@@ -24,12 +24,11 @@ namespace LAMMPS_NS {
 
 using mpdem::text_of;
 
-// Bound of the largest eigenvalue of the cement, or what was found if there is no bound or the
-// time step needs more.
-double FixMpm::cement_eigenvalue() {
-  if (eigenvalue_ > 0.0) return eigenvalue_;
+// Bound of the largest eigenvalue of cement without ties; 0: none.
+double FixMpm::eigenvalue_bound() const {
   return mpdem::eigenvalue_bound(basis_, law_->elasticity().largest_stiffness(), inertia_, cell_);
 }
+
 
 // Largest dt^2 lambda. A mode that re-projection removes altogether takes half of what the
 // central difference takes.
@@ -81,7 +80,9 @@ double FixMpm::stable_step() {
 // The bound will do for steps below it; the eigenvalue itself costs some passes.
 double FixMpm::limit_for(double dt) {
   eigenvalue_ = 0.0;
-  const double bound = cement_eigenvalue();
+  double mine = grid_.largest_tie_factor(), ties;
+  MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, world);
+  const double bound = ties * eigenvalue_bound();
   if (bound > 0.0) {
     const double limit = step_for(bound);
     if (dt <= limit) return limit;
@@ -110,8 +111,7 @@ void FixMpm::set_time_step() {
   mpdem::Grid grid;
   grid.basis = basis_;
   std::vector<char> fresh;
-  build_grid(grid, cells, mpdem::NodeKinematics(), fresh, 0);
-  grid.lump_mass(points, inertia_);
+  build_grid(grid, points, cells, mpdem::NodeKinematics(), fresh, 0);
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
   const double dt = step_fraction_ * step_for(e.value + e.residual);
   if (comm->me == 0)

@@ -15,8 +15,9 @@ using mpdem::Arguments;
 using mpdem::text_of;
 
 namespace {
-const std::vector<std::string> kKeywords = {"cell", "basis", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "timestep", "quasistatic", "skip", "check", "events"};
+const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
+                                            "regularization", "timestep", "quasistatic", "skip", "check", "events",
+                                            "and after 'damage tensor' B0, cutoff, evolution, zeta, interface, viscosity"};
 }  // namespace
 
 void FixMpm::parse(int narg, char** arg) {
@@ -34,6 +35,9 @@ void FixMpm::parse(int narg, char** arg) {
       basis_ = name == "linear" ? mpdem::Basis::linear : name == "cubic" ? mpdem::Basis::cubic : mpdem::Basis::quadratic;
     } else if (key == "kinematics") {
       updated_ = args.choice(key, {"total", "updated"}) == "updated";
+    } else if (key == "edge") {
+      tied_ = args.choice(key, {"tied", "free"}) == "tied";
+      tied_given_ = true;
     } else if (key == "transfer") {
       parse_transfer(args);
     } else if (key == "elastic") {
@@ -163,7 +167,7 @@ void FixMpm::parse_skip(Arguments& args) {
 }
 
 // What does not go together.
-void FixMpm::check_words(Arguments& args) const {
+void FixMpm::check_words(Arguments& args) {
   const bool flip = transfer_given_ && transfer_.method == mpdem::Transfer::flip;
   if (updated_ && reproject_every_ > 0)
     args.complain(text_of("'reproject ", reproject_every_, "' is for 'kinematics total'; with 'kinematics updated' velocities are "
@@ -179,6 +183,11 @@ void FixMpm::check_words(Arguments& args) const {
   if (updated_ && relax_ > 0.0)
     args.complain(text_of("'quasistatic ", mass_scale_, " ", relax_, "' with 'kinematics updated': its damping goes with the reference "
                           "of 'kinematics total'; use that, or damping 0"));
+  const bool transfers = updated_ || reproject_every_ > 0 || reproject_distortion_ > 0.0;
+  if (tied_given_ && tied_ && transfers)
+    args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
+                          "use 'edge free' or leave ", updated_ ? "'kinematics updated'" : "'reproject'", " out"));
+  if (transfers) tied_ = false;
   if (flip && reproject_every_ > 1)
     args.complain(text_of("'transfer flip' with 'reproject ", reproject_every_, "' feeds energy into the cement; use 'reproject 1', "
                           "or 'transfer apic' or 'xpic' with any interval"));

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "edge_ties.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace mpdem {
+
+namespace {
+
+// Shares of mass. None of them is near what a lattice gives whose cells are full, so that rounding decides nothing.
+double tied_below(Basis basis) { return basis == Basis::cubic ? 0.05 : 0.12; }  // of the next node
+constexpr double kSecond = 0.3;   // the second has at least this share of the next
+constexpr double kThird = 10.0;   // the third has at least so many times the mass of the slave
+constexpr double kAlike = 1e-6;
+
+constexpr int kDirections = 6;  // -x +x -y +y -z +z
+// Of a node: bit n, tied along direction n; bit n + kDirections, from two nodes.
+using Code = int;
+
+Key neighbour(Key k, int direction, int steps) {
+  k[1 + direction / 2] += direction % 2 == 0 ? -steps : steps;
+  return k;
+}
+
+void make_unique(std::vector<Key>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+int place_of(const std::vector<Key>& keys, const Key& k) {
+  const auto it = std::lower_bound(keys.begin(), keys.end(), k);
+  return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
+}
+
+int directions_of(Code code) { return __builtin_popcount(code & ((1 << kDirections) - 1)); }
+
+// Calls f(master, weight, is it next to the slave) for what a code asks for.
+template <class F>
+void for_each_term(const Key& k, Code code, F f) {
+  constexpr double kQuadratic[3] = {3.0, -3.0, 1.0}, kLinear[2] = {2.0, -1.0};
+  const double share = 1.0 / directions_of(code);
+  for (int n = 0; n < kDirections; ++n) {
+    if (!(code >> n & 1)) continue;
+    const bool linear = code >> (n + kDirections) & 1;
+    for (int m = 0; m < (linear ? 2 : 3); ++m) f(neighbour(k, n, 1 + m), share * (linear ? kLinear[m] : kQuadratic[m]), m == 0);
+  }
+}
+
+class Resolver {
+ public:
+  explicit Resolver(const std::map<Key, Code>& codes) : codes_(codes) {}
+
+  const EdgeTie& tie(const Key& k) {
+    const auto known = done_.find(k);
+    if (known != done_.end()) return known->second;
+    EdgeTie t;
+    t.slave = k;
+    std::map<Key, double> weights, shares;
+    const double share = 1.0 / directions_of(codes_.at(k));
+    for_each_term(k, codes_.at(k), [&](const Key& master, double weight, bool next) {
+      const auto code = codes_.find(master);
+      const bool is_free = code == codes_.end() || code->second == 0;
+      if (is_free) {
+        weights[master] += weight;
+        if (next) shares[master] += share;
+        return;
+      }
+      const EdgeTie& behind = tie(master);
+      for (const auto& m : behind.masters) weights[m.first] += weight * m.second;
+      if (next)
+        for (const auto& h : behind.heirs) shares[h.first] += share * h.second;
+    });
+    t.masters.assign(weights.begin(), weights.end());
+    t.heirs.assign(shares.begin(), shares.end());
+    return done_.emplace(k, t).first->second;
+  }
+
+ private:
+  const std::map<Key, Code>& codes_;
+  std::map<Key, EdgeTie> done_;
+};
+
+// Codes of the nodes of this rank, the same on all ranks that hold a node.
+std::vector<double> find_codes(MPI_Comm comm, Basis basis, const std::vector<Key>& keys, const std::vector<double>& mass) {
+  double mine = 0.0, most;
+  for (double m : mass) mine = std::max(mine, m);
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  const double below = tied_below(basis);
+  std::vector<int> candidates;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (mass[i] < below * most) candidates.push_back(static_cast<int>(i));
+
+  std::vector<Key> wanted;
+  for (int i : candidates)
+    for (int n = 0; n < kDirections; ++n)
+      for (int s = 1; s <= 3; ++s) wanted.push_back(neighbour(keys[i], n, s));
+  make_unique(wanted);
+  std::vector<char> found;
+  const std::vector<double> near = fetch_values(comm, 1, keys, mass, wanted, found);
+  const auto mass_of = [&](const Key& k) {
+    const int at = place_of(wanted, k);
+    return found[at] ? near[at] : 0.0;
+  };
+
+  std::vector<double> codes(keys.size(), 0.0);
+  for (int i : candidates) {
+    double share[kDirections], least = below;
+    bool linear[kDirections];
+    for (int n = 0; n < kDirections; ++n) {
+      share[n] = below;
+      const double first = mass_of(neighbour(keys[i], n, 1)), second = mass_of(neighbour(keys[i], n, 2));
+      if (!(first > 0.0) || second < kSecond * first) continue;
+      linear[n] = basis == Basis::linear || mass_of(neighbour(keys[i], n, 3)) < std::max(kThird * mass[i], kSecond * kSecond * first);
+      share[n] = mass[i] / first;
+      least = std::min(least, share[n]);
+    }
+    Code code = 0;
+    for (int n = 0; n < kDirections; ++n)
+      if (share[n] < below && share[n] <= least * (1.0 + kAlike))
+        code |= 1 << n | (linear[n] ? 1 << (n + kDirections) : 0);
+    codes[i] = code;
+  }
+  // Sums of masses differ by rounding from rank to rank, so one of them decides.
+  return fetch_values(comm, 1, keys, codes, keys, found);
+}
+
+}  // namespace
+
+std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const std::vector<Key>& keys, const std::vector<double>& mass) {
+  const std::vector<double> own = find_codes(comm, basis, keys, mass);
+  std::map<Key, Code> codes;
+  std::vector<Key> open;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (own[i] != 0.0) {
+      codes.emplace_hint(codes.end(), keys[i], static_cast<Code>(own[i]));
+      open.push_back(keys[i]);
+    }
+  // Are the masters that other ranks hold tied too, and their masters?
+  for (int more = 1; more;) {
+    std::vector<Key> ask;
+    for (const Key& k : open)
+      for_each_term(k, codes.at(k), [&](const Key& master, double, bool) {
+        if (!codes.count(master) && place_of(keys, master) < 0) ask.push_back(master);
+      });
+    make_unique(ask);
+    std::vector<char> found;
+    const std::vector<double> answer = fetch_values(comm, 1, keys, own, ask, found);
+    open.clear();
+    for (std::size_t n = 0; n < ask.size(); ++n) {
+      codes[ask[n]] = found[n] ? static_cast<Code>(answer[n]) : 0;
+      if (codes[ask[n]] != 0) open.push_back(ask[n]);
+    }
+    const int mine = !open.empty();
+    MPI_Allreduce(&mine, &more, 1, MPI_INT, MPI_MAX, comm);
+  }
+  std::vector<EdgeTie> ties;
+  Resolver resolver(codes);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (own[i] != 0.0) ties.push_back(resolver.tie(keys[i]));
+  return ties;
+}
+
+void EdgeTies::clear() { *this = EdgeTies(); }
+
+void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
+  clear();
+  if (ties.empty()) return;
+  row_.assign(keys.size(), -1);
+  first_.push_back(0);
+  first_heir_.push_back(0);
+  for (const EdgeTie& t : ties) {
+    row_[place_of(keys, t.slave)] = static_cast<int>(slave_.size());
+    slave_.push_back(place_of(keys, t.slave));
+    for (const auto& h : t.heirs) {
+      heir_.push_back(place_of(keys, h.first));
+      heir_share_.push_back(h.second);
+    }
+    first_heir_.push_back(static_cast<int>(heir_.size()));
+    double sum = 0.0;
+    for (const auto& m : t.masters) {
+      master_.push_back(place_of(keys, m.first));
+      weight_.push_back(m.second);
+      sum += std::fabs(m.second);
+    }
+    weight_sum_.push_back(sum);
+    first_.push_back(static_cast<int>(master_.size()));
+  }
+}
+
+void EdgeTies::pull_back(double* values) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    double v[3];
+    for (int d = 0; d < 3; ++d) {
+      v[d] = values[3 * slave_[t] + d];
+      values[3 * slave_[t] + d] = 0.0;
+    }
+    for (int n = first_[t]; n < first_[t + 1]; ++n)
+      for (int d = 0; d < 3; ++d) values[3 * master_[n] + d] += weight_[n] * v[d];
+  }
+}
+
+void EdgeTies::pull_back_sizes(double* values) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    double& v = values[slave_[t]];
+    for (int n = first_[t]; n < first_[t + 1]; ++n) values[master_[n]] += std::fabs(weight_[n]) * v;
+    v = 0.0;
+  }
+}
+
+void EdgeTies::bequeath(double* values, int width) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t)
+    for (int c = 0; c < width; ++c) {
+      double& v = values[width * slave_[t] + c];
+      for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) values[width * heir_[n] + c] += heir_share_[n] * v;
+      v = 0.0;
+    }
+}
+
+void EdgeTies::extend(double* values) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    double sum[3] = {0.0, 0.0, 0.0};
+    for (int n = first_[t]; n < first_[t + 1]; ++n)
+      for (int d = 0; d < 3; ++d) sum[d] += weight_[n] * values[3 * master_[n] + d];
+    for (int d = 0; d < 3; ++d) values[3 * slave_[t] + d] = sum[d];
+  }
+}
+
+std::size_t EdgeTies::memory_usage() const {
+  return sizeof(int) * (slave_.capacity() + row_.capacity() + first_.capacity() + master_.capacity() + first_heir_.capacity() + heir_.capacity()) +
+         sizeof(double) * (weight_.capacity() + weight_sum_.capacity() + heir_share_.capacity());
+}
+
+}  // namespace mpdem

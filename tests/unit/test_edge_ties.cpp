@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Run on several ranks: each holds a share of the points, and must find the ties of one rank alone.
+#include "mpm/edge_ties.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "cement.h"
+#include "mpm/largest_eigenvalue.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::Vector;
+
+constexpr double kH = 0.5;
+
+int rank() {
+  int r;
+  MPI_Comm_rank(MPI_COMM_WORLD, &r);
+  return r;
+}
+int ranks() {
+  int n;
+  MPI_Comm_size(MPI_COMM_WORLD, &n);
+  return n;
+}
+
+// Lattice of `percell` points along a cell, shifted by so many cells, where inside() says.
+template <class F>
+std::vector<Vector> lattice(int percell, const Vector& shift, int cells, F inside) {
+  std::vector<Vector> X;
+  for (int i = -cells * percell; i < cells * percell; ++i)
+    for (int j = -cells * percell; j < cells * percell; ++j)
+      for (int k = -cells * percell; k < cells * percell; ++k) {
+        const Vector x = kH * (Vector(i + 0.5, j + 0.5, k + 0.5) / percell + shift);
+        if (inside(Vector(x / kH))) X.push_back(x);
+      }
+  return X;
+}
+
+std::vector<EdgeTie> ties_of(Cement& c) {
+  c.grid.lump_mass(c.points, 1.0);
+  return find_edge_ties(MPI_COMM_SELF, c.grid.basis, c.grid.keys, c.grid.mass);
+}
+
+// Sums of the weights, of their first moments, and masters that are slaves.
+void expect_sound(const std::vector<EdgeTie>& ties) {
+  std::set<Key> slaves;
+  for (const EdgeTie& t : ties) slaves.insert(t.slave);
+  test::Worst error;
+  for (const EdgeTie& t : ties) {
+    double sum[4] = {-1.0, 0, 0, 0};
+    for (const auto& m : t.masters) {
+      EXPECT_FALSE(slaves.count(m.first));
+      EXPECT_EQ(m.first[0], t.slave[0]);
+      sum[0] += m.second;
+      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first[1 + d] - t.slave[1 + d]);
+    }
+    for (double s : sum) error.add(std::fabs(s));
+    double shares = -1.0;
+    for (const auto& h : t.heirs) {
+      EXPECT_FALSE(slaves.count(h.first));
+      EXPECT_GT(h.second, 0.0);
+      shares += h.second;
+    }
+    error.add(std::fabs(shares));
+  }
+  EXPECT_LT(error.value(), 1e-11);
+}
+
+TEST(EdgeTies, FullCellsHaveNone) {
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic})
+    for (int percell : {1, 2, 3, 4}) {
+      if (basis == Basis::cubic && percell == 1) continue;  // one point does not see the edge of a cubic
+      // the cells of the quadratic splines begin at half a spacing
+      const double from = basis == Basis::quadratic ? -1.5 : -2.0, shift = basis == Basis::quadratic && percell % 2 ? 0.5 : 0.0;
+      const auto inside = [&](const Vector& x) { return x.minCoeff() > from && x.maxCoeff() < from + 3; };
+      Cement c(kH, lattice(percell, Vector::Constant(shift), 4, inside), 1.0, Eigen::Quaterniond::Identity(), basis);
+      EXPECT_TRUE(ties_of(c).empty()) << static_cast<int>(basis) << " " << percell;
+    }
+}
+
+// A half space whose face lies a quarter into a cell: the nodes before it, and no others.
+TEST(EdgeTies, FaceIsTiedAcross) {
+  const auto inside = [](const Vector& x) { return x[2] > 0.25 && std::max({std::fabs(x[0]), std::fabs(x[1]), x[2] - 1}) < 2.5; };
+  Cement c(kH, lattice(8, Vector::Zero(), 4, inside), 1.0);
+  const std::vector<EdgeTie> ties = ties_of(c);
+  expect_sound(ties);
+  std::set<Key> slaves, wanted;
+  for (const EdgeTie& t : ties) slaves.insert(t.slave);
+  for (const Key& k : c.grid.keys)
+    if (k[3] == -1) wanted.insert(k);
+  EXPECT_EQ(slaves, wanted);
+  for (const EdgeTie& t : ties) {
+    std::vector<std::pair<Key, double>> masters;
+    for (int n = 0; n < 3; ++n) masters.push_back({{0, t.slave[1], t.slave[2], n}, n == 0 ? 3.0 : n == 1 ? -3.0 : 1.0});
+    EXPECT_EQ(t.masters, masters);
+    ASSERT_EQ(t.heirs.size(), 1u);
+    EXPECT_EQ(t.heirs[0].first, masters[0].first);
+  }
+}
+
+// No material for a parabola: a straight line.
+TEST(EdgeTies, FilmIsTiedByALine) {
+  const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.4) < 0.3 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
+  Cement c(kH, lattice(16, Vector::Zero(), 4, inside), 1.0);
+  const std::vector<EdgeTie> ties = ties_of(c);  // from 0.1 to 0.7: the nodes -1 and 2, with 0 and 1 between them
+  expect_sound(ties);
+  ASSERT_FALSE(ties.empty());
+  for (const EdgeTie& t : ties) {
+    const bool below = t.slave[3] == -1;
+    EXPECT_TRUE(below || t.slave[3] == 2);
+    const std::vector<std::pair<Key, double>> masters{{{0, t.slave[1], t.slave[2], 0}, below ? 2.0 : -1.0},
+                                                      {{0, t.slave[1], t.slave[2], 1}, below ? -1.0 : 2.0}};
+    EXPECT_EQ(t.masters, masters);
+  }
+}
+
+TEST(EdgeTies, BallIsSoundAndSymmetric) {
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
+    const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+    Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0, Eigen::Quaterniond::Identity(), basis);
+    const std::vector<EdgeTie> ties = ties_of(c);
+    expect_sound(ties);
+    EXPECT_GT(ties.size(), 50u);
+    std::map<Key, std::map<Key, double>> all;  // masters, and heirs with field 1
+    for (const EdgeTie& t : ties) {
+      all[t.slave] = {t.masters.begin(), t.masters.end()};
+      for (const auto& h : t.heirs) all[t.slave][{1, h.first[1], h.first[2], h.first[3]}] = h.second;
+    }
+    // mirrored in x = y and in z = 0
+    for (const auto& t : all)
+      for (const auto& image : {+[](const Key& k) { return Key{k[0], k[2], k[1], k[3]}; }, +[](const Key& k) { return Key{k[0], k[1], k[2], -k[3]}; }}) {
+        ASSERT_TRUE(all.count(image(t.first)));
+        const auto& other = all[image(t.first)];
+        EXPECT_EQ(other.size(), t.second.size());
+        for (const auto& m : t.second) {
+          ASSERT_TRUE(other.count(image(m.first)));
+          EXPECT_NEAR(other.at(image(m.first)), m.second, 1e-12);
+        }
+      }
+  }
+}
+
+TEST(EdgeTies, ForceIsTransposedAndMassIsKept) {
+  test::Random random(118);
+  const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
+  Cement c(kH, lattice(2, Vector(0.1, 0.3, -0.2), 4, inside), 0.3);
+  const std::vector<EdgeTie> ties = ties_of(c);
+  const std::vector<double> untied = c.grid.mass;
+  c.grid.tie(MPI_COMM_SELF, ties);
+  EXPECT_EQ(c.grid.ties.size(), ties.size());
+  c.grid.lump_mass(c.points, 1.0);
+  double before = 0, after = 0, least = 1e9;
+  for (int n = 0; n < c.grid.size(); ++n) {
+    before += untied[n];
+    after += c.grid.mass[n];
+    if (c.grid.ties.row(n) >= 0) EXPECT_EQ(c.grid.mass[n], 0.0);
+    else least = std::min(least, c.grid.mass[n] - untied[n]);
+  }
+  EXPECT_NEAR(after, before, 1e-13 * before);
+  EXPECT_GE(least, 0.0);
+  std::vector<double> f(3 * c.grid.size()), x(f.size());
+  for (double& v : f) v = random.uniform(-1, 1);
+  for (double& v : x) v = random.uniform(-1, 1);
+  c.grid.ties.extend(x.data());
+  double power = 0, pulled = 0;
+  for (std::size_t i = 0; i < f.size(); ++i) power += f[i] * x[i];
+  c.grid.ties.pull_back(f.data());
+  for (std::size_t i = 0; i < f.size(); ++i) pulled += f[i] * x[i];
+  EXPECT_NEAR(power, pulled, 1e-10 * std::fabs(power));
+}
+
+// The bound of the largest eigenvalue, raised for ties, holds.
+TEST(EdgeTies, BoundOfTheEigenvalueHolds) {
+  const VtiElasticity elasticity(VtiConstants::isotropic(60e9, 0.25));
+  const TensorDamage law(elasticity, DamageParameters());
+  for (Basis basis : {Basis::quadratic, Basis::cubic})
+    for (double s : {0.0, 0.1, 0.25, 0.4}) {
+      const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
+      Cement c(kH, lattice(2, Vector(s, 0.5 * s, -s), 4, inside), kH * kH * kH / 8, Eigen::Quaterniond::Identity(), basis);
+      c.grid.tie(MPI_COMM_SELF, ties_of(c));
+      c.grid.lump_mass(c.points, 2700.0);
+      const double bound = eigenvalue_bound(basis, law.elasticity().largest_stiffness(), 2700.0, kH) * c.grid.largest_tie_factor();
+      const EigenvalueEstimate e = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law);
+      EXPECT_GT(c.grid.largest_tie_factor(), 1.0);
+      EXPECT_LE(e.value, bound);
+      EXPECT_GT(e.value, 0.02 * bound);
+    }
+}
+
+TEST(EdgeTies, SameOnAnyNumberOfRanks) {
+  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+  const std::vector<Vector> X = lattice(2, Vector(0.1, 0.3, -0.2), 4, inside);
+  Cement whole(kH, X, 0.7);
+  std::map<Key, EdgeTie> wanted;
+  for (const EdgeTie& t : ties_of(whole)) wanted[t.slave] = t;
+
+  std::vector<Vector> mine;
+  test::Random same(119);
+  for (const Vector& x : X) {
+    const int owner = static_cast<int>((x[2] / (8 * kH) + 0.5 + 0.05 * same.uniform(-1, 1)) * ranks());
+    if (std::max(0, std::min(ranks() - 1, owner)) == rank()) mine.push_back(x);
+  }
+  Cement part(kH, mine, 0.7);
+  HaloSum halo;
+  halo.build(MPI_COMM_WORLD, part.grid.keys);
+  part.grid.lump_mass(part.points, 1.0);
+  halo.sum(part.grid.mass.data(), 1);
+  const std::vector<EdgeTie> ties = find_edge_ties(MPI_COMM_WORLD, Basis::quadratic, part.grid.keys, part.grid.mass);
+  std::set<Key> found;
+  for (const EdgeTie& t : ties) {
+    found.insert(t.slave);
+    ASSERT_TRUE(wanted.count(t.slave));
+    EXPECT_EQ(wanted[t.slave].heirs, t.heirs);
+    EXPECT_EQ(wanted[t.slave].masters, t.masters);
+  }
+  for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
+}
+
+}  // namespace
+}  // namespace mpdem
