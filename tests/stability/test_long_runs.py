@@ -14,7 +14,11 @@ variable     energy equal c_kin+f_cem[5]+f_cem[6]+f_cem[7]
 @pytest.mark.parametrize("words, steps", [("", 1_000_000), ("basis cubic", 100_000), ("basis linear", 100_000)])
 def test_free_vibration(words, steps, tmp_path, figures, long):
     """Two grains are drawn apart smoothly and let go: they swing on their bond, and the energy of
-    grains and cement neither drifts nor ebbs."""
+    grains and cement neither drifts nor ebbs.
+
+    Within a swing it goes up and down: at nine tenths of the stable step the mass that stabilises the links is as much
+    as that of the grains, and moves with nodes, not with them. At half the step it is a quarter of that.
+    """
     steps = steps if long else steps // 20
     script = bond(words) + shift(1e-8, "(2000*dt)") + (
         "run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n"
@@ -27,7 +31,7 @@ def test_free_vibration(words, steps, tmp_path, figures, long):
     swings = abs(np.diff(np.sign(force))).sum() / 4
     figures.note(f"{words or 'default'}: steps", steps)
     figures.below(f"{words or 'default'}, {steps} steps, at least {swings:.0f} swings: drift of the energy", drift, 2e-3)
-    figures.below(f"{words or 'default'}, {steps} steps: energy of any step against the mean", abs(E[5:] / E.mean() - 1).max(), 0.02)
+    figures.below(f"{words or 'default'}, {steps} steps: energy of any step against the mean", abs(E[5:] / E.mean() - 1).max(), 0.06)
 
 
 @pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "reproject 1"])
@@ -61,11 +65,11 @@ def turning(rate, ramp):
     return text
 
 
-# Not cubic splines: their outermost nodes have next to no stiffness and are still giving way.
-@pytest.mark.parametrize("words, opening", [("", 1.8e-7), ("basis linear", 2.2e-7)])
-def test_rotation(words, opening, tmp_path, figures, long):
+@pytest.mark.parametrize("words", ["", "basis linear", "basis cubic"])
+def test_rotation(words, tmp_path, figures, long):
     """A bond pulled until it is damaged turns as a whole, ten times; stress, damage and energy stay."""
     revolutions = 10 if long else 0.5
+    opening = 2.9e-7  # between the first damage and the first failure
     dt, rate, every = 1.5e-8, 1e4, 10
     ramp = 4000 * dt
     steps = int(np.ceil(2 * np.pi * revolutions / rate / dt / 1000)) * 1000

@@ -31,7 +31,7 @@ def test_unload_and_reload(words, tmp_path, figures):
     Softening cement is not at rest when the grains turn back: what the vibration still damages, most with cubic splines,
     is in the figure of the dissipation.
     """
-    opening = 5e-6 if "cubic" in words else 8e-6  # at which damage has begun
+    opening = 8e-6 if "updated" in words else 9e-6  # at which damage has begun
     script = bond(words, timestep=f"{DT}", damage=BRITTLE) + thermo(10, COLUMNS) + ways([opening, 0.0, opening, 1.2 * opening], 4e-5)
     t = run(script, tmp_path).table()
     name, quarter = words or "default", len(t["step"]) // 4

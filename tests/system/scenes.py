@@ -17,6 +17,7 @@ RADIUS = 5e-3
 VTI = (60e9, 40e9, 0.25, 0.2, 18e9)         # Ep, Ez, nu_p, nu_zp, Gzp
 CALCITE = (50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9)
 RING = "inner 1e-3 outer 2e-3"
+PATIENCE = float(os.environ.get("MPDEM_TEST_PATIENCE", 1))  # with sanitizers a run takes many times as long
 
 
 def C33(Ep, Ez, nu_p, nu_zp, Gzp):
@@ -268,7 +269,7 @@ def launch(script, directory, ranks=1, name="in.test", **options):
     """Runs the script in `directory`, whatever comes of it."""
     process = start(script, directory, ranks, name=name, **options)
     try:
-        process.wait(300)
+        process.wait(300 * PATIENCE)
     except BaseException:
         os.killpg(process.pid, signal.SIGKILL)
         raise

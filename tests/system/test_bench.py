@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from scenes import PATIENCE
 
 ROOT = Path(__file__).parents[2]
 BUILD = Path(os.environ.get("MPDEM_EXE", "build/liggghts-mpdem")).resolve().parent
@@ -17,7 +18,7 @@ pytestmark = pytest.mark.skipif(not (BUILD / "bench" / "accuracy").exists(),
 
 def report(*arguments):
     return subprocess.run([sys.executable, str(ROOT / "tools" / "bench_report.py"), "--build", str(BUILD), *arguments],
-                          capture_output=True, text=True, timeout=300)
+                          capture_output=True, text=True, timeout=300 * PATIENCE)
 
 
 def test_short_run(tmp_path, figures):

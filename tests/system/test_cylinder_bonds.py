@@ -67,7 +67,7 @@ def test_links_at_the_points(tmp_path, figures):
     k = measure(tmp_path, "tension", "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}",
                 at="points")
     figures.note("cylinder, links at the points: share of its length between the points", f"{abs(ends[1] - ends[0]) / LENGTH:.4f}")
-    figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.01)
+    figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.015)
 
 
 @pytest.mark.parametrize("load, limit", [("tension", 0.005), ("torsion", 0.01), ("shear", 0.025), ("bending", 0.0125)])

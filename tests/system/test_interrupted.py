@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 import pytest
-from scenes import cement, edit, pair, pull, restarted, run, start
+from scenes import PATIENCE, cement, edit, pair, pull, restarted, run, start
 
 STEPS = 1500
 DAMAGE = "damage tensor B0 9.6e6 cutoff 0.9 events events.csv check 20"
@@ -33,7 +33,7 @@ def whole(tmp_path_factory):
 def begin(script, directory, ranks, step):
     """The run, as soon as its thermo output has reached `step`, and the file of its output."""
     process, output = start(script, directory, ranks, name="in.first"), directory / "in.first.out"
-    log, deadline = directory / "log.liggghts", time.monotonic() + 60
+    log, deadline = directory / "log.liggghts", time.monotonic() + 60 * PATIENCE
     while not (log.exists() and re.search(rf"^ +{step} ", log.read_text(), re.MULTILINE)):
         assert time.monotonic() < deadline and process.poll() is None, output.read_text()[-2000:]
         time.sleep(0.02)
@@ -61,7 +61,7 @@ def test_asked_to_end(ranks, sent, whole, tmp_path, figures):
     """SIGTERM and SIGINT: a restart file at the same step on all ranks, and the end, with nothing in the script for it."""
     process, output = begin(WHOLE, tmp_path, ranks, 700)
     process.send_signal(sent)
-    process.wait(60)
+    process.wait(60 * PATIENCE)
     files = list(tmp_path.glob("restart_forced_liggghts_*.data"))
     assert len(files) == 1, output.read_text()[-2000:]
     step = int(re.search(r"(\d+)\.data", files[0].name).group(1))
@@ -74,7 +74,7 @@ def test_asked_for_a_restart_file(whole, tmp_path, figures):
     """SIGUSR1: a restart file, and on."""
     process, output = begin(WHOLE, tmp_path, 2, 700)
     process.send_signal(signal.SIGUSR1)
-    assert process.wait(120) == 0, output.read_text()[-2000:]
+    assert process.wait(120 * PATIENCE) == 0, output.read_text()[-2000:]
     assert len(list(tmp_path.glob("restart_forced_liggghts_*.data"))) == 1
     # LIGGGHTS itself stops its output then, if there is no `restart` command
     shown = re.findall(r"^ +(\d+) ", output.read_text().split("Loop time")[0], re.MULTILINE)
@@ -88,7 +88,7 @@ def test_killed(ranks, whole, tmp_path, figures):
     script = edit(WHOLE, "thermo 50\n", "thermo 50\nrestart 200 a.restart b.restart\n")
     process, output = begin(script, tmp_path, ranks, 900)
     subprocess.run(["pkill", "-9", "-s", str(process.pid)], check=True)
-    process.wait(60)
+    process.wait(60 * PATIENCE)
     assert "Total wall time" not in output.read_text()
     rows = len((tmp_path / "bond.csv").read_text().splitlines())
     latest = max((tmp_path / f for f in ("a.restart", "b.restart")), key=lambda f: f.stat().st_mtime)

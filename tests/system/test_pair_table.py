@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CALCITE, RADIUS, executable, launch
+from scenes import PATIENCE, CALCITE, RADIUS, executable, launch
 
 ROOT = Path(__file__).parents[2]
 PYTHON = "/usr/bin/python3"
@@ -132,20 +132,20 @@ def test_table_is_resumed(tmp_path):
     """Stopped in the middle, the driver leaves nothing running, keeps what was finished and does the rest."""
     out = tmp_path / "out"
     first = subprocess.Popen(table_command(out), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.time() + 120
+    deadline = time.time() + 120 * PATIENCE
     while not list(out.glob("*/done.json")) and time.time() < deadline:
         time.sleep(0.05)
     os.kill(first.pid, signal.SIGTERM)
-    _, error = first.communicate(timeout=60)
+    _, error = first.communicate(timeout=60 * PATIENCE)
     assert first.returncode != 0 and "goes on from here" in error
     done = {p: p.stat().st_mtime_ns for p in out.glob("*/done.json")}
     assert 1 <= len(done) < 4
-    deadline = time.time() + 20  # Open MPI's daemon of a run follows it in its own time
+    deadline = time.time() + 20 * PATIENCE  # Open MPI's daemon of a run follows it in its own time
     while running_in(out) and time.time() < deadline:
         time.sleep(0.1)
     assert not running_in(out)
 
-    second = subprocess.run(table_command(out), capture_output=True, text=True, timeout=280)
+    second = subprocess.run(table_command(out), capture_output=True, text=True, timeout=280 * PATIENCE)
     assert second.returncode == 0, second.stderr
     assert f"{len(done)} finished before, {4 - len(done)} to do" in second.stdout
     assert all(p.stat().st_mtime_ns == t for p, t in done.items())
@@ -160,7 +160,7 @@ def test_table_is_resumed(tmp_path):
         assert 0.3 * energy < float(row["dissipated"]) < energy
     assert (out / "table.png").stat().st_size > 1000
 
-    third = subprocess.run(table_command(out), capture_output=True, text=True, timeout=100)
+    third = subprocess.run(table_command(out), capture_output=True, text=True, timeout=100 * PATIENCE)
     assert "4 finished before, 0 to do" in third.stdout
 
 
@@ -172,7 +172,7 @@ def test_table_is_resumed(tmp_path):
     (["--exe", "/nowhere/x"], "/nowhere/x: no such executable")])
 def test_words_of_the_driver(words, expected, tmp_path):
     result = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), *words],
-                            capture_output=True, text=True, timeout=60)
+                            capture_output=True, text=True, timeout=60 * PATIENCE)
     assert result.returncode != 0 and expected in result.stderr and len(result.stderr.strip().splitlines()) == 1
     assert not list((tmp_path).glob("out/*"))
 
@@ -181,7 +181,7 @@ def test_a_run_that_fails_is_named(tmp_path):
     """Too much cement for the shape: the message of create_cement comes through, other runs go on."""
     command = [PYTHON, ROOT / "tools" / "pair_table.py", tmp_path, "--exe", executable(), "--shapes", "flat",
                "--loads", "tension", "--contents", "0.01,0.5", "--set", "coarse=2.5e-4"]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=200)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=200 * PATIENCE)
     assert result.returncode != 0 and "1 of 2 runs failed" in result.stderr and "does not fit" in result.stderr
     done = [json.loads(p.read_text()) for p in tmp_path.glob("*/done.json")]
     assert len(done) == 1 and done[0]["results"]["broken"]

@@ -13,7 +13,7 @@ import tarfile
 from pathlib import Path
 
 import pytest
-from scenes import executable, hosted, start
+from scenes import PATIENCE, executable, hosted, start
 
 TARBALL = "liggghts_3.8.0+repack1.orig.tar.xz"
 FOLDER = "LIGGGHTS-PUBLIC-3.8.0/examples/LIGGGHTS/Tutorials_public/"
@@ -91,7 +91,7 @@ def tutorials(tmp_path_factory):
     if not beside.exists():
         tool = Path(__file__).parents[2] / "tools" / "fetch_liggghts.sh"
         try:
-            complaint = subprocess.run([tool, folder], capture_output=True, text=True, timeout=200).stderr
+            complaint = subprocess.run([tool, folder], capture_output=True, text=True, timeout=200 * PATIENCE).stderr
         except subprocess.TimeoutExpired:
             complaint = "no answer"
         beside = folder / TARBALL
@@ -144,7 +144,7 @@ def run_both(programs, tutorials, directory, name, ranks, steps):
         processes.append(start(shortened(text, steps), at, ranks, program=program, name=script))
     try:
         for p in processes:
-            p.wait(200)
+            p.wait(200 * PATIENCE)
     finally:
         for p in processes:
             if p.poll() is None:

@@ -7,7 +7,7 @@
 namespace mpdem {
 
 namespace {
-constexpr int kMotion = 14;  // present, x, v, omega, q
+constexpr int kMotion = 20;  // present, x, v, omega, q, a, alpha
 }
 
 Mat3<double> rotation_of(const double* q) {
@@ -57,6 +57,10 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       b[7 + d] = m.omega[d];
     }
     for (int d = 0; d < 4; ++d) b[10 + d] = m.q[d];
+    for (int d = 0; d < 3; ++d) {
+      b[14 + d] = m.a[d];
+      b[17 + d] = m.alpha[d];
+    }
   }
   // All but the owner contribute zero, so the sum is the owner's word, exactly.
   halo_.sum(buffer_.data(), kMotion);
@@ -69,6 +73,8 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       s.x[d] = b[1 + d];
       s.v[d] = b[4 + d];
       s.omega[d] = b[7 + d];
+      s.a[d] = b[14 + d];
+      s.alpha[d] = b[17 + d];
     }
     s.R = rotation_of(b + 10);
   }

@@ -326,6 +326,27 @@ void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides
   });
 }
 
+void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
+  const auto accelerates = [](const GrainSide& s) {
+    return std::any_of(s.a, s.a + 3, [](double a) { return a != 0.0; }) || std::any_of(s.alpha, s.alpha + 3, [](double a) { return a != 0.0; });
+  };
+  if (std::none_of(sides.sides.begin(), sides.sides.end(), accelerates)) return;
+  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
+    GrainSide& s = sides.sides[at];
+    double f[3];
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      f[d] = m * (s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e]);
+    }
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      grid.force[3 * node + d] += f[d];
+      s.force[d] -= f[d];
+      s.torque[d] -= r[e] * f[g] - r[g] * f[e];
+    }
+  });
+}
+
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
   for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
     GrainSide& s = sides.sides[at];

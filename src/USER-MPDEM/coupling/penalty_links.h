@@ -76,6 +76,9 @@ class PenaltyLinks {
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.
   double add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // Added mass moves with its grain: force on nodes, and back on the grains, that takes it along where
+  // their motion is prescribed.
+  void carry_added_mass(Grid& grid, GrainSides& sides) const;
   // Reaction of the added mass to the acceleration scale * field of the nodes.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
 

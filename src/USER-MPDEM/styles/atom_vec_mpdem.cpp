@@ -14,7 +14,8 @@
 namespace LAMMPS_NS {
 
 namespace {
-constexpr int kPlainState = 1, kGrainState = 1 + 4;
+constexpr int kGrainNumbers = sizeof(AtomVecMpdem::GrainState) / sizeof(double);
+constexpr int kPlainState = 1, kGrainState = 1 + kGrainNumbers;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
@@ -26,8 +27,8 @@ AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>
 
 void AtomVecMpdem::track_orientation(int i) {
   if (slot[i] != kPlain) return;
-  orientations.push_back({1.0, 0.0, 0.0, 0.0});
-  slot[i] = -2 - (static_cast<int>(orientations.size()) - 1);
+  grains.emplace_back();
+  slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
 }
 
 void AtomVecMpdem::grow(int n) {
@@ -47,7 +48,8 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
     m += points.record(slot[i]).pack(&buf[m]);
   } else if (slot[i] <= -2) {
     buf[m++] = kGrain;
-    for (double q : orientations[-2 - slot[i]]) buf[m++] = q;
+    std::memcpy(&buf[m], &grains[-2 - slot[i]], sizeof(GrainState));
+    m += kGrainNumbers;
   } else {
     buf[m++] = kNoState;
   }
@@ -64,7 +66,8 @@ int AtomVecMpdem::unpack_state(int i, const double* buf) {
     slot[i] = points.add(r, atom->tag[i]);
   } else if (kind == kGrain) {
     track_orientation(i);
-    for (double& q : orientations.back()) q = buf[m++];
+    std::memcpy(static_cast<void*>(&grains.back()), &buf[m], sizeof(GrainState));
+    m += kGrainNumbers;
   }
   return m;
 }

@@ -30,22 +30,29 @@ class AtomVecMpdem : public AtomVecSphere {
   ~AtomVecMpdem() override;
 
   // slot[i] of atom i: a point's place in `points`; kPlain for any other atom; for a
-  // bonded grain -2 - index into `orientations`.
+  // bonded grain -2 - index into `grains`.
   static constexpr int kPlain = -1;
   int* slot = nullptr;
   mpdem::PointStore points;
   std::vector<mpdem::Body> bodies;
-  std::vector<std::array<double, 4>> orientations;
+  // What LIGGGHTS does not keep of a bonded grain: orientation, velocities when forces were computed
+  // last, once they have been (else 0), and the rates of prescribed ones.
+  struct GrainState {
+    double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
+    double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0}, a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0};
+  };
+  std::vector<GrainState> grains;
 
   bool is_point(int i) const { return slot[i] >= 0; }
-  double* orientation(int i) { return slot[i] <= -2 ? orientations[-2 - slot[i]].data() : nullptr; }
-  // Gives a grain an orientation (the identity) if it has none.
+  GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
+  double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
+  // Gives a grain a state, of orientation the identity, if it has none.
   void track_orientation(int i);
 
   // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
   // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 3, kRestartHead = 4;
+  static constexpr int kRestartVersion = 4, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.

@@ -133,6 +133,7 @@ class FixMpm : public Fix {
   double half_kick_of_jump() const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
+  void find_rates();
   void add_forces();
   void react_on_grains();
   bool separate_bodies(bool debris);
@@ -193,6 +194,7 @@ class FixMpm : public Fix {
   std::vector<OwnedSide> owned_;
   std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
+  std::vector<char> prescribed_;  // the motion of these
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too

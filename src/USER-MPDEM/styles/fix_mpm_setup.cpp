@@ -123,6 +123,8 @@ void FixMpm::find_owned_grains() {
     }
   std::sort(grains_here_.begin(), grains_here_.end());
   grains_here_.erase(std::unique(grains_here_.begin(), grains_here_.end()), grains_here_.end());
+  prescribed_.clear();
+  for (int i : grains_here_) prescribed_.push_back(is_prescribed(i));
 }
 
 void FixMpm::rebuild() {

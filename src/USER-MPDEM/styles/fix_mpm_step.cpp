@@ -47,6 +47,7 @@ void FixMpm::post_integrate() {
 
 void FixMpm::post_force(int) {
   const double dt = update->dt;
+  find_rates();
   // After a check; not in it, where the forces of the step are still to be shown, and which may
   // be the step of a restart file.
   if ((update->ntimestep - 1) % check_every_ == 0) {
@@ -106,7 +107,10 @@ double FixMpm::kinetic_energy(double kick) const {
 // Everything but the internal force, which is on the nodes already.
 void FixMpm::add_forces() {
   timer_.start(mpdem::StepTimer::kCoupling);
-  if (coupled_) damped_ += dt_last_ * links_.add_force(grid_, sides_, skip_detached_);
+  if (coupled_) {
+    damped_ += dt_last_ * links_.add_force(grid_, sides_, skip_detached_);
+    links_.carry_added_mass(grid_, sides_);
+  }
   timer_.start(mpdem::StepTimer::kHalo);
   grid_.sum_force();
   timer_.start(mpdem::StepTimer::kNodes);
@@ -135,6 +139,23 @@ void FixMpm::react_on_grains() {
     }
 }
 
+// Of velocities that are prescribed, over the step; once a step, before the grains are distributed. Those
+// of grains that LIGGGHTS integrates would be late by half a step, which feeds energy into them.
+void FixMpm::find_rates() {
+  for (std::size_t n = 0; n < grains_here_.size(); ++n) {
+    const int i = grains_here_[n];
+    AtomVecMpdem::GrainState& g = *avec_->grain(i);
+    const double rate = prescribed_[n] ? g.seen / update->dt : 0.0;
+    for (int d = 0; d < 3; ++d) {
+      g.a[d] = rate * (atom->v[i][d] - g.v[d]);
+      g.alpha[d] = rate * (atom->omega[i][d] - g.omega[d]);
+      g.v[d] = atom->v[i][d];
+      g.omega[d] = atom->omega[i][d];
+    }
+    g.seen = 1.0;
+  }
+}
+
 void FixMpm::distribute_grains() {
   if (!coupled_) return;
   std::vector<mpdem::GrainSides::Motion> motion(owned_.size());
@@ -145,7 +166,10 @@ void FixMpm::distribute_grains() {
       motion[k].v[d] = atom->v[i][d];
       motion[k].omega[d] = atom->omega[i][d];
     }
-    std::copy(avec_->orientation(i), avec_->orientation(i) + 4, motion[k].q);
+    const AtomVecMpdem::GrainState& g = *avec_->grain(i);
+    std::copy(g.q, g.q + 4, motion[k].q);
+    std::copy(g.a, g.a + 3, motion[k].a);
+    std::copy(g.alpha, g.alpha + 3, motion[k].alpha);
   }
   sides_.distribute(avec_->bodies, motion);
 }
