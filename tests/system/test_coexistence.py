@@ -96,7 +96,8 @@ def test_through_failure(ranks, tmp_path, figures):
     figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak",
                   abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to next to nothing
-    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.01)
+    # Added mass at 0.6 of the stable step: grains that are struck do not take it along at once. 1e-7 s leaves a quarter.
+    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.04)
     # The smaller beads have a radius of 1 mm; walls as soft as these give way a little.
     figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius",
                   (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)

@@ -97,16 +97,15 @@ TEST(EdgeTies, FaceIsTiedAcross) {
     if (k[3] == -1) wanted.insert(k);
   EXPECT_EQ(slaves, wanted);
   for (const EdgeTie& t : ties) {
-    std::vector<std::pair<Key, double>> masters;
-    for (int n = 0; n < 3; ++n) masters.push_back({{0, t.slave[1], t.slave[2], n}, n == 0 ? 3.0 : n == 1 ? -3.0 : 1.0});
+    const std::vector<std::pair<Key, double>> masters{{{0, t.slave[1], t.slave[2], 0}, 2.0}, {{0, t.slave[1], t.slave[2], 1}, -1.0}};
     EXPECT_EQ(t.masters, masters);
     ASSERT_EQ(t.heirs.size(), 1u);
     EXPECT_EQ(t.heirs[0].first, masters[0].first);
   }
 }
 
-// No material for a parabola: a straight line.
-TEST(EdgeTies, FilmIsTiedByALine) {
+// Both sides of it, each to the two nodes between.
+TEST(EdgeTies, FilmIsTiedOnBothSides) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.4) < 0.3 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(16, Vector::Zero(), 4, inside), 1.0);
   const std::vector<EdgeTie> ties = ties_of(c);  // from 0.1 to 0.7: the nodes -1 and 2, with 0 and 1 between them

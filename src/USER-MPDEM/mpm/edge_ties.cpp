@@ -13,11 +13,10 @@ namespace {
 // Shares of mass. None of them is near what a lattice gives whose cells are full, so that rounding decides nothing.
 double tied_below(Basis basis) { return basis == Basis::cubic ? 0.05 : 0.12; }  // of the next node
 constexpr double kSecond = 0.3;   // the second has at least this share of the next
-constexpr double kThird = 10.0;   // the third has at least so many times the mass of the slave
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-// Of a node: bit n, tied along direction n; bit n + kDirections, from two nodes.
+// Of a node: bit n, tied along direction n.
 using Code = int;
 
 Key neighbour(Key k, int direction, int steps) {
@@ -35,17 +34,16 @@ int place_of(const std::vector<Key>& keys, const Key& k) {
   return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
 }
 
-int directions_of(Code code) { return __builtin_popcount(code & ((1 << kDirections) - 1)); }
+int directions_of(Code code) { return __builtin_popcount(code); }
 
 // Calls f(master, weight, is it next to the slave) for what a code asks for.
 template <class F>
 void for_each_term(const Key& k, Code code, F f) {
-  constexpr double kQuadratic[3] = {3.0, -3.0, 1.0}, kLinear[2] = {2.0, -1.0};
   const double share = 1.0 / directions_of(code);
   for (int n = 0; n < kDirections; ++n) {
     if (!(code >> n & 1)) continue;
-    const bool linear = code >> (n + kDirections) & 1;
-    for (int m = 0; m < (linear ? 2 : 3); ++m) f(neighbour(k, n, 1 + m), share * (linear ? kLinear[m] : kQuadratic[m]), m == 0);
+    f(neighbour(k, n, 1), 2.0 * share, true);
+    f(neighbour(k, n, 2), -share, false);
   }
 }
 
@@ -96,7 +94,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const std::vector<Key
   std::vector<Key> wanted;
   for (int i : candidates)
     for (int n = 0; n < kDirections; ++n)
-      for (int s = 1; s <= 3; ++s) wanted.push_back(neighbour(keys[i], n, s));
+      for (int s = 1; s <= 2; ++s) wanted.push_back(neighbour(keys[i], n, s));
   make_unique(wanted);
   std::vector<char> found;
   const std::vector<double> near = fetch_values(comm, 1, keys, mass, wanted, found);
@@ -108,19 +106,17 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const std::vector<Key
   std::vector<double> codes(keys.size(), 0.0);
   for (int i : candidates) {
     double share[kDirections], least = below;
-    bool linear[kDirections];
     for (int n = 0; n < kDirections; ++n) {
       share[n] = below;
       const double first = mass_of(neighbour(keys[i], n, 1)), second = mass_of(neighbour(keys[i], n, 2));
       if (!(first > 0.0) || second < kSecond * first) continue;
-      linear[n] = basis == Basis::linear || mass_of(neighbour(keys[i], n, 3)) < std::max(kThird * mass[i], kSecond * kSecond * first);
       share[n] = mass[i] / first;
       least = std::min(least, share[n]);
     }
     Code code = 0;
     for (int n = 0; n < kDirections; ++n)
       if (share[n] < below && share[n] <= least * (1.0 + kAlike))
-        code |= 1 << n | (linear[n] ? 1 << (n + kDirections) : 0);
+        code |= 1 << n;
     codes[i] = code;
   }
   // Sums of masses differ by rounding from rank to rank, so one of them decides.

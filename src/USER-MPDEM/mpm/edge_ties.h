@@ -5,15 +5,16 @@
 // Dirichlet problems, SIAM J. Numer. Anal. 39, 2001, 442-462), along the axes of the grid. A node
 // at the edge of the cement whose cells hold little of it has next to no stiffness, and what
 // stiffness it has the points miss, so a bonded surface that reads it slides. Such a node is tied:
-// it moves as the polynomial through the nodes behind it does, its force goes to them by the same
-// weights, and its mass to the nearest of them, so that no mass is negative.
+// it moves as the line through the two nodes behind it does, its force goes to them by the same
+// weights, and its mass to the nearer of them, so that no mass is negative.
 //
 // Node i is tied along an axis where its mass is less than a share of that of the next node
-// inwards, by 3, -3, 1 from the next three, or by 2, -1 from two where there is no material for
-// three; along the axis with the smallest share, or along several if they are alike. Nodes behind
-// may be tied themselves, to others: only free ones are left in the end. All masters are heavier
-// than their slave by a factor, so there are no circles. Sums of the weights are one, linear fields
-// are kept, so forces and moments are.
+// inwards, by 2, -1 from the next two; along the axis with the smallest share, or along several if
+// they are alike. Nodes behind may be tied themselves, to others: only free ones are left in the end.
+// All masters are heavier than their slave by a factor, so there are no circles. Sums of the weights
+// are one, linear fields are kept, so forces and moments are. Lines and not the parabolas of the
+// splines: errors are no larger, and weights of 3, -3, 1 couple what is bonded to nodes deep
+// inside, which the added mass of stiff links then burdens (coupling/penalty_links.h).
 #ifndef MPDEM_EDGE_TIES_H
 #define MPDEM_EDGE_TIES_H
 

@@ -152,6 +152,14 @@ void FixMpm::rebuild_parts() {
   distribute_grains();
   const double before = links_.inertial_energy(grid_, sides_);
   rebuild();
+  if (eigenvalue_ > 0.0 && !updated_) {
+    const double limit = limit_for(update->dt);
+    if (update->dt > limit)
+      mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
+                                   " after parts came apart at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit,
+                                   "' or less"));
+  }
+  refresh_added_mass();
   distribute_grains();
   released_ += before - links_.inertial_energy(grid_, sides_);
 }
@@ -201,13 +209,6 @@ void FixMpm::lay_out_grid() {
   resting_.bind(points, grid_);
   if (updated_) updated_pass_.bind(points, grid_);
   find_owned_grains();
-  if (built_ && eigenvalue_ > 0.0 && !updated_) {
-    const double limit = limit_for(update->dt);
-    if (update->dt > limit)
-      mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
-                                   " after parts came apart at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit,
-                                   "' or less"));
-  }
   built_ = true;
   if (dt_last_ == 0.0) dt_last_ = update->dt;
   refresh_added_mass();

@@ -78,8 +78,9 @@ double FixMpm::stable_step() {
 }
 
 // The bound will do for steps below it; the eigenvalue itself costs some passes.
+// What was found before is kept unless it is well below: the added mass, which has a margin for that, hangs
+// on it, and has to be the same in runs that are divided or restarted otherwise.
 double FixMpm::limit_for(double dt) {
-  eigenvalue_ = 0.0;
   double mine = grid_.largest_tie_factor(), ties;
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, world);
   const double bound = ties * eigenvalue_bound();
@@ -88,8 +89,8 @@ double FixMpm::limit_for(double dt) {
     if (dt <= limit) return limit;
   }
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
-  eigenvalue_ = e.value + e.residual;
-  return step_for(eigenvalue_);
+  if (e.value > 1.02 * eigenvalue_) eigenvalue_ = e.value + e.residual;
+  return step_for(e.value + e.residual);
 }
 
 // `timestep auto`: before other fixes take up the step, so from a layout of its own.
