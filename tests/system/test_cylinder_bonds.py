@@ -56,7 +56,10 @@ def test_closed_forms(load, limit, stiff, tmp_path, figures):
 
 
 def test_links_at_the_points(tmp_path, figures):
-    """`at points`: the springs, as stiff as the cement, hold the bar at the points of the outermost layer."""
+    """`at points`: the springs, as stiff as the cement, hold the bar at the points of the outermost layer.
+
+    What lies beyond them, half a spacing, is not free of strain in the cell that it shares with what is loaded: order 1.
+    """
     kn, cell = NO_POISSON[1], FINE
     words = f"outer {A:.15g} inner 0"
     made = pair(cell / 2, gap=LENGTH, cement=words, radius=RADIUS, half_box=(0.026, 0.026, 0.0525))
@@ -67,7 +70,7 @@ def test_links_at_the_points(tmp_path, figures):
     k = measure(tmp_path, "tension", "flat", words, cell, gap=LENGTH, radius=RADIUS, elastic=NO_POISSON, kn=f"{kn:.15g}",
                 at="points")
     figures.note("cylinder, links at the points: share of its length between the points", f"{abs(ends[1] - ends[0]) / LENGTH:.4f}")
-    figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.015)
+    figures.below("cylinder, links at the points, tension: error at 8 cells across", abs(k / bar - 1), 0.02)
 
 
 @pytest.mark.parametrize("load, limit", [("tension", 0.005), ("torsion", 0.01), ("shear", 0.025), ("bending", 0.0125)])

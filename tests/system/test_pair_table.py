@@ -96,7 +96,7 @@ def test_force_and_way(tmp_path, figures):
         table, result, _ = loaded(tmp_path / load, load=load, speed=0.02, ramp=2e-5, rate=5e6)
         peak[load] = table["load"].max()
         assert float(result["broken"]) == 1
-    figures.below("peak under force control against motion", abs(peak["force"] / peak["tension"] - 1), 0.05)
+    figures.below("peak under force control against motion", abs(peak["force"] / peak["tension"] - 1), 0.06)
     figures.below("compression against tension", abs(peak["compression"] / peak["tension"] - 1), 0.02)
 
 

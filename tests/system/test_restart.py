@@ -5,7 +5,7 @@ import shutil
 import pytest
 from scenes import cement, dump, edit, hosted, launch, pair, point_quantities, restarted, run, thermo
 
-BEFORE, AFTER = 500, 100   # steps; damage and failure have begun at the restart
+BEFORE, AFTER = 550, 100   # steps; damage and failure have begun at the restart
 VECTORS = [[f"{v}{c}" for c in "xyz"] for v in ("", "v", "omega", "f")]
 QUANTITIES = ["damage", "failed", "attached", "stress_zz", "stress_xy", "strain_yy", "axis_x"]
 COLUMNS = sum(VECTORS, []) + [f"c_{q}" for q in QUANTITIES]
