@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cement.h"
+#include "mpi_ranks.h"
 #include "mpm/largest_eigenvalue.h"
 
 namespace mpdem {
@@ -19,16 +20,8 @@ using test::Vector;
 
 constexpr double kH = 0.5;
 
-int rank() {
-  int r;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
-int ranks() {
-  int n;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
-  return n;
-}
+using test::rank;
+using test::ranks;
 
 // Lattice of `percell` points along a cell, shifted by so many cells, where inside() says.
 template <class F>

@@ -11,22 +11,15 @@
 
 #include "cement.h"
 #include "coupling/grain_sides.h"
+#include "mpi_ranks.h"
 #include "parallel/halo_sum.h"
 #include "parallel/rendezvous.h"
 
 namespace mpdem {
 namespace {
 
-int rank() {
-  int r;
-  MPI_Comm_rank(MPI_COMM_WORLD, &r);
-  return r;
-}
-int ranks() {
-  int n;
-  MPI_Comm_size(MPI_COMM_WORLD, &n);
-  return n;
-}
+using test::rank;
+using test::ranks;
 
 template <class T>
 std::vector<std::vector<T>> gather_all(const std::vector<T>& mine, MPI_Datatype type) {
