@@ -69,9 +69,9 @@ def test_crevice(name, limit, tmp_path, figures):
     assert order > 0.6
 
 
-@pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.12)])
+@pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.03)])
 def test_basis(basis, limit, tmp_path, figures):
-    """The wider the splines the softer the layer at the bonded surface; tents have none."""
+    """Edge nodes of wider splines hold less; tied, they no longer make the bonded surface soft."""
     name = "meniscus across a gap"
     exact = CASES[name]["stiffness"]["tension"]["value"]
     error = measure_case(tmp_path, CASES[name], "tension", 2e-4, basis=basis) / exact - 1
