@@ -33,6 +33,27 @@ def test_stopped_above_the_limit(share, limit, tmp_path):
     assert result.status != 0 and "exceeds the stable step" in result.errors()[0], result.output[-500:]
 
 
+def test_new_reference(tmp_path, figures):
+    """Tents have another limit for each place of the points: the run stops when a new reference takes them to a worse one."""
+    def drag(words):
+        script = pair(CELL / 2) + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis linear {words}")
+        way = CELL / 2
+        script += ("variable t equal step*dt\n" 'variable r equal "(v_t<4e-6)*v_t/4e-6+(v_t>=4e-6)"\n'
+                   f'variable d equal "{way}*(v_r-sin(2*PI*v_r)/2/PI)"\nvariable v equal "{way / 4e-6}*(1-cos(2*PI*v_r))"\n'
+                   "fix both grains move variable v_d v_d NULL v_v v_v NULL\n")
+        return launch(script + thermo(50, ["f_cem[5]"]) + "run 1000\n", tmp_path)
+
+    result = drag("timestep auto 0.98 reproject auto 1e-7")
+    assert result.status != 0, "goes on"
+    for word in ("exceeds the stable step", "after the present was taken for the reference at step"):
+        assert word in result.errors()[0], result.output[-500:]
+    for words in ("timestep auto 0.98", "timestep auto 0.4 reproject auto 1e-7"):
+        result = drag(words)
+        assert result.status == 0, result.output[-500:]
+        motion = result.table()["f_cem[5]"]
+        figures.below(f"{words}: motion left when the grains are at rest again", motion[-1] / motion.max(), 0.01)
+
+
 def test_auto_goes_to_other_fixes(tmp_path, limit):
     """`fix move` and `fix nve/sphere`, defined before and after, use the step that was found."""
     script = auto(0.9).replace("fix          cem", "group one id 1\nfix early one nve/sphere\nfix          cem").replace("fix hold first move linear 0 0 0\n", "")

@@ -151,6 +151,7 @@ class FixMpm : public Fix {
   bool is_prescribed(int i) const;
   double step_for(double eigenvalue) const;
   double limit_for(double dt);
+  void check_step_after(const char* event);
   void set_time_step();
   void report_times();
 

@@ -152,14 +152,7 @@ void FixMpm::rebuild_parts() {
   distribute_grains();
   const double before = links_.inertial_energy(grid_, sides_);
   rebuild();
-  if (eigenvalue_ > 0.0 && !updated_) {
-    const double limit = limit_for(update->dt);
-    if (update->dt > limit)
-      mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
-                                   " after parts came apart at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit,
-                                   "' or less"));
-  }
-  refresh_added_mass();
+  check_step_after("parts came apart");
   distribute_grains();
   released_ += before - links_.inertial_energy(grid_, sides_);
 }

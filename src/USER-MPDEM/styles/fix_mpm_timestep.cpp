@@ -93,6 +93,17 @@ double FixMpm::limit_for(double dt) {
   return step_for(e.value + e.residual);
 }
 
+// Other nodes and weights, other eigenvalue. One that was never asked for is no matter: then the step is
+// below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
+void FixMpm::check_step_after(const char* event) {
+  if (eigenvalue_ == 0.0 || updated_) return;
+  const double known = eigenvalue_, limit = limit_for(update->dt);
+  if (update->dt > limit)
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit, " after ", event,
+                                 " at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit, "' or less"));
+  if (eigenvalue_ != known) refresh_added_mass();
+}
+
 // `timestep auto`: before other fixes take up the step, so from a layout of its own.
 void FixMpm::set_time_step() {
   if (step_fraction_ == 0.0) return;

@@ -152,6 +152,7 @@ void FixMpm::take_new_reference() {
   if (coupled_) links_.move_to_present(points, grid_);
   std::fill(grid_.displacement.begin(), grid_.displacement.end(), 0.0);
   rebuild();
+  check_step_after("the present was taken for the reference");
   if (coupled_) distribute_grains();
   mpdem::UpdatedPass::project(points, grid_, *law_, inertia_, transfer_);
   grid_.halo.sum(grid_.mass.data(), 1);
