@@ -170,4 +170,10 @@ double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides) 
   return energy;
 }
 
+std::vector<double> PenaltyLinks::added_mass(const Grid& grid, const GrainSides& sides) const {
+  std::vector<double> mass(sides.sides.size(), 0.0);
+  for_each_added_mass(grid, sides, [&](int at, long, const double*, double m) { mass[at] += m; });
+  return mass;
+}
+
 }  // namespace mpdem

@@ -90,6 +90,8 @@ class PenaltyLinks {
   // Energy of the springs, and kinetic energy of the added mass relative to the grains.
   double spring_energy(const Grid& grid, const GrainSides& sides) const;
   double inertial_energy(const Grid& grid, const GrainSides& sides) const;
+  // That mass by side, of the links of this rank.
+  std::vector<double> added_mass(const Grid& grid, const GrainSides& sides) const;
 
   const PenaltyParameters& parameters() const { return p_; }
 

@@ -146,6 +146,7 @@ class FixMpm : public Fix {
   void check_state();
   std::string grain_that_is_not_finite() const;
   void report_parameters();
+  void report_added_mass();
   double eigenvalue_bound() const;
   double stability_bound() const;
   bool is_prescribed(int i) const;

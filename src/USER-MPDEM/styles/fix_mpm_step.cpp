@@ -237,6 +237,7 @@ void FixMpm::setup(int) {
   distribute_grains();
   check_state();
   if (!updated_) take_up_added_mass(false);
+  report_added_mass();
   if (updated_) {
     mpdem::UpdatedPass::project(avec_->points, grid_, *law_, inertia_, transfer_);
     grid_.halo.sum(grid_.mass.data(), 1);

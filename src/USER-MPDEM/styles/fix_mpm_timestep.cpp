@@ -171,11 +171,36 @@ void FixMpm::report_parameters() {
     text += text_of("  time step ", update->dt, ", stable up to ", limit, eigenvalue_ > 0.0 ? "" : " at least", "\n");
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s", text.c_str());
-    reported_ = true;
   }
   if (update->dt > limit)
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
                                  "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
+}
+
+// The last line of the report: it takes the eigenvalue, which is found for the others.
+void FixMpm::report_added_mass() {
+  if (reported_) return;
+  reported_ = true;
+  if (!coupled_) return;
+  std::vector<double> sum(2 * avec_->bodies.size() + 1, 0.0);
+  const std::vector<double> mine = links_.added_mass(grid_, sides_);
+  for (std::size_t i = 0; i < mine.size(); ++i) sum[2 * sides_.sides[i].body + sides_.sides[i].side] += mine[i];
+  for (const mpdem::PointBlock& b : avec_->points.blocks) sum.back() += inertia_ * mpdem::sum_lanes(b.volume);
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, world);
+  std::map<int, double> of_grain;
+  double all = 0.0, share = -1.0, most;
+  for (std::size_t n = 0; n + 1 < sum.size(); ++n) {
+    of_grain[avec_->bodies[n / 2].grain[n % 2]] += sum[n];
+    all += sum[n];
+  }
+  for (std::size_t n = 0; n < grains_here_.size(); ++n)
+    if (!prescribed_[n]) share = std::max(share, of_grain[atom->tag[grains_here_[n]]] / atom->rmass[grains_here_[n]]);
+  MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  if (comm->me != 0) return;
+  std::string text = text_of("  links     add to the nodes ", all, " of mass, ", all / sum.back(), " of the cement's");
+  if (most >= 0.0) text += text_of("; those of one free grain up to ", most, " of its mass");
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s\n", text.c_str());
 }
 
 // Where the time of the run went, the slowest rank for each phase.
