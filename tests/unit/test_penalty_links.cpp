@@ -1,160 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-//
-// Two bonds between pairs of grains that have moved and turned, the second in two parts, some
-// of their points linked to both grains, some to none.
 #include "coupling/penalty_links.h"
 
 #include <algorithm>
 
-#include "cement.h"
+#include "linked_bonds.h"
 
 namespace mpdem {
 namespace {
 
+using test::copy;
+using test::kDensity;
+using test::kH;
 using test::Matrix;
+using test::Scene;
 using test::Vector;
 
-constexpr double kH = 0.1, kDensity = 2.0;
-
-void copy(const Vector& from, double* to) { std::copy(from.data(), from.data() + 3, to); }
-void copy(const Eigen::Quaterniond& q, double* to) {
-  to[0] = q.w();
-  to[1] = q.x();
-  to[2] = q.y();
-  to[3] = q.z();
-}
-
-struct Scene {
-  std::vector<Body> bodies{2};
-  PointStore points;
-  std::vector<int> slots;
-  Grid grid;
-  GrainSides sides;
-  PenaltyLinks links;
-  std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
-  test::Random random;
-
-  Scene(std::uint64_t seed, const PenaltyParameters& p) : random(seed) {
-    int tag = 1;
-    for (int b = 0; b < 2; ++b) {
-      Body& body = bodies[b];
-      const Vector n = random.direction();
-      copy(random.vector(), body.origin);
-      for (int s = 0; s < 2; ++s) {
-        body.grain[s] = 10 * b + s + 1;
-        body.radius[s] = 1.0 + 0.3 * s;
-        copy((s ? 1.0 : -1.0) * (body.radius[s] + 0.02) * n, body.centre[s]);
-        copy(Eigen::Quaterniond(random.frame()), body.orientation[s]);
-        copy(10.0 * random.vector(), body.shift[s]);
-      }
-      for (int i = 0; i < 60; ++i) {
-        PointRecord r;
-        r.body = b;
-        r.part = b * random.index(2);
-        r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
-        const Vector X = 0.15 * random.vector();
-        copy(X, r.X);
-        for (int s = 0; s < 2; ++s) {
-          if (random.index(3) == 0) continue;
-          const Vector centre = Eigen::Map<const Vector>(body.centre[s]);
-          Link& k = r.link[r.links++];
-          k.grain = body.grain[s];
-          k.area = random.uniform(0.5, 1.0) * kH * kH / 4;
-          k.attached = 1;
-          copy(centre + body.radius[s] * (X - centre).normalized(), k.foot);
-        }
-        slots.push_back(points.add(r, tag++));
-      }
-    }
-    std::vector<int> tags(slots.size()), place;
-    std::iota(tags.begin(), tags.end(), 1);
-    points.arrange(slots, tags, kH, place);
-    slots = place;
-    links.build(points, bodies, p, kH, kDensity);
-    std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
-    links.add_cells(cells);
-    std::vector<char> fresh;
-    grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
-    grid.lump_mass(points, kDensity);
-    const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
-    EXPECT_EQ(links.needed_sides(), all);
-    sides.build(MPI_COMM_SELF, bodies, all, all);
-    links.bind(sides);
-    place_grains(0.0, 0.0);
-  }
-
-  // Displacements and velocities of grains and nodes at random.
-  void place_grains(double displacement, double velocity) {
-    for (int i = 0; i < 4; ++i) {
-      const Body& body = bodies[i / 2];
-      const Eigen::Map<const Vector> centre(body.centre[i % 2]), origin(body.origin), shift(body.shift[i % 2]);
-      copy(origin - shift + centre + displacement * random.vector(), motion[i].x);
-      copy(velocity * random.vector(), motion[i].v);
-      copy(velocity * random.vector(), motion[i].omega);
-      const double* q = body.orientation[i % 2];
-      const Eigen::Quaterniond turn(Eigen::AngleAxisd(displacement * random.uniform(-1, 1), random.direction()));
-      copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), motion[i].q);
-    }
-    for (double& u : grid.displacement) u = displacement * random.uniform(-1, 1);
-    for (double& v : grid.velocity) v = velocity * random.uniform(-1, 1);
-    sides.distribute(bodies, motion);
-  }
-  double energy() {
-    sides.distribute(bodies, motion);
-    return links.spring_energy(grid, sides);
-  }
-  double add_force() {
-    sides.distribute(bodies, motion);
-    sides.clear_forces();
-    grid.clear_force();
-    return links.add_force(grid, sides);
-  }
-  void turn(int i, const Vector& rotation) {
-    const Eigen::Quaterniond q(motion[i].q[0], motion[i].q[1], motion[i].q[2], motion[i].q[3]);
-    copy(Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized())) * q, motion[i].q);
-  }
-  Vector node(int n) const {
-    const auto& k = grid.keys[n];
-    return kH * Vector(k[1], k[2], k[3]) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
-  }
-
-  // Resultant and moment about the origin of each body of nodal forces `f` and of what the
-  // grains feel, over their sizes.
-  void expect_balanced(const std::vector<double>& f, double tolerance, const std::string& what) const {
-    test::Worst resultant, moment;
-    for (int b = 0; b < 2; ++b) {
-      Vector F = Vector::Zero(), M = Vector::Zero();
-      double F_size = 0, M_size = 0;
-      const auto add = [&](const Vector& x, const Vector& force, const Vector& torque) {
-        F += force;
-        M += x.cross(force) + torque;
-        F_size += force.norm();
-        M_size += x.norm() * force.norm();
-      };
-      for (int n = 0; n < grid.size(); ++n)
-        if (body_of(grid.keys[n][0]) == b) add(node(n), {f[3 * n], f[3 * n + 1], f[3 * n + 2]}, Vector::Zero());
-      for (const GrainSide& s : sides.sides)
-        if (s.body == b)
-          add(Eigen::Map<const Vector>(s.x), Eigen::Map<const Vector>(s.force), Eigen::Map<const Vector>(s.torque));
-      EXPECT_GT(F_size, 0.0);
-      resultant.add(F.norm() / F_size);
-      moment.add(M.norm() / M_size);
-    }
-    expect_within(resultant, tolerance, what + ": resultant");
-    expect_within(moment, tolerance, what + ": moment");
-  }
-};
-
-PenaltyParameters parameters(bool at_surface, double damping = 0.0) {
-  PenaltyParameters p;
-  p.kn = 900.0;
-  p.kt = 250.0;
-  p.damping = damping;
-  p.at_surface = at_surface;
-  return p;
-}
+PenaltyParameters parameters(bool at_surface, double damping = 0.0) { return test::penalty(at_surface, damping); }
 
 class Links : public ::testing::TestWithParam<bool> {};
 
@@ -247,48 +109,6 @@ TEST_P(Links, ActionIsReaction) {
   s.place_grains(0.3, 10.0);
   s.add_force();
   s.expect_balanced(s.grid.force, 1e-14, "springs and dampers");
-}
-
-// The rates of momentum and angular momentum of nodes (without added mass) and grains.
-TEST_P(Links, ActionIsReactionWithAddedMass) {
-  Scene s(134, parameters(GetParam(), 0.1));
-  s.place_grains(0.1, 1.0);
-  s.links.add_stiffness(s.grid, 0.05);
-  s.grid.set_added_mass(0.05, 0.0, false, 4.0);
-  int stiff = 0;
-  double row_sums = 0, stiffness = 0;
-  for (int n = 0; n < s.grid.size(); ++n) {
-    stiff += s.grid.added_mass[n] > 0;
-    row_sums += s.grid.penalty[n];
-  }
-  for (const Link& k : s.points.links) {
-    const double spring = s.links.parameters().kn * k.area;
-    const double mass = kDensity * s.points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-    stiffness += spring + 2.0 / 0.05 * 2.0 * s.links.parameters().damping * std::sqrt(spring * mass);
-  }
-  EXPECT_GT(stiff, 10);
-  EXPECT_LT(stiff, s.grid.size());
-  // Weights of a place outside the cell of its point are negative in part; sizes count.
-  if (GetParam())
-    EXPECT_GT(row_sums, stiffness);
-  else
-    test::expect_within(std::fabs(row_sums / stiffness - 1.0), 1e-14, "sum of the stiffness");
-  s.add_force();
-  for (double& f : s.grid.force) f += 0.01 * s.random.uniform(-1, 1);  // of the cement
-  s.grid.update_acceleration();
-  std::vector<double> rate(s.grid.force.size());
-  // what the springs put on the nodes is balanced by the grains; take the rest away
-  const std::vector<double> all = s.grid.force;
-  s.grid.clear_force();
-  s.sides.clear_forces();
-  s.links.add_force(s.grid, s.sides);
-  for (int n = 0; n < s.grid.size(); ++n)
-    for (int d = 0; d < 3; ++d) {
-      const int i = 3 * n + d;
-      rate[i] = s.grid.mass[n] * s.grid.acceleration[i] - (all[i] - s.grid.force[i]);
-    }
-  s.links.add_reaction(s.grid, s.grid.acceleration, 1.0, s.sides);
-  s.expect_balanced(rate, 1e-14, "with added mass");
 }
 
 TEST_P(Links, DampersTakeThePowerTheyClaim) {

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Two bonds between pairs of grains that have moved and turned, the second in two parts, some
+// of their points linked to both grains, some to none.
+#ifndef MPDEM_TESTS_LINKED_BONDS_H
+#define MPDEM_TESTS_LINKED_BONDS_H
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "cement.h"
+#include "coupling/penalty_links.h"
+
+namespace mpdem::test {
+
+constexpr double kH = 0.1, kDensity = 2.0;
+
+inline void copy(const Vector& from, double* to) { std::copy(from.data(), from.data() + 3, to); }
+inline void copy(const Eigen::Quaterniond& q, double* to) {
+  to[0] = q.w();
+  to[1] = q.x();
+  to[2] = q.y();
+  to[3] = q.z();
+}
+
+struct Scene {
+  std::vector<Body> bodies{2};
+  PointStore points;
+  std::vector<int> slots;
+  Grid grid;
+  GrainSides sides;
+  PenaltyLinks links;
+  std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
+  Random random;
+
+  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic) : random(seed) {
+    int tag = 1;
+    for (int b = 0; b < 2; ++b) {
+      Body& body = bodies[b];
+      const Vector n = random.direction();
+      copy(random.vector(), body.origin);
+      for (int s = 0; s < 2; ++s) {
+        body.grain[s] = 10 * b + s + 1;
+        body.radius[s] = 1.0 + 0.3 * s;
+        copy((s ? 1.0 : -1.0) * (body.radius[s] + 0.02) * n, body.centre[s]);
+        copy(Eigen::Quaterniond(random.frame()), body.orientation[s]);
+        copy(10.0 * random.vector(), body.shift[s]);
+      }
+      for (int i = 0; i < 60; ++i) {
+        PointRecord r;
+        r.body = b;
+        r.part = b * random.index(2);
+        r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
+        const Vector X = 0.15 * random.vector();
+        copy(X, r.X);
+        for (int s = 0; s < 2; ++s) {
+          if (random.index(3) == 0) continue;
+          const Vector centre = Eigen::Map<const Vector>(body.centre[s]);
+          Link& k = r.link[r.links++];
+          k.grain = body.grain[s];
+          k.area = random.uniform(0.5, 1.0) * kH * kH / 4;
+          k.attached = 1;
+          copy(centre + body.radius[s] * (X - centre).normalized(), k.foot);
+        }
+        slots.push_back(points.add(r, tag++));
+      }
+    }
+    std::vector<int> tags(slots.size()), place;
+    std::iota(tags.begin(), tags.end(), 1);
+    points.arrange(slots, tags, kH, place, {}, basis);
+    slots = place;
+    links.build(points, bodies, p, kH, kDensity, basis);
+    std::vector<Grid::Cell> cells;
+    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    links.add_cells(cells);
+    std::vector<char> fresh;
+    grid.basis = basis;
+    grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
+    grid.lump_mass(points, kDensity);
+    const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
+    EXPECT_EQ(links.needed_sides(), all);
+    sides.build(MPI_COMM_SELF, bodies, all, all);
+    links.bind(sides);
+    place_grains(0.0, 0.0);
+  }
+
+  void tie() {
+    grid.tie(MPI_COMM_SELF, find_edge_ties(MPI_COMM_SELF, grid.basis, grid.keys, grid.mass));
+    grid.lump_mass(points, kDensity);
+    links.find_masters(grid);
+  }
+
+  // Displacements and velocities of grains and nodes at random.
+  void place_grains(double displacement, double velocity) {
+    for (int i = 0; i < 4; ++i) {
+      const Body& body = bodies[i / 2];
+      const Eigen::Map<const Vector> centre(body.centre[i % 2]), origin(body.origin), shift(body.shift[i % 2]);
+      copy(origin - shift + centre + displacement * random.vector(), motion[i].x);
+      copy(velocity * random.vector(), motion[i].v);
+      copy(velocity * random.vector(), motion[i].omega);
+      const double* q = body.orientation[i % 2];
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(displacement * random.uniform(-1, 1), random.direction()));
+      copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), motion[i].q);
+    }
+    for (double& u : grid.displacement) u = displacement * random.uniform(-1, 1);
+    for (double& v : grid.velocity) v = velocity * random.uniform(-1, 1);
+    grid.ties.extend(grid.displacement.data());
+    grid.ties.extend(grid.velocity.data());
+    sides.distribute(bodies, motion);
+  }
+  double energy() {
+    sides.distribute(bodies, motion);
+    return links.spring_energy(grid, sides);
+  }
+  double add_force() {
+    sides.distribute(bodies, motion);
+    sides.clear_forces();
+    grid.clear_force();
+    const double power = links.add_force(grid, sides);
+    grid.sum_force();
+    return power;
+  }
+  void turn(int i, const Vector& rotation) {
+    const Eigen::Quaterniond q(motion[i].q[0], motion[i].q[1], motion[i].q[2], motion[i].q[3]);
+    copy(Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized())) * q, motion[i].q);
+  }
+  Vector node(int n) const {
+    const auto& k = grid.keys[n];
+    return kH * Vector(k[1], k[2], k[3]) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
+  }
+
+  // Resultant and moment about the origin of each body of nodal forces `f` and of what the
+  // grains feel, over their sizes.
+  void expect_balanced(const std::vector<double>& f, double tolerance, const std::string& what) const {
+    Worst resultant, moment;
+    for (int b = 0; b < 2; ++b) {
+      Vector F = Vector::Zero(), M = Vector::Zero();
+      double F_size = 0, M_size = 0;
+      const auto add = [&](const Vector& x, const Vector& force, const Vector& torque) {
+        F += force;
+        M += x.cross(force) + torque;
+        F_size += force.norm();
+        M_size += x.norm() * force.norm();
+      };
+      for (int n = 0; n < grid.size(); ++n)
+        if (body_of(grid.keys[n][0]) == b) add(node(n), {f[3 * n], f[3 * n + 1], f[3 * n + 2]}, Vector::Zero());
+      for (const GrainSide& s : sides.sides)
+        if (s.body == b)
+          add(Eigen::Map<const Vector>(s.x), Eigen::Map<const Vector>(s.force), Eigen::Map<const Vector>(s.torque));
+      EXPECT_GT(F_size, 0.0);
+      resultant.add(F.norm() / F_size);
+      moment.add(M.norm() / M_size);
+    }
+    expect_within(resultant, tolerance, what + ": resultant");
+    expect_within(moment, tolerance, what + ": moment");
+  }
+};
+
+inline PenaltyParameters penalty(bool at_surface, double damping) {
+  PenaltyParameters p;
+  p.kn = 900.0;
+  p.kt = 250.0;
+  p.damping = damping;
+  p.at_surface = at_surface;
+  return p;
+}
+
+}  // namespace mpdem::test
+
+#endif
