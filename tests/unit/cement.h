@@ -22,7 +22,8 @@ class Cement {
 
   // All of one volume, the material frame turned by q.
   Cement(double h, const std::vector<Vector>& X, double volume,
-         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0) {
+         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0,
+         const std::vector<int>& sheet = {}) {
     std::vector<int> tags(X.size());
     std::iota(tags.begin(), tags.end(), 1);
     for (std::size_t i = 0; i < X.size(); ++i) {
@@ -30,6 +31,7 @@ class Cement {
       r.has_frame = true;
       for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
       r.volume = volume;
+      if (!sheet.empty()) r.part = part_of(0, sheet[i]);
       r.q[0] = q.w();
       r.q[1] = q.x();
       r.q[2] = q.y();
@@ -73,6 +75,12 @@ class Cement {
     for (int s : slots) f(s / kLanes, s % kLanes);
   }
 };
+
+// All of one body, in one sheet.
+inline TiedNodes edges_of(const Grid& grid) {
+  const std::size_t n = grid.keys.size();
+  return {grid.keys, grid.mass, std::vector<char>(n, kNoSheets), std::vector<char>(n, 1)};
+}
 
 // Points anywhere in [0, n h]^3; every node between has points all over its support.
 inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {

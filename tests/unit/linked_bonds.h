@@ -87,7 +87,7 @@ struct Scene {
   }
 
   void tie() {
-    grid.tie(MPI_COMM_SELF, find_edge_ties(MPI_COMM_SELF, grid.basis, grid.keys, grid.mass));
+    grid.tie(MPI_COMM_SELF, find_edge_ties(MPI_COMM_SELF, grid.basis, edges_of(grid)));
     grid.lump_mass(points, kDensity);
     links.find_masters(grid);
   }

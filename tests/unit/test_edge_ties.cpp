@@ -16,6 +16,7 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::edges_of;
 using test::Vector;
 
 constexpr double kH = 0.5;
@@ -38,7 +39,7 @@ std::vector<Vector> lattice(int percell, const Vector& shift, int cells, F insid
 
 std::vector<EdgeTie> ties_of(Cement& c) {
   c.grid.lump_mass(c.points, 1.0);
-  return find_edge_ties(MPI_COMM_SELF, c.grid.basis, c.grid.keys, c.grid.mass);
+  return find_edge_ties(MPI_COMM_SELF, c.grid.basis, edges_of(c.grid));
 }
 
 // Sums of the weights, of their first moments, and masters that are slaves.
@@ -186,33 +187,149 @@ TEST(EdgeTies, BoundOfTheEigenvalueHolds) {
     }
 }
 
-TEST(EdgeTies, SameOnAnyNumberOfRanks) {
-  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
-  const std::vector<Vector> X = lattice(2, Vector(0.1, 0.3, -0.2), 4, inside);
-  Cement whole(kH, X, 0.7);
+// A ball in two halves, with a slit from one side to the middle.
+struct SlitBall {
+  std::vector<Vector> X;
+  std::vector<int> sheet;
+
+  SlitBall() {
+    const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+    X = lattice(2, Vector(0.1, 0.3, -0.2), 4, inside);
+    for (const Vector& x : X) sheet.push_back(x[2] > 0.05 * kH);
+  }
+  static TiedNodes nodes(const Grid& grid) {
+    TiedNodes n = edges_of(grid);
+    for (std::size_t i = 0; i < n.keys.size(); ++i) n.sheets[i] = n.keys[i][1] > 0 ? kApart : kJoined;
+    return n;
+  }
+};
+
+// Where sheets are joined, nodes are tied as those of the whole are, the second sheet's like the first's.
+TEST(EdgeTies, JoinedSheetsAreAsOne) {
+  const SlitBall ball;
+  Cement whole(kH, ball.X, 0.7), halves(kH, ball.X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, ball.sheet);
   std::map<Key, EdgeTie> wanted;
   for (const EdgeTie& t : ties_of(whole)) wanted[t.slave] = t;
+  halves.grid.lump_mass(halves.points, 1.0);
+  const auto as_of_whole = [](std::vector<std::pair<Key, double>> v) {
+    for (auto& m : v) m.first[0] = 0;
+    std::sort(v.begin(), v.end());
+    return v;
+  };
+  TiedNodes nodes = SlitBall::nodes(halves.grid);
+  int joined = 0, copies = 0, apart = 0;
+  for (bool slit : {false, true}) {
+    if (!slit) nodes.sheets.assign(nodes.keys.size(), kJoined);
+    else nodes = SlitBall::nodes(halves.grid);
+    std::map<Key, EdgeTie> ties;
+    for (const EdgeTie& t : find_edge_ties(MPI_COMM_SELF, Basis::quadratic, nodes)) ties[t.slave] = t;
+    for (const Key& k : nodes.keys) {
+      Key of_whole = k, other = k;
+      of_whole[0] = 0;
+      other[0] = other_sheet(k[0]);
+      const bool doubled = std::binary_search(nodes.keys.begin(), nodes.keys.end(), other);
+      const auto tie = ties.find(k);
+      if (slit && k[1] > -3) {  // out of reach of the slit nothing changes
+        if (k[1] > 0 && tie != ties.end()) {
+          for (const auto& m : tie->second.masters) EXPECT_TRUE(m.first[0] == k[0] || m.first[1] <= 0 || !doubled);
+        }
+        apart += k[1] > 0 && doubled && tie == ties.end();
+        continue;
+      }
+      const auto w = wanted.find(of_whole);
+      if (w != wanted.end()) {
+        ASSERT_TRUE(tie != ties.end());
+        EXPECT_EQ(as_of_whole(tie->second.masters).size(), w->second.masters.size());
+        const auto found = as_of_whole(tie->second.masters);
+        for (std::size_t n = 0; n < found.size(); ++n) {
+          EXPECT_EQ(found[n].first, w->second.masters[n].first);
+          EXPECT_NEAR(found[n].second, w->second.masters[n].second, 1e-12);
+        }
+        ++joined;
+      } else if (doubled && is_second_sheet(k[0])) {
+        ASSERT_TRUE(tie != ties.end());
+        EXPECT_EQ(tie->second.masters, (std::vector<std::pair<Key, double>>{{other, 1.0}}));
+        EXPECT_EQ(tie->second.heirs, tie->second.masters);
+        ++copies;
+      } else {
+        EXPECT_TRUE(tie == ties.end());
+      }
+    }
+  }
+  EXPECT_GT(joined, 50);
+  EXPECT_GT(copies, 50);
+  EXPECT_GT(apart, 20);
+}
 
-  std::vector<Vector> mine;
-  test::Random same(119);
-  for (const Vector& x : X) {
-    const int owner = static_cast<int>((x[2] / (8 * kH) + 0.5 + 0.05 * same.uniform(-1, 1)) * ranks());
-    if (std::max(0, std::min(ranks() - 1, owner)) == rank()) mine.push_back(x);
+// The two halves move as one where they are joined, and mass and force are kept.
+TEST(EdgeTies, SheetsKeepSums) {
+  const SlitBall ball;
+  Cement c(kH, ball.X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, ball.sheet);
+  c.grid.lump_mass(c.points, 1.0);
+  double before = 0.0, after = 0.0;
+  for (double m : c.grid.mass) before += m;
+  const std::vector<EdgeTie> ties = find_edge_ties(MPI_COMM_SELF, Basis::quadratic, SlitBall::nodes(c.grid));
+  c.grid.tie(MPI_COMM_SELF, ties);
+  c.grid.lump_mass(c.points, 1.0);
+  for (double m : c.grid.mass) {
+    EXPECT_GE(m, 0.0);
+    after += m;
   }
-  Cement part(kH, mine, 0.7);
-  HaloSum halo;
-  halo.build(MPI_COMM_WORLD, part.grid.keys);
-  part.grid.lump_mass(part.points, 1.0);
-  halo.sum(part.grid.mass.data(), 1);
-  const std::vector<EdgeTie> ties = find_edge_ties(MPI_COMM_WORLD, Basis::quadratic, part.grid.keys, part.grid.mass);
-  std::set<Key> found;
+  EXPECT_NEAR(after, before, 1e-12 * before);
+  test::Worst error;
   for (const EdgeTie& t : ties) {
-    found.insert(t.slave);
-    ASSERT_TRUE(wanted.count(t.slave));
-    EXPECT_EQ(wanted[t.slave].heirs, t.heirs);
-    EXPECT_EQ(wanted[t.slave].masters, t.masters);
+    double sum[4] = {-1.0, 0, 0, 0};
+    for (const auto& m : t.masters) {
+      EXPECT_LT(c.grid.ties.row(c.grid.base_node(m.first[0], &m.first[1])), 0);
+      sum[0] += m.second;
+      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first[1 + d] - t.slave[1 + d]);
+    }
+    for (double s : sum) error.add(std::fabs(s));
   }
-  for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
+  EXPECT_LT(error.value(), 1e-11);
+}
+
+TEST(EdgeTies, SameOnAnyNumberOfRanks) {
+  const SlitBall ball;
+  for (bool sheets : {false, true}) {
+    const auto ties_on = [&](MPI_Comm comm, const Grid& grid) {
+      return find_edge_ties(comm, Basis::quadratic, sheets ? SlitBall::nodes(grid) : edges_of(grid));
+    };
+    const auto cement = [&](const std::vector<int>& which) {
+      std::vector<Vector> X;
+      std::vector<int> sheet;
+      for (int i : which) {
+        X.push_back(ball.X[i]);
+        if (sheets) sheet.push_back(ball.sheet[i]);
+      }
+      return Cement(kH, X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, sheet);
+    };
+    std::vector<int> all(ball.X.size()), mine;
+    std::iota(all.begin(), all.end(), 0);
+    Cement whole = cement(all);
+    whole.grid.lump_mass(whole.points, 1.0);
+    std::map<Key, EdgeTie> wanted;
+    for (const EdgeTie& t : ties_on(MPI_COMM_SELF, whole.grid)) wanted[t.slave] = t;
+
+    test::Random same(119);
+    for (int i : all) {
+      const int owner = static_cast<int>((ball.X[i][2] / (8 * kH) + 0.5 + 0.05 * same.uniform(-1, 1)) * ranks());
+      if (std::max(0, std::min(ranks() - 1, owner)) == rank()) mine.push_back(i);
+    }
+    Cement part = cement(mine);
+    HaloSum halo;
+    halo.build(MPI_COMM_WORLD, part.grid.keys);
+    part.grid.lump_mass(part.points, 1.0);
+    halo.sum(part.grid.mass.data(), 1);
+    std::set<Key> found;
+    for (const EdgeTie& t : ties_on(MPI_COMM_WORLD, part.grid)) {
+      found.insert(t.slave);
+      ASSERT_TRUE(wanted.count(t.slave));
+      EXPECT_EQ(wanted[t.slave].heirs, t.heirs);
+      EXPECT_EQ(wanted[t.slave].masters, t.masters);
+    }
+    for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
+  }
 }
 
 }  // namespace

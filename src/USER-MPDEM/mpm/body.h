@@ -25,11 +25,18 @@ struct Body {
   double points = 0;
 };
 
-// A body that came apart has parts, which share no nodes: one grid each. Part 0 is the whole,
-// later what stays with the first grain, 1 what stays with the second, then loose pieces.
+// Parts of a body have nodes of their own, one field of the grid each. A body that came apart has pieces:
+// 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose
+// ones. A piece is one part or, where the body has a crevice (crevice.h), two, its sheets.
 constexpr int kBodyBits = 20;
 constexpr int kMaxParts = 1 << (30 - kBodyBits);
+constexpr int kMaxPieces = kMaxParts / 2;
+inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }
+inline int piece_of(int part) { return part >> 1; }
+inline int sheet_of(int part) { return part & 1; }
 inline int field_of(int body, int part) { return body | part << kBodyBits; }
+inline int other_sheet(int field) { return field ^ (1 << kBodyBits); }
+inline bool is_second_sheet(int field) { return (field >> kBodyBits & 1) != 0; }
 inline int body_of(int field) { return field & ((1 << kBodyBits) - 1); }
 
 }  // namespace mpdem

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "body.h"
+
 namespace mpdem {
 
 namespace {
@@ -16,11 +18,19 @@ constexpr double kSecond = 0.3;   // the second has at least this share of the n
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-// Of a node: bit n, tied along direction n.
+// Of a node: bit n, tied along direction n; the next or the second there is one of the other sheet; it is a copy.
 using Code = int;
+constexpr int kNextOther = kDirections, kSecondOther = 2 * kDirections;
+constexpr Code kCopy = 1 << 3 * kDirections;
 
-Key neighbour(Key k, int direction, int steps) {
+Key neighbour(Key k, int direction, int steps, bool other = false) {
   k[1 + direction / 2] += direction % 2 == 0 ? -steps : steps;
+  if (other) k[0] = other_sheet(k[0]);
+  return k;
+}
+
+Key copy_of(Key k) {
+  k[0] = other_sheet(k[0]);
   return k;
 }
 
@@ -34,16 +44,20 @@ int place_of(const std::vector<Key>& keys, const Key& k) {
   return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
 }
 
-int directions_of(Code code) { return __builtin_popcount(code); }
+int directions_of(Code code) { return (code & kCopy) ? 1 : __builtin_popcount(code & ((1 << kDirections) - 1)); }
 
-// Calls f(master, weight, is it next to the slave) for what a code asks for.
+// Calls f(master, weight, does it take mass) for what a code asks for.
 template <class F>
 void for_each_term(const Key& k, Code code, F f) {
+  if (code & kCopy) {
+    f(copy_of(k), 1.0, true);
+    return;
+  }
   const double share = 1.0 / directions_of(code);
   for (int n = 0; n < kDirections; ++n) {
     if (!(code >> n & 1)) continue;
-    f(neighbour(k, n, 1), 2.0 * share, true);
-    f(neighbour(k, n, 2), -share, false);
+    f(neighbour(k, n, 1, code >> (kNextOther + n) & 1), 2.0 * share, true);
+    f(neighbour(k, n, 2, code >> (kSecondOther + n) & 1), -share, false);
   }
 }
 
@@ -81,43 +95,98 @@ class Resolver {
   std::map<Key, EdgeTie> done_;
 };
 
+// What a node looks for in its neighbourhood: nodes of its own sheet, or of both where they are joined.
+class Surroundings {
+ public:
+  static constexpr int kWidth = 2;  // mass, is it joined
+
+  // Collective. Nodes that stand for themselves or for both sheets, and their values, are looked up.
+  Surroundings(MPI_Comm comm, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
+      : wanted_(std::move(wanted)) {
+    make_unique(wanted_);
+    values_ = fetch_values(comm, kWidth, keys, values, wanted_, found_);
+  }
+
+  // Mass of the node some steps on, 0 if there is none; `other` says that it is one of the other sheet.
+  double mass(const Key& k, bool has_sheets, bool joined, int direction, int steps, bool& other) const {
+    const int same = at(neighbour(k, direction, steps));
+    other = false;
+    if (!has_sheets) return same < 0 ? 0.0 : values_[kWidth * same];
+    const int beside = at(neighbour(k, direction, steps, true));
+    if (joined && same >= 0 && beside >= 0) return 0.0;  // here the crevice begins, and either is as good
+    if (same >= 0) return values_[kWidth * same];
+    if (beside < 0 || !(joined || values_[kWidth * beside + 1] != 0.0)) return 0.0;
+    other = true;
+    return values_[kWidth * beside];
+  }
+
+ private:
+  int at(const Key& k) const {
+    const int n = place_of(wanted_, k);
+    return n >= 0 && found_[n] ? n : -1;
+  }
+  std::vector<Key> wanted_;
+  std::vector<char> found_;
+  std::vector<double> values_;
+};
+
 // Codes of the nodes of this rank, the same on all ranks that hold a node.
-std::vector<double> find_codes(MPI_Comm comm, Basis basis, const std::vector<Key>& keys, const std::vector<double>& mass) {
+std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+  const std::vector<Key>& keys = nodes.keys;
+  std::vector<Key> copies;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (nodes.sheets[i] == kJoined) copies.push_back(copy_of(keys[i]));
+  make_unique(copies);
+  std::vector<char> found;
+  const std::vector<double> of_copies = fetch_values(comm, 1, keys, nodes.mass, copies, found);
+  std::vector<double> mass = nodes.mass, codes(keys.size(), 0.0);
+  std::vector<char> joined(keys.size(), 0);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (nodes.sheets[i] != kJoined) continue;
+    const int c = place_of(copies, copy_of(keys[i]));
+    if (!found[c]) continue;
+    joined[i] = 1;
+    mass[i] += of_copies[c];
+    if (is_second_sheet(keys[i][0])) codes[i] = kCopy;
+  }
+
   double mine = 0.0, most;
   for (double m : mass) mine = std::max(mine, m);
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   const double below = tied_below(basis);
+  std::vector<Key> wanted, present;
+  std::vector<double> values;
   std::vector<int> candidates;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (mass[i] < below * most) candidates.push_back(static_cast<int>(i));
-
-  std::vector<Key> wanted;
-  for (int i : candidates)
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (codes[i] != 0.0) continue;
+    present.push_back(keys[i]);
+    values.push_back(mass[i]);
+    values.push_back(joined[i]);
+    if (!nodes.edge[i] || !(mass[i] < below * most)) continue;
+    candidates.push_back(static_cast<int>(i));
     for (int n = 0; n < kDirections; ++n)
-      for (int s = 1; s <= 2; ++s) wanted.push_back(neighbour(keys[i], n, s));
-  make_unique(wanted);
-  std::vector<char> found;
-  const std::vector<double> near = fetch_values(comm, 1, keys, mass, wanted, found);
-  const auto mass_of = [&](const Key& k) {
-    const int at = place_of(wanted, k);
-    return found[at] ? near[at] : 0.0;
-  };
-
-  std::vector<double> codes(keys.size(), 0.0);
+      for (int s = 1; s <= 2; ++s)
+        for (bool other : {false, true})
+          if (!other || nodes.sheets[i] != kNoSheets) wanted.push_back(neighbour(keys[i], n, s, other));
+  }
+  const Surroundings near(comm, present, values, std::move(wanted));
   for (int i : candidates) {
     double share[kDirections], least = below;
+    Code code = 0, others = 0;
     for (int n = 0; n < kDirections; ++n) {
       share[n] = below;
-      const double first = mass_of(neighbour(keys[i], n, 1)), second = mass_of(neighbour(keys[i], n, 2));
+      bool other[2];
+      const double first = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 1, other[0]);
+      const double second = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 2, other[1]);
       if (!(first > 0.0) || second < kSecond * first) continue;
       share[n] = mass[i] / first;
       least = std::min(least, share[n]);
+      others |= other[0] << (kNextOther + n) | other[1] << (kSecondOther + n);
     }
-    Code code = 0;
     for (int n = 0; n < kDirections; ++n)
       if (share[n] < below && share[n] <= least * (1.0 + kAlike))
         code |= 1 << n;
-    codes[i] = code;
+    codes[i] = code == 0 ? 0 : code | others;
   }
   // Sums of masses differ by rounding from rank to rank, so one of them decides.
   return fetch_values(comm, 1, keys, codes, keys, found);
@@ -125,8 +194,9 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const std::vector<Key
 
 }  // namespace
 
-std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const std::vector<Key>& keys, const std::vector<double>& mass) {
-  const std::vector<double> own = find_codes(comm, basis, keys, mass);
+std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+  const std::vector<Key>& keys = nodes.keys;
+  const std::vector<double> own = find_codes(comm, basis, nodes);
   std::map<Key, Code> codes;
   std::vector<Key> open;
   for (std::size_t i = 0; i < keys.size(); ++i)

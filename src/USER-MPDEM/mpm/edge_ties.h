@@ -15,6 +15,9 @@
 // are one, linear fields are kept, so forces and moments are. Lines and not the parabolas of the
 // splines: errors are no larger, and weights of 3, -3, 1 couple what is bonded to nodes deep
 // inside, which the added mass of stiff links then burdens (coupling/penalty_links.h).
+//
+// Nodes of the two sheets of a body (crevice.h) are one where the sheets are joined: that of the second
+// sheet is tied to that of the first by weight 1, and the edge is looked for with the mass of both.
 #ifndef MPDEM_EDGE_TIES_H
 #define MPDEM_EDGE_TIES_H
 
@@ -33,8 +36,16 @@ struct EdgeTie {
   std::vector<std::pair<Key, double>> masters, heirs;  // heirs take the mass, in shares
 };
 
-// Collective. Ties of the nodes of this rank. keys: ascending, each once; mass: summed over ranks.
-std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const std::vector<Key>& keys, const std::vector<double>& mass);
+struct TiedNodes {
+  std::vector<Key> keys;     // ascending, each once
+  std::vector<double> mass;  // summed over ranks
+  std::vector<char> sheets;  // of each: kNoSheets, kApart or kJoined with that of the other sheet, if there is one
+  std::vector<char> edge;    // of each: may be tied as an edge
+};
+constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
+
+// Collective. Ties of the nodes of this rank.
+std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes& nodes);
 
 // The same with places of nodes for keys; slaves, heirs and masters are all on this rank.
 class EdgeTies {

@@ -24,7 +24,7 @@ namespace mpdem {
 struct CrackPoint {
   int tag;
   int cell[3];              // of the lattice
-  int part;                 // so far
+  int part;                 // so far; piece_of(), see body.h
   bool failed, damaged;
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
@@ -34,7 +34,7 @@ struct Separation {
   bool separated = false;
   // Of the separating surface, projected: at either grain, and inside.
   double at_grain[2] = {0, 0}, inside = 0;
-  // New part of each point, in the order given.
+  // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
   // Tags of intact points, ascending, that lead from one grain to the other, past damaged ones where
   // that is possible: while none of them fails the bond is not separated.

@@ -52,7 +52,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
   // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 4, kRestartHead = 4;
+  static constexpr int kRestartVersion = 5, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.

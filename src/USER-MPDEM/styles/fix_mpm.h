@@ -113,6 +113,9 @@ class FixMpm : public Fix {
   void build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, const std::vector<mpdem::Grid::Cell>& cells,
                   const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin);
   std::vector<mpdem::EdgeTie> find_ties(const mpdem::Grid& grid);
+  void divide_bodies(int first);
+  int part_of_slot(int slot) const;
+  std::vector<char> sheets_at(const std::vector<mpdem::Key>& keys);
   std::vector<int> bodies_to_untie();
   std::vector<double> motion_of_bodies() const;
   void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
@@ -209,6 +212,10 @@ class FixMpm : public Fix {
   double restored_cell_ = 0.0;  // of the restart file, 0 without one
   mpdem::Basis restored_basis_ = mpdem::Basis::quadratic;
   bool restored_updated_ = false, restored_tied_ = false;
+
+  // crevices
+  std::vector<char> has_sheets_;       // of each body
+  std::vector<mpdem::Key> joined_;     // nodes where sheets are joined, by body, of bodies that this rank looked at; ascending
 
   // bonds that came apart
   std::vector<mpdem::Separation> separation_;

@@ -106,7 +106,7 @@ bool FixMpm::separate_bodies(bool debris) {
       s.body = m.body;
       s.slot = kLanes * static_cast<int>(b) + l;
       s.point.tag = points.tags[b][l];
-      s.point.part = m.part;
+      s.point.part = mpdem::piece_of(m.part);
       s.point.failed = m.failed >> l & 1;
       const mpdem::Sym3<vd>& D = points.damage[b].D;
       s.point.damaged = D.xx[l] != 0.0 || D.yy[l] != 0.0 || D.zz[l] != 0.0 || D.yz[l] != 0.0 || D.xz[l] != 0.0 || D.xy[l] != 0.0;
@@ -184,10 +184,11 @@ bool FixMpm::separate_bodies(bool debris) {
   new_part_.clear();
   for (const Returned& r : changed) {
     const mpdem::BlockMeta& m = points.meta[r.slot / kLanes];
-    if (r.part >= mpdem::kMaxParts)
-      mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a bond broke into more than ", mpdem::kMaxParts, " parts"));
-    new_part_[r.slot] = r.part;
-    parent_field_[mpdem::field_of(m.body, r.part)] = mpdem::field_of(m.body, m.part);
+    if (r.part >= mpdem::kMaxPieces)
+      mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a bond broke into more than ", mpdem::kMaxPieces, " parts"));
+    const int part = mpdem::part_of(r.part, mpdem::sheet_of(m.part));
+    new_part_[r.slot] = part;
+    parent_field_[mpdem::field_of(m.body, part)] = mpdem::field_of(m.body, m.part);
   }
   int mine = !changed.empty(), all;
   MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, world);

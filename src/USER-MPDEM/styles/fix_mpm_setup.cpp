@@ -76,6 +76,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::setup_pre_neighbor() {
   count_points();
+  divide_bodies(static_cast<int>(has_sheets_.size()));
   rebuild();
   // New bodies may be cracked. Others, which after read_restart may have come apart since they were
   // looked at, wait for the step of the next look, so that a run in parts is the run as a whole.
@@ -135,8 +136,7 @@ void FixMpm::rebuild() {
       const int slot = avec_->slot[i];
       live.push_back(slot);
       tags.push_back(atom->tag[i]);
-      const auto moved = new_part_.find(slot);
-      parts.push_back(moved != new_part_.end() ? moved->second : points.meta[slot / kLanes].part);
+      parts.push_back(part_of_slot(slot));
     }
   points.arrange(live, tags, cell_, place, parts, basis_);
   std::size_t at = 0;

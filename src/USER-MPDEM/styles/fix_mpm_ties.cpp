@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The grid of fix mpm with the ties of its edge nodes (mpm/edge_ties.h). Bodies that came apart have
-// none: what their parts share and what their debris holds is for free nodes. As mass goes back from
+// none but those between sheets: what their parts share and what their debris holds is for free nodes. As mass goes back from
 // the heirs to the nodes then, the momentum and angular momentum of the body are kept by a rigid motion.
 #include <mpi.h>
 
@@ -56,15 +56,15 @@ void FixMpm::build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, cons
 }
 
 std::vector<mpdem::EdgeTie> FixMpm::find_ties(const mpdem::Grid& grid) {
-  std::vector<mpdem::Key> keys;
-  std::vector<double> mass;
-  for (int i = 0; i < grid.size(); ++i) {
-    const std::size_t b = mpdem::body_of(grid.keys[i][0]);
-    if (b < separation_.size() && separation_[b].separated) continue;
-    keys.push_back(grid.keys[i]);
-    mass.push_back(grid.mass[i]);
+  mpdem::TiedNodes nodes;
+  nodes.keys = grid.keys;
+  nodes.mass = grid.mass;
+  nodes.sheets = sheets_at(grid.keys);
+  for (const mpdem::Key& k : grid.keys) {
+    const std::size_t b = mpdem::body_of(k[0]);
+    nodes.edge.push_back(b >= separation_.size() || !separation_[b].separated);
   }
-  return mpdem::find_edge_ties(world, basis_, keys, mass);
+  return mpdem::find_edge_ties(world, basis_, nodes);
 }
 
 // Bodies that have ties now and will not have them in the next layout.

@@ -108,15 +108,18 @@ void FixMpm::check_step_after(const char* event) {
 void FixMpm::set_time_step() {
   if (step_fraction_ == 0.0) return;
   mpdem::PointStore points = avec_->points;
-  std::vector<int> live, tags, slots;
+  const int divided = static_cast<int>(has_sheets_.size());
+  divide_bodies(divided);
+  std::vector<int> live, tags, parts, slots;
   for (std::size_t b = 0; b < points.meta.size(); ++b)
     for (int l = 0; l < mpdem::kLanes; ++l)
       if (points.meta[b].occupied >> l & 1) {
         live.push_back(mpdem::kLanes * static_cast<int>(b) + l);
         tags.push_back(points.tags[b][l]);
+        parts.push_back(part_of_slot(live.back()));
       }
   points.sort_links();
-  points.arrange(live, tags, cell_, slots, {}, basis_);
+  points.arrange(live, tags, cell_, slots, parts, basis_);
   set_frames(points);
   std::vector<mpdem::Grid::Cell> cells;
   for (mpdem::BlockMeta& m : points.meta) cells.push_back({mpdem::field_of(m.body, m.part), m.base, m.column});
@@ -124,6 +127,9 @@ void FixMpm::set_time_step() {
   grid.basis = basis_;
   std::vector<char> fresh;
   build_grid(grid, points, cells, mpdem::NodeKinematics(), fresh, 0);
+  // slots may change before the layout of the run, which divides them anew
+  new_part_.clear();
+  has_sheets_.resize(divided);
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
   const double dt = step_fraction_ * step_for(e.value + e.residual);
   if (comm->me == 0)

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Bodies with a crevice get two sheets (mpm/crevice.h). What lies near the middle of a body goes to
+// one rank, which looks at it as a whole and keeps the nodes where the sheets are joined.
+#include <algorithm>
+#include <cmath>
+
+#include "../mpm/crevice.h"
+#include "../parallel/all_to_all.h"
+#include "comm.h"
+#include "fix_mpm.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::kLanes;
+
+namespace {
+
+struct Sent {
+  int body;
+  mpdem::SheetPoint point;
+};
+
+// How much deeper below the surface of the first grain than below that of the second.
+double depth_difference(const mpdem::Body& body, const double* X) {
+  double depth[2];
+  for (int g = 0; g < 2; ++g) {
+    double r2 = 0.0;
+    for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[g][d]) * (X[d] - body.centre[g][d]);
+    depth[g] = body.radius[g] - std::sqrt(r2);
+  }
+  return depth[0] - depth[1];
+}
+
+}  // namespace
+
+// Collective. Parts of the points of bodies from the first on; new_part_ has those that change.
+void FixMpm::divide_bodies(int first) {
+  const mpdem::PointStore& points = avec_->points;
+  const int bodies = static_cast<int>(avec_->bodies.size());
+  if (first >= bodies) return;
+  const double reach = mpdem::sheet_reach(basis_, cell_);
+  std::vector<char> sheet(kLanes * points.blocks.size(), 0);
+  std::vector<std::vector<Sent>> out(comm->nprocs);
+  for (std::size_t b = 0; b < points.blocks.size() && tied_; ++b) {
+    const mpdem::BlockMeta& m = points.meta[b];
+    if (m.body < first) continue;
+    const mpdem::Body& body = avec_->bodies[m.body];
+    const mpdem::vd* X = points.created_at(static_cast<int>(b));
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      Sent s;
+      s.body = m.body;
+      for (int d = 0; d < 3; ++d) {
+        s.point.X[d] = X[d][l];
+        s.point.cell[d] = static_cast<int>(std::floor(X[d][l] / body.spacing));
+      }
+      s.point.share = points.blocks[b].volume[l] / (body.spacing * body.spacing * body.spacing);
+      const double deeper = depth_difference(body, s.point.X);
+      // a plane of points in the very middle stays whole, whatever the rounding
+      s.point.sheet = deeper < -1e-6 * body.spacing;
+      sheet[kLanes * b + l] = static_cast<char>(s.point.sheet);
+      if (std::fabs(deeper) <= reach) out[m.body % comm->nprocs].push_back(s);
+    }
+  }
+  std::vector<std::vector<mpdem::SheetPoint>> whole(bodies);
+  for (const Sent& s : mpdem::all_to_all(world, out).data) whole[s.body].push_back(s.point);
+  has_sheets_.resize(bodies);
+  joined_.erase(std::lower_bound(joined_.begin(), joined_.end(), mpdem::Key{first, -(1 << 30), 0, 0}), joined_.end());
+  for (int b = first; b < bodies; ++b) {
+    const mpdem::Crevice c = mpdem::find_crevice(std::move(whole[b]), basis_, cell_, avec_->bodies[b].spacing);
+    has_sheets_[b] = c.found;
+    if (!c.found) continue;
+    for (const auto& node : c.joined) joined_.push_back({b, node[0], node[1], node[2]});
+  }
+  MPI_Allreduce(MPI_IN_PLACE, has_sheets_.data() + first, bodies - first, MPI_CHAR, MPI_MAX, world);
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::BlockMeta& m = points.meta[b];
+    if (m.body < first) continue;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      const int slot = kLanes * static_cast<int>(b) + l;
+      const int part = mpdem::part_of(mpdem::piece_of(m.part), has_sheets_[m.body] ? sheet[slot] : 0);
+      if (part != m.part) new_part_[slot] = part;
+    }
+  }
+}
+
+int FixMpm::part_of_slot(int slot) const {
+  const auto moved = new_part_.find(slot);
+  return moved != new_part_.end() ? moved->second : avec_->points.meta[slot / kLanes].part;
+}
+
+// For each of the nodes, what find_edge_ties() asks. Collective.
+std::vector<char> FixMpm::sheets_at(const std::vector<mpdem::Key>& keys) {
+  const auto place = [](mpdem::Key k) {
+    k[0] = mpdem::body_of(k[0]);
+    return k;
+  };
+  std::vector<mpdem::Key> wanted;
+  for (const mpdem::Key& k : keys)
+    if (has_sheets_[mpdem::body_of(k[0])]) wanted.push_back(place(k));
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<char> found;
+  mpdem::fetch_values(world, 1, joined_, std::vector<double>(joined_.size(), 0.0), wanted, found);
+  std::vector<char> sheets(keys.size(), mpdem::kNoSheets);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!has_sheets_[mpdem::body_of(keys[i][0])]) continue;
+    const std::size_t at = std::lower_bound(wanted.begin(), wanted.end(), place(keys[i])) - wanted.begin();
+    sheets[i] = found[at] ? mpdem::kJoined : mpdem::kApart;
+  }
+  return sheets;
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Layers about the plane z = 0 of a frame that may be turned, cut by a lattice as create_cement does. Between them
+// is nothing, or a wedge that opens from a line x = tip on.
+#include "mpm/crevice.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "lanes.h"
+
+namespace mpdem {
+namespace {
+
+using test::Vector;
+
+constexpr double kSpacing = 0.25, kCell = 0.5;
+constexpr int kSub = 6, kHalf = 14;  // of lattice cells
+constexpr double kThick = 1.0, kWide = 2.4;
+
+// Half the width of the wedge at x.
+using Opening = std::function<double(double)>;
+
+std::vector<SheetPoint> layers(const Eigen::Quaterniond& turn, const Vector& shift, const Opening& opening) {
+  std::vector<SheetPoint> points;
+  for (int i = -kHalf; i < kHalf; ++i)
+    for (int j = -kHalf; j < kHalf; ++j)
+      for (int k = -kHalf; k < kHalf; ++k) {
+        Vector sum(0, 0, 0);
+        int count = 0;
+        for (int n = 0; n < kSub * kSub * kSub; ++n) {
+          const Vector at(i + (n % kSub + 0.5) / kSub, j + (n / kSub % kSub + 0.5) / kSub, k + (n / kSub / kSub + 0.5) / kSub);
+          const Vector x = turn * (kSpacing * at - shift);
+          const double z = std::fabs(x[2]);
+          if (z > kThick || z < opening(x[0]) || std::fabs(x[0]) > kWide || std::fabs(x[1]) > kWide) continue;
+          sum += kSpacing * at;
+          ++count;
+        }
+        if (count == 0) continue;
+        SheetPoint p;
+        const Vector X = sum / count;
+        for (int d = 0; d < 3; ++d) p.X[d] = X[d];
+        p.cell[0] = i;
+        p.cell[1] = j;
+        p.cell[2] = k;
+        p.share = count / static_cast<double>(kSub * kSub * kSub);
+        p.sheet = (turn * (X - shift))[2] > 1e-6;
+        points.push_back(p);
+      }
+  return points;
+}
+
+std::vector<std::pair<Eigen::Quaterniond, Vector>> placements() {
+  std::vector<std::pair<Eigen::Quaterniond, Vector>> all;
+  test::Random random(23);
+  for (int n = 0; n < 3; ++n)
+    for (double angle : {0.0, 0.4, 0.75}) {
+      const Vector shift(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), angle == 0.0 && n == 0 ? 0.0 : random.uniform(-0.25, 0.25));
+      all.push_back({Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector(0.6, 0.8, 0.0))), shift});
+    }
+  return all;
+}
+
+TEST(Crevice, NoneWhereLayersTouch) {
+  for (const auto& at : placements()) {
+    const auto closed = [](double) { return 0.0; };
+    EXPECT_FALSE(find_crevice(layers(at.first, at.second, closed), Basis::quadratic, kCell, kSpacing).found);
+  }
+}
+
+TEST(Crevice, EndsWhereTheWedgeDoes) {
+  constexpr double kTip = -0.4;
+  for (double slope : {0.3, 0.6}) {
+    const auto wedge = [&](double x) { return slope * std::max(0.0, x - kTip); };
+    for (const auto& at : placements()) {
+      const Crevice c = find_crevice(layers(at.first, at.second, wedge), Basis::quadratic, kCell, kSpacing);
+      EXPECT_TRUE(c.found);
+      EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
+      // Nodes of the middle, away from the rims: a node is joined as far as about a cell beyond the tip.
+      double nearest_apart = 1e9, farthest_joined = -1e9;
+      for (int i = -8; i <= 8; ++i)
+        for (int j = -8; j <= 8; ++j)
+          for (int k = -8; k <= 8; ++k) {
+            const Vector x = at.first * (kCell * Vector(i, j, k) - at.second);
+            if (std::fabs(x[2]) > 0.6 * kCell || std::fabs(x[1]) > 1.2 || std::fabs(x[0]) > 1.2) continue;
+            if (std::binary_search(c.joined.begin(), c.joined.end(), std::array<int, 3>{i, j, k})) farthest_joined = std::max(farthest_joined, x[0]);
+            else nearest_apart = std::min(nearest_apart, x[0]);
+          }
+      EXPECT_GT(nearest_apart, kTip + 0.1 * kCell) << slope << " " << at.second.transpose();
+      EXPECT_LT(nearest_apart, kTip + 2.0 * kCell);
+      EXPECT_GT(farthest_joined, kTip - 0.5 * kCell);
+      EXPECT_LT(farthest_joined, kTip + 1.6 * kCell) << slope << " " << at.second.transpose();
+    }
+  }
+}
+
+TEST(Crevice, DoesNotDependOnTheOrder) {
+  const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
+    std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+    const Crevice a = find_crevice(points, basis, kCell, kSpacing);
+    std::reverse(points.begin(), points.end());
+    const Crevice b = find_crevice(points, basis, kCell, kSpacing);
+    EXPECT_TRUE(a.found);
+    EXPECT_EQ(a.joined, b.joined);
+  }
+}
+
+TEST(Crevice, OfNothing) {
+  EXPECT_FALSE(find_crevice({}, Basis::quadratic, kCell, kSpacing).found);
+}
+
+}  // namespace
+}  // namespace mpdem
