@@ -2,10 +2,8 @@
 """Stiffness of menisci and coatings against finite elements (tests/verification/bond_fe.py).
 
 The attached area is all of the wetted part of the spheres. 8 cells across the neck: across its diameter, or from the
-inner to the outer rim where `inner` makes it a ring. All errors but those of coatings with a crevice are negative:
-the outermost node of a B-spline is held by next to nothing but the links.
+inner to the outer rim where `inner` makes it a ring.
 """
-import math
 import subprocess
 import sys
 
@@ -14,7 +12,7 @@ from elastic_pair import VERIFICATION, measure_case, references
 
 CASES = references()
 ACROSS = {"meniscus across a gap": 2e-3, "meniscus at 30 degrees": 2e-3, "meniscus of touching beads": 0.8e-3,
-          "coating that ends at its ring": 1.24e-3}
+          "coating that ends at its ring": 1.24e-3, "coating": 1.24e-3}
 
 
 @pytest.mark.parametrize("tool", ["axisymmetric_fe.py", "bond_fe.py"])
@@ -53,20 +51,18 @@ def test_finer_cells(name, coarse, fine, tmp_path, figures):
     figures.below(f"{name}, shear: smaller cells", abs(errors[1]), 0.003)
 
 
-@pytest.mark.parametrize("name, limit", [("coating", 0.06), ("coating across a gap", 0.2)])
+@pytest.mark.parametrize("name, limit", [("coating", 0.01), ("coating across a gap", 0.02)])
 def test_crevice(name, limit, tmp_path, figures):
-    """Beyond the ring in which they meet, two shells share nodes as long as their distance is below a cell or two.
+    """Beyond the ring in which they meet, two shells have nodes of their own (src/USER-MPDEM/mpm/crevice.h).
 
-    The bond is as if its ring were wider by a part of the cell, hence too stiff, with an order of about 1.
+    Where the crevice ends is known to a part of a cell, which is what the errors are: no order, but a bound. With
+    nodes that the shells share the errors are 8 and 6 %, 25 and 19 % across a gap.
     """
     exact = CASES[name]["stiffness"]["tension"]["value"]
     cells = (2e-4, 4e-4 / 3)
     errors = [measure_case(tmp_path / str(cell), CASES[name], "tension", cell) / exact - 1 for cell in cells]
-    order = math.log(errors[0] / errors[1]) / math.log(cells[0] / cells[1])
-    figures.note(f"{name}, tension: signed errors with cells of {cells[0]:.3g} and {cells[1]:.3g}, order",
-                 " ".join(f"{e:+.4f}" for e in errors) + f", {order:.2f}")
-    figures.below(f"{name}, tension: error with 3 cells across the shell", abs(errors[1]), limit)
-    assert order > 0.6
+    figures.note(f"{name}, tension: signed errors with cells of {cells[0]:.3g} and {cells[1]:.3g}", " ".join(f"{e:+.4f}" for e in errors))
+    figures.below(f"{name}, tension: error with 2 and 3 cells across the shell", max(map(abs, errors)), limit)
 
 
 @pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.03)])

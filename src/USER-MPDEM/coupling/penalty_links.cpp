@@ -166,9 +166,11 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   vd u[3], r[3];
   gather_value(grid.displacement.data(), b.column, Weights<Type>(b.X, b.base, inverse_h_), u);
   for (int d = 0; d < 3; ++d) {
-    q[d] = b.X[d] + u[d] - s.x[d];
+    // u last: what it is rounded to then is a part of itself and not of the place, so ranks agree
+    const vd X = b.X[d] - s.x[d];
     r[d] = s.R.a[d][0] * b.q0[0] + s.R.a[d][1] * b.q0[1] + s.R.a[d][2] * b.q0[2];
-    delta[d] = q[d] - r[d];
+    q[d] = X + u[d];
+    delta[d] = (X - r[d]) + u[d];
   }
   const vd inverse = 1.0 / sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];

@@ -9,7 +9,8 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kShareFound = 0.5, kShareJoined = 0.1;  // shares of bridges, at sight and closely
+constexpr double kGapFound = 0.5;       // of what crosses where all rows do
+constexpr double kShareJoined = 0.125;  // of bridges in what crosses
 constexpr double kTouch = 0.1;    // of the spacing, between material that counts as joined
 
 struct Crossing {
@@ -64,7 +65,7 @@ void add_crossing(const SheetPoint& a, const SheetPoint& b, int d, const Lattice
 }
 
 Crevice look(std::vector<SheetPoint>& points, Basis basis, const Lattice& lattice, bool closely) {
-  const double least = closely ? kShareJoined : kShareFound;
+  const double all_rows = 1.0 / std::pow(lattice.spacing * lattice.inverse_h, 2);
   std::vector<Crossing> all;
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
@@ -88,8 +89,8 @@ Crevice look(std::vector<SheetPoint>& points, Basis basis, const Lattice& lattic
       gap += all[n].gap;
     }
     // no share of a lattice is near enough for rounding to decide
-    if (bridge >= (least - 1e-6) * (bridge + gap)) result.joined.push_back(node);
-    else result.found = true;
+    if (bridge >= (kShareJoined - 1e-6) * (bridge + gap)) result.joined.push_back(node);
+    result.found = result.found || gap > (kGapFound + 1e-6) * all_rows;
   }
   return result;
 }

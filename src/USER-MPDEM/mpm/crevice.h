@@ -9,13 +9,12 @@
 // phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl. Mech. Engrg. 193, 2004, 3523-3540).
 //
 // Rows of lattice points cross from sheet to sheet either from a point to its neighbour, a bridge, or
-// over a gap. A body has a crevice if there is a node for which more cross over gaps than over bridges,
+// over a gap. A body has a crevice if there is a node for which half of all rows cross over gaps,
 // within its support, each weighted by the shape function across the row. If so, neighbours in cells that
 // are cut are looked at again: their material may end before it meets (volume and centroid tell). Joined
-// are the nodes for which bridges make up at least a tenth then: of the jump of a crack the splines begin
+// are the nodes for which bridges make up at least an eighth then: of the jump of a crack the splines begin
 // to open half their support before the first node that is its own, so that node lies beyond the end.
-// (With a half, bonds of coatings are 3 to 5 % too soft, with a tenth at most 0.5 % off, both of tested
-// thickness and cells.)
+// (With a half the coatings of test_bond_stiffness.py are 3 to 5 % too soft; a tenth does as an eighth.)
 // Serial, on all points of a body that lie near the middle; the result does not depend on their order.
 #ifndef MPDEM_CREVICE_H
 #define MPDEM_CREVICE_H

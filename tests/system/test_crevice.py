@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bonds whose shells have nodes of their own across the crevice beyond the ring where they meet, until they break.
+
+The bond lies askew to the grid. What its stiffness is, test_bond_stiffness.py measures.
+"""
+import shutil
+
+import numpy as np
+import pytest
+from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, thermo)
+
+CELL, ASKEW = 2e-4, (0.3, -0.2, 1.0)
+SHELLS = dict(direction=ASKEW, shape="coating", cement="thickness 4e-4 cap 30 inner 8e-4", half_box=3 * (12.5e-3,))
+DAMAGE = "damage tensor B0 9.6e5 cutoff 0.9"
+BEFORE, AFTER = 1200, 300
+COLUMNS = ["id", "x", "y", "z", "vx", "vy", "vz", "c_damage", "c_failed", "c_stress_zz"]
+OUTPUT = point_quantities(["damage", "failed", "stress_zz"])
+SCALARS = ["f_bond", "f_bond[4]", "f_bond[17]", "f_bond[19]", "f_cem[8]", "f_cem[12]"]
+
+
+def pulled(words=""):
+    return cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} {words}") + pull(4.0, 4e-6, ASKEW) + OUTPUT + thermo(1, SCALARS)
+
+
+def script(processors="* * *", words=""):
+    return (pair(CELL / 2, processors=processors, **SHELLS) + CONTACT + pulled(words) + f"run {BEFORE}\nwrite_restart middle.restart\n"
+            + dump(AFTER, COLUMNS[1:]) + f"run {AFTER}\n")
+
+
+@pytest.fixture(scope="module")
+def one_rank(tmp_path_factory):
+    return run(script(), tmp_path_factory.mktemp("one_rank"))
+
+
+@pytest.mark.parametrize("ranks, processors", [(2, "1 1 2"), (2, "2 1 1"), (4, "2 2 1")])
+def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
+    other = run(script(processors), tmp_path, ranks)
+    a, b = one_rank.table(), other.table()
+    difference = abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()
+    intact, first = np.argmax(a["f_bond[19]"] > 0), np.argmax(a["f_bond[17]"] > 0)
+    assert intact > 80 and first > 200 and a["f_bond[17]"][-1] > 100, (intact, first, a["f_bond[17]"][-1])
+    name = f"shells askew, {ranks} ranks cut {processors}"
+    figures.below(f"{name}: bond force against 1 rank, over the peak, intact (to step {intact})", difference[:intact].max(), 1e-12)
+    figures.below(f"{name}: the same up to the first failure (step {first})", difference[:first].max(), 1e-11)
+    p, q = one_rank.points(BEFORE + AFTER), other.points(BEFORE + AFTER)
+    figures.below(f"{name}: points failed on one and not the other, of {p['c_failed'].sum():.0f}", (p["c_failed"] != q["c_failed"]).sum(), 0)
+
+
+def test_restart(one_rank, tmp_path, figures):
+    shutil.copy(one_rank.directory / "middle.restart", tmp_path)
+    other = run(restarted("middle.restart") + CONTACT + pulled() + dump(AFTER, COLUMNS[1:]) + f"run {AFTER}\n", tmp_path)
+    p, q = one_rank.points(BEFORE + AFTER), other.points(BEFORE + AFTER)
+    different = [c for c in p if (p[c] != q[c]).any()]
+    assert p["c_failed"].sum() > 100 and not different, different
+    for name, column in other.table().items():
+        assert (one_rank.table()[name][-AFTER - 1:] == column).all(), name
+    figures.note("shells askew, restart while points fail", f"{len(p)} columns equal to the bit")
+
+
+def test_other_restart_edge(one_rank, tmp_path):
+    """Points of a file with sheets are not run without."""
+    shutil.copy(one_rank.directory / "middle.restart", tmp_path)
+    other = launch(restarted("middle.restart") + CONTACT + pulled("edge free") + "run 1\n", tmp_path)
+    assert other.status != 0 and "'edge" in other.output
+
+
+def test_after_it_came_apart(tmp_path, figures):
+    """Free grains fly away; parts ring, but nothing pulls across the crack, and momenta are kept."""
+    leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
+    table = run(pair(CELL / 2, **{**SHELLS, "half_box": 3 * (16e-3,)})
+                + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 2000\n",
+                tmp_path, ranks=2).table()
+    force = table["f_bond"]
+    assert table["f_bond[17]"][-1] > 500 and table["f_bond[22]"][-1] == 1, table["f_bond[17]"][-1]
+    assert abs(force[-50:].mean()) < 0.05 * force.max(), force[-50:] / force.max()
+    P = np.array([table[c] for c in MOMENTUM_COLUMNS])
+    linear, angular = (np.linalg.norm(p - p[:, :1], axis=0).max() for p in (P[:3], P[3:]))
+    scale = np.linalg.norm(P[:3, 0])
+    figures.below("shells come apart: drift of momentum", linear / scale, 1e-10)
+    figures.below("shells come apart: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
+    # of order dt^2; in the first 100 steps there is next to no energy to compare with
+    figures.below("shells come apart: energy imbalance", abs(table["f_cem[12]"][5:]).max(), 0.01)
+
+
+def test_taken_over_by_other_kinematics(tmp_path, figures):
+    """A fix without sheets takes up points that had them."""
+    first = pair(CELL / 2, **SHELLS) + CONTACT + cement(CELL, 5e-9, axis="radial")
+    again = "fix cem calcite mpm cell 2e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 axis radial edge free\nfix bond grains mpm/couple cem\n"
+    move = pull(4.0, 4e-6, ASKEW) + thermo(1, ["f_bond"])
+    before = edit(first, "axis radial", "axis radial edge free")
+    wanted = run(before + move + "run 200\n", tmp_path / "free").table()["f_bond"]
+    found = run(first + "run 0\nunfix bond\nunfix cem\n" + again + move + "run 200\n", tmp_path / "after").table()["f_bond"]
+    figures.below("shells askew, sheets given up before the run: force, over the largest",
+                  abs(found - wanted).max() / abs(wanted).max(), 1e-10)
