@@ -38,6 +38,7 @@ void set_added_mass(Scene& s, double dt = kDt) {
   std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
   s.links.add_stiffness(s.grid, dt);
   s.grid.set_added_mass(dt, 0.0, false, kBound);
+  s.links.share_added_mass(s.grid);
 }
 
 std::vector<int> free_nodes(const Scene& s, int body) {
@@ -157,7 +158,7 @@ TEST_P(AddedMass, SidesHaveWhatNodesHave) {
   set_added_mass(s);
   double of_nodes = 0, of_sides = 0;
   for (double m : s.grid.added_mass) of_nodes += m;
-  for (double m : s.links.added_mass(s.grid, s.sides)) of_sides += m;
+  for (double m : s.links.added_mass(s.sides)) of_sides += m;
   EXPECT_GT(of_nodes, 0.0);
   test::expect_within(std::fabs(of_sides / of_nodes - 1.0), 1e-13, "sum over sides against that over nodes");
 }
@@ -229,12 +230,12 @@ TEST_P(AddedMass, DroppedWithLinksThatLetGo) {
   EXPECT_GT(s.links.let_go(s.points, failed, s.grid, s.sides, released), 10);
   set_added_mass(s);
   EXPECT_EQ(s.grid.penalty, whole);
-  EXPECT_GT(s.links.added_mass(s.grid, s.sides)[0], 0.0);
+  EXPECT_GT(s.links.added_mass(s.sides)[0], 0.0);
 
   s.links.drop_inertia(s.points);
   set_added_mass(s);
   const std::vector<double> dropped = s.grid.penalty;
-  const std::vector<double> of_sides = s.links.added_mass(s.grid, s.sides);
+  const std::vector<double> of_sides = s.links.added_mass(s.sides);
   EXPECT_EQ(of_sides[0], 0.0);
   EXPECT_GT(of_sides[1], 0.0);
   s.sides.clear_forces();

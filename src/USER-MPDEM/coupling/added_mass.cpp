@@ -102,26 +102,42 @@ void PenaltyLinks::add_stiffness(Grid& grid, double dt) {
   });
 }
 
-// Calls f(side, node, place from the grain's centre, added mass) for all nodes with such mass.
-template <class F>
-void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
+void PenaltyLinks::share_added_mass(const Grid& grid) {
+  shares_.clear();
+  if (std::none_of(grid.added_mass.begin(), grid.added_mass.end(), [](double m) { return m != 0.0; })) return;
+  std::vector<double> of_side[2];
+  std::vector<int> at_side[2];
+  for (int s = 0; s < 2; ++s) {
+    of_side[s].assign(grid.size(), 0.0);
+    at_side[s].assign(grid.size(), -1);
+  }
   with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
-      const GrainSide& s = sides.sides[b.at];
-      const Weights<Type> w(b.X, b.base, inverse_h_);
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       const vd row = b.inertia * row_sum(b, w);
       for_each_free_node(b, w, [&](long node, vd weight) {
         if (grid.added_mass[node] == 0.0) return;
-        // the node's added mass belongs to its links by their share of its stiffness
-        const double m = grid.added_mass[node] / grid.penalty[node] * sum_lanes(row * abs(weight));
-        double r[3];
-        for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
-        f(b.at, node, r, m);
+        of_side[b.side][node] += sum_lanes(row * abs(weight));
+        at_side[b.side][node] = b.at;
       });
     }
   });
+  // the node's added mass belongs to its links by their share of its stiffness
+  for (int i = 0; i < grid.size(); ++i)
+    for (int s = 0; s < 2; ++s)
+      if (at_side[s][i] >= 0) shares_.push_back({at_side[s][i], i, grid.added_mass[i] / grid.penalty[i] * of_side[s][i]});
+}
+
+// Calls f(share, place from the grain's centre) for all nodes with added mass.
+template <class F>
+void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
+  for (const AddedMass& a : shares_) {
+    const GrainSide& s = sides.sides[a.at];
+    double r[3];
+    for (int d = 0; d < 3; ++d) r[d] = grid.keys[a.node][1 + d] * grid.h + grid.displacement[3 * a.node + d] - s.x[d];
+    f(a, r);
+  }
 }
 
 void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
@@ -129,16 +145,16 @@ void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
     return std::any_of(s.a, s.a + 3, [](double a) { return a != 0.0; }) || std::any_of(s.alpha, s.alpha + 3, [](double a) { return a != 0.0; });
   };
   if (std::none_of(sides.sides.begin(), sides.sides.end(), accelerates)) return;
-  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
-    GrainSide& s = sides.sides[at];
+  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
+    GrainSide& s = sides.sides[share.at];
     double f[3];
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
-      f[d] = m * (s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e]);
+      f[d] = share.mass * (s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e]);
     }
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
-      grid.force[3 * node + d] += f[d];
+      grid.force[3 * share.node + d] += f[d];
       s.force[d] -= f[d];
       s.torque[d] -= r[e] * f[g] - r[g] * f[e];
     }
@@ -146,9 +162,9 @@ void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
 }
 
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
-  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
-    GrainSide& s = sides.sides[at];
-    const double* a = &field[3 * node];
+  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
+    GrainSide& s = sides.sides[share.at];
+    const double *a = &field[3 * share.node], m = share.mass;
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       s.force[d] += scale * m * a[d];
@@ -159,20 +175,20 @@ void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& fie
 
 double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides) const {
   double energy = 0.0;
-  for_each_added_mass(grid, sides, [&](int at, long node, const double* r, double m) {
-    const GrainSide& s = sides.sides[at];
+  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
+    const GrainSide& s = sides.sides[share.at];
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
-      const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
-      energy += 0.5 * m * v * v;
+      const double v = grid.velocity[3 * share.node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
+      energy += 0.5 * share.mass * v * v;
     }
   });
   return energy;
 }
 
-std::vector<double> PenaltyLinks::added_mass(const Grid& grid, const GrainSides& sides) const {
+std::vector<double> PenaltyLinks::added_mass(const GrainSides& sides) const {
   std::vector<double> mass(sides.sides.size(), 0.0);
-  for_each_added_mass(grid, sides, [&](int at, long, const double*, double m) { mass[at] += m; });
+  for (const AddedMass& a : shares_) mass[a.at] += a.mass;
   return mass;
 }
 

@@ -72,6 +72,8 @@ class PenaltyLinks {
   // grid.penalty. Links that let go count, and react, until drop_inertia() is called.
   void add_stiffness(Grid& grid, double dt);
   void drop_inertia(PointStore& points);
+  // After Grid::set_added_mass(): whose the added mass of each node is, for what follows.
+  void share_added_mass(const Grid& grid);
 
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.
@@ -91,7 +93,7 @@ class PenaltyLinks {
   double spring_energy(const Grid& grid, const GrainSides& sides) const;
   double inertial_energy(const Grid& grid, const GrainSides& sides) const;
   // That mass by side, of the links of this rank.
-  std::vector<double> added_mass(const Grid& grid, const GrainSides& sides) const;
+  std::vector<double> added_mass(const GrainSides& sides) const;
 
   const PenaltyParameters& parameters() const { return p_; }
 
@@ -118,6 +120,12 @@ class PenaltyLinks {
     vd row_sum;
   };
 
+  // Of the links of this rank to one side.
+  struct AddedMass {
+    int at, node;
+    double mass;
+  };
+
   // Calls f(node, weight) for the free nodes of a block.
   template <class Type, class F>
   void for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const;
@@ -138,6 +146,7 @@ class PenaltyLinks {
   double inverse_h_ = 0, density_ = 0;
   std::vector<LinkBlock> blocks_;
   std::vector<Reduced> reduced_;
+  std::vector<AddedMass> shares_;
 };
 
 }  // namespace mpdem

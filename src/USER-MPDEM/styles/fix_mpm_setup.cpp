@@ -213,6 +213,7 @@ void FixMpm::refresh_added_mass() {
   links_.add_stiffness(grid_, update->dt);
   const bool known = eigenvalue_ > 0.0;
   grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, stability_bound());
+  links_.share_added_mass(grid_);
 }
 
 // The same in the course of a run, where links that let go give up their added mass.

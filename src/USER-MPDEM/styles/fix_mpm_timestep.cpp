@@ -189,7 +189,7 @@ void FixMpm::report_added_mass() {
   reported_ = true;
   if (!coupled_) return;
   std::vector<double> sum(2 * avec_->bodies.size() + 1, 0.0);
-  const std::vector<double> mine = links_.added_mass(grid_, sides_);
+  const std::vector<double> mine = links_.added_mass(sides_);
   for (std::size_t i = 0; i < mine.size(); ++i) sum[2 * sides_.sides[i].body + sides_.sides[i].side] += mine[i];
   for (const mpdem::PointBlock& b : avec_->points.blocks) sum.back() += inertia_ * mpdem::sum_lanes(b.volume);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, world);
