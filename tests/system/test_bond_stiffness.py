@@ -65,7 +65,7 @@ def test_crevice(name, limit, tmp_path, figures):
     figures.below(f"{name}, tension: error with 2 and 3 cells across the shell", max(map(abs, errors)), limit)
 
 
-@pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.03)])
+@pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.035)])
 def test_basis(basis, limit, tmp_path, figures):
     """Edge nodes of wider splines hold less; tied, they no longer make the bonded surface soft."""
     name = "meniscus across a gap"
