@@ -83,6 +83,93 @@ def test_after_it_came_apart(tmp_path, figures):
     figures.below("shells come apart: energy imbalance", abs(table["f_cem[12]"][5:]).max(), 0.01)
 
 
+def weakened(directory, file):
+    """The shells along z, damaged nearly through next to the first grain, as a file of points."""
+    script = pair(CELL / 2, **{**SHELLS, "direction": (0, 0, -1)}) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE)
+    run(script + "run 0\nwrite_cement whole.txt\n", directory)
+    lines, weak = (directory / "whole.txt").read_text().splitlines(), 0
+    head = next(n for n, line in enumerate(lines) if line.startswith("grain_i"))
+    columns = lines[head].split()
+    for n in range(head + 1, len(lines)):
+        words = lines[n].split()
+        x = np.array([float(words[columns.index(c)]) for c in "xyz"])
+        if np.linalg.norm(x - (0, 0, 5e-3)) < 5e-3 + CELL / 2:
+            weak += 1
+            for c in ("dxx", "dyy", "dzz"):
+                words[columns.index(c)] = "0.88"
+        lines[n] = " ".join(words)
+    assert weak > 1000
+    file.write_text("\n".join(lines) + "\n")
+
+
+def test_a_sheet_on_each_rank(tmp_path, figures):
+    """A bond in flight that comes apart at one grain: nodes of what is left of the other sheet come from the other rank."""
+    weakened(tmp_path, tmp_path / "weak.txt")
+    results = []
+    for ranks, processors in ((1, "1 1 1"), (2, "1 1 2")):
+        scene = pair(CELL / 2, processors=processors, **{**SHELLS, "direction": (0, 0, -1), "half_box": 3 * (16e-3,)})
+        scene = scene[:scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/weak.txt spacing {CELL / 2:g}\n"
+        results.append(run(
+            scene + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+            + "velocity all set 100 30 20\nvelocity first set 0 0 1 sum yes\nfix motion grains nve/sphere\n" + MOMENTA + OUTPUT
+            + dump(800, COLUMNS[1:]) + thermo(5, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 800\n",
+            tmp_path / str(ranks), ranks))
+    one, two = (r.table() for r in results)
+    separated = np.argmax(one["f_bond[22]"] > 0)
+    assert 10 < separated < 120 and (one["f_bond[22]"] == two["f_bond[22]"]).all() and (one["f_bond[17]"] == two["f_bond[17]"]).all()
+    p, q = (r.points(800) for r in results)
+    assert (p["c_failed"] == q["c_failed"]).all()
+    figures.below("shells part across ranks: difference of the points' velocity, m/s", max(abs(p[c] - q[c]).max() for c in ("vx", "vy", "vz")), 1e-7)
+    for ranks, table in ((1, one), (2, two)):
+        P = np.array([table[c] for c in MOMENTUM_COLUMNS[:3]])
+        figures.below(f"shells part across ranks, {ranks} rank(s): drift of momentum",
+                      np.linalg.norm(P - P[:, :1], axis=0).max() / np.linalg.norm(P[:, 0]), 1e-12)
+        figures.below(f"shells part across ranks, {ranks} rank(s): energy imbalance", abs(table["f_cem[12]"]).max(), 1e-4)
+
+
+@pytest.mark.parametrize("grid", [(0, 0, 0), (2e-5, 0, 5e-5), (2.5e-5, 2.5e-5, 2.5e-5), (5e-5, 5e-5, 5e-5), (1e-4, 0, 0)])
+def test_lattice_off_the_grid(tmp_path, figures, grid):
+    """Where the lattice lies in the grid is no reason to find crevices in the cement, and does not stiffen it."""
+    scene = pair(CELL / 2, **{**SHELLS, "direction": (0, 0, 1)})
+    scene = edit(scene, f"spacing {CELL / 2:.15g}\n", f"spacing {CELL / 2:.15g} grid {grid[0]:g} {grid[1]:g} {grid[2]:g}\n")
+    tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
+    force = [run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")).table()["f_bond"][-1]
+             for words in ("", "edge free")]
+    figures.below(f"shells, lattice {grid} off the grid: force with sheets against shared nodes", abs(force[0] / force[1] - 1), 0.08)
+
+
+def full_cells(file, offset, R=5e-3, thickness=4e-4):
+    """Points of a lattice of 0.1 mm within the shells, none of them cut."""
+    line = (np.arange(-32, 32) + 0.5) * 1e-4
+    x, y, z = (a.ravel() for a in np.meshgrid(*(line + o for o in offset), indexing="ij"))
+    rho = np.hypot(x, y)
+    to = [np.sqrt(rho**2 + (z + side * R)**2) for side in (1, -1)]
+    shells = [(r < R + thickness) & (rho < r * np.sin(np.pi / 6)) for r in to]
+    inside = (to[0] > R) & (to[1] > R) & (rho > 8e-4) & (shells[0] | shells[1])
+    file.write_text("x y z volume\n" + "".join(f"{a:.17g} {b:.17g} {c:.17g} 1e-12\n" for a, b, c in zip(x[inside], y[inside], z[inside])))
+
+
+@pytest.mark.parametrize("offset, spacing", [((0, 0, 0), 1e-4), ((2e-5, 0, 3e-5), 1e-4), ((-1.5e-5,) * 3, 1e-4), ((0, 0, 0), 9.5e-5)])
+def test_points_of_a_file(tmp_path, figures, offset, spacing):
+    """Points lie anywhere in their cells; with a spacing that is not theirs, empty planes are no crevice, and there is a warning."""
+    full_cells(tmp_path / "points.txt", offset)
+    scene = pair(CELL / 2, half_box=3 * (12.5e-3,))
+    scene = scene[:scene.index("create_cement")] + f"create_cement calcite pair 1 2 file {tmp_path}/points.txt spacing {spacing:g}\n"
+    tail = pull(4.0, 1e-6) + thermo(20, ["f_bond"]) + "run 200\n"
+    runs = [run(scene + CONTACT + cement(CELL, 5e-9, axis="radial", damage=words) + tail, tmp_path / (words or "tied")) for words in ("", "edge free")]
+    force = [r.table()["f_bond"][-1] for r in runs]
+    figures.below(f"shells of a file, offset {offset}, spacing {spacing:g}: force with sheets against shared nodes", abs(force[0] / force[1] - 1), 0.08)
+    assert ("use the spacing of the points" in runs[0].output) == (spacing < 1e-4)
+
+
+def test_thin_shells_come_apart(tmp_path):
+    """Cut cells on both sides of the crevice share a face of the lattice, but their material does not touch."""
+    thin = pair(CELL / 2, gap=2e-4, shape="coating", cement="thickness 2e-4 cap 20", half_box=3 * (12.5e-3,))
+    out = run(thin + CONTACT + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9") + pull(4.0, 1e-6)
+              + thermo(50, ["f_bond", "f_bond[22]"]) + "run 600\n", tmp_path)
+    assert out.table()["f_bond[22]"][-1] == 1 and "intact" not in out.output
+
+
 def test_taken_over_by_other_kinematics(tmp_path, figures):
     """A fix without sheets takes up points that had them."""
     first = pair(CELL / 2, **SHELLS) + CONTACT + cement(CELL, 5e-9, axis="radial")

@@ -21,6 +21,14 @@ constexpr double kSpacing = 0.25, kCell = 0.5;
 constexpr int kSub = 6, kHalf = 14;  // of lattice cells
 constexpr double kThick = 1.0, kWide = 2.4;
 
+Crevice look(std::vector<SheetPoint> points, Basis basis = Basis::quadratic, const Vector& lattice = Vector::Zero(), double regular = 1) {
+  Body body;
+  body.spacing = kSpacing;
+  body.regular = regular;
+  for (int d = 0; d < 3; ++d) body.lattice[d] = lattice[d];
+  return find_crevice(points, body, basis, kCell);
+}
+
 // Half the width of the wedge at x.
 using Opening = std::function<double(double)>;
 
@@ -67,7 +75,7 @@ std::vector<std::pair<Eigen::Quaterniond, Vector>> placements() {
 TEST(Crevice, NoneWhereLayersTouch) {
   for (const auto& at : placements()) {
     const auto closed = [](double) { return 0.0; };
-    EXPECT_FALSE(find_crevice(layers(at.first, at.second, closed), Basis::quadratic, kCell, kSpacing).found);
+    EXPECT_FALSE(look(layers(at.first, at.second, closed)).found);
   }
 }
 
@@ -76,7 +84,7 @@ TEST(Crevice, EndsWhereTheWedgeDoes) {
   for (double slope : {0.3, 0.6}) {
     const auto wedge = [&](double x) { return slope * std::max(0.0, x - kTip); };
     for (const auto& at : placements()) {
-      const Crevice c = find_crevice(layers(at.first, at.second, wedge), Basis::quadratic, kCell, kSpacing);
+      const Crevice c = look(layers(at.first, at.second, wedge));
       EXPECT_TRUE(c.found);
       EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
       // Nodes of the middle, away from the rims: a node is joined as far as about a cell beyond the tip.
@@ -101,16 +109,46 @@ TEST(Crevice, DoesNotDependOnTheOrder) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
     std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
-    const Crevice a = find_crevice(points, basis, kCell, kSpacing);
+    const Crevice a = look(points, basis);
     std::reverse(points.begin(), points.end());
-    const Crevice b = find_crevice(points, basis, kCell, kSpacing);
+    const Crevice b = look(points, basis);
     EXPECT_TRUE(a.found);
     EXPECT_EQ(a.joined, b.joined);
   }
 }
 
+// All coordinates shifted by whole cells of the grid, and the lattice with them.
+TEST(Crevice, LatticeOffTheOrigin) {
+  const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
+  std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  const Crevice a = look(points);
+  const Vector lattice(2 * kCell, -kCell, 3 * kCell);
+  for (SheetPoint& p : points)
+    for (int d = 0; d < 3; ++d) p.X[d] += lattice[d];
+  Crevice b = look(points, Basis::quadratic, lattice);
+  for (auto& n : b.joined)
+    for (int d = 0; d < 3; ++d) n[d] -= static_cast<int>(lattice[d] / kCell);
+  EXPECT_TRUE(a.found);
+  EXPECT_EQ(a.joined, b.joined);
+}
+
+// Points anywhere in their cells, as files may have them, do not cut a bond.
+TEST(Crevice, PointsThatAreNoLattice) {
+  const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
+  std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  const std::size_t joined = look(points, Basis::quadratic, Vector::Zero(), 0).joined.size();
+  EXPECT_GT(joined, look(points).joined.size());
+  for (SheetPoint& p : points)
+    for (int d = 0; d < 3; ++d) p.X[d] += 0.3 * kSpacing;
+  EXPECT_EQ(look(points, Basis::quadratic, Vector::Zero(), 0).joined.size(), joined);
+  // every other plane of cells empty, since the spacing is not that of the points: one sheet
+  for (SheetPoint& p : points)
+    for (int d = 0; d < 3; ++d) p.cell[d] *= 2;
+  EXPECT_FALSE(look(points).found);
+}
+
 TEST(Crevice, OfNothing) {
-  EXPECT_FALSE(find_crevice({}, Basis::quadratic, kCell, kSpacing).found);
+  EXPECT_FALSE(look({}).found);
 }
 
 }  // namespace

@@ -212,6 +212,36 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   EXPECT_LE(*std::max_element(s.part.begin(), s.part.end()), 1);
 }
 
+// The upper half is a second sheet: it is held where the sheets are joined and their material touches.
+TEST(Separation, Sheets) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points) {
+    p.sheet = level(p) >= 5;
+    for (int d = 0; d < 3; ++d) p.base[d] = p.cell[d] - 1;  // a point a cell
+  }
+  constexpr int kSupport = 3;
+  EXPECT_TRUE(separate(points, kFace, {}, kSupport).separated);
+  EXPECT_TRUE(separate(points, kFace, {{-4, -4, -7}, {0, 0, 3}}, kSupport).separated);  // in no support of both
+  // in the supports of the cells 0 and 1 next to it on each side of the middle
+  const JoinedNodes joined{{-1, -1, -1}};
+  EXPECT_FALSE(separate(points, kFace, joined, kSupport).separated);
+  const auto beside = [](const CrackPoint& p) { return std::abs(p.cell[0] + 1) <= 1 && std::abs(p.cell[1] + 1) <= 1; };
+  std::vector<CrackPoint> cut = points;
+  for (CrackPoint& p : cut)
+    if (beside(p) && level(p) == 5) fail(p);
+  const Separation s = separate(cut, kFace, joined, kSupport);
+  EXPECT_TRUE(s.separated);
+  EXPECT_EQ(s.inside, 9.0);  // nothing comes apart where nothing held
+  for (CrackPoint& p : points) {
+    if (beside(p) && level(p) == 4) p.space[5] = 0.06f;
+    if (beside(p) && level(p) == 5) p.space[4] = 0.03f;
+  }
+  EXPECT_FALSE(separate(points, kFace, joined, kSupport).separated);
+  for (CrackPoint& p : points)
+    if (beside(p) && level(p) == 5) p.space[4] = 0.05f;
+  EXPECT_TRUE(separate(points, kFace, joined, kSupport).separated);
+}
+
 // A part that breaks again splits, and never takes in points of another part.
 TEST(Separation, PartsOnlySplit) {
   std::vector<CrackPoint> points = column();

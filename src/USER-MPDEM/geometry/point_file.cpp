@@ -168,6 +168,15 @@ Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   return corner;
 }
 
+// Do these lie within a small part of the spacing of the middle of their cells, and all points in cells of their own?
+bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& full, const Vector3& corner, double spacing) {
+  for (const FillPoint& f : full)
+    for (int d = 0; d < 3; ++d)
+      if (std::fabs(std::remainder(f.X[d] - corner[d] - 0.5 * spacing, spacing)) > 0.02 * spacing) return false;
+  int other;
+  return shared_cell(p, corner, spacing, other) < 0;
+}
+
 }  // namespace
 
 PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair,
@@ -273,6 +282,16 @@ PointCloud read_points(const std::string& text, const std::string& name, const G
     stop(file.place(std::max(line[twice], line[other])), "the point shares a cell of a lattice of spacing ", o.spacing, " with that of line ",
          std::min(line[twice], line[other]), ", ", apart, " away; points must lie on a cubic lattice along the axes of the box: use its spacing");
   }
+
+  for (const FillPoint& p : cloud.points) cloud.largest_volume = std::max(cloud.largest_volume, p.volume);
+  std::vector<FillPoint> full;  // cut cells have their centroids off the middle
+  for (const FillPoint& p : cloud.points)
+    if (p.volume > 0.99 * cloud.largest_volume) full.push_back(p);
+  cloud.lattice = beside_the_points(full, o.spacing);
+  // one that is within rounding of where shapes have theirs is it
+  if (cloud.lattice.cwiseAbs().maxCoeff() < 1e-3 * o.spacing) cloud.lattice.setZero();
+  cloud.regular = is_lattice(cloud.points, full, cloud.lattice, o.spacing);
+  if (!cloud.regular) cloud.lattice = cloud.corner;
 
   double low = 1e300, high = -1e300, thickest = 0.0;
   for (const FillPoint& p : cloud.points) {

@@ -41,6 +41,11 @@ struct PointCloud {
   // Place of a corner of the lattice, from the middle of the gap. Each point has a cell of its own;
   // 0 if that can be, else in the middle between points of a lattice.
   Vector3 corner = Vector3::Zero();
+  // The same of the lattice that has the points of full cells in the middle of them, if there is one
+  // (`regular`); else the corner above.
+  Vector3 lattice = Vector3::Zero();
+  bool regular = false;
+  double largest_volume = 0;
   double volume = 0, thickness = 0, attached_area[2] = {0, 0};
 };
 

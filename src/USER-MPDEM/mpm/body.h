@@ -7,6 +7,7 @@
 #ifndef MPDEM_BODY_H
 #define MPDEM_BODY_H
 
+#include <cmath>
 #include <vector>
 
 namespace mpdem {
@@ -20,10 +21,16 @@ struct Body {
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
   double volume = 0;
   double attached_area[2] = {0, 0};
-  double spacing = 0;
+  double spacing = 0;                                 // of the lattice of the points
+  double lattice[3] = {0, 0, 0};                      // one of its corners, reference coordinates
+  double regular = 1;                                 // 1: points of full cells lie in the middle of them
   double thickness = 0;  // of the cement between the grains, where it is largest
   double points = 0;
 };
+
+inline int lattice_cell(const Body& body, int d, double X) {
+  return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));
+}
 
 // Parts of a body have nodes of their own, one field of the grid each. A body that came apart has pieces:
 // 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose

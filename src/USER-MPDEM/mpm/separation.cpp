@@ -6,13 +6,15 @@
 #include <map>
 #include <numeric>
 
+#include "crevice.h"
+
 namespace mpdem {
 
 namespace {
 
 class Neighbours {
  public:
-  explicit Neighbours(const std::vector<CrackPoint>& p) : points_(p), order_(p.size()), face_(p.size()) {
+  Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& joined, int support) : points_(p), order_(p.size()), face_(p.size()) {
     std::iota(order_.begin(), order_.end(), 0);
     std::sort(order_.begin(), order_.end(), [&](int a, int b) { return cell(a) < cell(b); });
     for (int i : order_)
@@ -22,15 +24,32 @@ class Neighbours {
           c[d] += side == 0 ? -1 : 1;
           const auto it = std::lower_bound(order_.begin(), order_.end(), c,
                                            [&](int a, const std::array<int, 3>& v) { return cell(a) < v; });
-          face_[i][2 * d + side] = it != order_.end() && cell(*it) == c ? *it : -1;
+          const bool there = it != order_.end() && cell(*it) == c;
+          face_[i][2 * d + side] = there && (p[i].sheet == p[*it].sheet || (touches(p[i].space[2 * d + side] + p[*it].space[2 * d + 1 - side]) &&
+                                                                             meet(p[i], p[*it], joined, support)))
+                                     ? *it
+                                     : -1;
         }
   }
-  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none.
+  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
   // Points in the order of their cells.
   const std::vector<int>& order() const { return order_; }
 
  private:
+  static bool meet(const CrackPoint& a, const CrackPoint& b, const JoinedNodes& joined, int support) {
+    int low[3], high[3];
+    for (int d = 0; d < 3; ++d) {
+      low[d] = std::max(a.base[d], b.base[d]);
+      high[d] = std::min(a.base[d], b.base[d]) + support;
+    }
+    for (int i = low[0]; i < high[0]; ++i)
+      for (int j = low[1]; j < high[1]; ++j) {
+        const auto at = std::lower_bound(joined.begin(), joined.end(), std::array<int, 3>{i, j, low[2]});
+        if (at != joined.end() && *at < std::array<int, 3>{i, j, high[2]}) return true;
+      }
+    return false;
+  }
   std::array<int, 3> cell(int i) const { return {points_[i].cell[0], points_[i].cell[1], points_[i].cell[2]}; }
 
   const std::vector<CrackPoint>& points_;
@@ -93,9 +112,9 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
 
 }  // namespace
 
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area) {
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support) {
   const int n = static_cast<int>(points.size());
-  const Neighbours near(points);
+  const Neighbours near(points, joined, support);
   Separation result;
   result.part.resize(n);
   for (int i = 0; i < n; ++i) result.part[i] = points[i].part;

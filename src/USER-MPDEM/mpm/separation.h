@@ -2,7 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Has a bond come apart, and how? The crack is the set of failed points; intact points hold
-// together where their lattice cells share a face. A bond is separated when no such piece is
+// together where their lattice cells share a face and, if they are of different sheets (crevice.h), their
+// material touches there and a node at which the sheets are joined is in the support of both. A bond is separated when no such piece is
 // attached to both grains. Then
 // * the cement gets parts that share no nodes: what is attached to the first grain, to the
 //   second, and every loose piece of at least kLeastLoose points. Failed points and smaller
@@ -25,6 +26,9 @@ struct CrackPoint {
   int tag;
   int cell[3];              // of the lattice
   int part;                 // so far; piece_of(), see body.h
+  int sheet;
+  int base[3];              // first node of its support
+  float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
   bool failed, damaged;
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
@@ -48,8 +52,11 @@ struct Separation {
 
 constexpr int kLeastLoose = 64;
 
-// face_area[d]: projected area of a lattice face across direction d.
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area);
+using JoinedNodes = std::vector<std::array<int, 3>>;
+
+// face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
+// support: nodes a direction.
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0);
 
 }  // namespace mpdem
 

@@ -241,6 +241,7 @@ void CreateCement::command(int narg, char** arg) {
         p.X -= corner;
         for (int k = 0; k < p.links; ++k) p.link[k].foot -= corner;
       }
+      for (int c = 0; c < 3; ++c) body.lattice[c] = -corner[c];
       for (int s = 0; s < 2; ++s) body.attached_area[s] = shape->attached_area(s);
       body.volume = shape->volume();
       body.thickness = shape->largest_thickness();

@@ -84,6 +84,13 @@ std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, con
     for (int k = 0; k < p.links; ++k) p.link[k].foot -= cloud.corner;
   }
   corner = cloud.corner;
+  for (int d = 0; d < 3; ++d) body.lattice[d] = cloud.lattice[d] - corner[d];
+  body.regular = cloud.regular;
+  if (comm->me == 0 && cloud.largest_volume > 1.05 * std::pow(spacing_, 3))
+    error->warning("create_cement", 0,
+                   text_of("file '", file_, "': points of up to ", cloud.largest_volume, " are larger than a cell of a lattice of spacing ", spacing_,
+                           ", ", std::pow(spacing_, 3), "; cracks and crevices are found by such cells: use the spacing of the points")
+                       .c_str());
   body.volume = cloud.volume;
   body.thickness = cloud.thickness;
   std::copy(cloud.attached_area, cloud.attached_area + 2, body.attached_area);

@@ -26,6 +26,7 @@ FixStyle(mpm,FixMpm)
 #include "../mpm/advance_updated.h"
 #include "../mpm/grid.h"
 #include "../mpm/resting.h"
+#include "../mpm/crevice.h"
 #include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
@@ -114,6 +115,8 @@ class FixMpm : public Fix {
                   const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin);
   std::vector<mpdem::EdgeTie> find_ties(const mpdem::Grid& grid);
   void divide_bodies(int first);
+  mpdem::SheetPoint sheet_point(int block, int lane) const;
+  mpdem::JoinedNodes joined_nodes(int body) const;
   int part_of_slot(int slot) const;
   std::vector<char> sheets_at(const std::vector<mpdem::Key>& keys);
   std::vector<int> bodies_to_untie();
@@ -214,7 +217,7 @@ class FixMpm : public Fix {
   bool restored_updated_ = false, restored_tied_ = false;
 
   // crevices
-  std::vector<char> has_sheets_;       // of each body
+  std::vector<signed char> has_sheets_;// of each body
   std::vector<mpdem::Key> joined_;     // nodes where sheets are joined, by body, of bodies that this rank looked at; ascending
 
   // bonds that came apart

@@ -35,32 +35,41 @@ double depth_difference(const mpdem::Body& body, const double* X) {
 
 }  // namespace
 
+// But for its sheet.
+mpdem::SheetPoint FixMpm::sheet_point(int block, int lane) const {
+  const mpdem::PointStore& points = avec_->points;
+  const mpdem::Body& body = avec_->bodies[points.meta[block].body];
+  mpdem::SheetPoint p;
+  for (int d = 0; d < 3; ++d) {
+    p.X[d] = points.created_at(block)[d][lane];
+    p.cell[d] = mpdem::lattice_cell(body, d, p.X[d]);
+  }
+  p.share = points.blocks[block].volume[lane] / (body.spacing * body.spacing * body.spacing);
+  p.sheet = 0;
+  return p;
+}
+
 // Collective. Parts of the points of bodies from the first on; new_part_ has those that change.
 void FixMpm::divide_bodies(int first) {
   const mpdem::PointStore& points = avec_->points;
   const int bodies = static_cast<int>(avec_->bodies.size());
   if (first >= bodies) return;
   const double reach = mpdem::sheet_reach(basis_, cell_);
-  std::vector<char> sheet(kLanes * points.blocks.size(), 0);
+  std::vector<signed char> sheet(kLanes * points.blocks.size(), 0);
   std::vector<std::vector<Sent>> out(comm->nprocs);
   for (std::size_t b = 0; b < points.blocks.size() && tied_; ++b) {
     const mpdem::BlockMeta& m = points.meta[b];
     if (m.body < first) continue;
     const mpdem::Body& body = avec_->bodies[m.body];
-    const mpdem::vd* X = points.created_at(static_cast<int>(b));
     for (int l = 0; l < kLanes; ++l) {
       if (!(m.occupied >> l & 1)) continue;
       Sent s;
       s.body = m.body;
-      for (int d = 0; d < 3; ++d) {
-        s.point.X[d] = X[d][l];
-        s.point.cell[d] = static_cast<int>(std::floor(X[d][l] / body.spacing));
-      }
-      s.point.share = points.blocks[b].volume[l] / (body.spacing * body.spacing * body.spacing);
+      s.point = sheet_point(static_cast<int>(b), l);
       const double deeper = depth_difference(body, s.point.X);
       // a plane of points in the very middle stays whole, whatever the rounding
       s.point.sheet = deeper < -1e-6 * body.spacing;
-      sheet[kLanes * b + l] = static_cast<char>(s.point.sheet);
+      sheet[kLanes * b + l] = static_cast<signed char>(s.point.sheet);
       if (std::fabs(deeper) <= reach) out[m.body % comm->nprocs].push_back(s);
     }
   }
@@ -69,12 +78,13 @@ void FixMpm::divide_bodies(int first) {
   has_sheets_.resize(bodies);
   joined_.erase(std::lower_bound(joined_.begin(), joined_.end(), mpdem::Key{first, -(1 << 30), 0, 0}), joined_.end());
   for (int b = first; b < bodies; ++b) {
-    const mpdem::Crevice c = mpdem::find_crevice(std::move(whole[b]), basis_, cell_, avec_->bodies[b].spacing);
+    const mpdem::Crevice c = mpdem::find_crevice(whole[b], avec_->bodies[b], basis_, cell_);
+    std::vector<mpdem::SheetPoint>().swap(whole[b]);
     has_sheets_[b] = c.found;
     if (!c.found) continue;
     for (const auto& node : c.joined) joined_.push_back({b, node[0], node[1], node[2]});
   }
-  MPI_Allreduce(MPI_IN_PLACE, has_sheets_.data() + first, bodies - first, MPI_CHAR, MPI_MAX, world);
+  MPI_Allreduce(MPI_IN_PLACE, has_sheets_.data() + first, bodies - first, MPI_SIGNED_CHAR, MPI_MAX, world);
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const mpdem::BlockMeta& m = points.meta[b];
     if (m.body < first) continue;
@@ -85,6 +95,14 @@ void FixMpm::divide_bodies(int first) {
       if (part != m.part) new_part_[slot] = part;
     }
   }
+}
+
+// Of a body that this rank looks at as a whole.
+mpdem::JoinedNodes FixMpm::joined_nodes(int body) const {
+  const auto from = std::lower_bound(joined_.begin(), joined_.end(), mpdem::Key{body, -(1 << 30), 0, 0});
+  mpdem::JoinedNodes nodes;
+  for (auto k = from; k != joined_.end() && (*k)[0] == body; ++k) nodes.push_back({(*k)[1], (*k)[2], (*k)[3]});
+  return nodes;
 }
 
 int FixMpm::part_of_slot(int slot) const {

@@ -107,11 +107,16 @@ bool FixMpm::separate_bodies(bool debris) {
       s.slot = kLanes * static_cast<int>(b) + l;
       s.point.tag = points.tags[b][l];
       s.point.part = mpdem::piece_of(m.part);
+      s.point.sheet = mpdem::sheet_of(m.part);
       s.point.failed = m.failed >> l & 1;
       const mpdem::Sym3<vd>& D = points.damage[b].D;
       s.point.damaged = D.xx[l] != 0.0 || D.yy[l] != 0.0 || D.zz[l] != 0.0 || D.yz[l] != 0.0 || D.xz[l] != 0.0 || D.xy[l] != 0.0;
-      for (int d = 0; d < 3; ++d)
-        s.point.cell[d] = static_cast<int>(std::floor(points.created_at(static_cast<int>(b))[d][l] / body.spacing));
+      for (int d = 0; d < 3; ++d) {
+        s.point.cell[d] = mpdem::lattice_cell(body, d, points.created_at(static_cast<int>(b))[d][l]);
+        s.point.base[d] = m.base[d];
+      }
+      const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
+      for (int n = 0; n < 6; ++n) s.point.space[n] = static_cast<float>(mpdem::space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
       for (int g = 0; g < 2; ++g) {
         s.point.attached[g] = false;
         s.point.link_area[g] = 0.0;
@@ -145,7 +150,7 @@ bool FixMpm::separate_bodies(bool debris) {
       length += face[d] * face[d];
     }
     for (double& f : face) f = std::fabs(f) / std::sqrt(length) * body.spacing * body.spacing;
-    found[b] = mpdem::separate(whole[b], face);
+    found[b] = mpdem::separate(whole[b], face, joined_nodes(b), mpdem::support(basis_));
     for (int tag : found[b].path)
       for (auto& to : paths) to.push_back({b, tag});
     result[4 * b] = found[b].separated;
@@ -186,9 +191,11 @@ bool FixMpm::separate_bodies(bool debris) {
     const mpdem::BlockMeta& m = points.meta[r.slot / kLanes];
     if (r.part >= mpdem::kMaxPieces)
       mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a bond broke into more than ", mpdem::kMaxPieces, " parts"));
-    const int part = mpdem::part_of(r.part, mpdem::sheet_of(m.part));
-    new_part_[r.slot] = part;
-    parent_field_[mpdem::field_of(m.body, part)] = mpdem::field_of(m.body, m.part);
+    new_part_[r.slot] = mpdem::part_of(r.part, mpdem::sheet_of(m.part));
+    // of both sheets: nodes of the other may come to this rank as masters of those of its own
+    for (int sheet = 0; sheet < 2; ++sheet)
+      parent_field_[mpdem::field_of(m.body, mpdem::part_of(r.part, sheet))] =
+          mpdem::field_of(m.body, mpdem::part_of(mpdem::piece_of(m.part), sheet));
   }
   int mine = !changed.empty(), all;
   MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, world);
