@@ -130,7 +130,7 @@ class Surroundings {
   std::vector<double> values_;
 };
 
-// Codes of the nodes of this rank, the same on all ranks that hold a node.
+// Codes of the nodes of this rank, the same on all ranks that hold a node, as sums over ranks are (halo_sum.h).
 std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   std::vector<Key> copies;
@@ -188,8 +188,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
         code |= 1 << n;
     codes[i] = code == 0 ? 0 : code | others;
   }
-  // Sums of masses differ by rounding from rank to rank, so one of them decides.
-  return fetch_values(comm, 1, keys, codes, keys, found);
+  return codes;
 }
 
 }  // namespace

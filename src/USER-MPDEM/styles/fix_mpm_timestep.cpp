@@ -235,7 +235,7 @@ void FixMpm::report_times() {
                              " point steps per second, ", bytes / static_cast<double>(points_expected_), " bytes a point\n ");
   for (std::size_t i = 0; i + 1 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
-  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bodies at rest");
+  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " parts of bodies at rest");
   if (mass_scale_ > 1.0 || relax_ > 0.0) {
     const double energy = now.kinetic + now.elastic + now.coupling;
     text += text_of("\n  quasistatic: kinetic share of the energy ", energy > 0.0 ? now.kinetic / energy : 0.0);
