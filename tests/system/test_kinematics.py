@@ -98,4 +98,4 @@ def test_skip(word, limit, tmp_path, figures):
 
 def test_bodies_at_rest_sleep(tmp_path):
     script = pair(CELL / 2) + cement(CELL, DT) + "fix hold grains move linear 0 0 0\nrun 50\n"
-    assert "1 of 1 bodies at rest" in run(script, tmp_path).output
+    assert "1 of 1 parts of bodies at rest" in run(script, tmp_path).output
