@@ -4,6 +4,7 @@
 The attached area is all of the wetted part of the spheres. 8 cells across the neck: across its diameter, or from the
 inner to the outer rim where `inner` makes it a ring.
 """
+import math
 import subprocess
 import sys
 
@@ -63,6 +64,15 @@ def test_crevice(name, limit, tmp_path, figures):
     errors = [measure_case(tmp_path / str(cell), CASES[name], "tension", cell) / exact - 1 for cell in cells]
     figures.note(f"{name}, tension: signed errors with cells of {cells[0]:.3g} and {cells[1]:.3g}", " ".join(f"{e:+.4f}" for e in errors))
     figures.below(f"{name}, tension: error with 2 and 3 cells across the shell", max(map(abs, errors)), limit)
+
+
+def test_one_cell_across_the_shell(tmp_path, figures):
+    """8 cells across the ring of the bond are too coarse where the shell is thin beside it."""
+    name = "coating across a gap"
+    ring = 2 * math.sqrt(5.4e-3**2 - 5.2e-3**2)
+    error = measure_case(tmp_path, CASES[name], "tension", ring / 8) / CASES[name]["stiffness"]["tension"]["value"] - 1
+    figures.note(f"{name}, tension: signed error with 8 cells across the ring, 1.1 across the shell", f"{error:+.4f}")
+    figures.below(f"{name}, tension: error with 8 cells across the ring, 1.1 across the shell", abs(error), 0.08)
 
 
 @pytest.mark.parametrize("basis, limit", [("linear", 0.01), ("quadratic", 0.01), ("cubic", 0.035)])
