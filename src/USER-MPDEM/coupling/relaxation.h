@@ -8,6 +8,10 @@
 // at creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a
 // share of twice the angular frequency of a shear wave across the thickest place,
 // 2 pi c_s/thickness, which is critical damping of about the slowest motion.
+//
+// Once a bond has come apart each half follows its own grain alone, and loose pieces are left alone: the
+// force of one grain at the place of another, in flight, has a lever arm that grows until the step is
+// unstable. For the same reason nodes that are farther than kReach radii from a grain are.
 #ifndef MPDEM_RELAXATION_H
 #define MPDEM_RELAXATION_H
 
@@ -20,8 +24,8 @@ namespace mpdem {
 
 class Relaxation {
  public:
-  // After the layout of the grid. critical_share: of critical damping.
-  void build(const Grid& grid, const std::vector<Body>& bodies, double critical_share, double shear_speed);
+  // After the layout of the grid. critical_share: of critical damping; apart: bodies that came apart.
+  void build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share, double shear_speed);
   void bind(const GrainSides& sides);
   // Both sides of every body with nodes here.
   std::vector<Key> needed_sides() const;
@@ -33,7 +37,7 @@ class Relaxation {
  private:
   struct Range {
     int first, last, side[2];  // nodes of a body's part, indices into GrainSides
-    double rate;
+    double rate, reach2[2];  // squares of the reach
     int body;
   };
   std::vector<Range> ranges_;

@@ -42,6 +42,7 @@ inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }
 inline int piece_of(int part) { return part >> 1; }
 inline int sheet_of(int part) { return part & 1; }
 inline int field_of(int body, int part) { return body | part << kBodyBits; }
+inline int part_of_field(int field) { return field >> kBodyBits; }
 inline int other_sheet(int field) { return field ^ (1 << kBodyBits); }
 inline bool is_second_sheet(int field) { return (field >> kBodyBits & 1) != 0; }
 inline int body_of(int field) { return field & ((1 << kBodyBits) - 1); }

@@ -62,7 +62,7 @@ bool FixMpm::some_path_is_cut() {
 }
 
 // Looks at bodies in which points failed: those whose path is cut, and what has come apart already,
-// if debris. Collective. True if a part changed, or ties of a body have to go.
+// if debris. Collective. True if a part changed, or a body came apart that has ties or damping.
 bool FixMpm::separate_bodies(bool debris) {
   if (law_->parameters().B0 == 0.0 || !coupled_) return false;
   mpdem::PointStore& points = avec_->points;
@@ -172,14 +172,14 @@ bool FixMpm::separate_bodies(bool debris) {
     if (look[b]) path_[b].clear();
   for (const OfPath& p : mpdem::all_to_all(world, paths).data) path_[p.body].push_back(p.tag);
   MPI_Allreduce(MPI_IN_PLACE, result.data(), 4 * bodies, MPI_DOUBLE, MPI_SUM, world);
-  bool untie = false;
+  bool lay_out = false;
   for (int b = 0; b < bodies; ++b) {
     if (!look[b]) continue;
     // The surface is that of the separation; what breaks later is debris.
     const bool was = separation_[b].separated;
     if (was || result[4 * b] == 0.0) continue;
     separation_[b].separated = true;
-    untie = tied_;
+    lay_out = tied_ || relax_ > 0.0;
     separation_[b].at_grain[0] = result[4 * b + 1];
     separation_[b].at_grain[1] = result[4 * b + 2];
     separation_[b].inside = result[4 * b + 3];
@@ -199,7 +199,7 @@ bool FixMpm::separate_bodies(bool debris) {
   }
   int mine = !changed.empty(), all;
   MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, world);
-  return all != 0 || untie;
+  return all != 0 || lay_out;
 }
 
 std::string FixMpm::failure_mode(int body) const {

@@ -180,7 +180,11 @@ void FixMpm::lay_out_grid() {
     start_velocities(fresh);
     if (updated_) mpdem::UpdatedPass::start(points, grid_, bodies_started_);
   }
-  if (relax_ > 0.0) relaxation_.build(grid_, avec_->bodies, relax_, std::sqrt(law_->elasticity().softest_shear() / inertia_));
+  if (relax_ > 0.0) {
+    std::vector<char> apart(avec_->bodies.size(), 0);
+    for (std::size_t b = 0; b < std::min(apart.size(), separation_.size()); ++b) apart[b] = separation_[b].separated;
+    relaxation_.build(grid_, avec_->bodies, apart, relax_, std::sqrt(law_->elasticity().softest_shear() / inertia_));
+  }
   if (coupled_) {
     std::vector<mpdem::Key> owned, needed = links_.needed_sides();
     for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
