@@ -217,6 +217,41 @@ TEST_P(AddedMass, ExertsNothingWhereNodesMoveWithTheGrain) {
   expect_within(grain, 1e-13, "force and moment on grains, over what carries the mass");
 }
 
+// The energy that central differences keep is a product of velocities half a step before and after.
+TEST_P(AddedMass, EnergyIsBilinearInTheVelocity) {
+  constexpr double t = 0.3;
+  Scene s = scene(155);
+  s.place_grains(0.1, 1.0);
+  set_added_mass(s);
+  for (double& a : s.grid.acceleration) a = s.random.uniform(-1, 1);
+  for (GrainSides::Motion& m : s.motion) {
+    copy(s.random.vector(), m.a);
+    copy(s.random.vector(), m.alpha);
+  }
+  // velocities of nodes and grains: share of the first ones, and so long of acceleration
+  const std::vector<double> first = s.grid.velocity;
+  const std::vector<GrainSides::Motion> motion = s.motion;
+  const auto energy = [&](double share, double time, double early, double late, int body = 0) {
+    for (std::size_t i = 0; i < first.size(); ++i) s.grid.velocity[i] = share * first[i] + time * s.grid.acceleration[i];
+    for (std::size_t i = 0; i < motion.size(); ++i)
+      for (int d = 0; d < 3; ++d) {
+        s.motion[i].v[d] = share * motion[i].v[d] + time * motion[i].a[d];
+        s.motion[i].omega[d] = share * motion[i].omega[d] + time * motion[i].alpha[d];
+      }
+    s.sides.distribute(s.bodies, s.motion);
+    return s.links.inertial_energy(s.grid, s.sides, early, late, body);
+  };
+  const double E = energy(1.0, 0.0, t, t);
+  EXPECT_GT(E, 0.0);
+  test::expect_within(std::fabs(energy(1.0, t, 0.0, 0.0) / E - 1.0), 1e-13, "later velocity against acceleration");
+  test::expect_within(std::fabs(energy(1.0, 0.0, 0.0, t) - energy(1.0, t / 2, 0.0, 0.0) + energy(0.0, t / 2, 0.0, 0.0)) / E, 1e-13,
+                      "product against difference of squares");
+  // bodies are counted from one on
+  const double both = energy(1.0, 0.0, 0.0, 0.0), second = energy(1.0, 0.0, 0.0, 0.0, 1);
+  EXPECT_TRUE(second > 0.0 && second < both);
+  EXPECT_EQ(energy(1.0, 0.0, 0.0, 0.0, 2), 0.0);
+}
+
 // All links of one grain let go: added mass stays until it is dropped, and is then that of links that never were.
 TEST_P(AddedMass, DroppedWithLinksThatLetGo) {
   Scene s = scene(155, 0.1);

@@ -173,14 +173,17 @@ void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& fie
   });
 }
 
-double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides) const {
+double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides, double early, double late,
+                                     int first_body) const {
   double energy = 0.0;
   for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
     const GrainSide& s = sides.sides[share.at];
+    if (s.body < first_body) return;
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       const double v = grid.velocity[3 * share.node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
-      energy += 0.5 * share.mass * v * v;
+      const double a = grid.acceleration[3 * share.node + d] - s.a[d] - (s.alpha[e] * r[g] - s.alpha[g] * r[e]);
+      energy += 0.5 * share.mass * (v + early * a) * (v + late * a);
     }
   });
   return energy;

@@ -252,10 +252,10 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
   return count;
 }
 
-double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides) const {
+double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides, int first_body) const {
   double U = 0.0;
   for (const LinkBlock& b : blocks_)
-    if (b.attached) U += sum_lanes(energy(b, grid, sides.sides[b.at]));
+    if (b.attached && b.body >= first_body) U += sum_lanes(energy(b, grid, sides.sides[b.at]));
   return U;
 }
 

@@ -89,9 +89,12 @@ class PenaltyLinks {
   int let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSides& sides,
              double& released);
 
-  // Energy of the springs, and kinetic energy of the added mass relative to the grains.
-  double spring_energy(const Grid& grid, const GrainSides& sides) const;
-  double inertial_energy(const Grid& grid, const GrainSides& sides) const;
+  // Energy of the springs of bodies from first_body on.
+  double spring_energy(const Grid& grid, const GrainSides& sides, int first_body = 0) const;
+  // Kinetic energy of the added mass relative to the grains, m/2 v.w with v and w the stored
+  // velocity after the times `early` and `late` of the acceleration.
+  double inertial_energy(const Grid& grid, const GrainSides& sides, double early = 0.0, double late = 0.0,
+                         int first_body = 0) const;
   // That mass by side, of the links of this rank.
   std::vector<double> added_mass(const GrainSides& sides) const;
 

@@ -150,8 +150,8 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   }
   // Parts only ever split, so that their nodes can take over the motion they had together.
   // What is attached keeps its part, but for the first separation, where the second grain's
-  // share becomes part 1. Loose pieces become parts of their own in the order of their least
-  // tag, unless they are all there is of a part already.
+  // share becomes part 1. Loose pieces become parts of their own, from 2 on, in the order of their
+  // least tag, unless they are all there is of such a part already: 0 and 1 follow their grains.
   int next = 2;
   for (const CrackPoint& p : points) next = std::max(next, p.part + 1);
   std::map<int, int> holders;  // part, pieces that count in it
@@ -165,7 +165,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     if (!counts(p)) continue;
     if (p.attached[0]) part_of[k] = p.part;
     else if (p.attached[1]) part_of[k] = p.part == 0 ? 1 : p.part;
-    else part_of[k] = holders[p.part] > 1 ? next++ : p.part;
+    else part_of[k] = p.part < 2 || holders[p.part] > 1 ? next++ : p.part;
   }
   std::vector<int> part(n, -1), side(n, -1);
   for (int i = 0; i < n; ++i)

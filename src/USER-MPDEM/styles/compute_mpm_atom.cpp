@@ -68,6 +68,7 @@ void ComputeMpmAtom::init() {
 
 void ComputeMpmAtom::compute_peratom() {
   invoked_peratom = update->ntimestep;
+  cement_->sync_slots();
   if (atom->nlocal > size_) {
     memory->destroy(vector_atom);
     size_ = atom->nmax;

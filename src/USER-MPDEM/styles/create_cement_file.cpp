@@ -130,13 +130,14 @@ void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem
     low = low.cwiseMin(fill[n].X);
     high = high.cwiseMax(fill[n].X);
   }
-  std::vector<double> inside(avec->bodies.size(), 0.0);
+  std::vector<double> inside(avec->bodies.size(), 0.0), full;
+  for (const mpdem::Body& b : avec->bodies) full.push_back(0.95 * std::pow(b.spacing, 3));
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
     const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
-    const mpdem::Body& other = avec->bodies[points.meta[b].body];
-    if (points.blocks[b].volume[l] < 0.95 * std::pow(other.spacing, 3)) continue;
-    const double half = 0.5 * other.spacing * (1.0 - 1e-6);
+    const int body_of_point = points.meta[b].body;
+    if (points.blocks[b].volume[l] < full[body_of_point]) continue;
+    const double half = 0.5 * avec->bodies[body_of_point].spacing * (1.0 - 1e-6);
     // From the middle of the new cement, so that the nearest periodic image is meant.
     Vector3 middle = 0.5 * (low + high);
     double d[3];
@@ -148,7 +149,7 @@ void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem
     for (int n = 0; n < 27; ++n) {
       const auto range = near.equal_range(key(at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1));
       for (auto it = range.first; it != range.second; ++it)
-        if ((fill[it->second].X - x).cwiseAbs().maxCoeff() < half) inside[points.meta[b].body] += fill[it->second].volume;
+        if ((fill[it->second].X - x).cwiseAbs().maxCoeff() < half) inside[body_of_point] += fill[it->second].volume;
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, inside.data(), static_cast<int>(inside.size()), MPI_DOUBLE, MPI_SUM, world);

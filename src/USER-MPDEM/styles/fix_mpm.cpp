@@ -49,14 +49,14 @@ int FixMpm::setmask() {
   return POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | END_OF_STEP | POST_RUN;
 }
 
-void FixMpm::set_coupling(const std::string& coupling_id, const mpdem::PenaltyParameters& p) {
-  if (coupled_ && coupling_id != coupling_id_)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling_id, "): cement '", id, "' is coupled by fix '",
+void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
+  if (coupled_ && coupling->id != coupling_id_)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): cement '", id, "' is coupled by fix '",
                                  coupling_id_, "' already; unfix one of them"));
-  coupled_ = !coupling_id.empty();
-  coupling_id_ = coupling_id;
+  coupled_ = true;
+  coupling_id_ = coupling->id;
   penalty_ = p;
-  set_time_step();
+  set_time_step(coupling);
 }
 
 void FixMpm::init() {
@@ -67,7 +67,7 @@ void FixMpm::init() {
   coupled_ = false;  // fix mpm/couple says so again in its own init
   bool follows = false;
   for (int i = 0; i < modify->nfix; ++i) follows = follows || std::string(modify->fix[i]->style) == "mpm/couple";
-  if (!follows) set_time_step();
+  if (!follows) set_time_step(this);
   if (!follows && relax_ > 0.0)
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'quasistatic ", mass_scale_, " ", relax_, "' damps relative to the grains, "
                                  "which needs a fix mpm/couple; define one, or use damping 0"));

@@ -85,11 +85,13 @@ class FixMpm : public Fix {
   const mpdem::Separation& separation(int body) const { return separation_[body]; }
 
   // What fix mpm/couple hands over; one coupling at most.
-  void set_coupling(const std::string& coupling_id, const mpdem::PenaltyParameters& p);
+  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
 
   const mpdem::TensorDamage& law() const { return *law_; }
   double cell() const { return cell_; }
   AtomVecMpdem* cement() const { return avec_; }
+  // Slots of the atoms, which fall behind while points change cells; before they are read.
+  void sync_slots();
   mpdem::Basis basis() const { return basis_; }
   // Brings LIGGGHTS' positions, velocities and slots of the points up to date.
   void fill_atoms();
@@ -128,6 +130,10 @@ class FixMpm : public Fix {
   void take_up_added_mass(bool drop_inert);
   void set_frames(mpdem::PointStore& points) const;
   void start_bodies();
+  struct StepWork {
+    double now, before;
+  };
+  StepWork work_of_step(int first_body = 0) const;
   void start_velocities(const std::vector<char>& fresh);
   void step_total(double dt);
   void step_updated(double dt);
@@ -135,7 +141,7 @@ class FixMpm : public Fix {
   bool distorted();
   void take_new_reference();
   void move_links();
-  void sync_slots();
+  void sort_links();
   double half_kick_of_jump() const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
@@ -159,7 +165,7 @@ class FixMpm : public Fix {
   double step_for(double eigenvalue) const;
   double limit_for(double dt);
   void check_step_after(const char* event);
-  void set_time_step();
+  void set_time_step(const Fix* running);
   void report_times();
 
   // words of the script
@@ -241,8 +247,8 @@ class FixMpm : public Fix {
   bigint events_from_ = 0;
 
   // accumulated over steps, this rank's share
-  double start_energy_ = 0.0;  // kinetic and elastic, when the cement was set in motion
-  double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_last_ = 0.0;
+  double start_energy_ = 0.0;  // of the cement when it was set in motion
+  double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_ahead_ = 0.0;
   mpdem::AdvanceResult advance_;
   std::vector<double> transferred_;  // change of the nodal velocity by the transfer of this step, `updated` only
   std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty

@@ -85,7 +85,7 @@ void FixMpmCouple::init() {
   p.kt = (kt_ < 0.0 ? automatic : kt_) * per_length;
   p.damping = damping_;
   p.at_surface = at_surface_;
-  cement_->set_coupling(id, p);
+  cement_->set_coupling(this, p);
 
   std::string trouble;
   for (const mpdem::Body& b : cement_->cement()->bodies)

@@ -27,7 +27,8 @@ const char* const kHeader =
 }
 
 void FixMpm::record_events() {
-  if (events_name_.empty()) return;
+  if (events_name_.empty() || advance_.failed.empty()) return;
+  sort_links();
   const mpdem::PointStore& points = avec_->points;
   for (int slot : advance_.failed) {
     const int b = slot / kLanes, l = slot % kLanes;

@@ -24,7 +24,7 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 3.0;
+constexpr double kRestartVersion = 4.0;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -42,8 +42,8 @@ const FixMpm::Totals& FixMpm::totals() {
     return totals_;
   }
   const mpdem::PointStore& points = avec_->points;
-  // points, failed, V, V d, elastic, coupling, kinetic, p(3), L(3), then what accumulates
-  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
+  // points, failed, V, V d, elastic, coupling, kinetic, kinetic by central differences, p(3), L(3), then what accumulates
+  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -66,24 +66,30 @@ const FixMpm::Totals& FixMpm::totals() {
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
     const mpdem::Body& body = avec_->bodies[mpdem::body_of(grid_.keys[i][0])];
-    double v[3], x[3];
+    double v[3], x[3], kick[3];
     for (int d = 0; d < 3; ++d) {
-      v[d] = grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+      kick[d] = 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+      v[d] = grid_.velocity[3 * i + d] + kick[d];
       x[d] = body.origin[d] + grid_.keys[i][1 + d] * cell_ + grid_.displacement[3 * i + d];
     }
     const double mass = grid_.mass[i];
     for (int d = 0; d < 3; ++d) {
       sum[kKinetic] += 0.5 * mass * v[d] * v[d];
+      sum[kKept] += 0.5 * mass * (v[d] - kick[d]) * (v[d] + kick[d]);
       sum[kP + d] += mass * v[d];
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       sum[kL + d] += mass * (x[e] * v[g] - x[g] * v[e]);
     }
   }
-  if (coupled_) sum[kCoupling] = links_.spring_energy(grid_, sides_) + links_.inertial_energy(grid_, sides_);
+  if (coupled_) {
+    const double inertial = links_.inertial_energy(grid_, sides_, 0.5 * dt_last_, 0.5 * dt_last_);
+    sum[kCoupling] = links_.spring_energy(grid_, sides_) + inertial;
+    sum[kKept] += links_.inertial_energy(grid_, sides_, 0.0, dt_last_) - inertial;
+  }
   sum[kDissipated] = dissipated_;
   sum[kReleased] = released_;
   sum[kDamped] = damped_;
-  sum[kWork] = work_ - 0.5 * work_last_;
+  sum[kWork] = work_ - work_ahead_;
   global_sum(sum, world);
   global_max(most, world);
 
@@ -101,7 +107,9 @@ const FixMpm::Totals& FixMpm::totals() {
   t.external_work = sum[kWork];
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
   const double scale = std::max(std::fabs(t.external_work), spent);
-  t.imbalance = scale > 0.0 ? (t.external_work + start_energy_ - spent) / scale : 0.0;
+  // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
+  const double kept = spent - t.kinetic + sum[kKept];
+  t.imbalance = scale > 0.0 ? (t.external_work + start_energy_ - kept) / scale : 0.0;
   for (int d = 0; d < 3; ++d) {
     t.momentum[d] = sum[kP + d];
     t.angular_momentum[d] = sum[kL + d];
@@ -116,6 +124,7 @@ const std::vector<FixMpm::BondState>& FixMpm::bonds() {
   std::vector<double> peak(n, 0.0);
   for (int i = 0; i < n && i < static_cast<int>(bonds_.size()); ++i) peak[i] = bonds_[i].peak;
   bonds_.assign(n, BondState{});
+  for (int i = 0; i < n; ++i) bonds_[i].peak = peak[i];
   if (!built_) return bonds_;
   const mpdem::PointStore& points = avec_->points;
   constexpr int kSide = 9;  // force, torque, position of the grain
@@ -199,7 +208,8 @@ double FixMpm::compute_vector(int n) {
 // Nodal motion is not held by the points, so it travels in the fix's own part of the file.
 void FixMpm::write_restart(FILE* fp) {
   if (built_) check_state();  // a spoilt state must not take the place of a good file
-  std::vector<double> sums = {dissipated_, released_, damped_, work_, work_last_};
+  write_events();  // a run that goes on from the file does not tell of them again
+  std::vector<double> sums = {dissipated_, released_, damped_, work_, work_ahead_};
   global_sum(sums, world);
   std::vector<double> mine;
   for (int i = 0; i < grid_.size(); ++i) {
@@ -224,12 +234,15 @@ void FixMpm::write_restart(FILE* fp) {
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(update->get_cur_time());
   head.push_back(eigenvalue_);
-  head.push_back(static_cast<double>(separation_.size()));
+  const std::size_t bodies = avec_->bodies.size();
+  head.push_back(static_cast<double>(bodies));
   head.push_back(static_cast<double>(all.size() / kNodeRow));
-  for (std::size_t b = 0; b < separation_.size(); ++b) {
+  failed_seen_.resize(bodies, 0.0);
+  separation_.resize(bodies);
+  bonds_.resize(bodies);
+  for (std::size_t b = 0; b < bodies; ++b) {
     const mpdem::Separation& s = separation_[b];
-    const double peak = b < bonds_.size() ? bonds_[b].peak : 0.0;
-    head.insert(head.end(), {failed_seen_[b], static_cast<double>(s.separated), s.at_grain[0], s.at_grain[1], s.inside, peak});
+    head.insert(head.end(), {failed_seen_[b], static_cast<double>(s.separated), s.at_grain[0], s.at_grain[1], s.inside, bonds_[b].peak});
   }
   const std::size_t bytes = (head.size() + all.size()) * sizeof(double);
   const int size = static_cast<int>(bytes);  // LIGGGHTS' format
@@ -258,7 +271,7 @@ void FixMpm::restart(char* buf) {
     released_ = v[8];
     damped_ = v[9];
     work_ = v[10];
-    work_last_ = v[11];
+    work_ahead_ = v[11];
   }
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = v[12];

@@ -86,6 +86,7 @@ bool FixMpm::separate_bodies(bool debris) {
   any_path_cut_ = false;
   if (!any) return false;
 
+  sort_links();
   std::vector<std::vector<Sent>> out(comm->nprocs);
   std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
   for (const mpdem::Link& k : points.links) ++first_link[k.slot + 1];

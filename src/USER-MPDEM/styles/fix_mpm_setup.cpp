@@ -153,7 +153,6 @@ void FixMpm::rebuild_parts() {
   const double before = links_.inertial_energy(grid_, sides_);
   rebuild();
   check_step_after("parts came apart");
-  distribute_grains();
   released_ += before - links_.inertial_energy(grid_, sides_);
 }
 
@@ -206,6 +205,7 @@ void FixMpm::lay_out_grid() {
   resting_.bind(points, grid_);
   if (updated_) updated_pass_.bind(points, grid_);
   find_owned_grains();
+  distribute_grains();  // who looks before the next step is not to find grains at rest
   built_ = true;
   if (dt_last_ == 0.0) dt_last_ = update->dt;
   refresh_added_mass();

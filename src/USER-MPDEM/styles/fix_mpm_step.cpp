@@ -47,6 +47,7 @@ void FixMpm::post_integrate() {
 
 void FixMpm::post_force(int) {
   const double dt = update->dt;
+  totals_at_ = bonds_at_ = -1;  // who asked earlier in this step was told of the last one
   find_rates();
   // After a check; not in it, where the forces of the step are still to be shown, and which may
   // be the step of a restart file.
@@ -72,6 +73,11 @@ void FixMpm::post_force(int) {
   watch_paths();
   dissipated_ += advance_.dissipated;
   released_ += advance_.released;
+  // Last, since it gives the points that failed other places in the store.
+  if (!updated_ && reproject_distortion_ > 0.0 && update->ntimestep % check_every_ == 0 && distorted()) {
+    take_new_reference();
+    sides_.clear_forces();
+  }
   add_forces();
   if (updated_) damped_ += half_kick_of_jump();
   react_on_grains();
@@ -89,7 +95,6 @@ void FixMpm::step_total(double dt) {
   resting_.advance(avec_->points, grid_, *law_, dt, skip_, advance_);
   timer_.start(mpdem::StepTimer::kCoupling);
   if (coupled_) links_.let_go(avec_->points, advance_.failed, grid_, sides_, advance_.released);
-  if (reproject_distortion_ > 0.0 && update->ntimestep % check_every_ == 0 && distorted()) take_new_reference();
 }
 
 double FixMpm::kinetic_energy(double kick) const {
@@ -174,25 +179,42 @@ void FixMpm::distribute_grains() {
   sides_.distribute(avec_->bodies, motion);
 }
 
-void FixMpm::end_of_step() {
-  timer_.start(mpdem::StepTimer::kOutput);
-  // Work of grains and gravity on the cement. Forces and velocities are both those of the end of
-  // the step, so the sum is the trapezoidal rule, half of the last term ahead.
-  work_last_ = 0.0;
-  for (const OwnedSide& o : owned_)
-    for (int d = 0; coupled_ && d < 3; ++d)
-      work_last_ -= dt_last_ * (sides_.sides[o.at].force[d] * atom->v[o.atom][d] +
-                                sides_.sides[o.at].torque[d] * atom->omega[o.atom][d]);
+// Work of grains and gravity on the cement of bodies from first_body on, in a step with the forces of
+// this time: with the velocities of this time, and with those of half a step before.
+FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
+  const double half = 0.5 * dt_last_;
+  StepWork power{0.0, 0.0};
+  for (const OwnedSide& o : owned_) {
+    const mpdem::GrainSide& s = sides_.sides[o.at];
+    if (!coupled_ || s.body < first_body) continue;
+    for (int d = 0; d < 3; ++d) {
+      power.now -= s.force[d] * atom->v[o.atom][d] + s.torque[d] * atom->omega[o.atom][d];
+      power.before -= s.force[d] * (s.v[d] - half * s.a[d]) + s.torque[d] * (s.omega[d] - half * s.alpha[d]);
+    }
+  }
   if (gravity_) {
     double g[3];
     gravity_->get_gravity(g);
-    for (int i = 0; i < grid_.size(); ++i)
-      if (grid_.halo.counts_here()[i])
-        for (int d = 0; d < 3; ++d)
-          work_last_ += dt_last_ * grid_.mass[i] / mass_scale_ * g[d] *
-                        (grid_.velocity[3 * i + d] + 0.5 * dt_last_ * grid_.acceleration[3 * i + d]);
+    for (int i = 0; i < grid_.size(); ++i) {
+      if (!grid_.halo.counts_here()[i] || mpdem::body_of(grid_.keys[i][0]) < first_body) continue;
+      for (int d = 0; d < 3; ++d) {
+        const double weight = grid_.mass[i] / mass_scale_ * g[d], v = grid_.velocity[3 * i + d];
+        power.now += weight * (v + half * grid_.acceleration[3 * i + d]);
+        power.before += weight * v;
+      }
+    }
   }
-  work_ += work_last_;
+  return {dt_last_ * power.now, dt_last_ * power.before};
+}
+
+void FixMpm::end_of_step() {
+  timer_.start(mpdem::StepTimer::kOutput);
+  totals_at_ = bonds_at_ = -1;  // the same, before the work of this step was counted
+  // Each half step has the work of its velocity on the force at its end, so that central differences
+  // keep the energy; the second half of this step is work ahead.
+  const StepWork work = work_of_step();
+  work_ += work.now;
+  work_ahead_ = work.now - 0.5 * work.before;
 
   const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
@@ -254,7 +276,8 @@ void FixMpm::setup(int) {
   fill_atoms();
 }
 
-// Velocities of bodies that were not in motion yet go back half a step.
+// Velocities of bodies that were not in motion yet go back half a step. What they have of energy counts
+// from here, and the work of the first half step.
 void FixMpm::start_bodies() {
   const int bodies = static_cast<int>(avec_->bodies.size());
   if (bodies_started_ == bodies) return;
@@ -263,17 +286,22 @@ void FixMpm::start_bodies() {
     if (mpdem::body_of(grid_.keys[i][0]) < bodies_started_) continue;
     for (int d = 0; d < 3; ++d) {
       double& v = grid_.velocity[3 * i + d];
-      if (grid_.halo.counts_here()[i]) mine += 0.5 * grid_.mass[i] * v * v;
-      v -= 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+      const double kick = 0.5 * dt_last_ * grid_.acceleration[3 * i + d];
+      if (grid_.halo.counts_here()[i]) mine += 0.5 * grid_.mass[i] * (v - kick) * (v + kick);
+      v -= kick;
     }
   }
+  if (coupled_)
+    mine += links_.spring_energy(grid_, sides_, bodies_started_) +
+            links_.inertial_energy(grid_, sides_, 0.0, dt_last_, bodies_started_);
+  work_ += 0.5 * work_of_step(bodies_started_).now;
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
   start_energy_ += energy;
   bodies_started_ = bodies;
 }
 
 void FixMpm::fill_atoms() {
-  if (updated_ && built_) sync_slots();
+  sync_slots();
   const mpdem::PointStore& points = avec_->points;
   // v_n = v_n-1/2 + dt a_n / 2
   std::vector<double> velocity(grid_.velocity);

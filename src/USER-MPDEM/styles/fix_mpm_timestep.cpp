@@ -104,8 +104,8 @@ void FixMpm::check_step_after(const char* event) {
   if (eigenvalue_ != known) refresh_added_mass();
 }
 
-// `timestep auto`: before other fixes take up the step, so from a layout of its own.
-void FixMpm::set_time_step() {
+// `timestep auto`: before other fixes take up the step, so from a layout of its own. In the init of fix `running`.
+void FixMpm::set_time_step(const Fix* running) {
   if (step_fraction_ == 0.0) return;
   mpdem::PointStore points = avec_->points;
   const int divided = static_cast<int>(has_sheets_.size());
@@ -141,9 +141,12 @@ void FixMpm::set_time_step() {
   if (dt == update->dt) return;
   update->dt = dt;
   if (force->pair) force->pair->reset_dt();
-  // Those before this one took up the old step in their init.
-  for (int i = 0; i < modify->nfix && modify->fix[i] != this; ++i)
-    if (modify->fix[i]->time_integrate) modify->fix[i]->init();
+  // Those before it took up the old step in their init.
+  for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i) {
+    if (modify->fix[i] == this) continue;
+    modify->fix[i]->reset_dt();
+    modify->fix[i]->init();
+  }
 }
 
 void FixMpm::report_parameters() {

@@ -55,7 +55,6 @@ void FixMpm::step_updated(double dt) {
     } else {
       lay_out_grid();
     }
-    distribute_grains();
     damped_ += before - links_.inertial_energy(grid_, sides_);
   } else {
     distribute_grains();
@@ -153,7 +152,6 @@ void FixMpm::take_new_reference() {
   std::fill(grid_.displacement.begin(), grid_.displacement.end(), 0.0);
   rebuild();
   check_step_after("the present was taken for the reference");
-  if (coupled_) distribute_grains();
   mpdem::UpdatedPass::project(points, grid_, *law_, inertia_, transfer_);
   grid_.halo.sum(grid_.mass.data(), 1);
   grid_.halo.sum(grid_.momentum.data(), 3);
@@ -164,10 +162,17 @@ void FixMpm::take_new_reference() {
   if (coupled_) damped_ += inertial - links_.inertial_energy(grid_, sides_);
 }
 
-// Slots of the atoms, which fall behind while points change cells.
+// Links by the slots of their points, which change while points change cells.
+void FixMpm::sort_links() {
+  std::vector<mpdem::Link>& links = avec_->points.links;
+  const auto by_slot = [](const mpdem::Link& a, const mpdem::Link& b) { return a.slot < b.slot; };
+  if (!std::is_sorted(links.begin(), links.end(), by_slot)) links_.renumber(avec_->points.sort_links());
+}
+
 void FixMpm::sync_slots() {
+  if (!updated_ || !built_) return;
   mpdem::PointStore& points = avec_->points;
-  links_.renumber(points.sort_links());
+  sort_links();
   for (std::size_t b = 0; b < points.meta.size(); ++b)
     for (int l = 0; l < kLanes; ++l)
       if (points.meta[b].occupied >> l & 1) {
