@@ -33,3 +33,34 @@ def test_time_step(way, tmp_path, figures, long):
     for share in (1.02, 1.2):
         result = launch(bond(**words_of(way), timestep=f"{share * limit:.15g}") + FREE + "run 10\n", tmp_path / str(share))
         assert result.status != 0 and "exceeds the stable step" in result.errors()[0], result.output[-500:]
+
+
+@pytest.mark.parametrize("density, words", [(100, ""), (500, ""), (1000, ""), (2500, "quasistatic 100 0"), (2500, "quasistatic 100 0.5"),
+                                            (500, "basis linear")])
+def test_free_grain(density, words, tmp_path, figures):
+    """A bead that follows its own mass, of any weight against its links, is drawn by a growing force: the two share the bound."""
+    script = bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4) + f"set group second density {density}\n" + (
+        "fix hold first move linear 0 0 0\nfix motion second nve/sphere\nvariable F equal step/500\nfix draw second addforce 0 0 v_F\n")
+    t = run(script + thermo(20, ["f_bond", "v_F", "f_cem[12]"]) + "run 2000\n", tmp_path).table()
+    name = f"free bead of {density:g} kg/m3, {words or 'default'}"
+    figures.below(f"{name}: imbalance of the energy", abs(t["f_cem[12]"][5:]).max(), 0.03)
+    figures.below(f"{name}: force of the bond against what draws, over its end", abs(t["f_bond"] - t["v_F"]).max() / t["v_F"][-1], 0.05)
+
+
+@pytest.mark.parametrize("density, words", [(1000, ""), (2500, "quasistatic 100 0.2")])
+def test_free_component(density, words, tmp_path, figures):
+    """`fix move` with NULL: what it leaves to the forces counts as free."""
+    move = ("variable t equal step*dt\nvariable z equal 0.02*v_t*v_t/4e-6\nvariable w equal 0.04*v_t/4e-6\n"
+            "fix hold first move linear 0 0 0\nfix draw second move variable {0} {0} v_z {0} {0} v_w\n")
+    for given in ("NULL", "v_o"):
+        script = bond(words, cement="inner 1e-3 outer 4e-3", gap=2e-4) + f"set group second density {density}\nvariable o equal 0\n"
+        t = run(script + move.format(given) + thermo(20, ["f_bond", "f_cem[12]"]) + "run 600\n", tmp_path / given).table()
+        figures.below(f"{words or 'default'}, components {given}: imbalance of the energy", abs(t["f_cem[12]"][5:]).max(), 2e-3)
+
+
+@pytest.mark.parametrize("Z", [0.5, 1, 3])
+def test_damped_step(Z, tmp_path, figures):
+    """The damping of `quasistatic` has its share of the bound too."""
+    script = bond(f"quasistatic 1 {Z}", cell=2e-4, shape="coating", cement="thickness 4e-4 cap 30") + pull(0.05, 4e-6)
+    t = run(script + thermo(20, ["f_bond", "f_cem[12]"]) + "run 600\n", tmp_path).table()
+    figures.below(f"quasistatic 1 {Z}: imbalance of the energy", abs(t["f_cem[12]"][5:]).max(), 5e-3)

@@ -40,7 +40,7 @@ def test_new_reference(tmp_path, figures):
         way = CELL / 2
         script += ("variable t equal step*dt\n" 'variable r equal "(v_t<4e-6)*v_t/4e-6+(v_t>=4e-6)"\n'
                    f'variable d equal "{way}*(v_r-sin(2*PI*v_r)/2/PI)"\nvariable v equal "{way / 4e-6}*(1-cos(2*PI*v_r))"\n'
-                   "fix both grains move variable v_d v_d NULL v_v v_v NULL\n")
+                   "variable o equal 0\nfix both grains move variable v_d v_d v_o v_v v_v v_o\n")
         return launch(script + thermo(50, ["f_cem[5]"]) + "run 1000\n", tmp_path)
 
     result = drag("timestep auto 0.98 reproject auto 1e-7")
@@ -61,6 +61,15 @@ def test_auto_goes_to_other_fixes(tmp_path, limit):
             "variable err equal \"abs(v_z2-0.005-v_want)/v_want\"\nprint \"ERR ${err}\"\n", tmp_path)
     assert t.value("ERR") < 1e-6
     assert 0.7 < t.table()["dt"][-1] / (0.9 * limit) < 1  # the free grain feels all its links
+
+
+def test_auto_never_lengthens(tmp_path):
+    """Cement that softens and fails leaves longer steps behind; what goes by step*dt would jump with them."""
+    script = pair(CELL / 2) + edit(cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9")
+    script += pull(1.0, 4e-6) + thermo(10, ["dt", "f_cem[2]", "f_bond[13]"])
+    t = run(script + 4 * "run 250\n", tmp_path).table()
+    assert t["f_cem[2]"][-1] > 0.5 * 6000 and (t["dt"] == t["dt"][0]).all()
+    assert np.diff(t["f_bond[13]"]).max() < 1.5 * 10 * t["dt"][0]  # m, at 1 m/s
 
 
 @pytest.mark.parametrize("act, status", [("warn", 0), ("stop", 1)])

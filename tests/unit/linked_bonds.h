@@ -114,13 +114,12 @@ struct Scene {
     sides.distribute(bodies, motion);
     return links.spring_energy(grid, sides);
   }
-  double add_force() {
+  void add_force() {
     sides.distribute(bodies, motion);
     sides.clear_forces();
     grid.clear_force();
-    const double power = links.add_force(grid, sides);
+    links.add_force(grid, sides);
     grid.sum_force();
-    return power;
   }
   void turn(int i, const Vector& rotation) {
     const Eigen::Quaterniond q(motion[i].q[0], motion[i].q[1], motion[i].q[2], motion[i].q[3]);

@@ -36,7 +36,7 @@ class AddedMass : public ::testing::TestWithParam<std::tuple<bool, bool, Basis>>
 // All the mass that the penalty asks for, none of it for the cement.
 void set_added_mass(Scene& s, double dt = kDt) {
   std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-  s.links.add_stiffness(s.grid, dt);
+  s.links.add_stiffness(s.grid, s.sides, dt, kBound);
   s.grid.set_added_mass(dt, 0.0, false, kBound);
   s.links.share_added_mass(s.grid);
 }
@@ -217,6 +217,26 @@ TEST_P(AddedMass, ExertsNothingWhereNodesMoveWithTheGrain) {
   expect_within(grain, 1e-13, "force and moment on grains, over what carries the mass");
 }
 
+// Nodes and free grains share the bound: (1 + t) times the stiffness at nodes, (1 + 1/t) at the grain.
+TEST_P(AddedMass, FreeGrainsTakeTheirShareOfTheBound) {
+  Scene s = scene(156);
+  const auto row_sums = [&] {
+    s.sides.distribute(s.bodies, s.motion);
+    std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
+    s.links.add_stiffness(s.grid, s.sides, kDt, kBound);
+    return s.grid.penalty;
+  };
+  const std::vector<double> held = row_sums();
+  for (int i : {0, 1}) s.motion[i].frequency2 = 0.6 * kBound / (kDt * kDt);  // both grains of the first body
+  const std::vector<double> free = row_sums();
+  test::Worst worst;
+  for (int n = 0; n < s.grid.size(); ++n) {
+    const double t = body_of(s.grid.keys[n][0]) == 0 ? 0.6 / 0.4 : 0.0;
+    if (held[n] > 0.0) worst.add(std::fabs(free[n] / ((1.0 + t) * held[n]) - 1.0));
+  }
+  expect_within(worst, 1e-12, "row sums against (1 + t) times those of grains that are held");
+}
+
 // The energy that central differences keep is a product of velocities half a step before and after.
 TEST_P(AddedMass, EnergyIsBilinearInTheVelocity) {
   constexpr double t = 0.3;
@@ -281,9 +301,10 @@ TEST_P(AddedMass, DroppedWithLinksThatLetGo) {
   PenaltyLinks rest;
   rest.build(s.points, s.bodies, s.links.parameters(), kH, kDensity, s.grid.basis);
   EXPECT_TRUE(rest.find_columns(s.grid));
+  rest.bind(s.sides);
   rest.find_masters(s.grid);
   std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-  rest.add_stiffness(s.grid, kDt);
+  rest.add_stiffness(s.grid, s.sides, kDt, kBound);
   double largest = 0.0, less = 0.0;
   test::Worst worst;
   for (std::size_t n = 0; n < dropped.size(); ++n) {

@@ -122,21 +122,36 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
     copy(s.random.vector(), m.v);
     copy(s.random.vector(), m.omega);
   }
-  const double claimed = s.add_force();
+  s.add_force();
+  const GrainSides force = s.sides;
   double power = 0;
   for (std::size_t i = 0; i < springs.size(); ++i) power -= (s.grid.force[i] - springs[i]) * s.grid.velocity[i];
   for (int i = 0; i < 4; ++i)
     for (int d = 0; d < 3; ++d)
       power -= (s.sides.sides[i].force[d] - still.sides[i].force[d]) * s.motion[i].v[d] +
                (s.sides.sides[i].torque[d] - still.sides[i].torque[d]) * s.motion[i].omega[d];
+  const double claimed = s.links.damper_power(s.grid, s.sides, 0.0);
   EXPECT_GT(claimed, 0.0);
   test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
+  // the same force, at velocities a little later
+  for (double& a : s.grid.acceleration) a = s.random.uniform(-1, 1);
+  for (GrainSides::Motion& m : s.motion) {
+    copy(s.random.vector(), m.a);
+    copy(s.random.vector(), m.alpha);
+  }
+  s.sides.distribute(s.bodies, s.motion);
+  for (std::size_t i = 0; i < springs.size(); ++i) power -= (s.grid.force[i] - springs[i]) * 0.3 * s.grid.acceleration[i];
+  for (int i = 0; i < 4; ++i)
+    for (int d = 0; d < 3; ++d)
+      power -= 0.3 * ((force.sides[i].force[d] - still.sides[i].force[d]) * s.motion[i].a[d] +
+                      (force.sides[i].torque[d] - still.sides[i].torque[d]) * s.motion[i].alpha[d]);
+  test::expect_within(std::fabs(power / s.links.damper_power(s.grid, s.sides, 0.3) - 1.0), 1e-12, "power, later");
 }
 
 TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);
-  s.links.add_stiffness(s.grid, 0.2);
+  s.links.add_stiffness(s.grid, s.sides, 0.2, 4.0);
   s.grid.set_added_mass(0.2, 0.0, false, 4.0);
   s.links.share_added_mass(s.grid);
   const double before = s.energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
@@ -163,7 +178,7 @@ TEST_P(Links, LetGo) {
   };
   const auto inertial_of = [&](PenaltyLinks& links) {
     std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-    links.add_stiffness(s.grid, 0.2);
+    links.add_stiffness(s.grid, s.sides, 0.2, 4.0);
     s.grid.set_added_mass(0.2, 0.0, false, 4.0);
     links.share_added_mass(s.grid);
     return links.inertial_energy(s.grid, s.sides);

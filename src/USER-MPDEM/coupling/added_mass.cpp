@@ -89,12 +89,14 @@ void PenaltyLinks::drop_inertia(PointStore& points) {
   }
 }
 
-void PenaltyLinks::add_stiffness(Grid& grid, double dt) {
+void PenaltyLinks::add_stiffness(Grid& grid, const GrainSides& sides, double dt, double bound) {
+  constexpr double kLeast = 0.01;  // of the bound, for the cement: who calls has a step that leaves it some
   const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
   with_basis(basis_, [&](auto type) {
     for (LinkBlock& b : blocks_) {
       if (!b.inert) continue;
-      b.inertia = k * b.inert_area + damper * b.inert_damper;
+      const double left = std::max(kLeast, 1.0 - dt * dt * sides.sides[b.at].frequency2 / bound);
+      b.inertia = (k * b.inert_area + damper * b.inert_damper) / left;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       const vd row = b.inertia * row_sum(b, w);
       for_each_free_node(b, w, [&](long node, vd weight) { grid.penalty[node] += sum_lanes(row * abs(weight)); });

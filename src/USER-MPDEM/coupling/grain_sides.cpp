@@ -7,7 +7,7 @@
 namespace mpdem {
 
 namespace {
-constexpr int kMotion = 20;  // present, x, v, omega, q, a, alpha
+constexpr int kMotion = 21;  // present, x, v, omega, q, a, alpha, frequency2
 }
 
 Mat3<double> rotation_of(const double* q) {
@@ -61,6 +61,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       b[14 + d] = m.a[d];
       b[17 + d] = m.alpha[d];
     }
+    b[20] = m.frequency2;
   }
   // All but the owner contribute zero, so the sum is the owner's word, exactly.
   halo_.sum(buffer_.data(), kMotion);
@@ -76,6 +77,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       s.a[d] = b[14 + d];
       s.alpha[d] = b[17 + d];
     }
+    s.frequency2 = b[20];
     s.R = rotation_of(b + 10);
   }
 }

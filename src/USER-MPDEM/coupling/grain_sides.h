@@ -22,6 +22,7 @@ struct GrainSide {
   // motion, lengths from the body's origin
   double x[3], v[3], omega[3];
   double a[3], alpha[3];  // rates of v and omega where they are prescribed, else zero
+  double frequency2;      // bound of the square of its frequency on all its links, the cement held; 0 if prescribed
   Mat3<double> R;  // body frame of the grain to global
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
@@ -40,7 +41,7 @@ class GrainSides {
 
   // Motion of a grain this rank owns; x unwrapped and global, q the unit quaternion.
   struct Motion {
-    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0};
+    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, frequency2 = 0;
   };
 
   // Collective. motion[i] belongs to owned key i.

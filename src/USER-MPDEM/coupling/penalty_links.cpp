@@ -176,9 +176,41 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
 }
 
-double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
-  double power = 0.0;
+template <class Type>
+void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n,
+                          vd* v, vd* f) const {
   const double sqrt_kn = std::sqrt(p_.kn), sqrt_kt = std::sqrt(p_.kt);
+  gather_value(grid.velocity.data(), b.column, w, v);
+  v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
+  v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
+  v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
+  const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+  for (int d = 0; d < 3; ++d) f[d] = -b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
+}
+
+double PenaltyLinks::damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body) const {
+  double power = 0.0;
+  if (p_.damping == 0.0) return power;
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (const LinkBlock& b : blocks_) {
+      if (!b.attached || b.body < first_body) continue;
+      const GrainSide& s = sides.sides[b.at];
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      vd q[3], delta[3], n[3], v[3], f[3], a[3];
+      place<Type>(b, grid, s, q, delta, n);
+      damper(b, grid, s, w, q, n, v, f);
+      gather_value(grid.acceleration.data(), b.column, w, a);
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        power -= sum_lanes(f[d] * (v[d] + later * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e]))));
+      }
+    }
+  });
+  return power;
+}
+
+void PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
@@ -190,19 +222,9 @@ double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached
       for (int d = 0; d < 3; ++d) f[d] = -b.area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       if (p_.damping > 0.0) {
-        vd v[3];
-        gather_value(grid.velocity.data(), b.column, w, v);
-        v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
-        v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
-        v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
-        const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-        vd taken{};
-        for (int d = 0; d < 3; ++d) {
-          const vd fd = b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
-          f[d] -= fd;
-          taken += fd * v[d];
-        }
-        power += sum_lanes(taken);
+        vd v[3], by_damper[3];
+        damper(b, grid, s, w, q, n, v, by_damper);
+        for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
       }
       scatter_value(grid.force.data(), b.column, w, f);
       for (int d = 0; d < 3; ++d) {
@@ -212,7 +234,6 @@ double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached
       }
     }
   });
-  return power;
 }
 
 // Of the springs of a block, lane by lane.

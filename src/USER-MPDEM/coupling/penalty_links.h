@@ -25,8 +25,10 @@
 // Semi-implicit in the node: where the row sum of the penalty stiffness k is too stiff for
 // the time step, the node's mass is raised just enough (Grid::set_added_mass). A damper g,
 // which acts on the velocity of half a step ago, counts as a spring 2 g/dt: a step is stable
-// if k dt^2 + 2 g dt <= 4 m. The force this withholds from the node, -c a, acts on the grain as
-// +c a at the node's place, so momentum and angular momentum stay exact.
+// if k dt^2 + 2 g dt <= 4 m. A grain that is free takes a part of the motion of its links: since
+// (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2 for any t, they count (1 + t)-fold, with the t at which
+// (1 + 1/t) times the square of its own frequency is the bound. The force this withholds from the
+// node, -c a, acts on the grain as +c a at the node's place, so momentum and angular momentum stay exact.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
@@ -69,15 +71,18 @@ class PenaltyLinks {
   void renumber(const std::vector<int>& new_place);
 
   // Row-summed stiffness of this rank's links, and of their dampers at this time step, into
-  // grid.penalty. Links that let go count, and react, until drop_inertia() is called.
-  void add_stiffness(Grid& grid, double dt);
+  // grid.penalty. bound: the largest dt^2 times square of a frequency. Links that let go count,
+  // and react, until drop_inertia() is called.
+  void add_stiffness(Grid& grid, const GrainSides& sides, double dt, double bound);
   void drop_inertia(PointStore& points);
   // After Grid::set_added_mass(): whose the added mass of each node is, for what follows.
   void share_added_mass(const Grid& grid);
 
-  // Penalty force of the present positions on nodes and grains; returns the power that the
-  // dampers take.
-  double add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // Penalty force of the present positions on nodes and grains.
+  void add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
+  // of the acceleration later. Bodies from first_body on.
+  double damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
   // Added mass moves with its grain: force on nodes, and back on the grains, that takes it along where
   // their motion is prescribed.
   void carry_added_mass(Grid& grid, GrainSides& sides) const;
@@ -143,6 +148,10 @@ class PenaltyLinks {
   vd row_sum(const LinkBlock& b, const Weights<Type>& w) const;
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
+  // Velocity of the place against the grain's, and the force of the dampers by it.
+  template <class Type>
+  void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n, vd* v,
+              vd* f) const;
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;

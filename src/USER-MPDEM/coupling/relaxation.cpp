@@ -11,6 +11,10 @@ namespace {
 constexpr double kReach = 3.0;
 }
 
+double Relaxation::rate(const Body& body, double critical_share, double shear_speed) {
+  return critical_share * 2.0 * M_PI * shear_speed / body.thickness;
+}
+
 void Relaxation::build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share,
                        double shear_speed) {
   ranges_.clear();
@@ -21,7 +25,7 @@ void Relaxation::build(const Grid& grid, const std::vector<Body>& bodies, const 
     const int piece = piece_of(part_of_field(field));
     const bool is_apart = apart[body_of(field)];
     if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field) {
-      const double rate = is_apart && piece > 1 ? 0.0 : critical_share * 2.0 * M_PI * shear_speed / body.thickness;
+      const double rate = is_apart && piece > 1 ? 0.0 : Relaxation::rate(body, critical_share, shear_speed);
       const auto reach2 = [&](int s) { return kReach * body.radius[s] * kReach * body.radius[s]; };
       ranges_.push_back({i, i, {-1, -1}, rate, {reach2(0), reach2(1)}, body_of(field)});
     }
@@ -52,42 +56,67 @@ void Relaxation::bind(const GrainSides& sides) {
     for (int s = 0; s < 2; ++s) r.side[s] = sides.find(r.body, s);
 }
 
-double Relaxation::add_force(Grid& grid, GrainSides& sides) const {
-  double power = 0.0;
-  const std::vector<char>& counts = grid.halo.counts_here();
+template <class F>
+void Relaxation::for_each_node(const Grid& grid, const GrainSides& sides, F f) const {
   for (const Range& range : ranges_) {
     if (range.rate == 0.0) continue;
-    GrainSide* side[2] = {&sides.sides[range.side[0]], &sides.sides[range.side[1]]};
+    const GrainSide* side[2] = {&sides.sides[range.side[0]], &sides.sides[range.side[1]]};
     for (int i = range.first; i < range.last; ++i) {
-      const double scale = range.rate * grid.mass[i], part[2] = {1.0 - share_[i], share_[i]};
-      double r[2][3], v[3], f[3];
-      for (int d = 0; d < 3; ++d) {
-        v[d] = grid.velocity[3 * i + d];
-        for (int s = 0; s < 2; ++s) r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s]->x[d];
-      }
+      Node node{i, range.side, {1.0 - share_[i], share_[i]}, {}, {}, range.rate * grid.mass[i]};
+      for (int s = 0; s < 2; ++s)
+        for (int d = 0; d < 3; ++d)
+          node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s]->x[d];
       const auto is_far = [&](int s) {
-        return part[s] != 0.0 && r[s][0] * r[s][0] + r[s][1] * r[s][1] + r[s][2] * r[s][2] > range.reach2[s];
+        const double* r = node.r[s];
+        return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > range.reach2[s];
       };
       if (is_far(0) || is_far(1)) continue;
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
+        node.v[d] = grid.velocity[3 * i + d];
         for (int s = 0; s < 2; ++s)
-          v[d] -= part[s] * (side[s]->v[d] + side[s]->omega[e] * r[s][g] - side[s]->omega[g] * r[s][e]);
+          node.v[d] -= node.share[s] * (side[s]->v[d] + side[s]->omega[e] * node.r[s][g] - side[s]->omega[g] * node.r[s][e]);
       }
-      for (int d = 0; d < 3; ++d) {
-        f[d] = -scale * v[d];
-        grid.force[3 * i + d] += f[d];
-      }
-      if (!counts[i]) continue;
-      power -= f[0] * v[0] + f[1] * v[1] + f[2] * v[2];
-      for (int s = 0; s < 2; ++s)
-        for (int d = 0; d < 3; ++d) {
-          const int e = (d + 1) % 3, g = (d + 2) % 3;
-          side[s]->force[d] -= part[s] * f[d];
-          side[s]->torque[d] -= part[s] * (r[s][e] * f[g] - r[s][g] * f[e]);
-        }
+      f(node);
     }
   }
+}
+
+void Relaxation::add_force(Grid& grid, GrainSides& sides) const {
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each_node(grid, sides, [&](const Node& node) {
+    double f[3];
+    for (int d = 0; d < 3; ++d) {
+      f[d] = -node.scale * node.v[d];
+      grid.force[3 * node.at + d] += f[d];
+    }
+    if (!counts[node.at]) return;
+    for (int s = 0; s < 2; ++s) {
+      GrainSide& side = sides.sides[node.side[s]];
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        side.force[d] -= node.share[s] * f[d];
+        side.torque[d] -= node.share[s] * (node.r[s][e] * f[g] - node.r[s][g] * f[e]);
+      }
+    }
+  });
+}
+
+double Relaxation::power(const Grid& grid, const GrainSides& sides, double later, int first_body) const {
+  double power = 0.0;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each_node(grid, sides, [&](const Node& node) {
+    if (!counts[node.at] || body_of(grid.keys[node.at][0]) < first_body) return;
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      double a = grid.acceleration[3 * node.at + d];
+      for (int s = 0; s < 2; ++s) {
+        const GrainSide& side = sides.sides[node.side[s]];
+        a -= node.share[s] * (side.a[d] + side.alpha[e] * node.r[s][g] - side.alpha[g] * node.r[s][e]);
+      }
+      power += node.scale * node.v[d] * (node.v[d] + later * a);
+    }
+  });
   return power;
 }
 

@@ -27,14 +27,28 @@ class Relaxation {
   // After the layout of the grid. critical_share: of critical damping; apart: bodies that came apart.
   void build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share, double shear_speed);
   void bind(const GrainSides& sides);
+  static double rate(const Body& body, double critical_share, double shear_speed);
   // Both sides of every body with nodes here.
   std::vector<Key> needed_sides() const;
 
-  // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs);
-  // returns the power taken by the nodes that count on this rank.
-  double add_force(Grid& grid, GrainSides& sides) const;
+  // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs).
+  void add_force(Grid& grid, GrainSides& sides) const;
+  // Power that it takes of nodes that count on this rank: the force is that of the stored velocity,
+  // the velocity is so long of the acceleration later. Bodies from first_body on.
+  double power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
 
  private:
+  struct Node {
+    int at;
+    const int* side;  // indices into GrainSides
+    double share[2];  // of the grains in its motion
+    double r[2][3];   // from their centres
+    double v[3];      // against them
+    double scale;     // rate times inertia
+  };
+  // Calls f(node) for those that are damped.
+  template <class F>
+  void for_each_node(const Grid& grid, const GrainSides& sides, F f) const;
   struct Range {
     int first, last, side[2];  // nodes of a body's part, indices into GrainSides
     double rate, reach2[2];  // squares of the reach

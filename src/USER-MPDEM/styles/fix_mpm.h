@@ -30,6 +30,7 @@ FixStyle(mpm,FixMpm)
 #include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
+#include "prescribed_motion.h"
 #include "step_timer.h"
 #include "table_file.h"
 
@@ -143,6 +144,7 @@ class FixMpm : public Fix {
   void move_links();
   void sort_links();
   double half_kick_of_jump() const;
+  double damping_work(double later, int first_body = 0) const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
   void find_rates();
@@ -161,7 +163,10 @@ class FixMpm : public Fix {
   void report_added_mass();
   double eigenvalue_bound() const;
   double stability_bound() const;
-  bool is_prescribed(int i) const;
+  std::map<int, double> link_stiffness() const;
+  double grain_frequency2(int i, double stiffness) const;
+  double shear_speed() const;
+  double relaxation_rate() const;
   double step_for(double eigenvalue) const;
   double limit_for(double dt);
   void check_step_after(const char* event);
@@ -204,17 +209,19 @@ class FixMpm : public Fix {
   std::size_t blocks_when_arranged_ = 0;
   struct OwnedSide {
     int atom, at, body, side;
+    double frequency2;  // see GrainSide
   };
   std::vector<OwnedSide> owned_;
   std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
-  std::vector<char> prescribed_;  // the motion of these
+  std::vector<mpdem::PrescribedMotion> prescribed_;  // of these
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
   bool built_ = false, reported_ = false;
   int bodies_started_ = 0;  // the first of the table; the others are new and where they were made
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
+  double auto_step_ = 0.0;  // what `timestep auto` found last
   bigint points_expected_ = -1;
   mpdem::NodeKinematics restored_;
   double memory_limit_ = 0.0;  // of a rank, bytes

@@ -234,6 +234,7 @@ void FixMpm::write_restart(FILE* fp) {
   head.insert(head.end(), sums.begin(), sums.end());
   head.push_back(update->get_cur_time());
   head.push_back(eigenvalue_);
+  head.push_back(auto_step_);
   const std::size_t bodies = avec_->bodies.size();
   head.push_back(static_cast<double>(bodies));
   head.push_back(static_cast<double>(all.size() / kNodeRow));
@@ -277,13 +278,14 @@ void FixMpm::restart(char* buf) {
   update->atime = v[12];
   update->atimestep = update->ntimestep;
   eigenvalue_ = v[13];
-  const std::size_t bodies = static_cast<std::size_t>(v[14]), n = static_cast<std::size_t>(v[15]);
+  auto_step_ = v[14];
+  const std::size_t bodies = static_cast<std::size_t>(v[15]), n = static_cast<std::size_t>(v[16]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
-  const double* row = v + 16;
+  const double* row = v + 17;
   for (std::size_t b = 0; b < bodies; ++b, row += 6) {
     failed_seen_[b] = row[0];
     separation_[b].separated = row[1] != 0.0;

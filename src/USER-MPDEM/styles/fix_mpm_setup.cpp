@@ -118,14 +118,16 @@ void FixMpm::find_owned_grains() {
     for (int s = 0; s < 2; ++s) {
       const int i = atom->map(avec_->bodies[b].grain[s]);
       if (i < 0 || i >= atom->nlocal) continue;
-      owned_.push_back({i, sides_.find(static_cast<int>(b), s), static_cast<int>(b), s});
+      owned_.push_back({i, sides_.find(static_cast<int>(b), s), static_cast<int>(b), s, 0.0});
       avec_->track_orientation(i);
       grains_here_.push_back(i);
     }
   std::sort(grains_here_.begin(), grains_here_.end());
   grains_here_.erase(std::unique(grains_here_.begin(), grains_here_.end()), grains_here_.end());
   prescribed_.clear();
-  for (int i : grains_here_) prescribed_.push_back(is_prescribed(i));
+  for (int i : grains_here_) prescribed_.push_back(mpdem::prescribed_motion(lmp, i));
+  const std::map<int, double> stiffness = link_stiffness();
+  for (OwnedSide& o : owned_) o.frequency2 = grain_frequency2(o.atom, stiffness.at(atom->tag[o.atom]));
 }
 
 void FixMpm::rebuild() {
@@ -182,7 +184,7 @@ void FixMpm::lay_out_grid() {
   if (relax_ > 0.0) {
     std::vector<char> apart(avec_->bodies.size(), 0);
     for (std::size_t b = 0; b < std::min(apart.size(), separation_.size()); ++b) apart[b] = separation_[b].separated;
-    relaxation_.build(grid_, avec_->bodies, apart, relax_, std::sqrt(law_->elasticity().softest_shear() / inertia_));
+    relaxation_.build(grid_, avec_->bodies, apart, relax_, shear_speed());
   }
   if (coupled_) {
     std::vector<mpdem::Key> owned, needed = links_.needed_sides();
@@ -214,9 +216,11 @@ void FixMpm::lay_out_grid() {
 void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
-  links_.add_stiffness(grid_, update->dt);
+  // What damping takes of the bound in every step, nodes with added mass cannot have.
+  const double bound = stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate() * update->dt);
+  links_.add_stiffness(grid_, sides_, update->dt, bound);
   const bool known = eigenvalue_ > 0.0;
-  grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, stability_bound());
+  grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound);
   links_.share_added_mass(grid_);
 }
 

@@ -79,6 +79,7 @@ void FixMpm::post_force(int) {
     sides_.clear_forces();
   }
   add_forces();
+  damped_ += damping_work(0.5 * dt_last_);
   if (updated_) damped_ += half_kick_of_jump();
   react_on_grains();
   timer_.stop();
@@ -113,13 +114,13 @@ double FixMpm::kinetic_energy(double kick) const {
 void FixMpm::add_forces() {
   timer_.start(mpdem::StepTimer::kCoupling);
   if (coupled_) {
-    damped_ += dt_last_ * links_.add_force(grid_, sides_, skip_detached_);
+    links_.add_force(grid_, sides_, skip_detached_);
     links_.carry_added_mass(grid_, sides_);
   }
   timer_.start(mpdem::StepTimer::kHalo);
   grid_.sum_force();
   timer_.start(mpdem::StepTimer::kNodes);
-  if (coupled_ && relax_ > 0.0) damped_ += dt_last_ * relaxation_.add_force(grid_, sides_);
+  if (coupled_ && relax_ > 0.0) relaxation_.add_force(grid_, sides_);
   if (gravity_) {
     double g[3];
     gravity_->get_gravity(g);
@@ -127,6 +128,14 @@ void FixMpm::add_forces() {
       for (int d = 0; d < 3; ++d) grid_.force[3 * i + d] += grid_.mass[i] / mass_scale_ * g[d];
   }
   grid_.update_acceleration();
+}
+
+// The energy that dampers took in the step: the velocity that their force meets is that of this time.
+double FixMpm::damping_work(double later, int first_body) const {
+  if (!coupled_) return 0.0;
+  double power = links_.damper_power(grid_, sides_, later, first_body);
+  if (relax_ > 0.0) power += relaxation_.power(grid_, sides_, later, first_body);
+  return dt_last_ * power;
 }
 
 void FixMpm::react_on_grains() {
@@ -150,10 +159,10 @@ void FixMpm::find_rates() {
   for (std::size_t n = 0; n < grains_here_.size(); ++n) {
     const int i = grains_here_[n];
     AtomVecMpdem::GrainState& g = *avec_->grain(i);
-    const double rate = prescribed_[n] ? g.seen / update->dt : 0.0;
+    const double rate = g.seen / update->dt;
     for (int d = 0; d < 3; ++d) {
-      g.a[d] = rate * (atom->v[i][d] - g.v[d]);
-      g.alpha[d] = rate * (atom->omega[i][d] - g.omega[d]);
+      g.a[d] = prescribed_[n].translation[d] ? rate * (atom->v[i][d] - g.v[d]) : 0.0;
+      g.alpha[d] = prescribed_[n].rotation ? rate * (atom->omega[i][d] - g.omega[d]) : 0.0;
       g.v[d] = atom->v[i][d];
       g.omega[d] = atom->omega[i][d];
     }
@@ -175,6 +184,7 @@ void FixMpm::distribute_grains() {
     std::copy(g.q, g.q + 4, motion[k].q);
     std::copy(g.a, g.a + 3, motion[k].a);
     std::copy(g.alpha, g.alpha + 3, motion[k].alpha);
+    motion[k].frequency2 = owned_[k].frequency2;
   }
   sides_.distribute(avec_->bodies, motion);
 }
@@ -267,10 +277,8 @@ void FixMpm::setup(int) {
     grid_.clear_force();
     mpdem::add_internal_force(avec_->points, grid_, *law_);
   }
-  const double damped = damped_;
   sides_.clear_forces();
   add_forces();
-  damped_ = damped;  // this force was counted in the step that led here
   react_on_grains();
   start_bodies();
   fill_atoms();
@@ -281,6 +289,7 @@ void FixMpm::setup(int) {
 void FixMpm::start_bodies() {
   const int bodies = static_cast<int>(avec_->bodies.size());
   if (bodies_started_ == bodies) return;
+  damped_ += 0.5 * damping_work(0.0, bodies_started_);
   double mine = 0.0, energy;
   for (int i = 0; i < grid_.size(); ++i) {
     if (mpdem::body_of(grid_.keys[i][0]) < bodies_started_) continue;

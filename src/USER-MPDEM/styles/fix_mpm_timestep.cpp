@@ -34,37 +34,57 @@ double FixMpm::eigenvalue_bound() const {
 // central difference takes.
 double FixMpm::stability_bound() const { return reproject_every_ > 0 || updated_ ? 2.0 : 4.0; }
 
-// Is the motion of this grain given, whatever forces act on it?
-bool FixMpm::is_prescribed(int i) const {
-  for (int k = 0; k < modify->nfix; ++k) {
-    const Fix* fix = modify->fix[k];
-    if ((atom->mask[i] & fix->groupbit) && (std::strcmp(fix->style, "move") == 0 || std::strcmp(fix->style, "freeze") == 0))
-      return true;
+// Of all links of a grain, of all its bonds, by its tag.
+std::map<int, double> FixMpm::link_stiffness() const {
+  const double k = std::max(penalty_.kn, penalty_.kt);
+  std::map<int, double> stiffness;
+  for (const mpdem::Body& b : avec_->bodies)
+    for (int s = 0; s < 2; ++s) stiffness[b.grain[s]] += k * b.attached_area[s];
+  return stiffness;
+}
+
+// Stiffness over the mass that the grain has against it, 0 where its motion is prescribed: a bound of the square
+// of its frequency on its links. The moment of inertia is 2/5 M r^2, the lever arm r.
+double FixMpm::grain_frequency2(int i, double stiffness) const {
+  const mpdem::PrescribedMotion p = mpdem::prescribed_motion(lmp, i);
+  return ((p.any_translation_free() ? 1.0 : 0.0) + (p.rotation ? 0.0 : 2.5)) * stiffness / atom->rmass[i];
+}
+
+double FixMpm::shear_speed() const { return std::sqrt(law_->elasticity().softest_shear() / inertia_); }
+
+// Of `quasistatic`, the largest of any node against its grains, which when free are slowed too. Collective.
+double FixMpm::relaxation_rate() const {
+  if (relax_ == 0.0) return 0.0;
+  std::map<int, double> inertia;  // of the cement of a grain
+  double rate = 0.0, share = 0.0, most;
+  for (const mpdem::Body& b : avec_->bodies) {
+    rate = std::max(rate, mpdem::Relaxation::rate(b, relax_, shear_speed()));
+    for (int tag : b.grain) inertia[tag] += inertia_ * b.volume;
   }
-  return false;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const auto it = avec_->is_point(i) ? inertia.end() : inertia.find(atom->tag[i]);
+    if (it != inertia.end()) share = std::max(share, grain_frequency2(i, it->second));
+  }
+  MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  return rate * (1.0 + most);
 }
 
 double FixMpm::step_for(double eigenvalue) const {
   double w2 = eigenvalue;
   if (coupled_) {
-    // A grain that follows its own mass feels all its links, of all its bonds.
-    const double k = std::max(penalty_.kn, penalty_.kt);
-    std::map<int, double> stiffness;
-    for (const mpdem::Body& b : avec_->bodies)
-      for (int s = 0; s < 2; ++s) stiffness[b.grain[s]] += k * b.attached_area[s];
+    const std::map<int, double> stiffness = link_stiffness();
     double worst = 0.0, all;
     for (int i = 0; i < atom->nlocal; ++i) {
-      if (avec_->is_point(i) || is_prescribed(i)) continue;
+      if (avec_->is_point(i)) continue;
       const auto it = stiffness.find(atom->tag[i]);
-      if (it == stiffness.end()) continue;
-      // moment of inertia 2/5 M r^2, lever arm r
-      worst = std::max(worst, it->second / atom->rmass[i] * 3.5);
+      if (it != stiffness.end()) worst = std::max(worst, grain_frequency2(i, it->second));
     }
     MPI_Allreduce(&worst, &all, 1, MPI_DOUBLE, MPI_MAX, world);
     w2 += all;
   }
-  const double z = penalty_.damping;
-  const double step = std::sqrt(stability_bound() / w2) * (std::sqrt(1.0 + z * z) - z);
+  // Damping acts on the velocity of half a step ago: w^2 dt^2 + 2 p dt <= B.
+  const double B = stability_bound(), p = penalty_.damping * std::sqrt(B * w2) + 0.25 * B * relaxation_rate();
+  const double step = B / (p + std::sqrt(p * p + B * w2));
   if (!(step > 0.0))  // as if nothing limited the step, were it compared with
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): no time step is stable, the square of the highest frequency is ", w2,
                                  " with density ", density_, " of the cement and stiffness ", law_->elasticity().largest_stiffness(),
@@ -131,13 +151,22 @@ void FixMpm::set_time_step(const Fix* running) {
   new_part_.clear();
   has_sheets_.resize(divided);
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
-  const double dt = step_fraction_ * step_for(e.value + e.residual);
+  // Never longer than before: what goes by step*dt would jump, and cement that fails leaves longer steps behind.
+  double dt = step_fraction_ * step_for(e.value + e.residual);
+  std::string share = text_of(step_fraction_, " of the limit,");
+  if (auto_step_ > 0.0 && auto_step_ <= dt) {
+    share = text_of("as before, the limit is now ", dt / step_fraction_, ",");
+    dt = auto_step_;
+  } else if (!std::isfinite(dt)) {
+    share = "as it was, nothing limits it,";
+    dt = update->dt;
+  }
+  auto_step_ = dt;
   if (comm->me == 0)
     for (FILE* f : {screen, logfile})
       if (f)
-        std::fprintf(f, "%s\n", text_of("fix mpm (id ", id, "): timestep auto: ", dt, ", ", step_fraction_,
-                                        " of the limit, from the largest eigenvalue ", e.value, " found in ", e.products,
-                                        " products").c_str());
+        std::fprintf(f, "%s\n", text_of("fix mpm (id ", id, "): timestep auto: ", dt, ", ", share, " from the largest eigenvalue ", e.value,
+                                        " found in ", e.products, " products").c_str());
   if (dt == update->dt) return;
   update->dt = dt;
   if (force->pair) force->pair->reset_dt();
@@ -203,7 +232,7 @@ void FixMpm::report_added_mass() {
     all += sum[n];
   }
   for (std::size_t n = 0; n < grains_here_.size(); ++n)
-    if (!prescribed_[n]) share = std::max(share, of_grain[atom->tag[grains_here_[n]]] / atom->rmass[grains_here_[n]]);
+    if (!prescribed_[n].all()) share = std::max(share, of_grain[atom->tag[grains_here_[n]]] / atom->rmass[grains_here_[n]]);
   MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   if (comm->me != 0) return;
   std::string text = text_of("  links     add to the nodes ", all, " of mass, ", all / sum.back(), " of the cement's");

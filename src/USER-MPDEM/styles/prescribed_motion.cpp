@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "prescribed_motion.h"
+
+#include <cstring>
+
+#include "atom.h"
+#include "fix.h"
+#include "fix_move.h"
+#include "lammps.h"
+#include "modify.h"
+
+namespace mpdem {
+
+namespace {
+
+using LAMMPS_NS::FixMove;
+
+// Members without an accessor: the arguments of an explicit instantiation may name them ([temp.spec]).
+template <class Tag, typename Tag::Type Member>
+struct Expose {
+  friend typename Tag::Type member(Tag) { return Member; }
+};
+#define MPDEM_EXPOSE(T, M)           \
+  struct M##_of_move {               \
+    using Type = T FixMove::*;       \
+    friend Type member(M##_of_move); \
+  };                                 \
+  template struct Expose<M##_of_move, &FixMove::M>;
+MPDEM_EXPOSE(int, mstyle)
+MPDEM_EXPOSE(int, vxflag)
+MPDEM_EXPOSE(int, vyflag)
+MPDEM_EXPOSE(int, vzflag)
+MPDEM_EXPOSE(int, axflag)
+MPDEM_EXPOSE(int, ayflag)
+MPDEM_EXPOSE(int, azflag)
+MPDEM_EXPOSE(char*, xvarstr)
+MPDEM_EXPOSE(char*, yvarstr)
+MPDEM_EXPOSE(char*, zvarstr)
+MPDEM_EXPOSE(char*, vxvarstr)
+MPDEM_EXPOSE(char*, vyvarstr)
+MPDEM_EXPOSE(char*, vzvarstr)
+#undef MPDEM_EXPOSE
+
+// Whether the motion along direction d is given.
+bool gives(const FixMove* move, int d) {
+  enum { kLinear, kWiggle, kRotate, kVariable };  // as in fix_move.cpp
+  int FixMove::*const linear[3] = {member(vxflag_of_move{}), member(vyflag_of_move{}), member(vzflag_of_move{})};
+  int FixMove::*const wiggle[3] = {member(axflag_of_move{}), member(ayflag_of_move{}), member(azflag_of_move{})};
+  char* FixMove::*const place[3] = {member(xvarstr_of_move{}), member(yvarstr_of_move{}), member(zvarstr_of_move{})};
+  char* FixMove::*const speed[3] = {member(vxvarstr_of_move{}), member(vyvarstr_of_move{}), member(vzvarstr_of_move{})};
+  switch (move->*member(mstyle_of_move{})) {
+    case kLinear: return move->*linear[d] != 0;
+    case kWiggle: return move->*wiggle[d] != 0;
+    case kVariable: return move->*place[d] || move->*speed[d];
+    default: return true;
+  }
+}
+
+}  // namespace
+
+PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom) {
+  PrescribedMotion p;
+  for (int k = 0; k < lmp->modify->nfix; ++k) {
+    const LAMMPS_NS::Fix* fix = lmp->modify->fix[k];
+    if (!(lmp->atom->mask[atom] & fix->groupbit)) continue;
+    if (const auto* move = dynamic_cast<const FixMove*>(fix)) {
+      for (int d = 0; d < 3; ++d) p.translation[d] = p.translation[d] || gives(move, d);
+      p.rotation = true;
+    } else if (std::strcmp(fix->style, "freeze") == 0 || std::strcmp(fix->style, "nve/noforce") == 0) {
+      p.translation[0] = p.translation[1] = p.translation[2] = p.rotation = true;
+    }
+  }
+  return p;
+}
+
+}  // namespace mpdem
