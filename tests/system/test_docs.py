@@ -28,6 +28,17 @@ def test_whole_script(script, tmp_path):
     run(script, tmp_path, ranks=2)
 
 
+def test_script_that_continues(tmp_path):
+    """What README shows for a restart file goes on as the script before it would have."""
+    (_, text), = blocks("liggghts-restart")
+    first = next(t for page, t in blocks("liggghts") if page.name == "README.md")
+    run(first + "write_restart half.restart\n", tmp_path)
+    continued = run(text, tmp_path, name="in.continued")
+    whole = run(re.sub(r"^run .*$", "run 1000", first, flags=re.M), tmp_path / "whole")
+    rows = [re.findall(r"^ +(?:800|900|1000) .*$", r.output, re.M) for r in (continued, whole)]
+    assert len(rows[0]) == 3 and rows[0] == rows[1], rows
+
+
 @pytest.mark.parametrize("line", LINES)
 def test_line(line, tmp_path):
     command = line.split()[0]
