@@ -53,6 +53,7 @@ void FixMpm::post_force(int) {
   // be the step of a restart file.
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
+    distribute_grains();  // a new layout in this step did, and the energy of added mass is not to depend on that
     drop_added_mass();
     if (separate_bodies(true)) rebuild_parts();
   } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
