@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -27,8 +28,22 @@ AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>
 
 void AtomVecMpdem::track_orientation(int i) {
   if (slot[i] != kPlain) return;
+  if (grains.size() == grains.capacity()) drop_grains_that_left();
   grains.emplace_back();
   slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
+}
+
+// LIGGGHTS does not tell of atoms that go to another rank or are deleted. Half of the room is free then, so
+// that this is not done at every arrival.
+void AtomVecMpdem::drop_grains_that_left() {
+  std::vector<GrainState> here;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (slot[i] > -2) continue;
+    here.push_back(*grain(i));
+    slot[i] = -2 - (static_cast<int>(here.size()) - 1);
+  }
+  here.reserve(std::max<std::size_t>(64, 2 * here.size()));
+  grains.swap(here);
 }
 
 void AtomVecMpdem::grow(int n) {
@@ -169,7 +184,8 @@ void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
 }
 
 bigint AtomVecMpdem::memory_usage() {
-  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage();
+  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage() +
+         static_cast<bigint>(grains.capacity() * sizeof(GrainState));
 }
 
 }  // namespace LAMMPS_NS
