@@ -179,6 +179,9 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     assert result.status != 0 and "version 2, this program reads version 5" in result.errors()[0]
     result = read_in(tmp_path, bare[:at + 12] + bytes(4) + bare[at + 16:])
     assert result.status == 0, result.output[-1000:]
+    for bonds, needed in (((1 << 20) + 1, "1048577 bonds, this program takes 1048576 at most"), (1 << 20, "truncated")):
+        result = read_in(tmp_path, bare[:at + 8] + bonds.to_bytes(4, "little") + bytes(4) + bare[at + 16:])
+        assert result.status != 0 and needed in result.errors()[0]
 
 
 def test_split_over_ranks(tmp_path, whole):

@@ -157,6 +157,9 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
     } else if (head[0] != kRestartVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
       status[0] = 2;
       status[1] = head[0];
+    } else if (head[2] > mpdem::kMaxBodies) {
+      status[0] = 4;
+      status[1] = head[2];
     } else {
       bodies.resize(head[2]);
       if (!bodies.empty() && fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
@@ -169,6 +172,9 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
     mpdem::stop_all(lmp, mpdem::text_of("read_restart: data of atom_style mpdem of version ", status[1],
                                         ", this program reads version ", kRestartVersion));
   if (status[0] == 3) mpdem::stop_all(lmp, "read_restart: the file is truncated in the data of atom_style mpdem");
+  if (status[0] == 4)
+    mpdem::stop_all(lmp, mpdem::text_of("read_restart: the file has ", status[1], " bonds, this program takes ",
+                                        mpdem::kMaxBodies, " at most; use the program that wrote it"));
   bodies.resize(status[1]);
   MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);
 }
