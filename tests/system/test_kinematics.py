@@ -2,7 +2,8 @@
 """Kinematics, basis and transfer of fix mpm, each by a word of the script."""
 import numpy as np
 import pytest
-from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, dump, edit, pair, point_quantities, pull, run, shift, thermo
+from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, RING, SPINNING, cement, dump, edit, pair, point_quantities, pull,
+                    run, shift, thermo)
 
 CELL, DT = 2e-4, 5e-9
 EXACT = 9.2743094e8  # axisymmetric finite elements, see test_stiffness.py
@@ -99,6 +100,35 @@ def test_skip(word, limit, tmp_path, figures):
 def test_bodies_at_rest_sleep(tmp_path):
     script = pair(CELL / 2) + cement(CELL, DT) + "fix hold grains move linear 0 0 0\nrun 50\n"
     assert "1 of 1 parts of bodies at rest" in run(script, tmp_path).output
+
+
+def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
+    """Of three bonds one is pulled until it breaks, one rests, one is pushed later and let rest again, with dampers."""
+    grains = [(x, z) for x in (-0.011, 0.0, 0.011) for z in (-RADIUS, RADIUS)]
+    scene = pair(CELL / 2, half_box=(17e-3, 6e-3, 12.5e-3))
+    first = scene.index("create_atoms")
+    rest = scene[scene.index("set          type"):]
+    scene = scene[:first] + "".join(f"create_atoms 1 single {x} 0 {z} units box\n" for x, z in grains) + rest
+    for i, j in ((3, 4), (5, 6)):
+        scene += f"create_cement calcite pair {i} {j} shape flat {RING} spacing {CELL / 2}\n"
+
+    def table(on, ranks):
+        script = scene + with_words(cement(CELL, DT, couple="damping 0.1", **BROKEN), f"skip resting {on}")
+        script += ("group last id 6\ngroup others subtract grains second last\nfix hold others move linear 0 0 0\n"
+                   "fix pull second move linear 0 0 12\nfix push last move linear 0 0 0\n"
+                   + thermo(20, ["f_bond", "f_bond[18]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[10]", "f_cem[12]"])
+                   + "run 80\nunfix push\nfix push last move linear 1e-3 0 -1e-3\nrun 40\n"
+                   "unfix push\nfix push last move linear 0 0 0\nrun 40 pre no\nrun 100\n")
+        done = run(script, tmp_path / f"{on}{ranks}", ranks)
+        if on == "yes" and ranks == 1:
+            assert "2 of 3 parts of bodies at rest" in done.output
+        return done.table()
+
+    for ranks in (1, 2):
+        on, off = table("yes", ranks), table("no", ranks)
+        assert on["f_bond[18]"][-1] > 100
+        for c in on:
+            assert (on[c] == off[c]).all(), (ranks, c)
 
 
 WEAK = "damage tensor B0 9.6e3 interface 0.2"

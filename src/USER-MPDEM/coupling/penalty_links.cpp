@@ -176,12 +176,27 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
 }
 
+std::vector<PenaltyLinks::BodyLinks> PenaltyLinks::bodies() const {
+  std::vector<BodyLinks> all;
+  const int n = static_cast<int>(blocks_.size());
+  for (int i = 0; i < n; ++i) {
+    if (all.empty() || all.back().body != blocks_[i].body) all.push_back({blocks_[i].body, i, i});
+    all.back().last = i + 1;
+  }
+  return all;
+}
+
 double PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
+  return add_force({-1, 0, static_cast<int>(blocks_.size())}, grid, sides, skip_detached);
+}
+
+double PenaltyLinks::add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const {
   double power = 0.0;
   const double sqrt_kn = std::sqrt(p_.kn), sqrt_kt = std::sqrt(p_.kt);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
+    for (int i = links.first; i < links.last; ++i) {
+      const LinkBlock& b = blocks_[i];
       if (!b.attached && skip_detached) continue;
       GrainSide& s = sides.sides[b.at];
       vd q[3], delta[3], n[3], f[3];

@@ -78,6 +78,12 @@ class PenaltyLinks {
   // Penalty force of the present positions on nodes and grains; returns the power that the
   // dampers take.
   double add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // The same for the links of one body. They follow each other; places are those in bodies().
+  struct BodyLinks {
+    int body, first, last;
+  };
+  double add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const;
+  std::vector<BodyLinks> bodies() const;
   // Added mass moves with its grain: force on nodes, and back on the grains, that takes it along where
   // their motion is prescribed.
   void carry_added_mass(Grid& grid, GrainSides& sides) const;

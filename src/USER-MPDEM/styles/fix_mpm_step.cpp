@@ -111,10 +111,12 @@ double FixMpm::kinetic_energy(double kick) const {
 }
 
 // Everything but the internal force, which is on the nodes already.
-void FixMpm::add_forces() {
+void FixMpm::add_forces(bool in_step) {
   timer_.start(mpdem::StepTimer::kCoupling);
   if (coupled_) {
-    damped_ += dt_last_ * links_.add_force(grid_, sides_, skip_detached_);
+    const bool may_rest = in_step && !updated_;
+    damped_ += dt_last_ * (may_rest ? resting_links_.add_force(links_, resting_, skip_detached_, grid_, sides_)
+                                    : links_.add_force(grid_, sides_, skip_detached_));
     links_.carry_added_mass(grid_, sides_);
   }
   timer_.start(mpdem::StepTimer::kHalo);
@@ -270,7 +272,7 @@ void FixMpm::setup(int) {
   }
   const double damped = damped_;
   sides_.clear_forces();
-  add_forces();
+  add_forces(false);
   damped_ = damped;  // this force was counted in the step that led here
   react_on_grains();
   start_bodies();
