@@ -30,6 +30,7 @@
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
+#include <array>
 #include <vector>
 
 #include "../mpm/grid.h"
@@ -61,8 +62,11 @@ class PenaltyLinks {
   // How far the cement carries the places of the links in dt, with the nodes as they are.
   void find_moves(const Grid& grid, double dt);
   // Moves them, and the cement's ends in the store, so far; true if the point of one left its
-  // cell, so that the links have to be built anew.
+  // cell: follow_points() then.
   bool move_places(PointStore& points);
+  // The blocks that build(), add_cells() and bind() would make, of which only those change whose points did; false
+  // if the grid has not all the nodes. Without ties.
+  bool follow_points(const PointStore& points, const std::vector<Body>& bodies, const Grid& grid, const GrainSides& sides);
   // The present becomes the reference of the cement's ends in the store; build() again then.
   void move_to_present(PointStore& points, const Grid& grid) const;
   // After PointStore::sort_links().
@@ -122,6 +126,13 @@ class PenaltyLinks {
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
+  // Of a block: body, part, first node, side; blocks ascend in it.
+  using Place = std::array<int, 6>;
+  struct Item {
+    Place place;
+    int tag, link;
+  };
+
   // Free nodes that a block reads through ties, and how.
   struct Reduced {
     std::vector<int> node;
@@ -141,6 +152,12 @@ class PenaltyLinks {
   template <class F>
   void for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const;
   double created(const PointStore& points, const Link& k, int d) const;
+  double acts_at(const PointStore& points, const Link& k, int d) const;
+  static Place place_of(const LinkBlock& b);
+  Item item_of(const PointStore& points, const std::vector<Body>& bodies, int link) const;
+  // Appends the blocks of these links, which it sorts.
+  void fill_blocks(const PointStore& points, const std::vector<Body>& bodies, std::vector<Item>& items,
+                   std::vector<LinkBlock>& blocks) const;
   vd energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const;
   // Calls f(column, offset, weight) for the nodes of a block.
   template <class Type, class F>
@@ -155,6 +172,7 @@ class PenaltyLinks {
   double inverse_h_ = 0, density_ = 0;
   std::vector<LinkBlock> blocks_;
   std::vector<Reduced> reduced_;
+  std::vector<Place> concerned_;  // by the last move_places()
   std::vector<AddedMass> shares_;
 };
 
