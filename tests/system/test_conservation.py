@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Free grains and their cement keep momentum and angular momentum, whole or breaking."""
 import numpy as np
-from scenes import MOMENTA, MOMENTUM_COLUMNS, RING, SPINNING, cement, pair, run, thermo
+from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RING, SPINNING, cement, edit, pair, run, thermo
 
 # Grain 2 leaves, and turns about the bond while it does.
 LEAVING = """\
@@ -38,3 +38,23 @@ def test_breaking_pair(tmp_path, figures):
     linear, angular = drift(table)
     figures.below("breaking pair: drift of momentum", linear, 1e-10)
     figures.below("breaking pair: drift of angular momentum", angular, 1e-10)
+
+
+def test_energy_where_layouts_are_made_often(tmp_path, figures):
+    """A breaking pair goes from rank to rank, with a new layout in steps that look for parts: the energies are those of one rank."""
+    def table(ranks):
+        script = pair(1e-4, boundary="p f f", processors="* 1 1")
+        script = edit(script, "neigh_modify include grains delay 0", "neigh_modify include grains every 1 delay 0 check no")
+        script += edit(cement(2e-4, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.5"),
+                       "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.8 check 20")
+        script += ("velocity grains set 60 0 0\nvelocity calcite set 60 0 0\nvariable x equal 60*step*dt\nvariable vx equal 60\n"
+                   "variable z equal 0.02*step*dt*step*dt/4e-6\nvariable vz equal 0.04*step*dt/4e-6\n"
+                   "fix hold first move linear 60 0 0\nfix pull second move variable v_x NULL v_z v_vx NULL v_vz\n")
+        return run(script + thermo(20, ["f_cem[7]", "f_cem[8]", "f_cem[9]", "f_cem[12]", "f_bond[18]"]) + "run 400\n",
+                   tmp_path / str(ranks), ranks).table()
+
+    one, two = table(1), table(2)
+    assert one["f_bond[18]"][-1] > 1000 and one["f_cem[9]"][-1] > 0
+    for name, column in (("of the coupling", "f_cem[7]"), ("dissipated", "f_cem[8]"), ("released", "f_cem[9]")):
+        figures.below(f"pair that goes through the ranks: energy {name}, 1 against 2 ranks",
+                      abs(one[column] - two[column]).max() / abs(one[column]).max(), 1e-6)

@@ -41,3 +41,19 @@ def test_struck(tmp_path, figures, words):
         assert table["f_cem[5]"].max() > 0.003 * table["f_cem[6]"].max() > 0.0, "no waves"
         figures.below(f"{words or 'default'}, {'no' if limit < 1e-3 else 'with'} added mass: imbalance of the energy",
                       abs(table["f_cem[12]"]).max(), limit)
+
+
+def test_asked_for_early_in_a_step(tmp_path):
+    """A variable of fix move reads energies and forces before they are those of the step: what is printed stays the same."""
+    columns = [f"f_bond[{i}]" for i in (13, 14)] + [f"f_cem[{i}]" for i in (5, 6, 7, 11, 12)]
+
+    def table(early):
+        script = pair(1e-4) + cement(2e-4, 1e-8, elastic=CALCITE)
+        script += (f'variable z equal 5e3*step*dt*step*dt\nvariable w equal "1e4*step*dt{early}"\nfix hold first move linear 0 0 0\n'
+                   "fix pull second move variable NULL NULL v_z NULL NULL v_w\n")
+        return run(script + thermo(50, columns) + "run 200\n", tmp_path / str(len(early))).table()
+
+    plain, asked = table(""), table("+0*f_bond[14]+0*f_cem[6]")
+    assert plain["f_bond[14]"][-1] > 1
+    for c in plain:
+        assert (plain[c] == asked[c]).all(), c

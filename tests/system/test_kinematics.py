@@ -2,7 +2,8 @@
 """Kinematics, basis and transfer of fix mpm, each by a word of the script."""
 import numpy as np
 import pytest
-from scenes import MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, pair, pull, run, shift, thermo
+from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, RING, SPINNING, cement, dump, edit, pair, point_quantities, pull,
+                    run, shift, thermo)
 
 CELL, DT = 2e-4, 5e-9
 EXACT = 9.2743094e8  # axisymmetric finite elements, see test_stiffness.py
@@ -99,3 +100,80 @@ def test_skip(word, limit, tmp_path, figures):
 def test_bodies_at_rest_sleep(tmp_path):
     script = pair(CELL / 2) + cement(CELL, DT) + "fix hold grains move linear 0 0 0\nrun 50\n"
     assert "1 of 1 parts of bodies at rest" in run(script, tmp_path).output
+
+
+def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
+    """Of three bonds one is pulled until it breaks, one rests, one is pushed later and let rest again, with dampers."""
+    grains = [(x, z) for x in (-0.011, 0.0, 0.011) for z in (-RADIUS, RADIUS)]
+    scene = pair(CELL / 2, half_box=(17e-3, 6e-3, 12.5e-3))
+    first = scene.index("create_atoms")
+    rest = scene[scene.index("set          type"):]
+    scene = scene[:first] + "".join(f"create_atoms 1 single {x} 0 {z} units box\n" for x, z in grains) + rest
+    for i, j in ((3, 4), (5, 6)):
+        scene += f"create_cement calcite pair {i} {j} shape flat {RING} spacing {CELL / 2}\n"
+
+    def table(on, ranks):
+        script = scene + with_words(cement(CELL, DT, couple="damping 0.1", **BROKEN), f"skip resting {on}")
+        script += ("group last id 6\ngroup others subtract grains second last\nfix hold others move linear 0 0 0\n"
+                   "fix pull second move linear 0 0 12\nfix push last move linear 0 0 0\n"
+                   + thermo(20, ["f_bond", "f_bond[18]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[10]", "f_cem[12]"])
+                   + "run 80\nunfix push\nfix push last move linear 1e-3 0 -1e-3\nrun 40\n"
+                   "unfix push\nfix push last move linear 0 0 0\nrun 40 pre no\nrun 100\n")
+        done = run(script, tmp_path / f"{on}{ranks}", ranks)
+        if on == "yes" and ranks == 1:
+            assert "2 of 3 parts of bodies at rest" in done.output
+        return done.table()
+
+    for ranks in (1, 2):
+        on, off = table("yes", ranks), table("no", ranks)
+        assert on["f_bond[18]"][-1] > 100
+        for c in on:
+            assert (on[c] == off[c]).all(), (ranks, c)
+
+
+WEAK = "damage tensor B0 9.6e3 interface 0.2"
+
+
+def flying(speed, words, pull=4.0, dt=1e-8):
+    """A pair that flies along x while grain 2 leaves at once, so that points fail early and cells are crossed."""
+    return (pair(CELL / 2) + with_words(cement(CELL, dt, elastic=CALCITE, damage=WEAK, couple=""), words)
+            + f"velocity grains set {speed} 0 0\nvelocity calcite set {speed} 0 0\n"
+            f"fix hold first move linear {speed} 0 0\nfix pull second move linear {speed} 0 {pull}\n")
+
+
+def events(directory):
+    """Lines of the event log, by words."""
+    return [line.split(",") for line in (directory / "events.csv").read_text().splitlines()[1:]]
+
+
+def test_points_fail_in_the_step_of_a_new_reference(tmp_path):
+    """Each point that failed is in the event log once, at the radius it was created at, however often points are renumbered."""
+    def look(words):
+        script = flying(100.0, f"{words} timestep auto 0.3 check 1 events events.csv") + point_quantities(["failed"])
+        done = run(script + dump(200, ["x", "y", "z"], "first.*.txt") + "run 0\nundump points\n"
+                   + dump(240, ["c_failed"]) + "run 240\n", tmp_path / words.replace(" ", "_"))
+        first, last = done.points(0, "first"), done.points(240)
+        radius = dict(zip(first["id"], np.hypot(first["x"], first["y"])))
+        rows = events(done.directory)
+        assert sorted(float(r[2]) for r in rows) == list(last["id"][last["c_failed"] == 1])
+        assert all(abs(float(r[5]) - radius[float(r[2])]) < 1e-9 for r in rows)
+        return len(rows)
+
+    assert look("reproject auto 1e-7") > 100
+    assert look("kinematics updated") > 100
+
+
+def test_output_changes_nothing(tmp_path):
+    """Points that change cells do so between outputs: modes, events and computes do not depend on when there is output."""
+    def look(every):
+        script = flying(40.0, "kinematics updated timestep auto 0.5 check 50 events events.csv") + point_quantities(["volume", "attached"])
+        script += ("compute sums calcite reduce sum c_volume c_attached\n"
+                   "fix means all ave/time 1 1 1 c_sums[1] c_sums[2] file means.txt\n")
+        done = run(script + f"thermo {every}\nrun 300\n", tmp_path / str(every))
+        mode = [x for x in done.output.splitlines() if "of grains 1 and 2: " in x][-1]
+        return mode, events(done.directory), np.loadtxt(done.directory / "means.txt")
+
+    often, never = look(1), look(1000)
+    assert often[0] == never[0] and often[1] == never[1] and len(often[1]) > 50
+    assert (often[2] == never[2]).all()
+    assert np.ptp(never[2][1:, 1]) < 1e-12 * never[2][-1, 1]

@@ -41,3 +41,16 @@ def test_create_run_clear(tmp_path, figures):
     own, _ = lost(tmp_path / "host", rounds(host + "timestep 1e-9\nfix move grains nve/sphere\nrun 20\n"))
     figures.note("leak", f"LIGGGHTS alone: {own / 1e3:.3g} kB a round of create, run, clear; resident {resident / 1e6:.3g} MB")
     figures.below(f"create, run, clear, {TIMES} times: growth of resident memory a round, kB", per_round / 1e3, ALLOWED / 1e3)
+
+
+def test_grains_that_come_and_go(tmp_path, figures):
+    """A pair that goes round from rank to rank leaves nothing behind where it was."""
+    speed = 2e5  # passes a rank in three steps
+    script = pair(2e-4, boundary="p f f", processors="* 1 1", cement="outer 1.6e-3")
+    script = script.replace("include grains delay 0", "include grains every 1 delay 0 check no") + cement(4e-4, 1e-8)
+    script += (f"velocity all set {speed} 0 0\nfix on grains move linear {speed} 0 0\nthermo 1000\n"
+               "run 200\nrun 1500\nrun 0\n")
+    done = run(script, tmp_path, 2)
+    used = [float(m) for m in re.findall(r"Memory usage per processor = (\S+) Mbytes", done.output)]
+    assert len(used) == 3
+    figures.below("memory of a rank through which a pair goes 250 times: growth, bytes", 1048576 * (used[2] - used[1]), 5e3)

@@ -84,6 +84,35 @@ def test_written_during_a_run(tmp_path, figures):
                       abs(force - tail["f_bond"]).max() / peak, 1e-12)
 
 
+def test_events_before_the_file_are_in_the_log(tmp_path):
+    """A run that dies between two checks, after it wrote a restart file, leaves the log complete up to that file."""
+    def go_on(death):
+        fixes = edit(FIXES, "cutoff 0.9", "cutoff 0.9 check 100000 events events.csv")
+        return (pair(1e-4, gap=2e-4) + fixes + LEAVING + MOVING + f"variable trap equal 1/({death}-step)\n"
+                + thermo(5, ["v_trap"]) + "restart 575 r.*.bin\nrun 650\n")
+
+    whole = run(go_on(1000), tmp_path / "whole")
+    rows = [line for line in (whole.directory / "events.csv").read_text().splitlines()[1:] if int(line.split(",")[0]) <= 575]
+    dead = launch(go_on(600), tmp_path / "dead")
+    assert dead.status != 0 and "Divide by 0" in dead.errors()[0] and (dead.directory / "r.575.bin").exists()
+    found = (dead.directory / "events.csv").read_text().splitlines()[1:]
+    assert len(rows) > 100 and found == rows
+
+
+def test_peak_goes_on_whoever_asks(tmp_path):
+    """The largest tension of a bond, in the file and after a look at it before the run goes on."""
+    look = 'variable peak equal f_bond[21]\nprint "peak ${peak}"\n'
+    turn = "run 200\nunfix pull\nfix pull second move linear 0 0 -20\nrun 100\n"
+    first = run(pair(1e-4) + cement(2e-4, 1e-8) + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 0.02\n"
+                + thermo(100, ["f_bond[14]", "f_bond[21]"]) + turn + "write_restart r.bin\n" + look, tmp_path)
+    t = first.table()
+    assert t["f_bond[14]"][-1] < 0.5 * first.value("peak")
+    again = run(restarted("r.bin") + cement(2e-4, 1e-8) + "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 -20\n"
+                + look + thermo(1, ["f_bond[14]", "f_bond[21]"]) + "run 1\n", tmp_path)
+    assert again.value("peak") == first.value("peak")
+    assert (again.table()["f_bond[21]"] == t["f_bond[21]"][-1]).all()
+
+
 @pytest.mark.parametrize("changes, needed", [
     ([("cell 0.0002", "cell 0.00025")], ["fix mpm (id cem)", "cell 0.00025", "0.0002", "use"]),
     ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
@@ -150,6 +179,9 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     assert result.status != 0 and "version 2, this program reads version 5" in result.errors()[0]
     result = read_in(tmp_path, bare[:at + 12] + bytes(4) + bare[at + 16:])
     assert result.status == 0, result.output[-1000:]
+    for bonds, needed in (((1 << 20) + 1, "1048577 bonds, this program takes 1048576 at most"), (1 << 20, "truncated")):
+        result = read_in(tmp_path, bare[:at + 8] + bonds.to_bytes(4, "little") + bytes(4) + bare[at + 16:])
+        assert result.status != 0 and needed in result.errors()[0]
 
 
 def test_split_over_ranks(tmp_path, whole):

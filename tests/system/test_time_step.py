@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import cement, edit, launch, pair, pull, run, shift, thermo
+from scenes import CALCITE, RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
 
 CELL = 2e-4
 SCENE = pair(CELL / 2) + cement(CELL, 1e-9) + pull(0.1, 2e-6)
@@ -72,6 +72,20 @@ def test_auto_never_lengthens(tmp_path):
     assert np.diff(t["f_bond[13]"]).max() < 1.5 * 10 * t["dt"][0]  # m, at 1 m/s
 
 
+def test_auto_and_the_order_of_fixes(tmp_path):
+    """`fix move` and `fix nve/sphere` between fix mpm and fix mpm/couple use the step too."""
+    couple = next(line for line in SCENE.splitlines(True) if "mpm/couple" in line)
+    moving = ("group first id 1\ngroup second id 2\nfix pull second move linear 0 0 0.01\nfix free first nve/sphere\n")
+    head = pair(CELL / 2) + edit(cement(CELL, 1e-9), "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9")
+    head = edit(head, couple, "COUPLE").replace("group        first id 1\ngroup        second id 2\n", "")
+    look = "variable z1 equal z[1]\nvariable z2 equal z[2]\n" + thermo(20, ["dt", "f_bond[13]", "f_bond[14]", "f_cem[12]", "v_z1", "v_z2"])
+    before = run(edit(head, "COUPLE", couple + moving) + look + "run 100\n", tmp_path / "before").table()
+    after = run(edit(head, "COUPLE", moving + couple) + look + "run 100\n", tmp_path / "after").table()
+    assert before["dt"][-1] > 1e-8
+    for c in before:
+        assert (before[c] == after[c]).all(), c
+
+
 @pytest.mark.parametrize("act, status", [("warn", 0), ("stop", 1)])
 def test_check_timestep(act, status, tmp_path):
     script = auto(0.95) + f"fix ts all check/timestep/mpm 50 cem 0.9 {act}\n" + thermo(50, ["f_ts[1]", "f_ts[2]"]) + "run 100\n"
@@ -100,3 +114,17 @@ def test_quasistatic(tmp_path, figures):
         fast, fast_share = peak(words, 4e-8)
         figures.below(f"{words}: peak force against ten times the steps", abs(fast / slow - 1), 0.01)
         figures.below(f"{words}: kinetic share of the energy at the peak", fast_share, 0.01)
+
+
+def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
+    """Both grains let go and leave to either side: what is left in the middle is drawn along by neither."""
+    script = pair(CELL / 2) + edit(cement(CELL, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.1"),
+                                   "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.9 quasistatic 1 1 check 50")
+    script += ("variable zz equal 0.2*step*dt*step*dt/4e-6\nvariable w equal 0.4*step*dt/4e-6\n"
+               "variable zm equal -v_zz\nvariable wm equal -v_w\n"
+               "fix hold first move variable NULL NULL v_zm NULL NULL v_wm\nfix pull second move variable NULL NULL v_zz NULL NULL v_w\n")
+    t = run(script + thermo(50, ["f_bond[16]", "f_bond[22]", "f_cem[15]", "v_w"]) + "run 600\n", tmp_path).table()
+    assert t["f_bond[16]"][-1] == 0 and t["f_bond[22]"][-1] == 1
+    mass = 2710 * np.pi / (2 * RADIUS) * (2e-3**4 - 1e-3**4)
+    figures.below("loose piece between grains that leave: its speed over theirs",
+                  abs(t["f_cem[15]"][-1]) / (mass * t["v_w"][-1]), 0.01)

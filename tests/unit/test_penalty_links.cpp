@@ -148,6 +148,49 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   test::expect_within(std::fabs(power / s.links.damper_power(s.grid, s.sides, 0.3) - 1.0), 1e-12, "power, later");
 }
 
+// Points go to other cells, links let go and lose their added mass: blocks that follow are those built anew, to the bit.
+TEST_P(Links, FollowPointsThatChangeCells) {
+  Scene one(141, parameters(GetParam(), 0.3)), two(141, parameters(GetParam(), 0.3));
+  int crossings = 0;
+  for (int n = 0; n < 20; ++n) {
+    const int from = one.random.index(static_cast<int>(one.slots.size())), to = one.random.index(static_cast<int>(one.slots.size()));
+    double released;
+    bool left[2];
+    for (Scene* s : {&one, &two}) {
+      if (n > 0) s->place_grains(0.01, 1.0);
+      s->sides.distribute(s->bodies, one.motion);
+      s->grid.displacement = one.grid.displacement;
+      s->grid.velocity = one.grid.velocity;
+      if (n % 3 == 1) s->links.let_go(s->points, {s->slots[7 * n]}, s->grid, s->sides, released);
+      if (n % 3 == 2) s->links.drop_inertia(s->points);
+      s->links.find_moves(s->grid, 1e-3);
+      const int a = s->slots[from], b = s->slots[to];
+      if (s->points.meta[a / kLanes].body == s->points.meta[b / kLanes].body &&
+          s->points.meta[a / kLanes].part == s->points.meta[b / kLanes].part && n % 4 != 0)
+        for (int d = 0; d < 3; ++d) s->points.blocks[a / kLanes].X[d][a % kLanes] = s->points.blocks[b / kLanes].X[d][b % kLanes];
+      left[s == &one] = s->links.move_places(s->points);
+    }
+    EXPECT_EQ(left[0], left[1]);
+    if (!left[1]) continue;
+    ++crossings;
+    EXPECT_TRUE(one.links.follow_points(one.points, one.bodies, one.grid, one.sides));
+    two.links.build(two.points, two.bodies, parameters(GetParam(), 0.3), kH, kDensity);
+    EXPECT_TRUE(two.links.find_columns(two.grid));
+    two.links.bind(two.sides);
+    for (Scene* s : {&one, &two}) {
+      s->motion = one.motion;
+      s->add_force();
+      std::fill(s->grid.penalty.begin(), s->grid.penalty.end(), 0.0);
+      s->links.add_stiffness(s->grid, 0.2);
+    }
+    EXPECT_EQ(one.grid.force, two.grid.force);
+    EXPECT_EQ(one.grid.penalty, two.grid.penalty);
+    for (std::size_t i = 0; i < one.sides.sides.size(); ++i)
+      for (int d = 0; d < 3; ++d) EXPECT_EQ(one.sides.sides[i].torque[d], two.sides.sides[i].torque[d]);
+  }
+  EXPECT_GT(crossings, 3);
+}
+
 TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);

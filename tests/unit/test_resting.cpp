@@ -4,7 +4,8 @@
 
 #include <cstring>
 
-#include "cement.h"
+#include "coupling/resting_links.h"
+#include "linked_bonds.h"
 
 namespace mpdem {
 namespace {
@@ -46,6 +47,62 @@ TEST(Resting, SleepsAndWakesExactly) {
     EXPECT_EQ(std::memcmp(one.points.damage.data(), two.points.damage.data(), one.points.damage.size() * sizeof(PointStore::Damage)), 0);
   }
   EXPECT_GE(slept, 15);  // of 30 steps at rest
+}
+
+// Bodies and grains come to rest and move on, together or not; with the links too all forces are the same to the bit.
+TEST(Resting, LinksSleepAndWakeExactly) {
+  DamageParameters p;
+  p.B0 = 1e6;
+  const TensorDamage law(VtiElasticity(VtiConstants{60, 40, 0.25, 0.2, 18}), p);
+  for (const double damping : {0.0, 0.3}) {
+    test::Scene one(163, test::penalty(true, damping)), two(163, test::penalty(true, damping));
+    Resting on, off;
+    RestingLinks kept, none;
+    on.bind(one.points, one.grid);
+    off.bind(two.points, two.grid);
+    kept.bind(one.links, on, one.sides);
+    none.bind(two.links, off, two.sides);
+    AdvanceOptions all;
+    all.skip_resting = false;
+    int slept = 0, halves = 0;
+    for (int n = 0; n < 120; ++n) {
+      // 10 steps a stage: body 0 moves, a grain of body 0 moves, body 1 moves, or nothing
+      const int stage = n / 10 % 5;
+      for (int i = 0; i < one.grid.size(); ++i) {
+        const int field = one.grid.keys[i][0];
+        const bool moves = (stage == 1 && body_of(field) == 0) || (stage == 3 && body_of(field) == 1);
+        for (int d = 0; d < 3; ++d) one.grid.velocity[3 * i + d] = moves ? one.random.uniform(-1, 1) * 1e-3 : 0.0;
+      }
+      two.grid.velocity = one.grid.velocity;
+      GrainSides::Motion& m = one.motion[1];
+      for (int d = 0; d < 3; ++d) {
+        m.v[d] = stage == 2 ? one.random.uniform(-1, 1) * 1e-2 : 0.0;
+        m.x[d] += m.v[d];
+      }
+      two.motion = one.motion;
+      for (test::Scene* s : {&one, &two}) {
+        const bool first = s == &one;
+        AdvanceResult result;
+        s->grid.drift(0.0, 1.0);
+        s->sides.distribute(s->bodies, s->motion);
+        s->sides.clear_forces();
+        s->grid.clear_force();
+        (first ? on : off).advance(s->points, s->grid, law, 1.0, first ? AdvanceOptions() : all, result);
+        (first ? kept : none).add_force(s->links, first ? on : off, true, s->grid, s->sides);
+      }
+      slept += kept.asleep();
+      halves += kept.asleep() == 1;
+      EXPECT_EQ(none.asleep(), 0);
+      EXPECT_EQ(std::memcmp(one.grid.force.data(), two.grid.force.data(), one.grid.force.size() * sizeof(double)), 0) << "step " << n;
+      for (std::size_t i = 0; i < one.sides.sides.size(); ++i)
+        for (int d = 0; d < 3; ++d) {
+          EXPECT_EQ(one.sides.sides[i].force[d], two.sides.sides[i].force[d]);
+          EXPECT_EQ(one.sides.sides[i].torque[d], two.sides.sides[i].torque[d]);
+        }
+    }
+    EXPECT_GT(slept, 60);
+    EXPECT_GT(halves, 20);
+  }
 }
 
 // Points that the bound lets pass, and blocks that failed, change nothing either.

@@ -184,6 +184,37 @@ TEST(Separation, MixedMode) {
   EXPECT_LT(s.debonded_share(), 0.9);
 }
 
+// What both grains let go, at one look or one after the other, is a loose piece even if it is all there is:
+// parts 0 and 1 follow their grains.
+TEST(Separation, ALoneLoosePieceFollowsNoGrain) {
+  const auto parts_of_rest = [](std::vector<CrackPoint>& points) {
+    const Separation s = separate(points, kFace);
+    EXPECT_TRUE(s.separated);
+    int least = 99, most = -1;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].part = s.part[i];
+      if (points[i].failed) continue;
+      least = std::min(least, s.part[i]);
+      most = std::max(most, s.part[i]);
+    }
+    return std::make_pair(least, most);
+  };
+  for (int looks : {1, 2})
+    for (int earlier : {0, kHeight - 1}) {
+      std::vector<CrackPoint> points = column();
+      if (looks == 2) {
+        for (CrackPoint& p : points)
+          if (level(p) == earlier) fail(p);
+        const int follows = earlier == 0 ? 1 : 0;
+        EXPECT_EQ(parts_of_rest(points), std::make_pair(follows, follows));
+      }
+      for (CrackPoint& p : points)
+        if (level(p) == 0 || level(p) == kHeight - 1) fail(p);
+      EXPECT_EQ(parts_of_rest(points), std::make_pair(2, 2));
+      EXPECT_EQ(parts_of_rest(points), std::make_pair(2, 2));  // and stays that piece
+    }
+}
+
 TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   std::vector<CrackPoint> points = column();
   // two cracks leave a slab of two layers (128 cells) between them

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "../mpm/gather.h"
 #include "../mpm/scatter.h"
@@ -18,58 +17,59 @@ double PenaltyLinks::created(const PointStore& points, const Link& k, int d) con
   return points.motion.empty() ? points.blocks[b].X[d][l] : points.motion[b].X0[d][l];
 }
 
+// Where it acts, in the reference.
+double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) const {
+  return p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
+}
+
 void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodies,
                          const PenaltyParameters& parameters, double cell, double density, Basis basis) {
   p_ = parameters;
   basis_ = basis;
-  const double shift = cell_shift(basis), middle = cell_middle(basis);
   inverse_h_ = 1.0 / cell;
   density_ = density;
   blocks_.clear();
   reduced_.clear();
-
-  struct Item {
-    int body, part, side, base[3], tag, link;
-    double X[3];
-  };
   std::vector<Item> items;
-  for (std::size_t i = 0; i < points.links.size(); ++i) {
-    const Link& k = points.links[i];
-    if (!k.attached && !k.inert) continue;
-    const int b = k.slot / kLanes, l = k.slot % kLanes;
-    Item it;
-    it.body = points.meta[b].body;
-    it.part = points.meta[b].part;
-    it.side = bodies[it.body].grain[0] == k.grain ? 0 : 1;
-    it.tag = points.tags[b][l];
-    it.link = static_cast<int>(i);
-    for (int d = 0; d < 3; ++d) {
-      it.X[d] = p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[b].X[d][l];
-      it.base[d] = support_base(points.blocks[b].X[d][l], inverse_h_, shift);
-    }
-    items.push_back(it);
-  }
-  const auto place_of = [](const Item& a) { return std::make_tuple(a.body, a.part, a.base[0], a.base[1], a.base[2], a.side); };
-  std::sort(items.begin(), items.end(), [&](const Item& a, const Item& b) {
-    return std::make_pair(place_of(a), a.tag) < std::make_pair(place_of(b), b.tag);
+  for (std::size_t i = 0; i < points.links.size(); ++i)
+    if (points.links[i].attached || points.links[i].inert) items.push_back(item_of(points, bodies, static_cast<int>(i)));
+  fill_blocks(points, bodies, items, blocks_);
+}
+
+PenaltyLinks::Place PenaltyLinks::place_of(const LinkBlock& b) { return {b.body, b.part, b.base[0], b.base[1], b.base[2], b.side}; }
+
+PenaltyLinks::Item PenaltyLinks::item_of(const PointStore& points, const std::vector<Body>& bodies, int link) const {
+  const Link& k = points.links[link];
+  const int b = k.slot / kLanes, l = k.slot % kLanes;
+  const int body = points.meta[b].body;
+  Item it{{body, points.meta[b].part, 0, 0, 0, bodies[body].grain[0] == k.grain ? 0 : 1}, points.tags[b][l], link};
+  for (int d = 0; d < 3; ++d) it.place[2 + d] = support_base(points.blocks[b].X[d][l], inverse_h_, cell_shift(basis_));
+  return it;
+}
+
+void PenaltyLinks::fill_blocks(const PointStore& points, const std::vector<Body>& bodies, std::vector<Item>& items,
+                               std::vector<LinkBlock>& blocks) const {
+  const double cell = 1.0 / inverse_h_, middle = cell_middle(basis_);
+  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+    return a.place != b.place ? a.place < b.place : a.tag < b.tag;
   });
 
   for (std::size_t i = 0; i < items.size();) {
     LinkBlock b{};
     const Item& first = items[i];
-    b.body = first.body;
-    b.part = first.part;
-    b.side = first.side;
+    b.body = first.place[0];
+    b.part = first.place[1];
+    b.side = first.place[5];
     b.at = b.reduced = -1;
     const Body& body = bodies[b.body];
     const Mat3<double> R = rotation_of(body.orientation[b.side]);
     for (int d = 0; d < 3; ++d) {
-      b.base[d] = first.base[d];
+      b.base[d] = first.place[2 + d];
       b.X[d] = splat((b.base[d] + middle) * cell);
       b.q0[d] = splat(body.radius[b.side]);  // any direction will do where the area is zero
     }
     for (int l = 0; l < kLanes; ++l) b.link[l] = -1;
-    for (int l = 0; l < kLanes && i < items.size() && place_of(items[i]) == place_of(first); ++l, ++i) {
+    for (int l = 0; l < kLanes && i < items.size() && items[i].place == first.place; ++l, ++i) {
       const Link& k = points.links[items[i].link];
       b.link[l] = items[i].link;
       b.inert |= static_cast<std::uint8_t>(1u << l);
@@ -83,12 +83,12 @@ void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodi
       }
       double q[3];
       for (int d = 0; d < 3; ++d) {
-        b.X[d][l] = items[i].X[d];
+        b.X[d][l] = acts_at(points, k, d);
         q[d] = created(points, k, d) - body.centre[b.side][d];
       }
       for (int d = 0; d < 3; ++d) b.q0[d][l] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
     }
-    blocks_.push_back(b);
+    blocks.push_back(b);
   }
 }
 
@@ -125,19 +125,54 @@ void PenaltyLinks::find_moves(const Grid& grid, double dt) {
 
 bool PenaltyLinks::move_places(PointStore& points) {
   const double shift = cell_shift(basis_);
+  concerned_.clear();
   bool left = false;
-  for (LinkBlock& b : blocks_)
+  for (LinkBlock& b : blocks_) {
+    bool changed = false;
     for (int l = 0; l < kLanes; ++l) {
       if (b.link[l] < 0) continue;
       Link& k = points.links[b.link[l]];
+      Place to = place_of(b);
       for (int d = 0; d < 3; ++d) {
-        b.X[d][l] += b.move[d][l];
         k.moved[d] += b.move[d][l];
-        const double t = points.blocks[k.slot / kLanes].X[d][k.slot % kLanes] * inverse_h_ - (shift + b.base[d]);
-        left = left || !(t >= 0.0 && t < 1.0);
+        b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of build(), to the bit
+        to[2 + d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, shift);
       }
+      const bool crossed = !std::equal(b.base, b.base + 3, &to[2]);
+      if (crossed) concerned_.push_back(to);
+      left = left || crossed;
+      changed = changed || crossed || !(k.attached || k.inert);
     }
+    if (changed) concerned_.push_back(place_of(b));
+  }
   return left;
+}
+
+bool PenaltyLinks::follow_points(const PointStore& points, const std::vector<Body>& bodies, const Grid& grid, const GrainSides& sides) {
+  std::sort(concerned_.begin(), concerned_.end());
+  concerned_.erase(std::unique(concerned_.begin(), concerned_.end()), concerned_.end());
+  std::vector<Item> items;
+  std::vector<LinkBlock> stay, anew;
+  stay.reserve(blocks_.size() + concerned_.size());
+  for (const LinkBlock& b : blocks_) {
+    if (!std::binary_search(concerned_.begin(), concerned_.end(), place_of(b))) {
+      stay.push_back(b);
+      continue;
+    }
+    for (int link : b.link)
+      if (link >= 0 && (points.links[link].attached || points.links[link].inert)) items.push_back(item_of(points, bodies, link));
+  }
+  fill_blocks(points, bodies, items, anew);
+  bool all = true;
+  for (LinkBlock& b : anew) {
+    b.at = sides.find(b.body, b.side);
+    all = grid.find_columns(field_of(b.body, b.part), b.base, b.column) && all;
+  }
+  const std::ptrdiff_t middle = static_cast<std::ptrdiff_t>(stay.size());
+  stay.insert(stay.end(), anew.begin(), anew.end());
+  std::inplace_merge(stay.begin(), stay.begin() + middle, stay.end(), [](const LinkBlock& a, const LinkBlock& b) { return place_of(a) < place_of(b); });
+  blocks_.swap(stay);
+  return all;
 }
 
 void PenaltyLinks::move_to_present(PointStore& points, const Grid& grid) const {
@@ -176,6 +211,16 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
 }
 
+std::vector<PenaltyLinks::BodyLinks> PenaltyLinks::bodies() const {
+  std::vector<BodyLinks> all;
+  const int n = static_cast<int>(blocks_.size());
+  for (int i = 0; i < n; ++i) {
+    if (all.empty() || all.back().body != blocks_[i].body) all.push_back({blocks_[i].body, i, i});
+    all.back().last = i + 1;
+  }
+  return all;
+}
+
 template <class Type>
 void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n,
                           vd* v, vd* f) const {
@@ -211,9 +256,14 @@ double PenaltyLinks::damper_power(const Grid& grid, const GrainSides& sides, dou
 }
 
 void PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
+  add_force({-1, 0, static_cast<int>(blocks_.size())}, grid, sides, skip_detached);
+}
+
+void PenaltyLinks::add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const {
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
+    for (int i = links.first; i < links.last; ++i) {
+      const LinkBlock& b = blocks_[i];
       if (!b.attached && skip_detached) continue;
       GrainSide& s = sides.sides[b.at];
       vd q[3], delta[3], n[3], f[3];

@@ -32,6 +32,7 @@
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
+#include <array>
 #include <vector>
 
 #include "../mpm/grid.h"
@@ -63,8 +64,11 @@ class PenaltyLinks {
   // How far the cement carries the places of the links in dt, with the nodes as they are.
   void find_moves(const Grid& grid, double dt);
   // Moves them, and the cement's ends in the store, so far; true if the point of one left its
-  // cell, so that the links have to be built anew.
+  // cell: follow_points() then.
   bool move_places(PointStore& points);
+  // The blocks that build(), add_cells() and bind() would make, of which only those change whose points did; false
+  // if the grid has not all the nodes. Without ties.
+  bool follow_points(const PointStore& points, const std::vector<Body>& bodies, const Grid& grid, const GrainSides& sides);
   // The present becomes the reference of the cement's ends in the store; build() again then.
   void move_to_present(PointStore& points, const Grid& grid) const;
   // After PointStore::sort_links().
@@ -80,6 +84,12 @@ class PenaltyLinks {
 
   // Penalty force of the present positions on nodes and grains.
   void add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
+  // The same for the links of one body. They follow each other; places are those in bodies().
+  struct BodyLinks {
+    int body, first, last;
+  };
+  void add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const;
+  std::vector<BodyLinks> bodies() const;
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
   // of the acceleration later. Bodies from first_body on.
   double damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
@@ -121,6 +131,13 @@ class PenaltyLinks {
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
+  // Of a block: body, part, first node, side; blocks ascend in it.
+  using Place = std::array<int, 6>;
+  struct Item {
+    Place place;
+    int tag, link;
+  };
+
   // Free nodes that a block reads through ties, and how.
   struct Reduced {
     std::vector<int> node;
@@ -140,6 +157,12 @@ class PenaltyLinks {
   template <class F>
   void for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const;
   double created(const PointStore& points, const Link& k, int d) const;
+  double acts_at(const PointStore& points, const Link& k, int d) const;
+  static Place place_of(const LinkBlock& b);
+  Item item_of(const PointStore& points, const std::vector<Body>& bodies, int link) const;
+  // Appends the blocks of these links, which it sorts.
+  void fill_blocks(const PointStore& points, const std::vector<Body>& bodies, std::vector<Item>& items,
+                   std::vector<LinkBlock>& blocks) const;
   vd energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const;
   // Calls f(column, offset, weight) for the nodes of a block.
   template <class Type, class F>
@@ -158,6 +181,7 @@ class PenaltyLinks {
   double inverse_h_ = 0, density_ = 0;
   std::vector<LinkBlock> blocks_;
   std::vector<Reduced> reduced_;
+  std::vector<Place> concerned_;  // by the last move_places()
   std::vector<AddedMass> shares_;
 };
 

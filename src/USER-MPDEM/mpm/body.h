@@ -36,6 +36,7 @@ inline int lattice_cell(const Body& body, int d, double X) {
 // 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose
 // ones. A piece is one part or, where the body has a crevice (crevice.h), two, its sheets.
 constexpr int kBodyBits = 20;
+constexpr int kMaxBodies = 1 << kBodyBits;
 constexpr int kMaxParts = 1 << (30 - kBodyBits);
 constexpr int kMaxPieces = kMaxParts / 2;
 inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }

@@ -14,7 +14,7 @@ void Resting::bind(const PointStore& points, const Grid& grid) {
   const int n = static_cast<int>(points.meta.size());
   for (int b = 0; b < n;) {
     const int field = field_of(points.meta[b].body, points.meta[b].part);
-    Field f{b, b, 0, 0, false};
+    Field f{field, b, b, 0, 0, false};
     while (b < n && field_of(points.meta[b].body, points.meta[b].part) == field) ++b;
     f.last_block = b;
     const auto below = [](const Key& k, int value) { return k[0] < value; };

@@ -24,14 +24,15 @@ class Resting {
   void advance(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options,
                AdvanceResult& result);
 
+  struct Field {
+    int field, first_block, last_block, first_node, last_node;
+    bool asleep;  // in the last step
+  };
+  const std::vector<Field>& all() const { return fields_; }
   int fields() const { return static_cast<int>(fields_.size()); }
   int asleep() const { return asleep_; }  // in the last step
 
  private:
-  struct Field {
-    int first_block, last_block, first_node, last_node;
-    bool asleep;
-  };
   bool moves(const Field& f, const Grid& grid) const;
   // Passes over the field and tells whether nothing changed.
   bool settle(const Field& f, PointStore& points, Grid& grid, const TensorDamage& law, double dt,

@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -27,8 +28,22 @@ AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>
 
 void AtomVecMpdem::track_orientation(int i) {
   if (slot[i] != kPlain) return;
+  if (grains.size() == grains.capacity()) drop_grains_that_left();
   grains.emplace_back();
   slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
+}
+
+// LIGGGHTS does not tell of atoms that go to another rank or are deleted. Half of the room is free then, so
+// that this is not done at every arrival.
+void AtomVecMpdem::drop_grains_that_left() {
+  std::vector<GrainState> here;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (slot[i] > -2) continue;
+    here.push_back(*grain(i));
+    slot[i] = -2 - (static_cast<int>(here.size()) - 1);
+  }
+  here.reserve(std::max<std::size_t>(64, 2 * here.size()));
+  grains.swap(here);
 }
 
 void AtomVecMpdem::grow(int n) {
@@ -142,6 +157,9 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
     } else if (head[0] != kRestartVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
       status[0] = 2;
       status[1] = head[0];
+    } else if (head[2] > mpdem::kMaxBodies) {
+      status[0] = 4;
+      status[1] = head[2];
     } else {
       bodies.resize(head[2]);
       if (!bodies.empty() && fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
@@ -154,6 +172,9 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
     mpdem::stop_all(lmp, mpdem::text_of("read_restart: data of atom_style mpdem of version ", status[1],
                                         ", this program reads version ", kRestartVersion));
   if (status[0] == 3) mpdem::stop_all(lmp, "read_restart: the file is truncated in the data of atom_style mpdem");
+  if (status[0] == 4)
+    mpdem::stop_all(lmp, mpdem::text_of("read_restart: the file has ", status[1], " bonds, this program takes ",
+                                        mpdem::kMaxBodies, " at most; use the program that wrote it"));
   bodies.resize(status[1]);
   MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);
 }
@@ -169,7 +190,8 @@ void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
 }
 
 bigint AtomVecMpdem::memory_usage() {
-  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage();
+  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage() +
+         static_cast<bigint>(grains.capacity() * sizeof(GrainState));
 }
 
 }  // namespace LAMMPS_NS

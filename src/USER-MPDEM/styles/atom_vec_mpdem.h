@@ -72,6 +72,7 @@ class AtomVecMpdem : public AtomVecSphere {
   bigint memory_usage() override;
 
  private:
+  void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
 };

@@ -206,6 +206,7 @@ void CreateCement::command(int narg, char** arg) {
   std::sort(tags, tags + 2);
 
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  if (avec->bodies.size() == mpdem::kMaxBodies) args.complain(text_of("there are ", mpdem::kMaxBodies, " bonds, which is the most"));
   for (const Body& b : avec->bodies)
     if (b.grain[0] == tags[0] && b.grain[1] == tags[1])
       args.complain(text_of("grains ", tags[0], " and ", tags[1], " have cement already; it would overlap"));

@@ -21,6 +21,7 @@ FixStyle(mpm,FixMpm)
 #include "../coupling/grain_sides.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
+#include "../coupling/resting_links.h"
 #include "../geometry/shape.h"
 #include "../material/tensor_damage.h"
 #include "../mpm/advance_updated.h"
@@ -148,7 +149,7 @@ class FixMpm : public Fix {
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
   void find_rates();
-  void add_forces();
+  void add_forces(bool in_step = true);
   void react_on_grains();
   bool separate_bodies(bool debris);
   void watch_paths();
@@ -204,6 +205,7 @@ class FixMpm : public Fix {
   mpdem::GrainSides sides_;
   mpdem::Relaxation relaxation_;
   mpdem::Resting resting_;
+  mpdem::RestingLinks resting_links_;
   mpdem::UpdatedPass updated_pass_;
   double eigenvalue_ = 0.0;  // found for the present layout, 0: not yet
   std::size_t blocks_when_arranged_ = 0;

@@ -205,6 +205,7 @@ void FixMpm::lay_out_grid() {
     if (relax_ > 0.0) relaxation_.bind(sides_);
   }
   resting_.bind(points, grid_);
+  if (coupled_ && !updated_) resting_links_.bind(links_, resting_, sides_);
   if (updated_) updated_pass_.bind(points, grid_);
   find_owned_grains();
   distribute_grains();  // who looks before the next step is not to find grains at rest

@@ -53,6 +53,7 @@ void FixMpm::post_force(int) {
   // be the step of a restart file.
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
+    distribute_grains();  // a new layout in this step did, and the energy of added mass is not to depend on that
     drop_added_mass();
     if (separate_bodies(true)) rebuild_parts();
   } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
@@ -111,10 +112,11 @@ double FixMpm::kinetic_energy(double kick) const {
 }
 
 // Everything but the internal force, which is on the nodes already.
-void FixMpm::add_forces() {
+void FixMpm::add_forces(bool in_step) {
   timer_.start(mpdem::StepTimer::kCoupling);
   if (coupled_) {
-    links_.add_force(grid_, sides_, skip_detached_);
+    if (in_step && !updated_) resting_links_.add_force(links_, resting_, skip_detached_, grid_, sides_);
+    else links_.add_force(grid_, sides_, skip_detached_);
     links_.carry_added_mass(grid_, sides_);
   }
   timer_.start(mpdem::StepTimer::kHalo);
@@ -278,7 +280,7 @@ void FixMpm::setup(int) {
     mpdem::add_internal_force(avec_->points, grid_, *law_);
   }
   sides_.clear_forces();
-  add_forces();
+  add_forces(false);
   react_on_grains();
   start_bodies();
   fill_atoms();

@@ -170,12 +170,9 @@ void FixMpm::set_time_step(const Fix* running) {
   if (dt == update->dt) return;
   update->dt = dt;
   if (force->pair) force->pair->reset_dt();
-  // Those before it took up the old step in their init.
-  for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i) {
-    if (modify->fix[i] == this) continue;
-    modify->fix[i]->reset_dt();
-    modify->fix[i]->init();
-  }
+  // Those before it took up the old step in their init. Not reset_dt(), which fix move refuses even before a run.
+  for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i)
+    if (modify->fix[i] != this) modify->fix[i]->init();
 }
 
 void FixMpm::report_parameters() {

@@ -120,11 +120,9 @@ void FixMpm::step_updated(double dt) {
 // Links whose place left its cell go into other blocks; where the grid ends, it is laid out anew
 // in the next step, and until then the margin has the nodes.
 void FixMpm::move_links() {
-  links_.build(avec_->points, avec_->bodies, penalty_, cell_, inertia_, basis_);
-  if (!links_.find_columns(grid_))
+  if (!links_.follow_points(avec_->points, avec_->bodies, grid_, sides_))
     mpdem::stop_one(lmp, text_of("fix mpm (id ", id, "): a link moved out of the grid at step ", update->ntimestep,
                                  "; check the motion of the grains and the time step"));
-  links_.bind(sides_);
 }
 
 // Has any point of `total` kinematics distorted by more than is asked for? Collective.
