@@ -19,6 +19,7 @@ struct Body {
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
   double radius[2] = {0, 0};
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
+  double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
   double volume = 0;
   double attached_area[2] = {0, 0};
   double spacing = 0;                                 // of the lattice of the points

@@ -109,6 +109,12 @@ class FixMpm : public Fix {
   void check_scene();
   void check_initial_damage();
   void check_created_positions();
+  void check_box() const;
+  std::string changed_box() const;
+  void check_grains_stayed();
+  std::string changed_radius(int i, double made_for) const;
+  void follow_grains();
+  void report_grain_trouble(bool output_due);
   void find_other_forces();
   void rebuild();
   void rebuild_parts();
@@ -209,6 +215,7 @@ class FixMpm : public Fix {
   std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
   std::vector<char> prescribed_;  // the motion of these
+  std::string grain_trouble_;     // found on this rank, told at the next report
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too

@@ -42,6 +42,7 @@ void FixMpm::check_created_positions() {
 }
 
 void FixMpm::setup_pre_exchange() {
+  check_grains_stayed();
   check_created_positions();
   if (!built_) return;
   // The state is in the points; atoms only show it, and a command that moved them in

@@ -48,6 +48,7 @@ void FixMpm::post_integrate() {
 void FixMpm::post_force(int) {
   const double dt = update->dt;
   totals_at_ = bonds_at_ = -1;  // who asked earlier in this step was told of the last one
+  follow_grains();
   find_rates();
   // After a check; not in it, where the forces of the step are still to be shown, and which may
   // be the step of a restart file.
@@ -209,6 +210,8 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
 
 void FixMpm::end_of_step() {
   timer_.start(mpdem::StepTimer::kOutput);
+  const bool output_due = update->ntimestep == output->next;
+  report_grain_trouble(output_due);
   totals_at_ = bonds_at_ = -1;  // the same, before the work of this step was counted
   // Each half step has the work of its velocity on the force at its end, so that central differences
   // keep the energy; the second half of this step is work ahead.
@@ -216,7 +219,6 @@ void FixMpm::end_of_step() {
   work_ += work.now;
   work_ahead_ = work.now - 0.5 * work.before;
 
-  const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
     write_events();
     check_state();
