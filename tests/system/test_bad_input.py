@@ -97,6 +97,13 @@ CASES = {
     "cement there already": ([("spacing 0.0001\n", f"spacing 0.0001\n{CREATE}\n")], ["create_cement", "1 and 2", "already"]),
     "grains not neighbours": ([("0 0 0.005", "0 0 0.0068"), ("0 0 -0.005", "0 0 -0.0068")],
                               ["create_cement", "1 and 2", "not neighbours", "0.0036", "bring"]),
+    "cement through a third grain": ([("group        grains type 1", "create_atoms 1 single 0 0.0025 0 units box\ngroup third id 3\n"
+                                       "set group third diameter 0.002 density 2500\ngroup        grains type 1")],
+                                     ["create_cement", "points of the cement of grains 1 and 2", "inside grain 3", "as deep as", "smaller"]),
+    "cement through the periodic image of a grain": (
+        [("f f f", "p f f"), ("-0.006 0.006 -0.006", "-0.001 0.006 -0.006"), ("single 0 0 -0.005 units", "single 0.0025 0 -0.005 units"),
+         ("single 0 0 0.005 units", "single 0.0025 0 0.005 units"), ("flat inner 1e-3 outer 2e-3", "coating inner 1e-3 thickness 4e-4")],
+        ["create_cement", "of grains 1 and 2", "periodic"]),
     "no box": ([("create_box   2 box", "#"), ("create_atoms 1 single 0 0 -0.005 units box", "#"),
                 ("create_atoms 1 single 0 0 0.005 units box", "#"), ("set          type 1 diameter 0.01 density 2500", "#"),
                 ("group        grains type 1", "#"), (NEIGHBOURS, "")],

@@ -279,6 +279,7 @@ void CreateCement::command(int narg, char** arg) {
   body.spacing = spacing_;
   body.points = static_cast<double>(fill.size());
   check_overlap(fill, body, args);
+  check_other_grains(fill, body);
   avec->bodies.push_back(body);
   add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
 
