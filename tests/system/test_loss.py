@@ -93,6 +93,9 @@ CASES = {
                                               ["fix mpm (id cem)", "bonded grain 2 jumped by", "step 201", "'timestep'", "anew"]),
     "the step is reset under a formula": ([(RUN, "run 500\nreset_timestep 0\nrun 20\n")],
                                           ["fix mpm (id cem)", "bonded grain 2 jumped by", "step 1,", "'reset_timestep'"]),
+    # the fix that has the motion
+    "no fix mpm": ([("fix          cem calcite", "fix other calcite property/atom a scalar no no no 0 #"),
+                    ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")], ["atom_style mpdem", "no fix mpm", "define", "mpm/couple"]),
     # moved by two or by nothing
     "two fix mpm": ([("group        first", "fix cem2 calcite mpm cell 4e-4 elastic isotropic 40e9 0.2\ngroup        first")],
                     ["fix mpm", "cem2", "cem", "unfix"]),

@@ -9,7 +9,10 @@
 
 #include "arguments.h"
 #include "atom.h"
+#include "fix.h"
 #include "memory.h"
+#include "modify.h"
+#include "update.h"
 
 namespace LAMMPS_NS {
 
@@ -29,6 +32,17 @@ void AtomVecMpdem::track_orientation(int i) {
   if (slot[i] != kPlain) return;
   grains.emplace_back();
   slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
+}
+
+// At the start of a run; other commands that look at all styles call this too.
+void AtomVecMpdem::init() {
+  AtomVecSphere::init();
+  if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
+  for (int k = 0; k < modify->nfix; ++k)
+    if (std::strcmp(modify->fix[k]->style, "mpm") == 0) return;
+  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bodies[0].grain[0], " and ", bodies[0].grain[1],
+                                      " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
+                                      "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
 }
 
 void AtomVecMpdem::grow(int n) {

@@ -60,6 +60,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // The atom style in use, or null.
   static AtomVecMpdem* of(LAMMPS* lmp);
 
+  void init() override;
   void grow(int n) override;
   void copy(int i, int j, int delflag) override;
   int pack_exchange(int i, double* buf) override;
