@@ -96,6 +96,11 @@ CASES = {
     # the fix that has the motion
     "no fix mpm": ([("fix          cem calcite", "fix other calcite property/atom a scalar no no no 0 #"),
                     ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")], ["atom_style mpdem", "no fix mpm", "define", "mpm/couple"]),
+    "the fix is deleted and defined again": (
+        after("unfix bond\nunfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 4e10 0.2\nfix bond grains mpm/couple cem\n"),
+        ["fix mpm (id cem)", "grains 1 and 2", "in motion", "'unfix'", "keep that fix"]),
+    "other axis": ([(RUN, "run 0\nunfix bond\nunfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 4e10 0.2 axis global 1 0 0\n"
+                     "fix bond grains mpm/couple cem\n" + RUN)], ["fix mpm (id cem)", "'axis global 1 0 0'", "by 'axis radial'", "use that"]),
     # moved by two or by nothing
     "two fix mpm": ([("group        first", "fix cem2 calcite mpm cell 4e-4 elastic isotropic 40e9 0.2\ngroup        first")],
                     ["fix mpm", "cem2", "cem", "unfix"]),

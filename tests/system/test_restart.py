@@ -89,8 +89,9 @@ def test_written_during_a_run(tmp_path, figures):
     ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
     ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
     ([("cell 0.0002", "cell 0.0002 edge free")], ["fix mpm (id cem)", "are free", "were tied", "edge tied"]),
-    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["cem", "glue"]),
-], ids=["other cell", "other basis", "other kinematics", "other edge", "other ID"])
+    ([("axis radial", "axis bond")], ["fix mpm (id cem)", "'axis bond'", "by 'axis radial'"]),
+    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["fix mpm (id glue)", "in motion", "ID"]),
+], ids=["other cell", "other basis", "other kinematics", "other edge", "other axis", "other ID"])
 def test_wrong_fix(tmp_path, first, changes, needed):
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     script = restarted("middle.restart") + FIXES + MOVING + "run 10\n"

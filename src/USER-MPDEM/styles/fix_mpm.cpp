@@ -147,6 +147,7 @@ void FixMpm::check_scene() {
   density_ = low;
   inertia_ = mass_scale_ * density_;
   check_box();
+  check_axis();
   check_initial_damage();
   for (const mpdem::Body& b : avec_->bodies) {
     if (b.thickness < cell_)

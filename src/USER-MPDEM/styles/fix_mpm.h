@@ -135,6 +135,9 @@ class FixMpm : public Fix {
   void drop_added_mass();
   void take_up_added_mass(bool drop_inert);
   void set_frames(mpdem::PointStore& points) const;
+  std::string axis_name(int rule, const double* direction) const;
+  void check_axis() const;
+  void remember_axis();
   void start_bodies();
   struct StepWork {
     double now, before;
@@ -176,7 +179,7 @@ class FixMpm : public Fix {
 
   // words of the script
   double cell_ = 0.0;
-  enum { kRadial, kBond, kGlobal } axis_ = kRadial;
+  enum { kRadial = 1, kBond, kGlobal } axis_ = kRadial;  // values are in restart files
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
@@ -219,7 +222,7 @@ class FixMpm : public Fix {
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
-  bool built_ = false, reported_ = false;
+  bool built_ = false, reported_ = false, all_in_motion_ = false;
   int bodies_started_ = 0;  // the first of the table; the others are new and where they were made
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   bigint points_expected_ = -1;

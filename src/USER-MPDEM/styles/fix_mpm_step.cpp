@@ -226,6 +226,9 @@ void FixMpm::end_of_step() {
     check_state();
   }
   if (output_due) fill_atoms();
+  if (!all_in_motion_)
+    for (mpdem::Body& b : avec_->bodies) b.in_motion = 1.0;
+  all_in_motion_ = true;
   timer_.stop();
 }
 
@@ -256,6 +259,7 @@ void FixMpm::setup(int) {
   advance_.ticks = mpdem::PassTicks();
   totals_at_ = bonds_at_ = -1;
   jump_.clear();
+  all_in_motion_ = false;  // bodies may be new
   report_parameters();
   write_events();
   distribute_grains();
