@@ -35,6 +35,9 @@ CASES = {
     # out of the box or the grid
     "points leave the box": (FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
     "points leave the box, updated": (UPDATED + FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
+    "points leave the box, unstable": ([("fix          bond grains mpm/couple cem kn auto kt auto\n", ""),
+                                        (RUN, "velocity calcite set 1e6 0 0\n" + RUN)],
+                                       ["fix mpm (id cem)", "left the simulation box", "moves 2.5 cells a step", "smaller time step"]),
     "points leave the grid": (UPDATED + [(HOLD + PULL, "fix motion grains nve/sphere\n"),
                                          (RUN, 'variable v atom "1e6*z/0.0005"\nvelocity calcite set v_v 0 0\n' + RUN)],
                               ["fix mpm (id cem)", "more than two cells", "check"]),

@@ -137,6 +137,8 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const auto word = own.find(key);
+    // words of a shape once for each
+    if (key != "shape") args.once(key, word == own.end() || shapes.empty() ? "" : text_of("shape number ", shapes.size()));
     if (key == "shape") {
       shapes.emplace_back();
       shapes.back().style = args.choice(key, {"flat", "meniscus", "coating"});

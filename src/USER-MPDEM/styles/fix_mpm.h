@@ -130,6 +130,7 @@ class FixMpm : public Fix {
   std::vector<int> bodies_to_untie();
   std::vector<double> motion_of_bodies() const;
   void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
+  std::string flight(int i) const;
   void find_owned_grains();
   void refresh_added_mass();
   void drop_added_mass();

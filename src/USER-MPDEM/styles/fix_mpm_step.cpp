@@ -306,6 +306,15 @@ void FixMpm::start_bodies() {
   bodies_started_ = bodies;
 }
 
+// What to do about a material point that is out of the box, by its speed.
+std::string FixMpm::flight(int i) const {
+  const double* v = atom->v[i];
+  const double cells = dt_last_ / cell_ * std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (cells < 0.5) return "use a larger or periodic box";
+  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains and the contact model, and use a "
+                 "smaller time step");
+}
+
 void FixMpm::fill_atoms() {
   sync_slots();
   const mpdem::PointStore& points = avec_->points;
@@ -343,7 +352,7 @@ void FixMpm::fill_atoms() {
       if (!(x[d] >= domain->boxlo[d] && x[d] <= domain->boxhi[d]) && trouble.empty())
         trouble = text_of("fix mpm (id ", id, "): material point ", atom->tag[i], " left the simulation box at step ",
                           update->ntimestep, " (", "xyz"[d], " = ", x[d], ", box ", domain->boxlo[d], " to ",
-                          domain->boxhi[d], "); use a larger or periodic box");
+                          domain->boxhi[d], "); ", flight(i));
   }
   mpdem::stop_if_any(lmp, trouble);
 }
