@@ -38,8 +38,9 @@ void AtomVecMpdem::track_orientation(int i) {
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
+  // fix mpm/couple says itself that its fix mpm is gone, and which it was
   for (int k = 0; k < modify->nfix; ++k)
-    if (std::strcmp(modify->fix[k]->style, "mpm") == 0) return;
+    if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
   mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bodies[0].grain[0], " and ", bodies[0].grain[1],
                                       " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
                                       "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
