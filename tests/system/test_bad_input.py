@@ -35,6 +35,14 @@ CASES = {
         [("run 10\n", "compute d calcite mpm/atom cem\nrun 10\n")], ["compute mpm/atom (id d)", "missing", "one of", "damage"]),
     "fix mpm: no cell": ([("cell 0.0002", "")], ["fix mpm (id cem)", "cell", "missing"]),
     "fix mpm: negative cell": ([("cell 0.0002", "cell -0.0002")], ["fix mpm (id cem)", "-0.0002", "greater than 0"]),
+    "fix mpm: word of damage elsewhere": (with_damage("damage tensor B0 9.6e3 check 10 viscosity 1e-6"),
+                                          ["fix mpm (id cem)", "'viscosity' belongs to", "damage tensor B0 ... viscosity"]),
+    "fix mpm: twice": ([("axis radial", "axis radial cell 2e-4")], ["fix mpm (id cem)", "'cell' is given twice", "once"]),
+    "fix mpm: word of damage twice": (with_damage("damage tensor B0 9.6e3 cutoff 0.9 cutoff 0.8"), ["'cutoff' is given twice in damage tensor"]),
+    "fix mpm: skip twice": ([("axis radial", "axis radial skip failed yes skip failed no")], ["'skip failed' is given twice"]),
+    "fix mpm/couple: twice": ([("kt auto", "kt auto kn 1e12")], ["fix mpm/couple (id bond)", "'kn' is given twice"]),
+    "create_cement: twice": ([("outer 2e-3", "outer 2e-3 outer 1.5e-3")], ["create_cement", "'outer' is given twice in shape number 1"]),
+    "create_cement: spacing twice": ([("spacing 0.0001", "spacing 0.0001 spacing 2e-4")], ["create_cement", "'spacing' is given twice"]),
     # method
     "basis": ([("axis radial", "axis radial basis quartic")], ["fix mpm (id cem)", "quartic", "one of", "quadratic"]),
     "kinematics": ([("axis radial", "axis radial kinematics euler")], ["fix mpm (id cem)", "euler", "one of", "updated"]),
@@ -97,6 +105,13 @@ CASES = {
     "cement there already": ([("spacing 0.0001\n", f"spacing 0.0001\n{CREATE}\n")], ["create_cement", "1 and 2", "already"]),
     "grains not neighbours": ([("0 0 0.005", "0 0 0.0068"), ("0 0 -0.005", "0 0 -0.0068")],
                               ["create_cement", "1 and 2", "not neighbours", "0.0036", "bring"]),
+    "cement through a third grain": ([("group        grains type 1", "create_atoms 1 single 0 0.0025 0 units box\ngroup third id 3\n"
+                                       "set group third diameter 0.002 density 2500\ngroup        grains type 1")],
+                                     ["create_cement", "points of the cement of grains 1 and 2", "inside grain 3", "as deep as", "smaller"]),
+    "cement through the periodic image of a grain": (
+        [("f f f", "p f f"), ("-0.006 0.006 -0.006", "-0.001 0.006 -0.006"), ("single 0 0 -0.005 units", "single 0.0025 0 -0.005 units"),
+         ("single 0 0 0.005 units", "single 0.0025 0 0.005 units"), ("flat inner 1e-3 outer 2e-3", "coating inner 1e-3 thickness 4e-4")],
+        ["create_cement", "of grains 1 and 2", "periodic"]),
     "no box": ([("create_box   2 box", "#"), ("create_atoms 1 single 0 0 -0.005 units box", "#"),
                 ("create_atoms 1 single 0 0 0.005 units box", "#"), ("set          type 1 diameter 0.01 density 2500", "#"),
                 ("group        grains type 1", "#"), (NEIGHBOURS, "")],

@@ -57,3 +57,13 @@ def test_asked_for_early_in_a_step(tmp_path):
     assert plain["f_bond[14]"][-1] > 1
     for c in plain:
         assert (plain[c] == asked[c]).all(), c
+
+
+def test_at_rest(tmp_path):
+    """Where rounding of positions is all that there is, the imbalance is 0, not the ratio of two roundings."""
+    script = edit(edit(pair(1e-4, gap=2e-4, boundary="p p p"), "single 0 0 -0.0051 units", "single 0.00593 0.0051 0.0077 units"),
+                  "single 0 0 0.0051 units", "single -0.00597 0.0052 -0.0071 units")
+    script += cement(2e-4, 1e-9) + "fix motion grains nve/sphere\n" + thermo(10, ["f_cem[7]", "f_cem[12]"]) + "run 50\n"
+    table = run(script, tmp_path).table()
+    assert table["f_cem[7]"].max() > 0.0, "no rounding to tell of"
+    assert (table["f_cem[12]"] == 0.0).all()

@@ -35,6 +35,9 @@ CASES = {
     # out of the box or the grid
     "points leave the box": (FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
     "points leave the box, updated": (UPDATED + FLY + [(RUN, "run 3000\n")], ["fix mpm (id cem)", "left the simulation box", "larger"]),
+    "points leave the box, unstable": ([("fix          bond grains mpm/couple cem kn auto kt auto\n", ""),
+                                        (RUN, "velocity calcite set 1e6 0 0\n" + RUN)],
+                                       ["fix mpm (id cem)", "left the simulation box", "moves 2.5 cells a step", "smaller time step"]),
     "points leave the grid": (UPDATED + [(HOLD + PULL, "fix motion grains nve/sphere\n"),
                                          (RUN, 'variable v atom "1e6*z/0.0005"\nvelocity calcite set v_v 0 0\n' + RUN)],
                               ["fix mpm (id cem)", "more than two cells", "check"]),
@@ -68,6 +71,39 @@ CASES = {
     "IDs change": (THIRD + [(HOLD, HOLD + "fix rest third freeze\n"), *after("delete_atoms group third\n")],
                    ["fix mpm (id cem)", "delete_atoms", "compress no"]),
     "points are replicated": ([("f f f", "p p p"), ("timestep     1e-09", "replicate 2 1 1 offset 0.012 0.012 0.025 shift 0 0 0\ntimestep     1e-09")], ["fix mpm (id cem)", "IDs of atoms", "replicate"]),
+    # bonded grains that go where nothing in the scene moves them, or change size
+    "a grain is displaced before the run": (before("displace_atoms second move 0 0 1e-6 units box\n"),
+                                            ["fix mpm (id cem)", "moved bonded grain 2 by 1e-06", "cement was made", "create_cement"]),
+    "a grain is displaced between runs": (after("displace_atoms second move 0 1e-9 0 units box\n"),
+                                          ["fix mpm (id cem)", "moved bonded grain 2 by 1e-09", "last run", "displace_atoms"]),
+    "a grain is set elsewhere": (FREE + after("set group second x 1e-8\n"), ["fix mpm (id cem)", "moved bonded grain 2", "'set'"]),
+    "a grain is displaced without a setup": ([(HOLD + PULL, "fix motion grains nve/sphere\n"),
+                                              (RUN, RUN + "displace_atoms second move 0 0 1e-7 units box\nrun 20 pre no\n")],
+                                             ["fix mpm (id cem)", "bonded grain 2 jumped by 1e-07 in step 21", "displace_atoms"]),
+    "a grain grows": (after("set group second diameter 0.0101\n"),
+                      ["fix mpm (id cem)", "bonded grain 2 has radius 0.00505", "made for 0.005", "create_cement"]),
+    "a grain grows in the run": ([(RUN, "variable d equal 0.01*(1+1e-6*step)\nfix grow second adapt 1 atom diameter v_d\n" + RUN)],
+                                 ["fix mpm (id cem)", "bonded grain 2 has radius", "step 1", "fix adapt"]),
+    "the box scales": (after("change_box grains z scale 1.01 remap units box\n"), ["fix mpm (id cem)", "moved bonded grain", "change_box"]),
+    "the periodic box changes": ([("f f f", "f f p"), *before("change_box grains z delta 0 1e-3 units box\n")],
+                                 ["fix mpm (id cem)", "periodic in z with length 0.026", "0.025", "change_box", "before create_cement"]),
+    "the periodic box changes without a setup": ([("f f f", "f f p"), (RUN, RUN + "change_box grains z delta 0 1e-3 units box\nrun 20 pre no\n")],
+                                                 ["fix mpm (id cem)", "periodic in z with length 0.026", "at step 21"]),
+    "the box is deformed": ([("f f f", "f f p"), *before("fix squeeze grains deform 1 z erate -1 remap x\n")],
+                            ["fix mpm (id cem)", "'squeeze' (deform)", "walls"]),
+    "the time step changes under a formula": ([(HOLD + PULL, "fix hold first move linear 0 0 0\nfix pull second move linear 0 0 1\n"),
+                                               ("run 20\n", "run 200\ntimestep 5e-10\nrun 20\n")],
+                                              ["fix mpm (id cem)", "bonded grain 2 jumped by", "step 201", "'timestep'", "anew"]),
+    "the step is reset under a formula": ([(RUN, "run 500\nreset_timestep 0\nrun 20\n")],
+                                          ["fix mpm (id cem)", "bonded grain 2 jumped by", "step 1,", "'reset_timestep'"]),
+    # the fix that has the motion
+    "no fix mpm": ([("fix          cem calcite", "fix other calcite property/atom a scalar no no no 0 #"),
+                    ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")], ["atom_style mpdem", "no fix mpm", "define", "mpm/couple"]),
+    "the fix is deleted and defined again": (
+        after("unfix bond\nunfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 4e10 0.2\nfix bond grains mpm/couple cem\n"),
+        ["fix mpm (id cem)", "grains 1 and 2", "in motion", "'unfix'", "keep that fix"]),
+    "other axis": ([(RUN, "run 0\nunfix bond\nunfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 4e10 0.2 axis global 1 0 0\n"
+                     "fix bond grains mpm/couple cem\n" + RUN)], ["fix mpm (id cem)", "'axis global 1 0 0'", "by 'axis radial'", "use that"]),
     # moved by two or by nothing
     "two fix mpm": ([("group        first", "fix cem2 calcite mpm cell 4e-4 elastic isotropic 40e9 0.2\ngroup        first")],
                     ["fix mpm", "cem2", "cem", "unfix"]),
@@ -101,6 +137,14 @@ def test_message(tmp_path, name, ranks):
 @pytest.mark.parametrize("hold", ["fix hold first freeze\n", HOLD, "fix rest first nve/sphere\nfix hold first freeze\n"])
 def test_ways_to_hold_a_grain(tmp_path, hold):
     result = launch(edit(GOOD, HOLD, hold), tmp_path)
+    assert result.status == 0 and not result.errors(), result.output[-2000:]
+
+
+def test_commands_that_leave_grains_where_they_are(tmp_path):
+    """Runs in parts, a motion defined anew with its formulas, another time step of free grains: none is a displacement."""
+    script = edit(GOOD, "f f f", "p p p") + "run 0\nrun 20 pre no\nunfix pull\nfix pull second move linear 0 0 0\nrun 5\n"
+    script += "unfix pull\nunfix hold\nfix motion grains nve/sphere\nvelocity grains set 30 30 30\ntimestep 5e-10\nrun 20\nreset_timestep 0\nrun 20\n"
+    result = launch(script, tmp_path, 2)
     assert result.status == 0 and not result.errors(), result.output[-2000:]
 
 

@@ -240,12 +240,12 @@ def test_initial_damage_against_the_cutoff(ring, tmp_path):
             assert word in result.errors()[0], result.errors()[0]
 
 
-@pytest.mark.parametrize("second", ["shape coating thickness 4e-4", "shape flat inner 1e-3 outer 2e-3"])
+@pytest.mark.parametrize("second", ["shape coating thickness 4e-4 cap 60", "shape flat inner 1e-3 outer 2e-3"])
 def test_overlapping_cement(tmp_path, second):
-    """Shells of two bonds of one grain overlap; flat bonds on its opposite sides do not."""
-    text = pair(SPACING, half_box=(6e-3, 6e-3, 16e-3))
-    text = edit(text, "set          type 1", f"create_atoms 1 single 0 0 {3 * RADIUS:.15g} units box\nset          type 1")
-    coat = "shape coating thickness 4e-4" if "coating" in second else "shape flat inner 1e-3 outer 2e-3"
+    """Shells of two bonds of one grain, which leave the third grain free, overlap; flat bonds do not."""
+    text = pair(SPACING, half_box=(16e-3, 6e-3, 16e-3))
+    text = edit(text, "set          type 1", f"create_atoms 1 single {1.9696 * RADIUS:.15g} 0 {1.3473 * RADIUS:.15g} units box\nset          type 1")
+    coat = "shape coating thickness 4e-4 cap 60" if "coating" in second else "shape flat inner 1e-3 outer 2e-3"
     text = edit(text, MADE, f"create_cement calcite pair 1 2 {coat} spacing 2e-4\ncreate_cement calcite pair 2 3 {second} spacing 2e-4\n"
                 if "coating" in second else MADE + f"create_cement calcite pair 2 3 {coat} spacing 1e-4\n")
     for ranks in (1, 2):

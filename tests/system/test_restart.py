@@ -118,8 +118,9 @@ def test_peak_goes_on_whoever_asks(tmp_path):
     ([("cell 0.0002", "cell 0.0002 basis cubic")], ["fix mpm (id cem)", "basis cubic", "basis quadratic"]),
     ([("cell 0.0002", "cell 0.0002 kinematics updated")], ["fix mpm (id cem)", "kinematics updated", "kinematics total"]),
     ([("cell 0.0002", "cell 0.0002 edge free")], ["fix mpm (id cem)", "are free", "were tied", "edge tied"]),
-    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["cem", "glue"]),
-], ids=["other cell", "other basis", "other kinematics", "other edge", "other ID"])
+    ([("axis radial", "axis bond")], ["fix mpm (id cem)", "'axis bond'", "by 'axis radial'"]),
+    ([("fix          cem", "fix          glue"), ("couple cem", "couple glue")], ["fix mpm (id glue)", "in motion", "ID"]),
+], ids=["other cell", "other basis", "other kinematics", "other edge", "other axis", "other ID"])
 def test_wrong_fix(tmp_path, first, changes, needed):
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     script = restarted("middle.restart") + FIXES + MOVING + "run 10\n"
@@ -176,7 +177,7 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     at = whole.index(b"MPDEMrst") + 8
     bare = whole[:-BYTES_OF_SEAL]
     result = read_in(tmp_path, bare[:at] + (2).to_bytes(4, "little") + bare[at + 4:])
-    assert result.status != 0 and "version 2, this program reads version 5" in result.errors()[0]
+    assert result.status != 0 and "version 2, this program reads version 6" in result.errors()[0]
     result = read_in(tmp_path, bare[:at + 12] + bytes(4) + bare[at + 16:])
     assert result.status == 0, result.output[-1000:]
     for bonds, needed in (((1 << 20) + 1, "1048577 bonds, this program takes 1048576 at most"), (1 << 20, "truncated")):

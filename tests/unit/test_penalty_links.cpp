@@ -181,7 +181,7 @@ TEST_P(Links, FollowPointsThatChangeCells) {
       s->motion = one.motion;
       s->add_force();
       std::fill(s->grid.penalty.begin(), s->grid.penalty.end(), 0.0);
-      s->links.add_stiffness(s->grid, 0.2);
+      s->links.add_stiffness(s->grid, s->sides, 0.2, 4.0);
     }
     EXPECT_EQ(one.grid.force, two.grid.force);
     EXPECT_EQ(one.grid.penalty, two.grid.penalty);

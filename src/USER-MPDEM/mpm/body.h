@@ -19,6 +19,9 @@ struct Body {
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
   double radius[2] = {0, 0};
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
+  double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
+  double axis[4] = {0, 0, 0, 0};  // rule by which fix mpm made frames of points, 0: none yet; its direction
+  double in_motion = 0;           // 1 after the first step: the displacement is in the nodes of a fix mpm
   double volume = 0;
   double attached_area[2] = {0, 0};
   double spacing = 0;                                 // of the lattice of the points

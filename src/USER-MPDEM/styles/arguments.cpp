@@ -49,6 +49,11 @@ std::string Arguments::word(const std::string& what) {
   return arg_[next_++];
 }
 
+void Arguments::once(const std::string& keyword, const std::string& scope) {
+  if (!given_.insert(scope + ' ' + keyword).second)
+    complain("'" + keyword + "' is given twice" + (scope.empty() ? "" : " in " + scope) + "; give it once");
+}
+
 bool Arguments::accept(const std::string& keyword) {
   if (empty() || keyword != arg_[next_]) return false;
   ++next_;

@@ -7,6 +7,7 @@
 #ifndef MPDEM_ARGUMENTS_H
 #define MPDEM_ARGUMENTS_H
 
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -28,6 +29,9 @@ class Arguments {
   std::string word(const std::string& what);
   bool accept(const std::string& keyword);  // takes the next word if it is this one
 
+  // Complains if `keyword` was given before; within `scope`, where each may come once.
+  void once(const std::string& keyword, const std::string& scope = "");
+
   // A number with all of its characters; `allowed` is the text of the range.
   double number(const std::string& keyword);
   double positive(const std::string& keyword);
@@ -45,6 +49,7 @@ class Arguments {
   int narg_;
   char** arg_;
   int next_;
+  std::set<std::string> given_;
 };
 
 template <class... T>

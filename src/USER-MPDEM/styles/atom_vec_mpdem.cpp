@@ -10,7 +10,10 @@
 
 #include "arguments.h"
 #include "atom.h"
+#include "fix.h"
 #include "memory.h"
+#include "modify.h"
+#include "update.h"
 
 namespace LAMMPS_NS {
 
@@ -44,6 +47,18 @@ void AtomVecMpdem::drop_grains_that_left() {
   }
   here.reserve(std::max<std::size_t>(64, 2 * here.size()));
   grains.swap(here);
+}
+
+// At the start of a run; other commands that look at all styles call this too.
+void AtomVecMpdem::init() {
+  AtomVecSphere::init();
+  if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
+  // fix mpm/couple says itself that its fix mpm is gone, and which it was
+  for (int k = 0; k < modify->nfix; ++k)
+    if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
+  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bodies[0].grain[0], " and ", bodies[0].grain[1],
+                                      " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
+                                      "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
 }
 
 void AtomVecMpdem::grow(int n) {

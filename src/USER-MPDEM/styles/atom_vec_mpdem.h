@@ -35,11 +35,13 @@ class AtomVecMpdem : public AtomVecSphere {
   int* slot = nullptr;
   mpdem::PointStore points;
   std::vector<mpdem::Body> bodies;
-  // What LIGGGHTS does not keep of a bonded grain: orientation, velocities when forces were computed
-  // last, once they have been (else 0), and the rates of prescribed ones.
+  // What LIGGGHTS does not keep of a bonded grain: orientation; velocities when forces were computed last,
+  // once they have been (`seen`, else 0), and the rates of prescribed ones; unwrapped position at that
+  // time, before it when cement was made (`placed`).
   struct GrainState {
     double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
     double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0}, a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0};
+    double placed = 0.0, x[3] = {0, 0, 0};
   };
   std::vector<GrainState> grains;
 
@@ -52,12 +54,13 @@ class AtomVecMpdem : public AtomVecSphere {
   // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
   // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 5, kRestartHead = 4;
+  static constexpr int kRestartVersion = 6, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
   static AtomVecMpdem* of(LAMMPS* lmp);
 
+  void init() override;
   void grow(int n) override;
   void copy(int i, int j, int delflag) override;
   int pack_exchange(int i, double* buf) override;

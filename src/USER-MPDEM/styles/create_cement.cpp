@@ -67,7 +67,11 @@ CreateCement::Grain CreateCement::find_grain(int tag, const Arguments& args) con
     mine[12] = avec->is_point(i);
     if (!avec->is_point(i)) {
       avec->track_orientation(i);
-      std::copy(avec->orientation(i), avec->orientation(i) + 4, &mine[8]);
+      AtomVecMpdem::GrainState& g = *avec->grain(i);
+      std::copy(g.q, g.q + 4, &mine[8]);
+      // Other cement of the grain knows it where it was.
+      if (g.placed == 0.0) std::copy(u, u + 3, g.x);
+      g.placed = 1.0;
     }
   }
   MPI_Allreduce(&count, &found, 1, MPI_INT, MPI_SUM, world);
@@ -133,6 +137,8 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const auto word = own.find(key);
+    // words of a shape once for each
+    if (key != "shape") args.once(key, word == own.end() || shapes.empty() ? "" : text_of("shape number ", shapes.size()));
     if (key == "shape") {
       shapes.emplace_back();
       shapes.back().style = args.choice(key, {"flat", "meniscus", "coating"});
@@ -271,10 +277,12 @@ void CreateCement::command(int narg, char** arg) {
     body.shift[1][c] = domain->periodicity[c] ? boxes * domain->prd[c] : 0.0;
     const double first = std::round(body.shift[0][c] / domain->prd[c]);
     body.shift[0][c] = domain->periodicity[c] ? first * domain->prd[c] : 0.0;
+    body.box[c] = domain->periodicity[c] ? domain->prd[c] : 0.0;
   }
   body.spacing = spacing_;
   body.points = static_cast<double>(fill.size());
   check_overlap(fill, body, args);
+  check_other_grains(fill, body);
   avec->bodies.push_back(body);
   add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
 

@@ -54,6 +54,8 @@ class CreateCement : protected Pointers {
   double most_points() const;
   void check_overlap(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, const mpdem::Arguments& args) const;
 
+  void check_other_grains(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body) const;
+
   std::string file_;
   double attach_ = 0;
   int groupbit_ = 0;

@@ -160,4 +160,50 @@ void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem
                             "; make one of them smaller (a coating: 'cap')"));
 }
 
+// Points inside another grain than the two, or in another image of these. Each rank looks at its own grains,
+// all of whose images may come near. Collective.
+void CreateCement::check_other_grains(const std::vector<FillPoint>& fill, const mpdem::Body& body) const {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  Vector3 low = Vector3::Constant(1e300), high = -low;
+  for (const FillPoint& p : fill) {
+    low = low.cwiseMin(p.X);
+    high = high.cwiseMax(p.X);
+  }
+  const double tolerance = 0.5 * spacing_;
+  const int images[3] = {domain->periodicity[0], domain->periodicity[1], domain->periodicity[2]};
+  int inside = 0, tag = 0;
+  double deepest = 0.0;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (avec->is_point(i)) continue;
+    for (int a = -images[0]; a <= images[0]; ++a)
+      for (int b = -images[1]; b <= images[1]; ++b)
+        for (int c = -images[2]; c <= images[2]; ++c) {
+          const int box[3] = {a, b, c};
+          Vector3 centre;
+          for (int d = 0; d < 3; ++d) centre[d] = atom->x[i][d] + box[d] * domain->prd[d] - body.origin[d];
+          const double within = atom->radius[i] - tolerance;
+          if (within <= 0.0 || (centre - centre.cwiseMax(low).cwiseMin(high)).norm() >= within) continue;
+          bool own = false;
+          for (int s = 0; s < 2; ++s)
+            own = own || (atom->tag[i] == body.grain[s] &&
+                          (centre - Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2])).norm() < tolerance);
+          if (own) continue;
+          for (const FillPoint& p : fill) {
+            const double depth = atom->radius[i] - (p.X - centre).norm();
+            if (depth <= tolerance) continue;
+            ++inside;
+            if (depth > deepest) tag = atom->tag[i];
+            deepest = std::max(deepest, depth);
+          }
+        }
+  }
+  std::string trouble;
+  if (inside > 0)
+    trouble = text_of("create_cement: ", inside, " of ", fill.size(), " points of the cement of grains ", body.grain[0], " and ", body.grain[1],
+                      " lie inside grain ", tag, tag == body.grain[0] || tag == body.grain[1] ? ", in another image of the periodic box" : "",
+                      ", as deep as ", deepest, " (half a spacing, ", tolerance, ", is allowed); make the shape smaller, a coating by 'cap' or "
+                      "'thickness', or move that grain away before");
+  mpdem::stop_if_any(lmp, trouble);
+}
+
 }  // namespace LAMMPS_NS

@@ -146,6 +146,8 @@ void FixMpm::check_scene() {
     mpdem::stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
   density_ = low;
   inertia_ = mass_scale_ * density_;
+  check_box();
+  check_axis();
   check_initial_damage();
   for (const mpdem::Body& b : avec_->bodies) {
     if (b.thickness < cell_)

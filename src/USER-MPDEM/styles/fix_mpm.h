@@ -111,6 +111,12 @@ class FixMpm : public Fix {
   void check_scene();
   void check_initial_damage();
   void check_created_positions();
+  void check_box() const;
+  std::string changed_box() const;
+  void check_grains_stayed();
+  std::string changed_radius(int i, double made_for) const;
+  void follow_grains();
+  void report_grain_trouble(bool output_due);
   void find_other_forces();
   void rebuild();
   void rebuild_parts();
@@ -126,11 +132,15 @@ class FixMpm : public Fix {
   std::vector<int> bodies_to_untie();
   std::vector<double> motion_of_bodies() const;
   void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
+  std::string flight(int i) const;
   void find_owned_grains();
   void refresh_added_mass();
   void drop_added_mass();
   void take_up_added_mass(bool drop_inert);
   void set_frames(mpdem::PointStore& points) const;
+  std::string axis_name(int rule, const double* direction) const;
+  void check_axis() const;
+  void remember_axis();
   void start_bodies();
   struct StepWork {
     double now, before;
@@ -176,7 +186,7 @@ class FixMpm : public Fix {
 
   // words of the script
   double cell_ = 0.0;
-  enum { kRadial, kBond, kGlobal } axis_ = kRadial;
+  enum { kRadial = 1, kBond, kGlobal } axis_ = kRadial;  // values are in restart files
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
@@ -217,10 +227,11 @@ class FixMpm : public Fix {
   std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
   std::vector<mpdem::PrescribedMotion> prescribed_;  // of these
+  std::string grain_trouble_;     // found on this rank, told at the next report
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
-  bool built_ = false, reported_ = false;
+  bool built_ = false, reported_ = false, all_in_motion_ = false;
   int bodies_started_ = 0;  // the first of the table; the others are new and where they were made
   double dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   double auto_step_ = 0.0;  // what `timestep auto` found last

@@ -46,6 +46,7 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bodies.size()));
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
+    args.once(key);
     if (key == "kn") {
       kn_ = args.accept("auto") ? -1.0 : args.positive(key);
     } else if (key == "kt") {

@@ -30,6 +30,12 @@ void FixMpm::check_created_positions() {
     const int index = avec_->points.meta[b].body;
     if (index < bodies_started_) continue;
     const mpdem::Body& body = avec_->bodies[index];
+    if (body.in_motion != 0.0)
+      trouble = text_of("fix mpm (id ", id, "): the cement of grains ", body.grain[0], " and ", body.grain[1], " has been in motion, which "
+                        "the nodes of another fix mpm had: it was deleted by 'unfix', or was not defined with the ID it has in the restart "
+                        "file before the first run; keep that fix, or after read_restart define it with that ID at once. For other "
+                        "parameters create the cement in a new scene (write_cement, create_cement ... file)");
+    if (!trouble.empty()) continue;
     double x[3], most = 0.0;
     for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + avec_->points.blocks[b].X[d][l];
     domain->remap(x);
@@ -42,6 +48,7 @@ void FixMpm::check_created_positions() {
 }
 
 void FixMpm::setup_pre_exchange() {
+  check_grains_stayed();
   check_created_positions();
   if (!built_) return;
   // The state is in the points; atoms only show it, and a command that moved them in
@@ -77,6 +84,7 @@ void FixMpm::pre_exchange() {
 void FixMpm::setup_pre_neighbor() {
   count_points();
   divide_bodies(static_cast<int>(has_sheets_.size()));
+  remember_axis();
   rebuild();
   // New bodies may be cracked. Others, which after read_restart may have come apart since they were
   // looked at, wait for the step of the next look, so that a run in parts is the run as a whole.
@@ -237,6 +245,39 @@ void FixMpm::take_up_added_mass(bool drop_inert) {
   if (drop_inert) links_.drop_inertia(avec_->points);
   refresh_added_mass();
   released_ += before - links_.inertial_energy(grid_, sides_);
+}
+
+std::string FixMpm::axis_name(int rule, const double* direction) const {
+  if (rule == kGlobal) return text_of("global ", direction[0], " ", direction[1], " ", direction[2]);
+  return rule == kBond ? "bond" : "radial";
+}
+
+// Frames stay those of the first run, whatever a fix that is defined again says.
+void FixMpm::check_axis() const {
+  for (const mpdem::Body& b : avec_->bodies) {
+    double along = 0.0;
+    for (int d = 0; d < 3; ++d) along += b.axis[1 + d] * axis_direction_[d];
+    const int rule = static_cast<int>(b.axis[0]);
+    if (rule == 0 || (rule == axis_ && (rule != kGlobal || std::fabs(along) > 1.0 - 1e-12))) continue;
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'axis ", axis_name(axis_, axis_direction_), "' but the axes of the cement of grains ",
+                                 b.grain[0], " and ", b.grain[1], " were set in its first run, by 'axis ", axis_name(rule, b.axis + 1),
+                                 "'; use that, or create the cement anew"));
+  }
+}
+
+// Of bodies some of whose points have no frame yet. Collective.
+void FixMpm::remember_axis() {
+  std::vector<mpdem::Body>& bodies = avec_->bodies;
+  if (std::all_of(bodies.begin(), bodies.end(), [](const mpdem::Body& b) { return b.axis[0] != 0.0; })) return;
+  std::vector<int> open(bodies.size(), 0);
+  for (const mpdem::BlockMeta& m : avec_->points.meta)
+    if (m.framed != m.occupied) open[m.body] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, world);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (!open[b] || bodies[b].axis[0] != 0.0) continue;
+    bodies[b].axis[0] = axis_;
+    std::copy(axis_direction_, axis_direction_ + 3, bodies[b].axis + 1);
+  }
 }
 
 // Frame of each new point: third axis along the axis of the elasticity.

@@ -48,6 +48,7 @@ void FixMpm::post_integrate() {
 void FixMpm::post_force(int) {
   const double dt = update->dt;
   totals_at_ = bonds_at_ = -1;  // who asked earlier in this step was told of the last one
+  follow_grains();
   find_rates();
   // After a check; not in it, where the forces of the step are still to be shown, and which may
   // be the step of a restart file.
@@ -221,6 +222,8 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
 
 void FixMpm::end_of_step() {
   timer_.start(mpdem::StepTimer::kOutput);
+  const bool output_due = update->ntimestep == output->next;
+  report_grain_trouble(output_due);
   totals_at_ = bonds_at_ = -1;  // the same, before the work of this step was counted
   // Each half step has the work of its velocity on the force at its end, so that central differences
   // keep the energy; the second half of this step is work ahead.
@@ -228,7 +231,6 @@ void FixMpm::end_of_step() {
   work_ += work.now;
   work_ahead_ = work.now - 0.5 * work.before;
 
-  const bool output_due = update->ntimestep == output->next;
   if (update->ntimestep % check_every_ == 0) {
     write_events();
     check_state();
@@ -236,6 +238,9 @@ void FixMpm::end_of_step() {
     check_state();
   }
   if (output_due) fill_atoms();
+  if (!all_in_motion_)
+    for (mpdem::Body& b : avec_->bodies) b.in_motion = 1.0;
+  all_in_motion_ = true;
   timer_.stop();
 }
 
@@ -266,6 +271,7 @@ void FixMpm::setup(int) {
   advance_.ticks = mpdem::PassTicks();
   totals_at_ = bonds_at_ = -1;
   jump_.clear();
+  all_in_motion_ = false;  // bodies may be new
   report_parameters();
   write_events();
   distribute_grains();
@@ -311,6 +317,15 @@ void FixMpm::start_bodies() {
   bodies_started_ = bodies;
 }
 
+// What to do about a material point that is out of the box, by its speed.
+std::string FixMpm::flight(int i) const {
+  const double* v = atom->v[i];
+  const double cells = dt_last_ / cell_ * std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (cells < 0.5) return "use a larger or periodic box";
+  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains and the contact model, and use a "
+                 "smaller time step");
+}
+
 void FixMpm::fill_atoms() {
   sync_slots();
   const mpdem::PointStore& points = avec_->points;
@@ -348,7 +363,7 @@ void FixMpm::fill_atoms() {
       if (!(x[d] >= domain->boxlo[d] && x[d] <= domain->boxhi[d]) && trouble.empty())
         trouble = text_of("fix mpm (id ", id, "): material point ", atom->tag[i], " left the simulation box at step ",
                           update->ntimestep, " (", "xyz"[d], " = ", x[d], ", box ", domain->boxlo[d], " to ",
-                          domain->boxhi[d], "); use a larger or periodic box");
+                          domain->boxhi[d], "); ", flight(i));
   }
   mpdem::stop_if_any(lmp, trouble);
 }

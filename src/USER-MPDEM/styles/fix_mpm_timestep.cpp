@@ -182,7 +182,7 @@ void FixMpm::report_parameters() {
     std::string text = text_of(
         "fix mpm (id ", id, "): ", points_expected_, " material points, ", avec_->bodies.size(), " bodies, cell ", cell_,
         "\n  elastic   Ep ", constants_.Ep, ", Ez ", constants_.Ez, ", nu_p ", constants_.nu_p, ", nu_zp ", constants_.nu_zp,
-        ", Gzp ", constants_.Gzp, ", C33 ", law_->elasticity().C33, "\n");
+        ", Gzp ", constants_.Gzp, ", C33 ", law_->elasticity().C33, "\n  axis      ", axis_name(axis_, axis_direction_), "\n");
     if (p.B0 > 0.0) {
       text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full",
                       ", zeta ", p.zeta, ", interface ", p.interface, ", viscosity ", p.viscosity, ", crack band exponent ", p.exponent, "\n");

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Words of fix mpm in the script, see doc/fix_mpm.md.
+#include <algorithm>
 #include <cmath>
 
 #include "arguments.h"
@@ -18,6 +19,9 @@ namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
                                             "regularization", "timestep", "quasistatic", "skip", "check", "events",
                                             "and after 'damage tensor' B0, cutoff, evolution, zeta, interface, viscosity"};
+const std::vector<std::string> kDamageKeywords = {"B0", "cutoff", "evolution", "zeta", "interface", "viscosity"};
+
+bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 }  // namespace
 
 void FixMpm::parse(int narg, char** arg) {
@@ -28,6 +32,11 @@ void FixMpm::parse(int narg, char** arg) {
   mpdem::DamageParameters damage;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
+    if (is_one_of(key, kDamageKeywords))
+      args.complain("'" + key + "' belongs to the words of 'damage tensor', with no other keyword between; write it there: "
+                    "'damage tensor B0 ... " + (key == "B0" ? "" : key + " ...") + "'");
+    // one `skip` for each thing that may be skipped; `reproject` in two ways has a message of its own
+    if (is_one_of(key, kKeywords) && key != "skip" && key != "reproject") args.once(key);
     if (key == "cell") {
       cell_ = args.positive(key);
     } else if (key == "basis") {
@@ -73,7 +82,9 @@ void FixMpm::parse(int narg, char** arg) {
     } else if (key == "regularization") {
       fracture_energy_ = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
-      if (args.accept("auto")) reproject_distortion_ = args.positive("reproject auto");
+      const bool automatic = args.accept("auto");
+      args.once(automatic ? "reproject auto" : "reproject N");
+      if (automatic) reproject_distortion_ = args.positive("reproject auto");
       else reproject_every_ = args.integer(key, 1);
     } else if (key == "skip") {
       parse_skip(args);
@@ -115,21 +126,26 @@ void FixMpm::parse_damage(Arguments& args, mpdem::DamageParameters& damage) {
     damage.B0 = 0.0;
     return;
   }
+  const auto next = [&args](const char* keyword) {
+    if (!args.accept(keyword)) return false;
+    args.once(keyword, "damage tensor");
+    return true;
+  };
   while (true) {
-    if (args.accept("B0")) damage.B0 = args.positive("damage tensor B0");
-    else if (args.accept("cutoff")) {
+    if (next("B0")) damage.B0 = args.positive("damage tensor B0");
+    else if (next("cutoff")) {
       damage.Dcut = args.number("damage tensor cutoff");
       if (!(damage.Dcut > 0.0 && damage.Dcut < 1.0))
         args.complain(text_of("'damage tensor cutoff ", damage.Dcut, "': must lie between 0 and 1, both excluded"));
-    } else if (args.accept("evolution")) {
+    } else if (next("evolution")) {
       damage.monotone = args.choice("damage tensor evolution", {"monotone", "full"}) == "monotone";
-    } else if (args.accept("zeta")) {
+    } else if (next("zeta")) {
       damage.zeta = args.number("damage tensor zeta");
       if (!(damage.zeta > 0.0 && damage.zeta <= 1.0))
         args.complain(text_of("'damage tensor zeta ", damage.zeta, "': tensile over compressive strength, must lie in (0, 1]"));
-    } else if (args.accept("interface")) {
+    } else if (next("interface")) {
       damage.interface = args.positive("damage tensor interface");
-    } else if (args.accept("viscosity")) {
+    } else if (next("viscosity")) {
       damage.viscosity = args.positive("damage tensor viscosity");
     } else {
       break;
@@ -159,6 +175,7 @@ void FixMpm::parse_transfer(Arguments& args) {
 
 void FixMpm::parse_skip(Arguments& args) {
   const std::string name = args.choice("skip", {"undamaged", "failed", "detached", "resting", "all"});
+  args.once("skip " + name);
   const bool on = args.yes_no("skip " + name);
   if (name == "undamaged" || name == "all") skip_.skip_undamaged = on;
   if (name == "failed" || name == "all") skip_.skip_failed = on;
