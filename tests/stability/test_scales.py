@@ -110,5 +110,5 @@ def test_loading_rate(speed, tmp_path, figures):
     t = run(script, tmp_path).table()
     assert all(np.isfinite(c).all() for c in t.values()) and t["f_cem[2]"][-1] > 100
     peak = t["f_bond"].argmax()
-    figures.below(f"{speed:g} m/s, {steps} steps: imbalance of the energy after the peak", abs(t["f_cem[12]"][peak:]).max(), 0.02)
+    figures.below(f"{speed:g} m/s, {steps} steps: imbalance of the energy after the peak", abs(t["f_cem[12]"][peak:]).max(), 0.002)
     figures.note(f"{speed:g} m/s: peak force", f"{t['f_bond'].max():.0f} N")

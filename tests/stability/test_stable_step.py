@@ -26,7 +26,7 @@ def test_time_step(way, tmp_path, figures, long):
         script = bond(**words_of(way), timestep=f"{share * limit:.15g}") + pull(0.01, 40 * limit)
         t = run(script + thermo(steps // 50, ["f_bond", "f_cem[5]", "f_cem[12]"]) + f"run {steps}\n", tmp_path / str(share)).table()
         assert all(np.isfinite(c).all() for c in t.values())
-        figures.below(f"{way or 'default'}, {share} of the limit: imbalance of the energy", abs(t["f_cem[12]"][25:]).max(), 0.02)
+        figures.below(f"{way or 'default'}, {share} of the limit: imbalance of the energy", abs(t["f_cem[12]"][25:]).max(), 1e-4)
         force[share] = t["f_bond"][25:].mean()
     for share in (0.9, 0.98):
         figures.below(f"{way or 'default'}, {share} against 0.5 of the limit: mean force", abs(force[share] / force[0.5] - 1), 0.05)
