@@ -198,8 +198,8 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
   const double half = 0.5 * dt_last_;
   StepWork power{0.0, 0.0};
   for (const OwnedSide& o : owned_) {
+    if (!coupled_ || o.body < first_body) continue;
     const mpdem::GrainSide& s = sides_.sides[o.at];
-    if (!coupled_ || s.body < first_body) continue;
     for (int d = 0; d < 3; ++d) {
       power.now -= s.force[d] * atom->v[o.atom][d] + s.torque[d] * atom->omega[o.atom][d];
       power.before -= s.force[d] * (s.v[d] - half * s.a[d]) + s.torque[d] * (s.omega[d] - half * s.alpha[d]);
