@@ -35,7 +35,8 @@ struct Scene {
   std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
   Random random;
 
-  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic) : random(seed) {
+  // parts: of the second body
+  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2) : random(seed) {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
       Body& body = bodies[b];
@@ -51,7 +52,7 @@ struct Scene {
       for (int i = 0; i < 60; ++i) {
         PointRecord r;
         r.body = b;
-        r.part = b * random.index(2);
+        r.part = b * random.index(parts);
         r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
         const Vector X = 0.15 * random.vector();
         copy(X, r.X);

@@ -2,17 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "private_access.h"
 
-namespace mpdem {
+#include "../styles/expose.h"
 
-namespace {
+namespace mpdem {
 
 using LAMMPS_NS::Input;
 using LAMMPS_NS::Modify;
-
-template <class Tag, typename Tag::Type Member>
-struct Expose {
-  friend typename Tag::Type member(Tag) { return Member; }
-};
 
 struct FixMap {
   using Type = std::map<std::string, FixCreator>* Modify::*;
@@ -29,8 +24,6 @@ struct CommandMap {
 template struct Expose<FixMap, &Modify::fix_map>;
 template struct Expose<ComputeMap, &Modify::compute_map>;
 template struct Expose<CommandMap, &Input::command_map>;
-
-}  // namespace
 
 std::map<std::string, FixCreator>& fix_styles(Modify* modify) { return *(modify->*member(FixMap{})); }
 std::map<std::string, ComputeCreator>& compute_styles(Modify* modify) { return *(modify->*member(ComputeMap{})); }

@@ -175,7 +175,7 @@ class FixMpm : public Fix {
   double eigenvalue_bound() const;
   double stability_bound() const;
   std::map<int, double> link_stiffness() const;
-  double grain_frequency2(int i, double stiffness) const;
+  double grain_frequency2(int i, const mpdem::PrescribedMotion& p, double stiffness) const;
   double shear_speed() const;
   double relaxation_rate() const;
   double step_for(double eigenvalue) const;

@@ -135,7 +135,10 @@ void FixMpm::find_owned_grains() {
   prescribed_.clear();
   for (int i : grains_here_) prescribed_.push_back(mpdem::prescribed_motion(lmp, i));
   const std::map<int, double> stiffness = link_stiffness();
-  for (OwnedSide& o : owned_) o.frequency2 = grain_frequency2(o.atom, stiffness.at(atom->tag[o.atom]));
+  for (OwnedSide& o : owned_) {
+    const std::size_t n = std::lower_bound(grains_here_.begin(), grains_here_.end(), o.atom) - grains_here_.begin();
+    o.frequency2 = grain_frequency2(o.atom, prescribed_[n], stiffness.at(atom->tag[o.atom]));
+  }
 }
 
 void FixMpm::rebuild() {

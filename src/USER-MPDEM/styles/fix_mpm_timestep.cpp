@@ -45,8 +45,7 @@ std::map<int, double> FixMpm::link_stiffness() const {
 
 // Stiffness over the mass that the grain has against it, 0 where its motion is prescribed: a bound of the square
 // of its frequency on its links. The moment of inertia is 2/5 M r^2, the lever arm r.
-double FixMpm::grain_frequency2(int i, double stiffness) const {
-  const mpdem::PrescribedMotion p = mpdem::prescribed_motion(lmp, i);
+double FixMpm::grain_frequency2(int i, const mpdem::PrescribedMotion& p, double stiffness) const {
   return ((p.any_translation_free() ? 1.0 : 0.0) + (p.rotation ? 0.0 : 2.5)) * stiffness / atom->rmass[i];
 }
 
@@ -63,7 +62,7 @@ double FixMpm::relaxation_rate() const {
   }
   for (int i = 0; i < atom->nlocal; ++i) {
     const auto it = avec_->is_point(i) ? inertia.end() : inertia.find(atom->tag[i]);
-    if (it != inertia.end()) share = std::max(share, grain_frequency2(i, it->second));
+    if (it != inertia.end()) share = std::max(share, grain_frequency2(i, mpdem::prescribed_motion(lmp, i), it->second));
   }
   MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   return rate * (1.0 + most);
@@ -77,7 +76,7 @@ double FixMpm::step_for(double eigenvalue) const {
     for (int i = 0; i < atom->nlocal; ++i) {
       if (avec_->is_point(i)) continue;
       const auto it = stiffness.find(atom->tag[i]);
-      if (it != stiffness.end()) worst = std::max(worst, grain_frequency2(i, it->second));
+      if (it != stiffness.end()) worst = std::max(worst, grain_frequency2(i, mpdem::prescribed_motion(lmp, i), it->second));
     }
     MPI_Allreduce(&worst, &all, 1, MPI_DOUBLE, MPI_MAX, world);
     w2 += all;

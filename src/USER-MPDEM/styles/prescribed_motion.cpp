@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "atom.h"
+#include "expose.h"
 #include "fix.h"
 #include "fix_move.h"
 #include "lammps.h"
@@ -12,15 +13,8 @@
 
 namespace mpdem {
 
-namespace {
-
 using LAMMPS_NS::FixMove;
 
-// Members without an accessor: the arguments of an explicit instantiation may name them ([temp.spec]).
-template <class Tag, typename Tag::Type Member>
-struct Expose {
-  friend typename Tag::Type member(Tag) { return Member; }
-};
 #define MPDEM_EXPOSE(T, M)           \
   struct M##_of_move {               \
     using Type = T FixMove::*;       \
@@ -41,6 +35,8 @@ MPDEM_EXPOSE(char*, vxvarstr)
 MPDEM_EXPOSE(char*, vyvarstr)
 MPDEM_EXPOSE(char*, vzvarstr)
 #undef MPDEM_EXPOSE
+
+namespace {
 
 // Whether the motion along direction d is given.
 bool gives(const FixMove* move, int d) {
