@@ -192,23 +192,34 @@ def test_inserted_into_another_group(ranks, tmp_path):
 
 def test_added_mass(tmp_path, figures):
     """What the fix prints of the mass that links add, on one rank and on two, and how it falls with the time step."""
-    said = {}
-    for dt in (1e-7, 2e-7, 2.7e-7):
+    said, held = {}, []
+    steps = np.array([1e-7, 2e-7, 2.7e-7])
+    for dt in steps:
         script = shorter(edit(SCRIPT, "dt     index 1e-7", f"dt     index {dt}"), 0)
         for ranks in (1, 2):
             output = run(script, start_in(tmp_path), ranks).output
             found = re.findall(r"links +add to the nodes (\S+) of mass, (\S+) of the cement's; those of one free grain up to (\S+) of its", output)
             assert len(found) == 1, output
             assert said.setdefault(dt, found[0]) == found[0]
+        script = edit(edit(script, "upper move variable NULL NULL v_z NULL NULL v_w", "upper move linear 0 0 0"),
+                      "motion free nve/sphere", "motion free move linear 0 0 0")
+        output = run(script, start_in(tmp_path)).output
+        held.append(float(re.findall(r"links +add to the nodes (\S+) of mass, \S+ of the cement's$", output, re.M)[0]))
         figures.note(f"rain, {dt} s: mass that links add, over that of the cement, and of a free grain over that of the grain",
                      f"{said[dt][1]}, {said[dt][2]}")
     total, share, of_grain = (np.array([float(said[dt][n]) for dt in said]) for n in range(3))
-    # four ends of bonds that are alike; the one at the lightest free bead takes the most, since a light grain moves
-    # with its links, but all four are within what the bead adds to them
-    lighter = 4 / 3 * np.pi * 0.002**3 * 1200
-    quarters = 4 * of_grain * lighter / total
-    assert (quarters > 1 - 3e-5).all() and (np.diff(quarters) > 0).all() and quarters[-1] < 4, quarters
-    cement = total / share
+    held, cement = np.array(held), total / share
+    # The lightest grain leaves the links this share of the bound, the others more. A node has the mass that the bound
+    # asks for less its own, so that what free grains add is between that of held ones and the same over the share, and
+    # the cement's own mass that this leaves out at most.
+    radius, outer, mass = 0.002, 1e-3, 4 / 3 * np.pi * 0.002**3 * 1200
+    area = 2 * np.pi * radius * (radius - np.sqrt(radius**2 - outer**2))
+    left = 1 - steps**2 / 4 * 3.5 * 200 * (1e8 * 0.75 / (1.25 * 0.5)) / 2e-4 * area / mass
+    assert (0.3 < left).all() and (left < 0.95).all(), left
+    assert (total > held).all() and (left * total < held + (1 - left) * cement).all(), (total, held, left)
+    # four ends of bonds that are alike, of which that at the lightest grain has the most; the others have more than if held
+    of_lightest = of_grain * mass
+    assert (4 * of_lightest > total).all() and (of_lightest < total - 0.5 * held).all(), (of_lightest, total, held)
     figures.below("rain: mass of the cement that the shares imply, against each other", abs(cement / cement[0] - 1).max(), 3e-5)
     assert total[1] > 4 * total[0] and total[2] > total[1]
 
