@@ -174,12 +174,17 @@ TEST(Grid, AddedMassIsEnoughAndNoMore) {
   test::Random random(114);
   Cement c(kH, test::scattered(random, kH, 3, 5), 0.7);
   c.grid.lump_mass(c.points, 1.0);
-  std::vector<double> k(c.grid.size());
+  std::vector<double> k(c.grid.size()), of_sides(2 * c.grid.size());
   const double dt = 1e-3;
   for (double& v : k) v = random.index(2) ? 0.0 : std::pow(10.0, random.uniform(3, 8));
+  for (int n = 0; n < c.grid.size(); ++n) {
+    const double share = random.uniform(0, 1);
+    of_sides[2 * n] = share * k[n];
+    of_sides[2 * n + 1] = k[n] - of_sides[2 * n];
+  }
   for (double bound : {4.0, 2.0})
     for (double share : {0.0, 0.25, 1.0}) {
-      c.grid.penalty = k;
+      c.grid.penalty = of_sides;
       const double lambda = share * bound / (dt * dt);
       c.grid.set_added_mass(dt, lambda, false, bound);
       int some = 0;

@@ -181,7 +181,7 @@ TEST_P(Links, FollowPointsThatChangeCells) {
       s->motion = one.motion;
       s->add_force();
       std::fill(s->grid.penalty.begin(), s->grid.penalty.end(), 0.0);
-      s->links.add_stiffness(s->grid, s->sides, 0.2, 4.0);
+      s->links.add_stiffness(s->grid, s->sides, 0.2);
     }
     EXPECT_EQ(one.grid.force, two.grid.force);
     EXPECT_EQ(one.grid.penalty, two.grid.penalty);
@@ -194,9 +194,9 @@ TEST_P(Links, FollowPointsThatChangeCells) {
 TEST_P(Links, LetGo) {
   Scene s(137, parameters(GetParam()));
   s.place_grains(0.2, 1.0);
-  s.links.add_stiffness(s.grid, s.sides, 0.2, 4.0);
+  s.links.add_stiffness(s.grid, s.sides, 0.2);
   s.grid.set_added_mass(0.2, 0.0, false, 4.0);
-  s.links.share_added_mass(s.grid);
+  s.links.share_added_mass(s.grid, s.sides);
   const double before = s.energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
   EXPECT_GT(inertial, 0.0);
   std::vector<int> failed;
@@ -221,9 +221,9 @@ TEST_P(Links, LetGo) {
   };
   const auto inertial_of = [&](PenaltyLinks& links) {
     std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-    links.add_stiffness(s.grid, s.sides, 0.2, 4.0);
+    links.add_stiffness(s.grid, s.sides, 0.2);
     s.grid.set_added_mass(0.2, 0.0, false, 4.0);
-    links.share_added_mass(s.grid);
+    links.share_added_mass(s.grid, s.sides);
     return links.inertial_energy(s.grid, s.sides);
   };
   EXPECT_EQ(inertial_of(s.links), inertial);

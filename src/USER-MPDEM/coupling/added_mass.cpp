@@ -89,111 +89,127 @@ void PenaltyLinks::drop_inertia(PointStore& points) {
   }
 }
 
-void PenaltyLinks::add_stiffness(Grid& grid, const GrainSides& sides, double dt, double bound) {
-  constexpr double kLeast = 0.01;  // of the bound, for the cement: who calls has a step that leaves it some
+void PenaltyLinks::add_stiffness(Grid& grid, const GrainSides& sides, double dt) {
   const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
-  with_basis(basis_, [&](auto type) {
-    for (LinkBlock& b : blocks_) {
-      if (!b.inert) continue;
-      const double left = std::max(kLeast, 1.0 - dt * dt * sides.sides[b.at].frequency2 / bound);
-      b.inertia = (k * b.inert_area + damper * b.inert_damper) / left;
-      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = b.inertia * row_sum(b, w);
-      for_each_free_node(b, w, [&](long node, vd weight) { grid.penalty[node] += sum_lanes(row * abs(weight)); });
-    }
-  });
-}
-
-void PenaltyLinks::share_added_mass(const Grid& grid) {
-  shares_.clear();
-  if (std::none_of(grid.added_mass.begin(), grid.added_mass.end(), [](double m) { return m != 0.0; })) return;
-  std::vector<double> of_side[2];
-  std::vector<int> at_side[2];
-  for (int s = 0; s < 2; ++s) {
-    of_side[s].assign(grid.size(), 0.0);
-    at_side[s].assign(grid.size(), -1);
-  }
   with_basis(basis_, [&](auto type) {
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
+      const vd inertia = (1.0 + sides.sides[b.at].mass_ratio) * (k * b.inert_area + damper * b.inert_damper);
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = b.inertia * row_sum(b, w);
-      for_each_free_node(b, w, [&](long node, vd weight) {
-        if (grid.added_mass[node] == 0.0) return;
-        of_side[b.side][node] += sum_lanes(row * abs(weight));
-        at_side[b.side][node] = b.at;
-      });
+      const vd row = inertia * row_sum(b, w);
+      for_each_free_node(b, w, [&](long node, vd weight) { grid.penalty[2 * node + b.side] += sum_lanes(row * abs(weight)); });
     }
   });
-  // the node's added mass belongs to its links by their share of its stiffness
-  for (int i = 0; i < grid.size(); ++i)
-    for (int s = 0; s < 2; ++s)
-      if (at_side[s][i] >= 0) shares_.push_back({at_side[s][i], i, grid.added_mass[i] / grid.penalty[i] * of_side[s][i]});
 }
 
-// Calls f(share, place from the grain's centre) for all nodes with added mass.
-template <class F>
-void PenaltyLinks::for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const {
-  for (const AddedMass& a : shares_) {
-    const GrainSide& s = sides.sides[a.at];
-    double r[3];
-    for (int d = 0; d < 3; ++d) r[d] = grid.keys[a.node][1 + d] * grid.h + grid.displacement[3 * a.node + d] - s.x[d];
-    f(a, r);
+// The node's added mass belongs to its links by their share of its stiffness.
+void PenaltyLinks::share_added_mass(const Grid& grid, const GrainSides& sides) {
+  shares_.clear();
+  int body = -1, first = -1;
+  for (int i = 0; i < grid.size(); ++i) {
+    if (grid.added_mass[i] == 0.0) continue;
+    if (body_of(grid.keys[i][0]) != body) {
+      body = body_of(grid.keys[i][0]);
+      first = sides.find(body, 0);
+    }
+    const double *k = &grid.penalty[2 * i], unit = grid.added_mass[i] / (k[0] + k[1]);
+    shares_.push_back({i, {first, first + 1}, {unit * k[0], unit * k[1]}});
   }
 }
+
+void PenaltyLinks::lever_arm(const Grid& grid, int node, const GrainSide& s, double* r) {
+  for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
+}
+
+namespace {
+
+// Acceleration of the grain at r from its centre.
+void acceleration_at(const GrainSide& s, const double* r, double* a) {
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, g = (d + 2) % 3;
+    a[d] = s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e];
+  }
+}
+
+void add_to_grain(const double* r, const double* f, double scale, GrainSide& s) {
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, g = (d + 2) % 3;
+    s.force[d] += scale * f[d];
+    s.torque[d] += scale * (r[e] * f[g] - r[g] * f[e]);
+  }
+}
+
+// Calls f(node, mass, side, place from its centre) for all added mass.
+template <class Sides, class F>
+void for_each(const std::vector<PenaltyLinks::AddedMass>& shares, const Grid& grid, Sides& sides, F f) {
+  for (const PenaltyLinks::AddedMass& a : shares)
+    for (int side = 0; side < 2; ++side) {
+      if (a.mass[side] == 0.0) continue;
+      auto& s = sides.sides[a.at[side]];
+      double r[3];
+      PenaltyLinks::lever_arm(grid, a.node, s, r);
+      f(a.node, a.mass[side], s, r);
+    }
+}
+
+}  // namespace
 
 void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
   const auto accelerates = [](const GrainSide& s) {
     return std::any_of(s.a, s.a + 3, [](double a) { return a != 0.0; }) || std::any_of(s.alpha, s.alpha + 3, [](double a) { return a != 0.0; });
   };
   if (std::none_of(sides.sides.begin(), sides.sides.end(), accelerates)) return;
-  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
-    GrainSide& s = sides.sides[share.at];
-    double f[3];
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      f[d] = share.mass * (s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e]);
-    }
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      grid.force[3 * share.node + d] += f[d];
-      s.force[d] -= f[d];
-      s.torque[d] -= r[e] * f[g] - r[g] * f[e];
-    }
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
+    double a[3];
+    acceleration_at(s, r, a);
+    for (int d = 0; d < 3; ++d) grid.force[3 * node + d] += mass * a[d];
+    if (counts[node]) add_to_grain(r, a, -mass, s);
   });
 }
 
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
-  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
-    GrainSide& s = sides.sides[share.at];
-    const double *a = &field[3 * share.node], m = share.mass;
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      s.force[d] += scale * m * a[d];
-      s.torque[d] += scale * m * (r[e] * a[g] - r[g] * a[e]);
-    }
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
+    if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s);
   });
+}
+
+double PenaltyLinks::inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const {
+  double power = 0.0;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
+    if (!counts[node]) return;
+    double a[3];
+    acceleration_at(s, r, a);
+    for (int d = 0; d < 3; ++d) power += mass * (grid.acceleration[3 * node + d] - a[d]) * field[3 * node + d];
+  });
+  return power;
 }
 
 double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides, double early, double late,
                                      int first_body) const {
   double energy = 0.0;
-  for_each_added_mass(grid, sides, [&](const AddedMass& share, const double* r) {
-    const GrainSide& s = sides.sides[share.at];
-    if (s.body < first_body) return;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
+    if (s.body < first_body || !counts[node]) return;
+    double rate[3];
+    acceleration_at(s, r, rate);
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
-      const double v = grid.velocity[3 * share.node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
-      const double a = grid.acceleration[3 * share.node + d] - s.a[d] - (s.alpha[e] * r[g] - s.alpha[g] * r[e]);
-      energy += 0.5 * share.mass * (v + early * a) * (v + late * a);
+      const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
+      const double a = grid.acceleration[3 * node + d] - rate[d];
+      energy += 0.5 * mass * (v + early * a) * (v + late * a);
     }
   });
   return energy;
 }
 
-std::vector<double> PenaltyLinks::added_mass(const GrainSides& sides) const {
+std::vector<double> PenaltyLinks::added_mass(const Grid& grid, const GrainSides& sides) const {
   std::vector<double> mass(sides.sides.size(), 0.0);
-  for (const AddedMass& a : shares_) mass[a.at] += a.mass;
+  for (const AddedMass& a : shares_)
+    for (int s = 0; s < 2; ++s)
+      if (grid.halo.counts_here()[a.node]) mass[a.at[s]] += a.mass[s];
   return mass;
 }
 

@@ -7,7 +7,7 @@
 namespace mpdem {
 
 namespace {
-constexpr int kMotion = 21;  // present, x, v, omega, q, a, alpha, frequency2
+constexpr int kMotion = 21;  // present, x, v, omega, q, a, alpha, mass_ratio
 }
 
 Mat3<double> rotation_of(const double* q) {
@@ -17,10 +17,15 @@ Mat3<double> rotation_of(const double* q) {
            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
 }
 
-void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& needed,
+void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& nodes,
                        const std::vector<Key>& owned) {
-  std::vector<Key> keys = needed;
-  keys.insert(keys.end(), owned.begin(), owned.end());
+  std::vector<Key> keys = owned;
+  for (const Key& k : owned) keys.push_back({k[0], 1 - k[1], 0, 0});
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const int body = body_of(nodes[i][0]);
+    if (i == 0 || body != body_of(nodes[i - 1][0]))
+      for (int s = 0; s < 2; ++s) keys.push_back({body, s, 0, 0});
+  }
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   sides.assign(keys.size(), GrainSide{});
@@ -61,7 +66,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       b[14 + d] = m.a[d];
       b[17 + d] = m.alpha[d];
     }
-    b[20] = m.frequency2;
+    b[20] = m.mass_ratio;
   }
   // All but the owner contribute zero, so the sum is the owner's word, exactly.
   halo_.sum(buffer_.data(), kMotion);
@@ -77,8 +82,19 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       s.a[d] = b[14 + d];
       s.alpha[d] = b[17 + d];
     }
-    s.frequency2 = b[20];
+    s.mass_ratio = b[20];
     s.R = rotation_of(b + 10);
+  }
+}
+
+void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acceleration) {
+  buffer_.assign(6 * sides.size(), 0.0);
+  for (std::size_t i = 0; i < owned_at_.size(); ++i)
+    std::copy(acceleration[i].begin(), acceleration[i].end(), &buffer_[6 * owned_at_[i]]);
+  halo_.sum(buffer_.data(), 6);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    std::copy(&buffer_[6 * i], &buffer_[6 * i] + 3, sides[i].a);
+    std::copy(&buffer_[6 * i] + 3, &buffer_[6 * i] + 6, sides[i].alpha);
   }
 }
 

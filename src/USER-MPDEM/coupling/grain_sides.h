@@ -8,6 +8,7 @@
 #ifndef MPDEM_GRAIN_SIDES_H
 #define MPDEM_GRAIN_SIDES_H
 
+#include <array>
 #include <vector>
 
 #include "../material/tensor3.h"
@@ -21,8 +22,8 @@ struct GrainSide {
   int tag;
   // motion, lengths from the body's origin
   double x[3], v[3], omega[3];
-  double a[3], alpha[3];  // rates of v and omega where they are prescribed, else zero
-  double frequency2;      // bound of the square of its frequency on all its links, the cement held; 0 if prescribed
+  double a[3], alpha[3];  // rates of v and omega: what distribute() says until set_accelerations()
+  double mass_ratio;      // see PenaltyLinks; 0 if prescribed
   Mat3<double> R;  // body frame of the grain to global
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
@@ -32,24 +33,30 @@ class GrainSides {
  public:
   std::vector<GrainSide> sides;  // ascending in body, side
 
-  // Collective. needed: (body, side) with links here; owned: (body, side) whose grain is
-  // an atom of this rank. Both ascending, each once.
-  void build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& needed,
-             const std::vector<Key>& owned);
+  // Collective. nodes: of the grid of this rank; owned: (body, side) whose grain is an atom of this rank, each
+  // once. Both ascending. The bodies of either have both their sides here, one behind the other.
+  void build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& nodes, const std::vector<Key>& owned);
 
   int find(int body, int side) const;
 
   // Motion of a grain this rank owns; x unwrapped and global, q the unit quaternion.
   struct Motion {
-    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, frequency2 = 0;
+    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, mass_ratio = 0;
   };
 
   // Collective. motion[i] belongs to owned key i.
   void distribute(const std::vector<Body>& bodies, const std::vector<Motion>& motion);
 
+  // Collective. a and alpha of owned key i.
+  void set_accelerations(const std::vector<std::array<double, 6>>& acceleration);
+
   void clear_forces();
   // Collective. Sums force and torque over the holders.
   void sum_forces();
+  // Collective. Sums over the holders of each side, width doubles each.
+  void sum(double* values, int width) { halo_.sum(values, width); }
+  // Place in `sides` of each owned key.
+  const std::vector<int>& owned() const { return owned_at_; }
 
   // Sides whose grain is owned by no rank, after distribute(): the grain is gone.
   int orphan() const { return orphan_; }

@@ -92,14 +92,6 @@ void PenaltyLinks::fill_blocks(const PointStore& points, const std::vector<Body>
   }
 }
 
-std::vector<Key> PenaltyLinks::needed_sides() const {
-  std::vector<Key> keys;
-  for (const LinkBlock& b : blocks_) keys.push_back({b.body, b.side, 0, 0});
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  return keys;
-}
-
 void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
   for (LinkBlock& b : blocks_) cells.push_back({field_of(b.body, b.part), b.base, b.column});
 }

@@ -25,10 +25,12 @@
 // Semi-implicit in the node: where the row sum of the penalty stiffness k is too stiff for
 // the time step, the node's mass is raised just enough (Grid::set_added_mass). A damper g,
 // which acts on the velocity of half a step ago, counts as a spring 2 g/dt: a step is stable
-// if k dt^2 + 2 g dt <= 4 m. A grain that is free takes a part of the motion of its links: since
-// (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2 for any t, they count (1 + t)-fold, with the t at which
-// (1 + 1/t) times the square of its own frequency is the bound. The force this withholds from the
-// node, -c a, acts on the grain as +c a at the node's place, so momentum and angular momentum stay exact.
+// if k dt^2 + 2 g dt <= 4 m. Added mass c is that of the motion u - R of the node against the grain (as if fixed to
+// it there); the force -c (u - R)'' acts on the grain with the opposite sign at the node's place, so momentum and
+// angular momentum stay exact. Where the node's own mass does part of the work of c but the grain R is free, since
+// (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2 for any t, links count (1 + t)-fold, with t the mass of the cement over
+// what the grain has of inertia against it (`mass_ratio`): the grain's own kinetic energy then covers the rest.
+// Accelerations of free grains: grain_accelerations.h.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
@@ -50,10 +52,9 @@ struct PenaltyParameters {
 class PenaltyLinks {
  public:
   // Lays out the links of the store in blocks of one cell and one side.
-  // Call add_cells() before the grid is built, needed_sides() before the sides, bind() after.
+  // Call add_cells() before the grid is built, bind() after the sides.
   void build(const PointStore& points, const std::vector<Body>& bodies, const PenaltyParameters& parameters,
              double cell, double density, Basis basis = Basis::quadratic);
-  std::vector<Key> needed_sides() const;
   void add_cells(std::vector<Grid::Cell>& cells);
   void bind(const GrainSides& sides);
   // After the grid is built: nodes and weights of links that read tied nodes, with their masters.
@@ -75,12 +76,19 @@ class PenaltyLinks {
   void renumber(const std::vector<int>& new_place);
 
   // Row-summed stiffness of this rank's links, and of their dampers at this time step, into
-  // grid.penalty. bound: the largest dt^2 times square of a frequency. Links that let go count,
-  // and react, until drop_inertia() is called.
-  void add_stiffness(Grid& grid, const GrainSides& sides, double dt, double bound);
+  // grid.penalty. Links that let go count, and react, until drop_inertia() is called.
+  void add_stiffness(Grid& grid, const GrainSides& sides, double dt);
   void drop_inertia(PointStore& points);
   // After Grid::set_added_mass(): whose the added mass of each node is, for what follows.
-  void share_added_mass(const Grid& grid);
+  void share_added_mass(const Grid& grid, const GrainSides& sides);
+  // Of the nodes of this rank, whoever has the links.
+  struct AddedMass {
+    int node, at[2];  // places of the sides
+    double mass[2];   // of the links to either
+  };
+  const std::vector<AddedMass>& added_masses() const { return shares_; }
+  // Of a node, from the grain's centre.
+  static void lever_arm(const Grid& grid, int node, const GrainSide& s, double* r);
 
   // Penalty force of the present positions on nodes and grains.
   void add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
@@ -93,11 +101,13 @@ class PenaltyLinks {
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
   // of the acceleration later. Bodies from first_body on.
   double damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
-  // Added mass moves with its grain: force on nodes, and back on the grains, that takes it along where
-  // their motion is prescribed.
+  // Added mass moves with its grain: force on nodes, after their sum over ranks, and back on the grains, before theirs,
+  // that takes it along.
   void carry_added_mass(Grid& grid, GrainSides& sides) const;
   // Reaction of the added mass to the acceleration scale * field of the nodes.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
+  // Power of the acceleration of the added mass relative to the grains on the velocity `field` of the nodes.
+  double inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
 
   // Frees the links of points that failed (slots, ascending); returns how many, and adds
   // the spring energy they gave up to `released`.
@@ -110,8 +120,8 @@ class PenaltyLinks {
   // velocity after the times `early` and `late` of the acceleration.
   double inertial_energy(const Grid& grid, const GrainSides& sides, double early = 0.0, double late = 0.0,
                          int first_body = 0) const;
-  // That mass by side, of the links of this rank.
-  std::vector<double> added_mass(const GrainSides& sides) const;
+  // That mass by side, of the nodes that count on this rank.
+  std::vector<double> added_mass(const Grid& grid, const GrainSides& sides) const;
 
   const PenaltyParameters& parameters() const { return p_; }
 
@@ -122,7 +132,6 @@ class PenaltyLinks {
     vd area;    // zero in empty lanes and once let go
     vd damper;  // damping coefficient over sqrt(k)
     vd inert_area, inert_damper;  // the same, with links that let go and still have added mass
-    vd inertia;  // stiffness that counts in grid.penalty
     vd move[3]; // of X in this step, `updated` only
     int body, part, side, at;  // at: index into GrainSides
     int reduced;               // index into reduced_; -1: reads no tied node
@@ -145,17 +154,9 @@ class PenaltyLinks {
     vd row_sum;
   };
 
-  // Of the links of this rank to one side.
-  struct AddedMass {
-    int at, node;
-    double mass;
-  };
-
   // Calls f(node, weight) for the free nodes of a block.
   template <class Type, class F>
   void for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const;
-  template <class F>
-  void for_each_added_mass(const Grid& grid, const GrainSides& sides, F f) const;
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
   static Place place_of(const LinkBlock& b);

@@ -44,13 +44,6 @@ void Relaxation::build(const Grid& grid, const std::vector<Body>& bodies, const 
   }
 }
 
-std::vector<Key> Relaxation::needed_sides() const {
-  std::vector<Key> keys;
-  for (const Range& r : ranges_)
-    for (int s = 0; s < 2; ++s) keys.push_back({r.body, s, 0, 0});
-  return keys;
-}
-
 void Relaxation::bind(const GrainSides& sides) {
   for (Range& r : ranges_)
     for (int s = 0; s < 2; ++s) r.side[s] = sides.find(r.body, s);

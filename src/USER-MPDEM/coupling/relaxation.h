@@ -28,8 +28,6 @@ class Relaxation {
   void build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share, double shear_speed);
   void bind(const GrainSides& sides);
   static double rate(const Body& body, double critical_share, double shear_speed);
-  // Both sides of every body with nodes here.
-  std::vector<Key> needed_sides() const;
 
   // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs).
   void add_force(Grid& grid, GrainSides& sides) const;

@@ -140,7 +140,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   }
   mass.assign(n, 0.0);
   added_mass.assign(n, 0.0);
-  penalty.assign(n, 0.0);
+  penalty.assign(2 * n, 0.0);
   force.assign(3 * n, 0.0);
   momentum.clear();
   ties.clear();
@@ -192,11 +192,11 @@ void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
 void Grid::set_added_mass(double dt, double lambda, bool lambda_is_bound, double bound) {
   constexpr double kMargin = 1.05;
-  halo.sum(penalty.data(), 1);
+  halo.sum(penalty.data(), 2);
   const bool ask_ties = lambda_is_bound && !tie_factor_.empty();
   for (int i = 0; i < size(); ++i) {
     const double share = std::min(1.0, dt * dt * lambda * (ask_ties ? tie_factor_[i] : 1.0) / bound);
-    added_mass[i] = std::max(0.0, kMargin * dt * dt / bound * penalty[i] - mass[i] * (1.0 - share));
+    added_mass[i] = std::max(0.0, kMargin * dt * dt / bound * (penalty[2 * i] + penalty[2 * i + 1]) - mass[i] * (1.0 - share));
   }
 }
 

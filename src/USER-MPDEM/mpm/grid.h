@@ -44,7 +44,7 @@ class Grid {
   double most_bytes = std::numeric_limits<double>::infinity();
   std::vector<Key> keys;
   std::vector<double> mass;        // lumped
-  std::vector<double> penalty;     // row sum of the penalty stiffness, see coupling/
+  std::vector<double> penalty;     // row sums of the penalty stiffness, of the two sides of each node; see coupling/
   std::vector<double> added_mass;  // of the semi-implicit penalty
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;  // of the points, `updated` only

@@ -37,11 +37,12 @@ class AtomVecMpdem : public AtomVecSphere {
   std::vector<mpdem::Body> bodies;
   // What LIGGGHTS does not keep of a bonded grain: orientation; velocities when forces were computed last,
   // once they have been (`seen`, else 0), and the rates of prescribed ones; unwrapped position at that
-  // time, before it when cement was made (`placed`).
+  // time, before it when cement was made (`placed`); force and torque that fixes after fix mpm added in the last step.
   struct GrainState {
     double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
     double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0}, a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0};
     double placed = 0.0, x[3] = {0, 0, 0};
+    double late[6] = {0, 0, 0, 0, 0, 0};
   };
   std::vector<GrainState> grains;
 
@@ -54,7 +55,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
   // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 6, kRestartHead = 4;
+  static constexpr int kRestartVersion = 7, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.

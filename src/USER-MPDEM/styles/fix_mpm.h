@@ -19,6 +19,7 @@ FixStyle(mpm,FixMpm)
 #include <vector>
 
 #include "../coupling/grain_sides.h"
+#include "../coupling/grain_accelerations.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
 #include "../coupling/resting_links.h"
@@ -134,6 +135,9 @@ class FixMpm : public Fix {
   void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
   std::string flight(int i) const;
   void find_owned_grains();
+  void find_bonded_grains();
+  void find_grain_accelerations();
+  void watch_late_forces(bool after);
   void refresh_added_mass();
   void drop_added_mass();
   void take_up_added_mass(bool drop_inert);
@@ -174,8 +178,8 @@ class FixMpm : public Fix {
   void report_added_mass();
   double eigenvalue_bound() const;
   double stability_bound() const;
-  std::map<int, double> link_stiffness() const;
-  double grain_frequency2(int i, const mpdem::PrescribedMotion& p, double stiffness) const;
+  std::map<int, double> inertia_of_cement() const;
+  double mass_ratio(int i, const mpdem::PrescribedMotion& p, double inertia) const;
   double shear_speed() const;
   double relaxation_rate() const;
   double step_for(double eigenvalue) const;
@@ -214,6 +218,9 @@ class FixMpm : public Fix {
   mpdem::PenaltyLinks links_;
   mpdem::GrainSides sides_;
   mpdem::Relaxation relaxation_;
+  mpdem::GrainAccelerations accelerations_;
+  std::vector<mpdem::GrainAccelerations::Grain> bonded_;  // of this rank
+  bool any_free_grain_ = false, any_added_mass_ = false, fresh_added_mass_ = false;  // on any rank; since it was used
   mpdem::Resting resting_;
   mpdem::RestingLinks resting_links_;
   mpdem::UpdatedPass updated_pass_;
@@ -221,7 +228,7 @@ class FixMpm : public Fix {
   std::size_t blocks_when_arranged_ = 0;
   struct OwnedSide {
     int atom, at, body, side;
-    double frequency2;  // see GrainSide
+    double mass_ratio;  // see GrainSide
   };
   std::vector<OwnedSide> owned_;
   std::size_t laid_out_blocks_ = 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bonded grains are where their cement knows them to be, and as large. A grain that a command displaces,
-// or a formula that starts anew, would load its bond with a strain that nothing in the scene has caused.
+// Grains as their cement sees them: their accelerations, and whether they are where it knows them to be, and as
+// large. A grain that a command displaces, or a formula that starts anew, would load its bond with a strain that
+// nothing in the scene has caused.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -57,6 +58,55 @@ std::string FixMpm::changed_radius(int i, double made_for) const {
   return text_of("fix mpm (id ", id, "): bonded grain ", atom->tag[i], " has radius ", atom->radius[i], " at step ", update->ntimestep,
                  ", but its cement was made for ", made_for, " and does not follow; set diameters before create_cement, "
                  "and leave bonded grains out of 'set ... diameter' and 'fix adapt'");
+}
+
+// After the sides are built.
+void FixMpm::find_bonded_grains() {
+  bonded_.assign(grains_here_.size(), {});
+  int some = 0, any;
+  for (std::size_t n = 0; n < bonded_.size(); ++n) {
+    mpdem::GrainAccelerations::Grain& g = bonded_[n];
+    const int i = grains_here_[n];
+    g.mass = atom->rmass[i];
+    g.inertia = 0.4 * g.mass * atom->radius[i] * atom->radius[i];
+    for (int d = 0; d < 3; ++d) {
+      g.free[d] = !prescribed_[n].translation[d];
+      g.free[3 + d] = !prescribed_[n].rotation;
+    }
+    some = some || !prescribed_[n].all();
+  }
+  for (std::size_t k = 0; k < owned_.size(); ++k) {
+    const std::size_t n = std::lower_bound(grains_here_.begin(), grains_here_.end(), owned_[k].atom) - grains_here_.begin();
+    bonded_[n].sides.push_back(static_cast<int>(k));
+  }
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, world);
+  any_free_grain_ = any != 0;
+}
+
+// With all that acts on grains. What fixes after this one will add is not known yet: it is taken to be what they added in
+// the last step.
+void FixMpm::find_grain_accelerations() {
+  for (std::size_t n = 0; n < bonded_.size(); ++n) {
+    const int i = grains_here_[n];
+    const AtomVecMpdem::GrainState& g = *avec_->grain(i);
+    for (int d = 0; d < 3; ++d) {
+      bonded_[n].load[d] = atom->f[i][d] + g.late[d];
+      bonded_[n].load[3 + d] = atom->torque[i][d] + g.late[3 + d];
+    }
+  }
+  accelerations_.find(world, links_, grid_, bonded_, sides_, fresh_added_mass_);
+  fresh_added_mass_ = false;
+}
+
+// Before the fixes that come later in the step, and after them.
+void FixMpm::watch_late_forces(bool after) {
+  for (int i : grains_here_) {
+    double* late = avec_->grain(i)->late;
+    for (int d = 0; d < 3; ++d) {
+      late[d] = after ? late[d] + atom->f[i][d] : -atom->f[i][d];
+      late[3 + d] = after ? late[3 + d] + atom->torque[i][d] : -atom->torque[i][d];
+    }
+  }
 }
 
 // At the start of a run, against the end of the last one, the restart file or create_cement.

@@ -134,11 +134,12 @@ void FixMpm::find_owned_grains() {
   grains_here_.erase(std::unique(grains_here_.begin(), grains_here_.end()), grains_here_.end());
   prescribed_.clear();
   for (int i : grains_here_) prescribed_.push_back(mpdem::prescribed_motion(lmp, i));
-  const std::map<int, double> stiffness = link_stiffness();
+  const std::map<int, double> inertia = inertia_of_cement();
   for (OwnedSide& o : owned_) {
     const std::size_t n = std::lower_bound(grains_here_.begin(), grains_here_.end(), o.atom) - grains_here_.begin();
-    o.frequency2 = grain_frequency2(o.atom, prescribed_[n], stiffness.at(atom->tag[o.atom]));
+    o.mass_ratio = mass_ratio(o.atom, prescribed_[n], inertia.at(atom->tag[o.atom]));
   }
+  find_bonded_grains();
 }
 
 void FixMpm::rebuild() {
@@ -198,19 +199,13 @@ void FixMpm::lay_out_grid() {
     relaxation_.build(grid_, avec_->bodies, apart, relax_, shear_speed());
   }
   if (coupled_) {
-    std::vector<mpdem::Key> owned, needed = links_.needed_sides();
+    std::vector<mpdem::Key> owned;
     for (std::size_t b = 0; b < avec_->bodies.size(); ++b)
       for (int s = 0; s < 2; ++s) {
         const int i = atom->map(avec_->bodies[b].grain[s]);
         if (i >= 0 && i < atom->nlocal) owned.push_back({static_cast<int>(b), s, 0, 0});
       }
-    if (relax_ > 0.0) {
-      const std::vector<mpdem::Key> more = relaxation_.needed_sides();
-      needed.insert(needed.end(), more.begin(), more.end());
-      std::sort(needed.begin(), needed.end());
-      needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
-    }
-    sides_.build(world, avec_->bodies, needed, owned);
+    sides_.build(world, avec_->bodies, grid_.keys, owned);
     links_.bind(sides_);
     links_.find_masters(grid_);
     if (relax_ > 0.0) relaxation_.bind(sides_);
@@ -230,10 +225,14 @@ void FixMpm::refresh_added_mass() {
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
   // What damping takes of the bound in every step, nodes with added mass cannot have.
   const double bound = stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate() * update->dt);
-  links_.add_stiffness(grid_, sides_, update->dt, bound);
+  links_.add_stiffness(grid_, sides_, update->dt);
   const bool known = eigenvalue_ > 0.0;
   grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound);
-  links_.share_added_mass(grid_);
+  links_.share_added_mass(grid_, sides_);
+  int some = !links_.added_masses().empty(), any;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, world);
+  any_added_mass_ = any != 0;
+  fresh_added_mass_ = true;
 }
 
 // The same in the course of a run, where links that let go give up their added mass.
@@ -241,13 +240,16 @@ void FixMpm::drop_added_mass() {
   if (coupled_ && law_->parameters().B0 != 0.0) take_up_added_mass(true);
 }
 
-// With the eigenvalue as it is known now.
+// With the eigenvalue as it is known now. Bodies that were not in motion yet start with what they have then.
 void FixMpm::take_up_added_mass(bool drop_inert) {
   if (!coupled_) return;
-  const double before = links_.inertial_energy(grid_, sides_);
+  const auto energy = [this] {
+    return links_.inertial_energy(grid_, sides_) - links_.inertial_energy(grid_, sides_, 0.0, 0.0, bodies_started_);
+  };
+  const double before = energy();
   if (drop_inert) links_.drop_inertia(avec_->points);
   refresh_added_mass();
-  released_ += before - links_.inertial_energy(grid_, sides_);
+  released_ += before - energy();
 }
 
 std::string FixMpm::axis_name(int rule, const double* direction) const {

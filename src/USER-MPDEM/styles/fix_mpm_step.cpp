@@ -84,6 +84,7 @@ void FixMpm::post_force(int) {
   damped_ += damping_work(0.5 * dt_last_);
   if (updated_) damped_ += half_kick_of_jump();
   react_on_grains();
+  watch_late_forces(false);
   timer_.stop();
 }
 
@@ -118,7 +119,8 @@ void FixMpm::add_forces(bool in_step) {
   if (coupled_) {
     if (in_step && !updated_) resting_links_.add_force(links_, resting_, skip_detached_, grid_, sides_);
     else links_.add_force(grid_, sides_, skip_detached_);
-    links_.carry_added_mass(grid_, sides_);
+    // A change of velocity by transfer is an acceleration too, as far as the added mass is concerned.
+    if (!jump_.empty()) links_.add_reaction(grid_, jump_, 1.0 / dt_last_, sides_);
   }
   timer_.start(mpdem::StepTimer::kHalo);
   grid_.sum_force();
@@ -129,6 +131,11 @@ void FixMpm::add_forces(bool in_step) {
     gravity_->get_gravity(g);
     for (int i = 0; i < grid_.size(); ++i)
       for (int d = 0; d < 3; ++d) grid_.force[3 * i + d] += grid_.mass[i] / mass_scale_ * g[d];
+  }
+  if (any_added_mass_) {
+    timer_.start(mpdem::StepTimer::kCoupling);
+    if (any_free_grain_) find_grain_accelerations();
+    links_.carry_added_mass(grid_, sides_);
   }
   grid_.update_acceleration();
 }
@@ -144,9 +151,6 @@ double FixMpm::damping_work(double later, int first_body) const {
 void FixMpm::react_on_grains() {
   if (!coupled_) return;
   timer_.start(mpdem::StepTimer::kCoupling);
-  // A change of velocity by transfer is an acceleration too, as far as the added mass is
-  // concerned.
-  if (!jump_.empty()) links_.add_reaction(grid_, jump_, 1.0 / dt_last_, sides_);
   links_.add_reaction(grid_, grid_.acceleration, 1.0, sides_);
   sides_.sum_forces();
   for (const OwnedSide& o : owned_)
@@ -157,7 +161,8 @@ void FixMpm::react_on_grains() {
 }
 
 // Of velocities that are prescribed, over the step; once a step, before the grains are distributed. Those
-// of grains that LIGGGHTS integrates would be late by half a step, which feeds energy into them.
+// of grains that LIGGGHTS integrates would be late by half a step, which feeds energy into them; these are found
+// in the course of the step.
 void FixMpm::find_rates() {
   for (std::size_t n = 0; n < grains_here_.size(); ++n) {
     const int i = grains_here_[n];
@@ -187,7 +192,7 @@ void FixMpm::distribute_grains() {
     std::copy(g.q, g.q + 4, motion[k].q);
     std::copy(g.a, g.a + 3, motion[k].a);
     std::copy(g.alpha, g.alpha + 3, motion[k].alpha);
-    motion[k].frequency2 = owned_[k].frequency2;
+    motion[k].mass_ratio = owned_[k].mass_ratio;
   }
   sides_.distribute(avec_->bodies, motion);
 }
@@ -200,9 +205,10 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
   for (const OwnedSide& o : owned_) {
     if (!coupled_ || o.body < first_body) continue;
     const mpdem::GrainSide& s = sides_.sides[o.at];
+    const AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);  // its rates are those of prescribed velocities
     for (int d = 0; d < 3; ++d) {
       power.now -= s.force[d] * atom->v[o.atom][d] + s.torque[d] * atom->omega[o.atom][d];
-      power.before -= s.force[d] * (s.v[d] - half * s.a[d]) + s.torque[d] * (s.omega[d] - half * s.alpha[d]);
+      power.before -= s.force[d] * (s.v[d] - half * g.a[d]) + s.torque[d] * (s.omega[d] - half * g.alpha[d]);
     }
   }
   if (gravity_) {
@@ -222,6 +228,7 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
 
 void FixMpm::end_of_step() {
   timer_.start(mpdem::StepTimer::kOutput);
+  watch_late_forces(true);
   const bool output_due = update->ntimestep == output->next;
   report_grain_trouble(output_due);
   totals_at_ = bonds_at_ = -1;  // the same, before the work of this step was counted

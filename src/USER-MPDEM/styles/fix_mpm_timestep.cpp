@@ -34,19 +34,19 @@ double FixMpm::eigenvalue_bound() const {
 // central difference takes.
 double FixMpm::stability_bound() const { return reproject_every_ > 0 || updated_ ? 2.0 : 4.0; }
 
-// Of all links of a grain, of all its bonds, by its tag.
-std::map<int, double> FixMpm::link_stiffness() const {
-  const double k = std::max(penalty_.kn, penalty_.kt);
-  std::map<int, double> stiffness;
+// Of all bonds of a grain, by its tag.
+std::map<int, double> FixMpm::inertia_of_cement() const {
+  std::map<int, double> inertia;
   for (const mpdem::Body& b : avec_->bodies)
-    for (int s = 0; s < 2; ++s) stiffness[b.grain[s]] += k * b.attached_area[s];
-  return stiffness;
+    for (int tag : b.grain) inertia[tag] += inertia_ * b.volume;
+  return inertia;
 }
 
-// Stiffness over the mass that the grain has against it, 0 where its motion is prescribed: a bound of the square
-// of its frequency on its links. The moment of inertia is 2/5 M r^2, the lever arm r.
-double FixMpm::grain_frequency2(int i, const mpdem::PrescribedMotion& p, double stiffness) const {
-  return ((p.any_translation_free() ? 1.0 : 0.0) + (p.rotation ? 0.0 : 2.5)) * stiffness / atom->rmass[i];
+// That over what the grain has of inertia against it where its motion is not prescribed: for any t, 7/2 of the
+// mass m has less kinetic energy at places up to the radius r than a sphere of mass m,
+//   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2   with t = 5/2, moment of inertia 2/5 m r^2.
+double FixMpm::mass_ratio(int i, const mpdem::PrescribedMotion& p, double inertia) const {
+  return ((p.any_translation_free() ? 1.0 : 0.0) + (p.rotation ? 0.0 : 2.5)) * inertia / atom->rmass[i];
 }
 
 double FixMpm::shear_speed() const { return std::sqrt(law_->elasticity().softest_shear() / inertia_); }
@@ -54,38 +54,23 @@ double FixMpm::shear_speed() const { return std::sqrt(law_->elasticity().softest
 // Of `quasistatic`, the largest of any node against its grains, which when free are slowed too. Collective.
 double FixMpm::relaxation_rate() const {
   if (relax_ == 0.0) return 0.0;
-  std::map<int, double> inertia;  // of the cement of a grain
+  const std::map<int, double> inertia = inertia_of_cement();
   double rate = 0.0, share = 0.0, most;
-  for (const mpdem::Body& b : avec_->bodies) {
-    rate = std::max(rate, mpdem::Relaxation::rate(b, relax_, shear_speed()));
-    for (int tag : b.grain) inertia[tag] += inertia_ * b.volume;
-  }
+  for (const mpdem::Body& b : avec_->bodies) rate = std::max(rate, mpdem::Relaxation::rate(b, relax_, shear_speed()));
   for (int i = 0; i < atom->nlocal; ++i) {
     const auto it = avec_->is_point(i) ? inertia.end() : inertia.find(atom->tag[i]);
-    if (it != inertia.end()) share = std::max(share, grain_frequency2(i, mpdem::prescribed_motion(lmp, i), it->second));
+    if (it != inertia.end()) share = std::max(share, mass_ratio(i, mpdem::prescribed_motion(lmp, i), it->second));
   }
   MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   return rate * (1.0 + most);
 }
 
 double FixMpm::step_for(double eigenvalue) const {
-  double w2 = eigenvalue;
-  if (coupled_) {
-    const std::map<int, double> stiffness = link_stiffness();
-    double worst = 0.0, all;
-    for (int i = 0; i < atom->nlocal; ++i) {
-      if (avec_->is_point(i)) continue;
-      const auto it = stiffness.find(atom->tag[i]);
-      if (it != stiffness.end()) worst = std::max(worst, grain_frequency2(i, mpdem::prescribed_motion(lmp, i), it->second));
-    }
-    MPI_Allreduce(&worst, &all, 1, MPI_DOUBLE, MPI_MAX, world);
-    w2 += all;
-  }
   // Damping acts on the velocity of half a step ago: w^2 dt^2 + 2 p dt <= B.
-  const double B = stability_bound(), p = penalty_.damping * std::sqrt(B * w2) + 0.25 * B * relaxation_rate();
-  const double step = B / (p + std::sqrt(p * p + B * w2));
+  const double B = stability_bound(), p = penalty_.damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate();
+  const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // as if nothing limited the step, were it compared with
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): no time step is stable, the square of the highest frequency is ", w2,
+    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): no time step is stable, the square of the highest frequency is ", eigenvalue,
                                  " with density ", density_, " of the cement and stiffness ", law_->elasticity().largest_stiffness(),
                                  "; use densities, moduli and penalties that go together in these units"));
   return step;
@@ -217,7 +202,7 @@ void FixMpm::report_added_mass() {
   reported_ = true;
   if (!coupled_) return;
   std::vector<double> sum(2 * avec_->bodies.size() + 1, 0.0);
-  const std::vector<double> mine = links_.added_mass(sides_);
+  const std::vector<double> mine = links_.added_mass(grid_, sides_);
   for (std::size_t i = 0; i < mine.size(); ++i) sum[2 * sides_.sides[i].body + sides_.sides[i].side] += mine[i];
   for (const mpdem::PointBlock& b : avec_->points.blocks) sum.back() += inertia_ * mpdem::sum_lanes(b.volume);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, world);

@@ -32,11 +32,10 @@ void FixMpm::reproject() {
 
 // The same for a transfer in the course of the step, whose acceleration is known only now.
 double FixMpm::half_kick_of_jump() const {
-  double energy = 0.0;
+  double power = coupled_ && !transferred_.empty() ? links_.inertial_power(grid_, sides_, transferred_) : 0.0;
   for (std::size_t i = 0; i < transferred_.size(); ++i)
-    if (grid_.halo.counts_here()[i / 3])
-      energy -= 0.5 * dt_last_ * (grid_.mass[i / 3] + grid_.added_mass[i / 3]) * grid_.acceleration[i] * transferred_[i];
-  return energy;
+    if (grid_.halo.counts_here()[i / 3]) power += grid_.mass[i / 3] * grid_.acceleration[i] * transferred_[i];
+  return -0.5 * dt_last_ * power;
 }
 
 void FixMpm::step_updated(double dt) {

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Accelerations of grains that the added mass of their links goes along with. Added mass c of a node is that
+// of its velocity relative to the grain: the kinetic energy of nodes u and grains R is
+//
+//   m u'^2/2 + c (u' - P R')^2/2 + R'.M R'/2,   P R' = V + Omega x r
+//
+// so that with N = m + c a node has N u'' = f + c P R'', and without it the grains have
+//
+//   (M + sum P^T c (1 - c/N) P) R'' = F + sum P^T (c/N) f.
+//
+// A node with links to both grains, c = c0 + c1, couples these by -P0^T (c0 c1/N) P1. The mass matrix is
+// symmetric and positive definite, whence the energy is kept and the bound of the time step is rigorous
+// (penalty_links.h). Grains are solved for one by one, 6 by 6; the coupling is taken in by Chebyshev's
+// acceleration of block Jacobi (Golub & Varga, Numer. Math. 3 (1961) 147), in as many sweeps as a bound of its
+// spectral radius asks for: 2 R0.B R1 <= R0.W0 R0 + R1.W1 R1, W the matrix of c0 c1/N about either grain.
+// Whatever accelerations come out, the links take from grains what they give to nodes.
+//
+// What of the motion of a grain is prescribed is no unknown. Lengths from the body's origin, force and torque
+// about the grain's centre.
+#ifndef MPDEM_GRAIN_ACCELERATIONS_H
+#define MPDEM_GRAIN_ACCELERATIONS_H
+
+#include <mpi.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <vector>
+
+#include "../mpm/grid.h"
+#include "grain_sides.h"
+#include "penalty_links.h"
+
+namespace mpdem {
+
+// A mass distribution about a grain's centre: its sum, first and second moments.
+struct MassMoments {
+  static constexpr int kSize = 10;
+  std::array<double, kSize> m{};  // sum, x, y, z, xx, yy, zz, yz, xz, xy
+
+  static void add(double mass, const double* r, double* m);
+  Eigen::Matrix<double, 6, 6> matrix() const;  // sum of P^T P
+  // Sum of P^T Q, Q of a centre from which places are e farther.
+  Eigen::Matrix<double, 6, 6> coupling(const double* e) const;
+};
+
+class GrainAccelerations {
+ public:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  // A grain of this rank: force and torque but those of links; what is prescribed has `free` false.
+  struct Grain {
+    std::vector<int> sides;  // as in GrainSides::owned(), all of its sides
+    double mass = 0, inertia = 0;
+    bool free[6] = {};
+    Vector6 load = Vector6::Zero();
+  };
+
+  // Collective, once the forces on nodes are complete and those of links are with the sides of this rank: into
+  // the a and alpha of the sides. fresh: the added mass changed since the last time.
+  void find(MPI_Comm comm, const PenaltyLinks& links, const Grid& grid, const std::vector<Grain>& grains, GrainSides& sides,
+            bool fresh);
+
+  int sweeps() const { return sweeps_; }
+
+ private:
+  // What ranks add up of a side: force and moment, moments of c (1 - c/N), and of c0 c1/N.
+  static constexpr int kWidth = 6 + 2 * MassMoments::kSize;
+  struct Unknown {
+    Matrix6 inverse;  // of the matrix of what is free
+    Vector6 load, given, now, before;
+  };
+  struct Coupling {
+    int grain, other;  // into the grains and the sides
+    Matrix6 B;
+  };
+  void add_up(const PenaltyLinks& links, const Grid& grid, GrainSides& sides);
+
+  std::vector<double> sum_;
+  std::vector<Unknown> unknowns_;
+  std::vector<Coupling> couplings_;
+  std::vector<std::array<double, 6>> found_;
+  int sweeps_ = 1;
+  double radius_ = 0;
+};
+
+}  // namespace mpdem
+
+#endif
