@@ -96,6 +96,8 @@ CASES = {
     "cement outside the box": ([("-0.006 0.006 -0.006", "-0.0015 0.006 -0.006")], ["create_cement", "outside", "larger box"]),
     "cement thinner than two points": ([("inner 1e-3 outer 2e-3", "inner 0 outer 0.9e-3")],
                                        ["create_cement", "0.0001", "less than", "use"]),
+    "cement thinner than the film left out": ([("inner 1e-3 outer 2e-3", "outer 0.9e-3")],
+                                              ["create_cement pair 1 2:", "inner radius", "0.0009", "'inner auto' a smaller spacing"]),
     "cell larger than the cement": ([("cell 0.0002", "cell 0.001")],
                                     ["fix mpm (id cem)", "cell 0.001", "larger", "use"]),
     "grain missing": ([("pair 1 2", "pair 1 7")], ["create_cement", "grain 7", "does not exist", "create"]),

@@ -209,6 +209,7 @@ void CreateCement::command(int narg, char** arg) {
   tags[0] = args.integer("pair", 1);
   tags[1] = args.integer("pair", 1);
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
+  args.about(text_of("pair ", tags[0], " ", tags[1]));
   std::sort(tags, tags + 2);
 
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
@@ -296,7 +297,7 @@ void CreateCement::command(int narg, char** arg) {
       if (f) std::fprintf(f, "%s", text.c_str());
     if (shape && shape->smallest_thickness() < 2.0 * spacing_ * (1.0 - 1e-9))
       error->warning("create_cement", 0,
-                     text_of("the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
+                     text_of("pair ", tags[0], " ", tags[1], ": the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
                          .c_str());
   }
