@@ -105,6 +105,35 @@ def test_beside_bonds_that_break(tmp_path, ranks, processors):
         assert (beside[column] == alone[column]).all(), column
 
 
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_all_contacts(tmp_path, ranks):
+    """A packing of grains of three sizes in a periodic box, and a pair at a time: the same points, to the bit."""
+    size = 4 * 2 * RADIUS
+    centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2.0001 * RADIUS * k) for i in range(4) for j in range(4) for k in range(2)]
+    scene = grains(centres, f"0 {size:.15g} 0 {size:.15g} -0.0061 0.0162", boundary="p p f")
+    scene += "".join(f"group small{i} id {i}\nset group small{i} diameter {1.5 * RADIUS} density 2500\n" for i in (3, 12, 26))
+    words = "shape flat inner 1.4e-3 outer 2.3e-3 spacing 2.5e-4"
+    far = 2.5e-4 * (1 - 1e-9)  # between rows, not to the smaller grains
+
+    def apart(a, b):
+        d = np.array(centres[a]) - centres[b]
+        d[:2] -= size * np.round(d[:2] / size)
+        small = sum(n + 1 in (3, 12, 26) for n in (a, b))
+        return np.linalg.norm(d) - (2 - 0.25 * small) * RADIUS
+
+    pairs = [(a + 1, b + 1) for a in range(32) for b in range(a + 1, 32) if apart(a, b) <= far]
+    assert len(pairs) == 4 * 4 * 2 * 2 + 16 - 3 * 5
+    end = "write_cement cement.txt\n"
+    one = run(scene + "".join(f"create_cement calcite pair {a} {b} {words}\n" for a, b in pairs) + end, tmp_path / "pairs", ranks)
+    command = f"create_cement calcite contacts grains gap {far:.15g} {words}\n"
+    # some before, and nothing is left for a second time; points of the first bond come first in both
+    a, b = pairs[0]
+    all_ = run(scene + f"create_cement calcite pair {a} {b} {words}\n" + command + command + end, tmp_path / "contacts", ranks)
+    assert f"Cement at {len(pairs) - 1} contacts of group 'grains'" in all_.output and "; 1 had cement before" in all_.output
+    assert f"Cement at 0 contacts of group 'grains'" in all_.output
+    assert (one.directory / "cement.txt").read_text() == (all_.directory / "cement.txt").read_text()
+
+
 def test_fix_before_its_cement(tmp_path):
     script = pair(CELL / 2) + cement(CELL, 1e-8)
     line = CREATE % (1, 2)

@@ -204,7 +204,11 @@ void CreateCement::command(int narg, char** arg) {
     igroup = group->find(group_name.c_str());
   }
   groupbit_ = group->bitmask[igroup];
-  args.choice("pair", {"pair"});
+  if (args.choice("pair", {"pair", "contacts"}) == "contacts") {
+    constexpr int kWords = 5;  // the group of the points, contacts, the group of the grains, gap, its value
+    cement_contacts(arg, narg, kWords, args);
+    return;
+  }
   int tags[2];
   tags[0] = args.integer("pair", 1);
   tags[1] = args.integer("pair", 1);
