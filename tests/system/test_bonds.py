@@ -2,7 +2,7 @@
 """Scenes other than one bond in the middle of a box."""
 import numpy as np
 import pytest
-from scenes import (MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
+from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
                     shift, thermo)
 
 CELL = 2e-4
@@ -103,6 +103,27 @@ def test_beside_bonds_that_break(tmp_path, ranks, processors):
     assert beside["f_bond[1][14]"][-1] > 0.1 and beside["f_bond[1][18]"].max() == 0
     for column in ("f_bond[1][14]", "f_bond[1][1]", "f_bond[1][11]"):
         assert (beside[column] == alone[column]).all(), column
+
+
+@pytest.mark.parametrize("boundary, ranks, processors", [("f f f", 2, "1 1 2"), ("f f p", 1, "* * *")])
+def test_contacts_keep_their_history(tmp_path, figures, boundary, ranks, processors):
+    """Cement made between runs: grains that touch and have slid, across ranks or a periodic boundary, go on as they did."""
+    def force(directory, boundary, ranks, processors, middle):
+        # 1 and 2 touch, at z = 0 or through the boundary, 3 and 4 get the cement
+        z = (-0.00499, 0.00499) if middle else (0.00501, -0.00501)
+        scene = grains([(0, 0, z[0]), (0, 0, z[1]), (0.015, 0, -0.005), (0.015, 0, 0.005)],
+                       "-0.006 0.021 -0.006 0.006 -0.01 0.01", boundary=boundary, processors=processors)
+        scene += CONTACT + "timestep 1e-8\ngroup first id 1\ngroup others id 2 3 4\n"
+        scene += "fix slide first move linear 0.01 0 0\nfix rest others move linear 0 0 0\n"
+        scene += "compute push first reduce sum fx\n" + thermo(1, ["c_push"]) + "run 100\n" + CREATE % (3, 4)
+        scene += cement(CELL, 1e-8).replace("group        first id 1\ngroup        second id 2\n", "") + "run 100\n"
+        return run(scene, directory, ranks).table()["c_push"]
+
+    one = force(tmp_path / "one", "f f f", 1, "* * *", True)
+    other = force(tmp_path / "other", boundary, ranks, processors, boundary == "f f f")
+    assert abs(one[-1]) > 1.9 * abs(one[100]) > 0
+    figures.below(f"contact of {ranks} ranks, {boundary}: sliding force against one rank, over the largest",
+                  abs(other - one).max() / abs(one).max(), 1e-9)
 
 
 @pytest.mark.parametrize("ranks", [1, 3])

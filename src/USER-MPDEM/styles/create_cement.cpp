@@ -23,6 +23,7 @@
 #include "force.h"
 #include "group.h"
 #include "modify.h"
+#include "pair.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -322,6 +323,12 @@ void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& bo
   MPI_Allreduce(&largest, &first_tag, 1, MPI_INT, MPI_MAX, world);
   if (fill.size() + static_cast<double>(first_tag) > 2147483647.0)
     args.complain(text_of(fill.size(), " points exceed the number of atom IDs; use a larger spacing"));
+
+  // The list of neighbours has the history of contacts, by places of ghosts that the points will take: grains in
+  // contact across ranks or a periodic boundary would forget how far they have slid. It is kept by IDs instead.
+  if (force->pair && force->pair->list)
+    for (int m = 0; m < modify->nfix; ++m)
+      if (std::string(modify->fix[m]->style) == "contacthistory") modify->fix[m]->setup_pre_exchange();
 
   const int before = atom->nlocal;
   for (std::size_t n = 0; n < fill.size(); ++n) {
