@@ -2,7 +2,7 @@
 """Scenes other than one bond in the middle of a box."""
 import numpy as np
 import pytest
-from scenes import (MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
+from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
                     shift, thermo)
 
 CELL = 2e-4
@@ -79,6 +79,80 @@ def test_cement_added_between_runs(tmp_path, ranks):
     assert table["f_bond[2][16]"][-1] > 1000
     force = table["f_bond[2][3]"]  # on grain 2, which moves up
     assert force[0] == 0 and force[-1] < 0
+
+
+@pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2"), (2, "1 2 1")])
+def test_beside_bonds_that_break(tmp_path, ranks, processors):
+    """Each that comes apart is a new layout of all; a bond that does not is the same to the bit as without them."""
+    centres = [(x, 0, z) for x in (0, 0.02, 0.04) for z in (-0.005, 0.005)]
+    scene = grains(centres, "-0.006 0.046 -0.0061 0.006 -0.0125 0.0125", processors=processors)
+    physics = cement(CELL, 1e-8, axis="radial", damage="damage tensor B0 9.6e3")
+    # the bonds of 3, 4 and 5, 6 break one after the other, that of 1, 2 stays far below its strength
+    move = pull(0.005, 4e-6).replace("second", "lifted")
+    for name, grain, speed in (("one", 4, 1.0), ("two", 6, 0.5)):
+        move += f"group {name} id {grain}\nvariable s{name} equal {speed}/0.005*v_along\nvariable w{name} equal {speed}/0.005*v_speed\n"
+        move += f"fix {name} {name} move variable NULL NULL v_s{name} NULL NULL v_w{name}\n"
+    move = "group lifted id 2\n" + move + "group still id 3 5\nfix still still move linear 0 0 0\n"
+    end = thermo(1, ["f_bond[1][14]", "f_bond[1][1]", "f_bond[1][11]", "f_bond[1][18]"]) + "run 1400\n"
+    alone = run(scene + CREATE % (1, 2) + physics + move + end, tmp_path / "alone", ranks).table()
+    both = end.replace("f_bond[1][18]", "f_bond[1][18] f_bond[2][22] f_bond[3][22]")
+    beside = run(scene + CREATE % (1, 2) + CREATE % (3, 4) + CREATE % (5, 6) + physics + move + both,
+                 tmp_path / "beside", ranks).table()
+    first, second = (np.argmax(beside[f"f_bond[{n}][22]"] > 0) for n in (2, 3))
+    assert 0 < first < second < 1300
+    assert beside["f_bond[1][14]"][-1] > 0.1 and beside["f_bond[1][18]"].max() == 0
+    for column in ("f_bond[1][14]", "f_bond[1][1]", "f_bond[1][11]"):
+        assert (beside[column] == alone[column]).all(), column
+
+
+@pytest.mark.parametrize("boundary, ranks, processors", [("f f f", 2, "1 1 2"), ("f f p", 1, "* * *")])
+def test_contacts_keep_their_history(tmp_path, figures, boundary, ranks, processors):
+    """Cement made between runs: grains that touch and have slid, across ranks or a periodic boundary, go on as they did."""
+    def force(directory, boundary, ranks, processors, middle):
+        # 1 and 2 touch, at z = 0 or through the boundary, 3 and 4 get the cement
+        z = (-0.00499, 0.00499) if middle else (0.00501, -0.00501)
+        scene = grains([(0, 0, z[0]), (0, 0, z[1]), (0.015, 0, -0.005), (0.015, 0, 0.005)],
+                       "-0.006 0.021 -0.006 0.006 -0.01 0.01", boundary=boundary, processors=processors)
+        scene += CONTACT + "timestep 1e-8\ngroup first id 1\ngroup others id 2 3 4\n"
+        scene += "fix slide first move linear 0.01 0 0\nfix rest others move linear 0 0 0\n"
+        scene += "compute push first reduce sum fx\n" + thermo(1, ["c_push"]) + "run 100\n" + CREATE % (3, 4)
+        scene += cement(CELL, 1e-8).replace("group        first id 1\ngroup        second id 2\n", "") + "run 100\n"
+        return run(scene, directory, ranks).table()["c_push"]
+
+    one = force(tmp_path / "one", "f f f", 1, "* * *", True)
+    other = force(tmp_path / "other", boundary, ranks, processors, boundary == "f f f")
+    assert abs(one[-1]) > 1.9 * abs(one[100]) > 0
+    figures.below(f"contact of {ranks} ranks, {boundary}: sliding force against one rank, over the largest",
+                  abs(other - one).max() / abs(one).max(), 1e-9)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_all_contacts(tmp_path, ranks):
+    """A packing of grains of three sizes in a periodic box, and a pair at a time: the same points, to the bit."""
+    size = 4 * 2 * RADIUS
+    centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2.0001 * RADIUS * k) for i in range(4) for j in range(4) for k in range(2)]
+    scene = grains(centres, f"0 {size:.15g} 0 {size:.15g} -0.0061 0.0162", boundary="p p f")
+    scene += "".join(f"group small{i} id {i}\nset group small{i} diameter {1.5 * RADIUS} density 2500\n" for i in (3, 12, 26))
+    words = "shape flat inner 1.4e-3 outer 2.3e-3 spacing 2.5e-4"
+    far = 2.5e-4 * (1 - 1e-9)  # between rows, not to the smaller grains
+
+    def apart(a, b):
+        d = np.array(centres[a]) - centres[b]
+        d[:2] -= size * np.round(d[:2] / size)
+        small = sum(n + 1 in (3, 12, 26) for n in (a, b))
+        return np.linalg.norm(d) - (2 - 0.25 * small) * RADIUS
+
+    pairs = [(a + 1, b + 1) for a in range(32) for b in range(a + 1, 32) if apart(a, b) <= far]
+    assert len(pairs) == 4 * 4 * 2 * 2 + 16 - 3 * 5
+    end = "write_cement cement.txt\n"
+    one = run(scene + "".join(f"create_cement calcite pair {a} {b} {words}\n" for a, b in pairs) + end, tmp_path / "pairs", ranks)
+    command = f"create_cement calcite contacts grains gap {far:.15g} {words}\n"
+    # some before, and nothing is left for a second time; points of the first bond come first in both
+    a, b = pairs[0]
+    all_ = run(scene + f"create_cement calcite pair {a} {b} {words}\n" + command + command + end, tmp_path / "contacts", ranks)
+    assert f"Cement at {len(pairs) - 1} contacts of group 'grains'" in all_.output and "; 1 had cement before" in all_.output
+    assert f"Cement at 0 contacts of group 'grains'" in all_.output
+    assert (one.directory / "cement.txt").read_text() == (all_.directory / "cement.txt").read_text()
 
 
 def test_fix_before_its_cement(tmp_path):

@@ -114,6 +114,29 @@ TEST(EdgeTies, FilmIsTiedOnBothSides) {
   }
 }
 
+// Bound to one grid and to another with more nodes: ties are taken over from layout to layout by their keys.
+TEST(EdgeTies, KeysComeBack) {
+  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+  Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
+  const std::vector<EdgeTie> ties = ties_of(c);
+  ASSERT_GT(ties.size(), 50u);
+  EdgeTies bound;
+  bound.bind(ties, c.grid.keys);
+  std::vector<Key> more = c.grid.keys;
+  for (const Key& k : c.grid.keys) more.push_back({k[0] + 1, k[1], k[2], k[3]});
+  more.push_back({0, -1000, 0, 0});
+  std::sort(more.begin(), more.end());
+  const std::vector<EdgeTie> first = bound.by_key(c.grid.keys);
+  bound.bind(first, more);
+  const std::vector<EdgeTie> second = bound.by_key(more);
+  ASSERT_EQ(second.size(), ties.size());
+  for (std::size_t t = 0; t < ties.size(); ++t) {
+    EXPECT_EQ(second[t].slave, ties[t].slave);
+    EXPECT_EQ(second[t].masters, ties[t].masters);
+    EXPECT_EQ(second[t].heirs, ties[t].heirs);
+  }
+}
+
 TEST(EdgeTies, BallIsSoundAndSymmetric) {
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
     const auto inside = [](const Vector& x) { return x.norm() < 3.3; };

@@ -16,7 +16,8 @@ Flat::Flat(const GrainPair& pair, double outer, double inner) : Shape(pair, inne
   } else if (outer <= pair.contact_radius()) {
     why << "outer radius " << outer << " is inside the overlap of the grains; use more than " << pair.contact_radius();
   } else if (!(inner < outer)) {
-    why << "inner radius " << inner << " must lie in [0, " << outer << "), below the outer radius";
+    why << "inner radius " << inner << " must lie in [0, " << outer << "), below the outer radius"
+        << "; use more cement or a smaller inner radius, with 'inner auto' a smaller spacing";
   }
   if (!why.str().empty()) throw ShapeError(why.str());
 }

@@ -50,7 +50,8 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
   z_[1] = d - R2 * std::cos(b_[1]) + shift;
   z0_ += shift;
   if (!(this->inner() < neck())) {
-    why << "inner radius " << this->inner() << " must lie in [0, " << neck() << "), inside the neck";
+    why << "inner radius " << this->inner() << " must lie in [0, " << neck() << "), inside the neck"
+        << "; use more cement or a smaller inner radius, with 'inner auto' a smaller spacing";
     throw ShapeError(why.str());
   }
 }

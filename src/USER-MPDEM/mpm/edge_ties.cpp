@@ -255,6 +255,16 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   }
 }
 
+std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {
+  std::vector<EdgeTie> ties(slave_.size());
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    ties[t].slave = keys[slave_[t]];
+    for (int n = first_[t]; n < first_[t + 1]; ++n) ties[t].masters.emplace_back(keys[master_[n]], weight_[n]);
+    for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) ties[t].heirs.emplace_back(keys[heir_[n]], heir_share_[n]);
+  }
+  return ties;
+}
+
 void EdgeTies::pull_back(double* values) const {
   for (std::size_t t = 0; t < slave_.size(); ++t) {
     double v[3];

@@ -52,6 +52,8 @@ class EdgeTies {
  public:
   void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   void clear();
+  // What was bound, by the keys it was bound to, in the order of the slaves.
+  std::vector<EdgeTie> by_key(const std::vector<Key>& keys) const;
 
   bool empty() const { return slave_.empty(); }
   std::size_t size() const { return slave_.size(); }

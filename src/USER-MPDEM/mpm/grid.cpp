@@ -156,11 +156,12 @@ void Grid::tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted) {
   any_ties_ = all != 0;
 }
 
-void Grid::lump_mass(const PointStore& points, double density) {
+void Grid::lump_mass(const PointStore& points, double density, const std::vector<char>& of_bodies) {
   std::fill(mass.begin(), mass.end(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      if (!of_bodies.empty() && !of_bodies[points.meta[b].body]) continue;
       const Weights<decltype(type)> s(points.blocks[b].X, points.meta[b].base, inverse_h);
       scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
     }

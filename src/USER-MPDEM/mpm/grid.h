@@ -77,8 +77,9 @@ class Grid {
   // Collective. Ties nodes of this rank from here on, to the next build(); before lump_mass().
   void tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted);
 
-  // Collective. Lumped mass of the points, density uniform; that of tied nodes with their heirs.
-  void lump_mass(const PointStore& points, double density);
+  // Collective. Lumped mass of the points, density uniform; that of tied nodes with their heirs. of_bodies: of
+  // these only, where the grid was built for no others; empty: of all.
+  void lump_mass(const PointStore& points, double density, const std::vector<char>& of_bodies = {});
 
   void clear_force();
   void sum_force() {

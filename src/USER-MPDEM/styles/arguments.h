@@ -24,6 +24,8 @@ class Arguments {
 
   bool empty() const { return next_ >= narg_; }
   const std::string& command() const { return command_; }
+  // Names the object in all complaints from here on: one of thousands of such commands is meant.
+  void about(const std::string& object) { command_ += " " + object; }
 
   // The next word; `what` says what it should have been if there is none.
   std::string word(const std::string& what);

@@ -23,6 +23,7 @@
 #include "force.h"
 #include "group.h"
 #include "modify.h"
+#include "pair.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -204,11 +205,16 @@ void CreateCement::command(int narg, char** arg) {
     igroup = group->find(group_name.c_str());
   }
   groupbit_ = group->bitmask[igroup];
-  args.choice("pair", {"pair"});
+  if (args.choice("pair", {"pair", "contacts"}) == "contacts") {
+    constexpr int kWords = 5;  // the group of the points, contacts, the group of the grains, gap, its value
+    cement_contacts(arg, narg, kWords, args);
+    return;
+  }
   int tags[2];
   tags[0] = args.integer("pair", 1);
   tags[1] = args.integer("pair", 1);
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
+  args.about(text_of("pair ", tags[0], " ", tags[1]));
   std::sort(tags, tags + 2);
 
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
@@ -296,7 +302,7 @@ void CreateCement::command(int narg, char** arg) {
       if (f) std::fprintf(f, "%s", text.c_str());
     if (shape && shape->smallest_thickness() < 2.0 * spacing_ * (1.0 - 1e-9))
       error->warning("create_cement", 0,
-                     text_of("the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
+                     text_of("pair ", tags[0], " ", tags[1], ": the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
                          .c_str());
   }
@@ -317,6 +323,12 @@ void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& bo
   MPI_Allreduce(&largest, &first_tag, 1, MPI_INT, MPI_MAX, world);
   if (fill.size() + static_cast<double>(first_tag) > 2147483647.0)
     args.complain(text_of(fill.size(), " points exceed the number of atom IDs; use a larger spacing"));
+
+  // The list of neighbours has the history of contacts, by places of ghosts that the points will take: grains in
+  // contact across ranks or a periodic boundary would forget how far they have slid. It is kept by IDs instead.
+  if (force->pair && force->pair->list)
+    for (int m = 0; m < modify->nfix; ++m)
+      if (std::string(modify->fix[m]->style) == "contacthistory") modify->fix[m]->setup_pre_exchange();
 
   const int before = atom->nlocal;
   for (std::size_t n = 0; n < fill.size(); ++n) {

@@ -56,6 +56,10 @@ class CreateCement : protected Pointers {
 
   void check_other_grains(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body) const;
 
+  // create_cement_contacts.cpp
+  std::vector<std::pair<int, int>> contacts(int groupbit, double gap) const;
+  void cement_contacts(char** arg, int narg, int words, mpdem::Arguments& args);
+
   std::string file_;
   double attach_ = 0;
   int groupbit_ = 0;

@@ -119,12 +119,15 @@ class FixMpm : public Fix {
   void follow_grains();
   void report_grain_trouble(bool output_due);
   void find_other_forces();
-  void rebuild();
+  // changed: of each body, since the last layout, points staying where they were; empty: anything may have.
+  void rebuild(const std::vector<char>& changed = {});
   void rebuild_parts();
-  void lay_out_grid();
+  void lay_out_grid(const std::vector<char>& changed = {});
   void build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, const std::vector<mpdem::Grid::Cell>& cells,
-                  const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin);
-  std::vector<mpdem::EdgeTie> find_ties(const mpdem::Grid& grid);
+                  const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin,
+                  const std::vector<char>& changed = {});
+  std::vector<mpdem::EdgeTie> find_ties(const mpdem::Grid& grid, const std::vector<char>& changed);
+  std::vector<char> changed_bodies() const;
   void divide_bodies(int first);
   mpdem::SheetPoint sheet_point(int block, int lane) const;
   mpdem::JoinedNodes joined_nodes(int body) const;

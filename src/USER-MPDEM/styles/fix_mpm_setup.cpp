@@ -142,7 +142,7 @@ void FixMpm::find_owned_grains() {
   find_bonded_grains();
 }
 
-void FixMpm::rebuild() {
+void FixMpm::rebuild(const std::vector<char>& changed) {
   mpdem::PointStore& points = avec_->points;
   std::vector<int> live, tags, parts, place;
   for (int i = 0; i < atom->nlocal; ++i)
@@ -158,20 +158,11 @@ void FixMpm::rebuild() {
     if (avec_->is_point(i)) avec_->slot[i] = place[at++];
   set_frames(points);
   blocks_when_arranged_ = points.blocks.size();
-  lay_out_grid();
-}
-
-// Where parts came apart. Links have other nodes then, and their added mass another energy.
-void FixMpm::rebuild_parts() {
-  distribute_grains();
-  const double before = links_.inertial_energy(grid_, sides_);
-  rebuild();
-  check_step_after("parts came apart");
-  released_ += before - links_.inertial_energy(grid_, sides_);
+  lay_out_grid(changed);
 }
 
 // Grid, links and sides for the blocks as they are.
-void FixMpm::lay_out_grid() {
+void FixMpm::lay_out_grid(const std::vector<char>& changed) {
   mpdem::PointStore& points = avec_->points;
   laid_out_blocks_ = points.blocks.size();
   std::vector<mpdem::Grid::Cell> cells;
@@ -184,7 +175,7 @@ void FixMpm::lay_out_grid() {
   const std::vector<double> motion = to_untie.empty() ? std::vector<double>() : motion_of_bodies();
   std::vector<char> fresh;
   grid_.basis = basis_;
-  build_grid(grid_, points, cells, restored_, fresh, updated_ ? mpdem::UpdatedPass::kMargin : 0);
+  build_grid(grid_, points, cells, restored_, fresh, updated_ ? mpdem::UpdatedPass::kMargin : 0, changed);
   if (!to_untie.empty()) keep_motion_of_bodies(to_untie, motion);
   new_part_.clear();
   parent_field_.clear();

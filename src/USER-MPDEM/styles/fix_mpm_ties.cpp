@@ -9,6 +9,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "../parallel/memory_limit.h"
 #include "arguments.h"
@@ -20,22 +21,58 @@ namespace LAMMPS_NS {
 
 using mpdem::text_of;
 
-// With ties and masses.
+// Where parts came apart. Links have other nodes then, and their added mass another energy.
+void FixMpm::rebuild_parts() {
+  distribute_grains();
+  const double before = links_.inertial_energy(grid_, sides_);
+  rebuild(changed_bodies());
+  check_step_after("parts came apart");
+  released_ += before - links_.inertial_energy(grid_, sides_);
+}
+
+// Bodies that get other parts or lose their ties in the next layout, the same on every rank.
+std::vector<char> FixMpm::changed_bodies() const {
+  std::vector<char> changed(avec_->bodies.size(), 0);
+  for (const auto& p : new_part_) changed[avec_->points.meta[p.first / mpdem::kLanes].body] = 1;
+  for (std::size_t b = 0; b < separation_.size(); ++b)
+    if (separation_[b].separated && (b >= untied_.size() || !untied_[b])) changed[b] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, changed.data(), static_cast<int>(changed.size()), MPI_SIGNED_CHAR, MPI_MAX, world);
+  return changed;
+}
+
+// With ties and masses. To look for ties costs more than all the rest of a layout, and in a packing one body of
+// thousands comes apart: those of bodies that did not change are taken over from the grid as it was.
 void FixMpm::build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, const std::vector<mpdem::Grid::Cell>& cells,
-                        const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin) {
+                        const mpdem::NodeKinematics& restored, std::vector<char>& fresh, int margin,
+                        const std::vector<char>& changed) {
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   grid.most_bytes = 0.5 * memory_limit_;  // points and what LIGGGHTS has come on top
   try {
-    std::vector<mpdem::EdgeTie> ties;
+    std::vector<mpdem::EdgeTie> ties, kept;
     std::vector<mpdem::Key> masters;
+    const auto in_question = [&](int field) { return changed.empty() || changed[mpdem::body_of(field)]; };
+    const auto merge_kept = [&] {
+      std::vector<mpdem::EdgeTie> all;
+      all.reserve(ties.size() + kept.size());
+      std::merge(std::make_move_iterator(ties.begin()), std::make_move_iterator(ties.end()), std::make_move_iterator(kept.begin()),
+                 std::make_move_iterator(kept.end()), std::back_inserter(all),
+                 [](const mpdem::EdgeTie& a, const mpdem::EdgeTie& b) { return a.slave < b.slave; });
+      ties.swap(all);
+    };
+    if (tied_ && !changed.empty())
+      for (mpdem::EdgeTie& t : grid.ties.by_key(grid.keys))
+        if (!in_question(t.slave[0])) kept.push_back(std::move(t));
     if (tied_ && comm->nprocs > 1) {
       // a slave of this rank may have its masters on others
       mpdem::Grid plan;
       plan.basis = basis_;
       plan.most_bytes = grid.most_bytes;
-      plan.build(world, cell_, cells, mpdem::NodeKinematics(), fresh);
-      plan.lump_mass(points, inertia_);
-      ties = find_ties(plan);
+      std::vector<mpdem::Grid::Cell> asked;
+      std::copy_if(cells.begin(), cells.end(), std::back_inserter(asked), [&](const mpdem::Grid::Cell& c) { return in_question(c.field); });
+      plan.build(world, cell_, asked, mpdem::NodeKinematics(), fresh);
+      plan.lump_mass(points, inertia_, changed);
+      ties = find_ties(plan, changed);
+      merge_kept();
       for (const mpdem::EdgeTie& t : ties) {
         for (const auto& h : t.heirs) masters.push_back(h.first);
         for (const auto& m : t.masters) masters.push_back(m.first);
@@ -44,7 +81,8 @@ void FixMpm::build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, cons
     grid.build(world, cell_, cells, restored, fresh, parent_field_, margin, masters);
     if (tied_ && comm->nprocs == 1) {
       grid.lump_mass(points, inertia_);
-      ties = find_ties(grid);
+      ties = find_ties(grid, changed);
+      merge_kept();
     }
     if (tied_) grid.tie(world, ties);
     grid.lump_mass(points, inertia_);
@@ -55,15 +93,16 @@ void FixMpm::build_grid(mpdem::Grid& grid, const mpdem::PointStore& points, cons
   }
 }
 
-std::vector<mpdem::EdgeTie> FixMpm::find_ties(const mpdem::Grid& grid) {
+std::vector<mpdem::EdgeTie> FixMpm::find_ties(const mpdem::Grid& grid, const std::vector<char>& changed) {
   mpdem::TiedNodes nodes;
-  nodes.keys = grid.keys;
-  nodes.mass = grid.mass;
-  nodes.sheets = sheets_at(grid.keys);
-  for (const mpdem::Key& k : grid.keys) {
-    const std::size_t b = mpdem::body_of(k[0]);
+  for (int i = 0; i < grid.size(); ++i) {
+    const std::size_t b = mpdem::body_of(grid.keys[i][0]);
+    if (!changed.empty() && !changed[b]) continue;
+    nodes.keys.push_back(grid.keys[i]);
+    nodes.mass.push_back(grid.mass[i]);
     nodes.edge.push_back(b >= separation_.size() || !separation_[b].separated);
   }
+  nodes.sheets = sheets_at(nodes.keys);
   return mpdem::find_edge_ties(world, basis_, nodes);
 }
 
