@@ -99,6 +99,29 @@ def test_events_before_the_file_are_in_the_log(tmp_path):
     assert len(rows) > 100 and found == rows
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_table_goes_on_to_the_bit(tmp_path, ranks):
+    """Of free grains, whose velocities at the step of the file are other ones for the run that wrote it: the table is that of
+    a run that went on, by a fix after fix mpm too."""
+    scene = FIXES + "fix g grains nve/sphere\n"
+    push = "fix push second addforce 0 0 -5\n"
+    whole = run(pair(1e-4, gap=2e-4) + edit(scene, "couple cem", "couple cem csv 10 bond.csv") + "velocity second set 0.03 0.02 1\n" + push
+                + "run 100\nwrite_restart r.bin\nrun 100\n", tmp_path / "whole", ranks)
+    expected = (whole.directory / "bond.csv").read_text()
+    first = "".join(line for line in expected.splitlines(True) if not line[0].isdigit() or int(line.split(",")[0]) <= 100)
+    (tmp_path / "part").mkdir()
+    (tmp_path / "part" / "bond.csv").write_text(first)
+    part = run(restarted("../whole/r.bin") + edit(scene, "couple cem", "couple cem csv 10 bond.csv") + push + "run 100\n", tmp_path / "part", ranks)
+    def cut(text):  # the imbalance, in which sums of ranks come in another order
+        rows = [line.split(",") for line in text.splitlines()]
+        at = rows[0].index("energy_imbalance")
+        return [row.pop(at) for row in rows][1:], rows
+
+    (imbalance, rows), (of_part, rows_of_part) = cut(expected), cut((part.directory / "bond.csv").read_text())
+    assert rows_of_part == rows and len(rows) == 22
+    assert max(abs(float(a) - float(b)) for a, b in zip(imbalance, of_part)) < 1e-14
+
+
 def test_peak_goes_on_whoever_asks(tmp_path):
     """The largest tension of a bond, in the file and after a look at it before the run goes on."""
     look = 'variable peak equal f_bond[21]\nprint "peak ${peak}"\n'

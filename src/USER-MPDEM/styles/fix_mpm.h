@@ -66,6 +66,9 @@ class FixMpm : public Fix {
   double compute_vector(int n) override;
   double memory_usage() override;
 
+  // Is its state that of a restart file?
+  bool continued() const { return restored_cell_ != 0.0; }
+
   // Sums over all ranks at the present step; collective.
   struct Totals {
     double points, failed, largest_damage, mean_damage;

@@ -101,10 +101,15 @@ void FixMpmCouple::init() {
   if (table_every_ > 0 && !table_open_) {
     std::string header = "step,time,bond,grain1,grain2";
     for (const char* c : kColumns) header += text_of(",", c);
-    if (comm->me == 0) trouble = table_.open(table_name_, header + ",mode", static_cast<long>(table_from_) - 1);
+    if (comm->me == 0) trouble = table_.open(table_name_, header + ",mode", static_cast<long>(table_from_) - !cement_->continued());
     if (!trouble.empty())
       trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble, "; name another");
     table_open_ = true;
+    // Rows of the step of a restart file are those of the run that wrote it: the set-up of this one has velocities of
+    // another time.
+    int kept = cement_->continued() && comm->me == 0 && trouble.empty() && table_.kept_to() == static_cast<long>(table_from_);
+    MPI_Bcast(&kept, 1, MPI_INT, 0, world);
+    if (kept) table_last_ = table_from_;
   }
   mpdem::stop_if_any(lmp, trouble);
 }

@@ -23,6 +23,7 @@ std::string TableFile::open(const std::string& name, const std::string& header, 
   std::fprintf(file_, "%s\n", header.c_str());
   for (const std::string& k : kept) std::fprintf(file_, "%s\n", k.c_str());
   flush();
+  kept_to_ = kept.empty() ? -1 : std::atol(kept.back().c_str());
   return "";
 }
 

@@ -22,6 +22,8 @@ class TableFile {
   // Empty, or why the file cannot be written. Rows of `last_kept` and before stay if the file
   // is there with the same header.
   std::string open(const std::string& name, const std::string& header, long last_kept);
+  // Step of the last row that stayed, -1: none did.
+  long kept_to() const { return kept_to_; }
   void close();
   bool is_open() const { return file_ != nullptr; }
 
@@ -30,6 +32,7 @@ class TableFile {
 
  private:
   std::FILE* file_ = nullptr;
+  long kept_to_ = -1;
 };
 
 }  // namespace mpdem
