@@ -88,7 +88,6 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     s.accelerations.find(MPI_COMM_SELF, s.links, s.grid, s.grains, s.sides, true);
     s.links.carry_added_mass(s.grid, s.sides);
     s.grid.update_acceleration();
-    s.links.add_reaction(s.grid, s.grid.acceleration, 1.0, s.sides);
     test::Worst node, grain;
     for (const PenaltyLinks::AddedMass& m : s.links.added_masses()) {
       Vector rest(&force[3 * m.node]);

@@ -113,12 +113,10 @@ void PenaltyLinks::share_added_mass(const Grid& grid, const GrainSides& sides) {
       first = sides.find(body, 0);
     }
     const double *k = &grid.penalty[2 * i], unit = grid.added_mass[i] / (k[0] + k[1]);
-    shares_.push_back({i, {first, first + 1}, {unit * k[0], unit * k[1]}});
+    AddedMass a{i, {first, first + 1}, {unit * k[0], unit * k[1]}, {}};
+    for (int d = 0; d < 3; ++d) a.X[d] = grid.keys[i][1 + d] * grid.h;
+    shares_.push_back(a);
   }
-}
-
-void PenaltyLinks::lever_arm(const Grid& grid, int node, const GrainSide& s, double* r) {
-  for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
 }
 
 namespace {
@@ -147,7 +145,7 @@ void for_each(const std::vector<PenaltyLinks::AddedMass>& shares, const Grid& gr
       if (a.mass[side] == 0.0) continue;
       auto& s = sides.sides[a.at[side]];
       double r[3];
-      PenaltyLinks::lever_arm(grid, a.node, s, r);
+      a.lever_arm(grid, s, r);
       f(a.node, a.mass[side], s, r);
     }
 }
@@ -155,17 +153,23 @@ void for_each(const std::vector<PenaltyLinks::AddedMass>& shares, const Grid& gr
 }  // namespace
 
 void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
-  const auto accelerates = [](const GrainSide& s) {
-    return std::any_of(s.a, s.a + 3, [](double a) { return a != 0.0; }) || std::any_of(s.alpha, s.alpha + 3, [](double a) { return a != 0.0; });
-  };
-  if (std::none_of(sides.sides.begin(), sides.sides.end(), accelerates)) return;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
-    double a[3];
-    acceleration_at(s, r, a);
-    for (int d = 0; d < 3; ++d) grid.force[3 * node + d] += mass * a[d];
-    if (counts[node]) add_to_grain(r, a, -mass, s);
-  });
+  for (const AddedMass& a : shares_) {
+    double r[2][3], of_grain[2][3], *f = &grid.force[3 * a.node];
+    for (int side = 0; side < 2; ++side) {
+      const GrainSide& s = sides.sides[a.at[side]];
+      a.lever_arm(grid, s, r[side]);
+      acceleration_at(s, r[side], of_grain[side]);
+      for (int d = 0; d < 3; ++d) f[d] += a.mass[side] * of_grain[side][d];
+    }
+    if (!counts[a.node]) continue;
+    const double inverse = 1.0 / (grid.mass[a.node] + grid.added_mass[a.node]);
+    for (int side = 0; side < 2; ++side) {
+      double relative[3];
+      for (int d = 0; d < 3; ++d) relative[d] = inverse * f[d] - of_grain[side][d];
+      add_to_grain(r[side], relative, a.mass[side], sides.sides[a.at[side]]);
+    }
+  }
 }
 
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {

@@ -68,7 +68,7 @@ void GrainAccelerations::add_up(const PenaltyLinks& links, const Grid& grid, Gra
       const double c = a.mass[s], share = c / N;
       if (c == 0.0) continue;
       double r[3];
-      PenaltyLinks::lever_arm(grid, a.node, sides.sides[a.at[s]], r);
+      a.lever_arm(grid, sides.sides[a.at[s]], r);
       double* to = &sum_[kWidth * a.at[s]];
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;

@@ -85,10 +85,13 @@ class PenaltyLinks {
   struct AddedMass {
     int node, at[2];  // places of the sides
     double mass[2];   // of the links to either
+    double X[3];      // of the node, reference
+    // From the centre of a grain.
+    void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
+      for (int d = 0; d < 3; ++d) r[d] = X[d] + grid.displacement[3 * node + d] - s.x[d];
+    }
   };
   const std::vector<AddedMass>& added_masses() const { return shares_; }
-  // Of a node, from the grain's centre.
-  static void lever_arm(const Grid& grid, int node, const GrainSide& s, double* r);
 
   // Penalty force of the present positions on nodes and grains.
   void add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
@@ -101,8 +104,8 @@ class PenaltyLinks {
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
   // of the acceleration later. Bodies from first_body on.
   double damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
-  // Added mass moves with its grain: force on nodes, after their sum over ranks, and back on the grains, before theirs,
-  // that takes it along.
+  // Added mass moves with its grain: force on nodes, after their sum over ranks, that takes it along, and its reaction on
+  // the grains, before theirs, with the acceleration that nodes will have by Grid::update_acceleration().
   void carry_added_mass(Grid& grid, GrainSides& sides) const;
   // Reaction of the added mass to the acceleration scale * field of the nodes.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;

@@ -136,6 +136,7 @@ void FixMpm::add_forces(bool in_step) {
     timer_.start(mpdem::StepTimer::kCoupling);
     if (any_free_grain_) find_grain_accelerations();
     links_.carry_added_mass(grid_, sides_);
+    timer_.start(mpdem::StepTimer::kNodes);
   }
   grid_.update_acceleration();
 }
@@ -151,7 +152,6 @@ double FixMpm::damping_work(double later, int first_body) const {
 void FixMpm::react_on_grains() {
   if (!coupled_) return;
   timer_.start(mpdem::StepTimer::kCoupling);
-  links_.add_reaction(grid_, grid_.acceleration, 1.0, sides_);
   sides_.sum_forces();
   for (const OwnedSide& o : owned_)
     for (int d = 0; d < 3; ++d) {
