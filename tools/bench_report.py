@@ -28,7 +28,7 @@ DEFAULT = "total/quadratic/none"
 # first order; xpic2 by the square of that, and with apic the affine part takes it back.
 EXPECTED = {"none": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 2}
 PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
-QUICK = ["skip", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+QUICK = ["skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
 
@@ -174,6 +174,9 @@ def report(result):
     for r in result["accuracy"]:
         if r["problem"] == "ranks":
             lines.append(f"\none rank {r['one']:.2f} s, two ranks {r['two']:.2f} s: {r['speedup']:.2f} times as fast")
+    for r in result["packings"]:
+        lines.append(f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
+                     f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}")
     for r in result["skips"]:
         lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
@@ -204,9 +207,10 @@ def main():
             sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
     os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
     import bonds
+    import packings
     import skips
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
-             "bonds": bonds.NAMES, "skips": skips.NAMES}
+             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -216,7 +220,7 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "skips": []}
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "skips": [], "packings": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
@@ -228,6 +232,8 @@ def main():
     runs.mkdir(exist_ok=True)
     if names["bonds"]:
         result["accuracy"] += bonds.measure(names["bonds"], runs, args.quick, tell)
+    if names["packings"]:
+        result["packings"] = packings.measure(names["packings"], runs, args.quick, tell)
     if names["skips"]:
         result["skips"] = skips.measure(names["skips"], runs, args.quick, tell)
     if result["accuracy"]:

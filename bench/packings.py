@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Packings: seconds a step, bytes, and the share of the phases, of many coarse bonds between free grains.
+
+    packing/total, packing/updated
+                    5 x 5 x 5 beads in a cubic packing, cement at their 300 contacts, one or two cells thick, sheared
+                    so slowly that none breaks; on one and on two ranks, medians
+"""
+import os
+import re
+import statistics
+
+from bonds import failure, loop_seconds
+from scenes import CALCITE, NEIGHBOURS, RADIUS, cement, edit, host, launch
+
+NAMES = ["packing/total", "packing/updated"]
+BEADS, CELL = 5, 8e-4
+
+
+def script(kinematics, quick):
+    n = 3 if quick else BEADS
+    low, high = -1.1 * RADIUS, 2 * RADIUS * (n - 1) + 1.1 * RADIUS
+    text = host() + f"region box block {low} {high} {low} {high} {low} {high} units box\ncreate_box 2 box\n"
+    for i in range(n**3):
+        x, y, z = (2 * RADIUS * k for k in (i % n, i // n % n, i // n**2))
+        text += f"create_atoms 1 single {x} {y} {z} units box\n"
+    text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+    text += f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing {CELL / 2}\n"
+    text += edit(cement(CELL, 4e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3"), "elastic vti", f"kinematics {kinematics} elastic vti")
+    return (text + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\nfix motion grains nve/sphere\n'
+            + "thermo_style custom step f_cem[2] f_cem[12]\nthermo 100\n" + f"run {20 if quick else 500}\n")
+
+
+def measure(names, directory, quick, tell):
+    """Rows (dicts) of the chosen names."""
+    rows = []
+    for name in names:
+        kinematics = name.split("/")[1]
+        times, said = {1: [], 2: []}, None
+        for turn in range(1 if quick else 3):
+            for ranks, taken in times.items():
+                run = launch(script(kinematics, quick), directory / f"packing_{kinematics}_{ranks}", ranks)
+                assert not failure(run), failure(run)
+                taken.append(loop_seconds(run))
+                if ranks == 1:
+                    said = re.search(r"(\S+) point steps per second, (\S+) bytes a point\n +(.*)", run.output)
+                    points = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[1])
+                    bonds = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[2])
+        one, two = (statistics.median(t) for t in times.values())
+        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": float(said[1]), "bytes/point": float(said[2]),
+                     "phases": said[3], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
+        tell(rows[-1])
+    return rows
