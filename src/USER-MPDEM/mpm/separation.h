@@ -13,6 +13,9 @@
 //   own links are to material of the other. Where neither grain holds to anything but there is
 //   a loose piece, it is the surface of both. Its areas are projected on the plane across the
 //   line of centres.
+// A bond that holds is described by the same rule: of all paths from grain to grain over intact points, that
+// whose most damaged point is the least damaged (minimax path) holds longest. If all points with at least that
+// point's damage had failed the bond would be separated; with any more it would hold.
 // Serial, on all points of one body; the result does not depend on their order.
 #ifndef MPDEM_SEPARATION_H
 #define MPDEM_SEPARATION_H
@@ -29,7 +32,8 @@ struct CrackPoint {
   int sheet;
   int base[3];              // first node of its support
   float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
-  bool failed, damaged;
+  float damage;             // largest eigenvalue
+  bool failed;
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
 };
@@ -40,9 +44,10 @@ struct Separation {
   double at_grain[2] = {0, 0}, inside = 0;
   // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
-  // Tags of intact points, ascending, that lead from one grain to the other, past damaged ones where
-  // that is possible: while none of them fails the bond is not separated.
+  // Tags of the points, ascending, of a path that holds longest: while none of them fails the bond is not
+  // separated. And their largest damage.
   std::vector<int> path;
+  double path_damage = 0.0;
 
   double debonded_share() const {
     const double all = at_grain[0] + at_grain[1] + inside;
@@ -57,6 +62,9 @@ using JoinedNodes = std::vector<std::array<int, 3>>;
 // face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
 // support: nodes a direction.
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0);
+
+// The points as if all with at least this damage had failed, and let go of their grains with that.
+std::vector<CrackPoint> failed_from(double damage, std::vector<CrackPoint> points);
 
 }  // namespace mpdem
 

@@ -164,6 +164,10 @@ class FixMpm : public Fix {
   bool separate_bodies(bool debris);
   void watch_paths();
   bool some_path_is_cut();
+  struct WholeBodies;
+  WholeBodies collect_bodies(const std::vector<char>& wanted);
+  mpdem::Separation look_at(int body, const std::vector<mpdem::CrackPoint>& points) const;
+  std::vector<mpdem::Separation> separation_ahead(const std::vector<char>& wanted);
   void report_modes();
   void record_events();
   void write_events();
