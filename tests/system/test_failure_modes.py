@@ -2,12 +2,15 @@
 """Failure mode and shares of the separating surface for cracks cut into the cement beforehand, where they are known.
 
 test_point_file.py has the plain cracks of the ring; here are several at once, stepped ones, other shapes, and ranks.
+Bonds that hold: the least damage that all paths from grain to grain pass, and the crack that would be there.
 """
+import csv
 import re
 
 import numpy as np
 import pytest
-from scenes import cement, edit, pair, run, shift, thermo
+from scenes import cement, edit, launch, pair, run, shift, thermo
+from test_pair_table import SCRIPT
 from test_point_file import CELL, DAMAGE, SPACING, read, write
 
 SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3"), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4"),
@@ -106,3 +109,71 @@ def test_constructed_crack(case, made, tmp_path, figures):
         figures.note(f"{case}: per cent at the first grain, the second, inside", found)
         assert found == pytest.approx(shares, abs=wall[0] if wall else 2)
         assert [100 * t[f"f_bond[{i}]"][-1] for i in (23, 24)] == pytest.approx(found[:2], abs=0.1)
+
+
+def lines_of_modes(output):
+    return [x for x in output.splitlines() if "of grains 1 and 2: " in x]
+
+
+AHEAD = re.compile(r"every path from grain to grain passes damage of (\S+) or more, and a crack there would be (\w+); of the "
+                   r"separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$")
+# damage of the points, damage that all paths pass, mode and shares of a crack there
+DAMAGED = {
+    "the middle": (lambda c: 0.8 * c.plane, 0.8, "internal", (0, 0, 100)),
+    "the middle, less than the first grain": (lambda c: np.where(c.at[0], 0.85, 0.7 * c.plane), 0.85, "debonding", (100, 0, 0)),
+    "the middle, more than both grains": (lambda c: np.where(c.plane, 0.7, 0.5 * (c.at[0] | c.at[1])), 0.7, "internal", (0, 0, 100)),
+    "the second grain, least outside": (lambda c: np.where(c.at[1], np.where(c.r > STEP, 0.6, 0.88), 0), 0.6, "debonding", (0, 100, 0)),
+    "the middle but for a bridge": (lambda c: 0.8 * (c.plane & ((c.x < 0) | (abs(c.y) > 3 * SPACING))), 0, None, None),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGED)
+def test_damage_ahead_of_an_intact_bond(case, made, tmp_path):
+    damage, least, mode, shares = DAMAGED[case]
+    columns = dict(made["flat"])
+    c = Cement(columns)
+    columns["failed"] = (c.plane & (c.r > 2e-3 - 2 * SPACING)).astype(float)
+    assert columns["failed"].any()
+    for d in ("dxx", "dyy", "dzz"):
+        columns[d] = damage(c) * np.ones_like(c.r)
+    lines = []
+    for ranks in (1, 4):
+        directory = tmp_path / str(ranks)
+        write(directory / "cement.txt", columns)
+        done = run(scene("flat", "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
+                   + thermo(1, ["f_cem[2]"]) + "run 20\n", directory, ranks)
+        lines.append(lines_of_modes(done.output)[-1])
+    assert lines[0] == lines[1] and ": intact, " in lines[0]
+    if mode is None:
+        assert lines[0].endswith("; an undamaged path leads from grain to grain")
+        return
+    found = AHEAD.search(lines[0])
+    assert found, lines[0]
+    assert float(found[1]) == pytest.approx(least, abs=1.1e-3) and float(found[1]) <= least
+    assert found[2] == mode
+    assert [float(f) for f in found.groups()[2:]] == pytest.approx(shares, abs=0.1)
+
+
+def test_sheared_bond_with_next_to_no_force(tmp_path, figures):
+    """Past the peak the bond is intact by the rule, but the damage that holds it together comes near to the cut-off."""
+    words = {"load": "shear", "content": 0.01, "spacing": 2e-4, "frames": 10**8, "limit": 3300}
+    arguments = [w for k, v in words.items() for w in ("-var", k, str(v))]
+    lines = []
+    for ranks in (1, 2):
+        done = launch(SCRIPT.read_text(), tmp_path / str(ranks), ranks, name="in.pair_table", arguments=arguments)
+        assert done.status == 0 and not done.errors(), done.output[-3000:]
+        lines.append(lines_of_modes(done.output))
+    assert lines[0] == lines[1]
+    assert all(": intact, " in line for line in lines[0])
+    undamaged = [line.endswith("an undamaged path leads from grain to grain") for line in lines[0]]
+    assert undamaged[0] and not undamaged[-1] and undamaged == sorted(undamaged, reverse=True)
+    found = [AHEAD.search(line) for line, whole in zip(lines[0], undamaged) if not whole]
+    damage = [float(f[1]) for f in found]
+    assert damage == sorted(damage), "damage does not heal, so the path that holds longest never gets better"
+    with open(tmp_path / "1" / "load_run.csv") as f:
+        load = np.array([float(r["load"]) for r in csv.DictReader(f)])
+    figures.below("sheared bond: largest force of the last twentieth of the run, over the peak", abs(load[-len(load) // 20:]).max() / load.max(), 0.1)
+    figures.note("sheared bond: damage that all paths pass at the end", damage[-1])
+    figures.note("sheared bond: per cent of the crack there at the first grain, the second, inside", [float(f) for f in found[-1].groups()[2:]])
+    figures.below("sheared bond: cut-off less the damage that all paths pass", 0.9 - damage[-1], 0.15)
+    assert damage[-1] < 0.9 and found[-1][2] == "mixed"

@@ -244,6 +244,7 @@ def write(path, runs, out, script):
             known = {**res, "shape": run.shape, "load": run.load, "content": run.content, "spacing": run.spacing,
                      "parameters": " ".join(f"{k}={str(v).replace(' ', ':')}" for k, v in sorted(run.extra.items())),
                      "broken": "yes" if res["broken"] else "no"}
-            w.writerow([f"{known[c]:.6g}" if isinstance(known[c], float) else known[c] for c in COLUMNS])
+            row = [known.get(c, "") for c in COLUMNS]  # a run may be older than a column
+            w.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in row])
     os.replace(path + ".tmp", path)
     return rows

@@ -4,7 +4,8 @@
 // Bonds that come apart: bodies in which points failed are looked at as a whole, each by one rank, and
 // their parts get nodes of their own (mpm/separation.h). What is left of a shared node across a crack
 // pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
-// soon as one of them fails; what has come apart, at the checks of fix mpm.
+// soon as one of them fails; what has come apart, at the checks of fix mpm. At the end of a run bonds that hold
+// are looked at for the separation that is ahead.
 #include <mpi.h>
 
 #include <algorithm>
