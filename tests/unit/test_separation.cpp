@@ -7,39 +7,12 @@
 #include <map>
 #include <numeric>
 
-#include "lanes.h"
+#include "crack_column.h"
 
 namespace mpdem {
 namespace {
 
-constexpr int kWidth = 8, kHeight = 10;
-constexpr double kLinkArea = 0.9;
-const double kFace[3] = {0.0, 0.0, 1.0};
-
-// A column of cells along z, the first grain below, the second above.
-std::vector<CrackPoint> column() {
-  std::vector<CrackPoint> all;
-  int tag = 1;
-  for (int k = 0; k < kHeight; ++k)
-    for (int j = 0; j < kWidth; ++j)
-      for (int i = 0; i < kWidth; ++i) {
-        CrackPoint p{};
-        p.tag = tag++;
-        p.cell[0] = i - 4;
-        p.cell[1] = j - 4;
-        p.cell[2] = k - 5;
-        p.attached[0] = k == 0;
-        p.attached[1] = k == kHeight - 1;
-        for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
-        all.push_back(p);
-      }
-  return all;
-}
-void fail(CrackPoint& p) {
-  p.failed = true;
-  p.attached[0] = p.attached[1] = false;
-}
-int level(const CrackPoint& p) { return p.cell[2] + 5; }
+using test::column, test::fail, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
 
 TEST(Separation, IntactBond) {
   const std::vector<CrackPoint> points = column();
@@ -82,99 +55,36 @@ TEST(Separation, PathOfIntactPoints) {
   EXPECT_TRUE(separate(points, kFace).path.empty());
 }
 
-// What the bond would be with the given damage failed.
-Separation with_failed(double damage, const std::vector<CrackPoint>& points) {
-  return separate(failed_from(damage, points), kFace);
-}
-
-// Two sections through which every path leads: the one with the larger of the least damages would be the crack.
-TEST(Separation, OfTwoDamagedSectionsTheWorseIsAhead) {
-  for (const auto& [first, middle] : {std::make_pair(0.88f, 0.6f), {0.6f, 0.88f}}) {
-    std::vector<CrackPoint> points = column();
-    for (CrackPoint& p : points) {
-      // in either a point of less than the rest is the way through
-      const bool way = p.cell[0] == 2 && p.cell[1] == -1;
-      if (level(p) == 0) p.damage = way ? first : 0.89f;
-      if (level(p) == 5) p.damage = way ? middle : 0.89f;
-    }
-    const Separation s = separate(points, kFace);
-    EXPECT_FALSE(s.separated);
-    EXPECT_EQ(s.path_damage, 0.88f);
-    const Separation ahead = with_failed(s.path_damage, points);
-    EXPECT_TRUE(ahead.separated);
-    EXPECT_EQ(ahead.debonded_share(), first > middle ? 1.0 : 0.0);
-    EXPECT_NEAR(ahead.at_grain[0], first > middle ? kLinkArea * kWidth * kWidth : 0.0, 1e-12);
-    EXPECT_EQ(ahead.inside, first > middle ? 0.0 : kWidth * kWidth);
-    EXPECT_FALSE(with_failed(std::nextafter(s.path_damage, 1.0), points).separated);
-  }
-}
-
-// Damage ahead of a crack that leaves a ring, larger inside: no path is better than the ring at its least damaged place.
-TEST(Separation, TheLeastDamagedOfARingCounts) {
-  std::vector<CrackPoint> points = column();
-  for (CrackPoint& p : points) {
-    if (level(p) != kHeight - 1) continue;
-    const int r = std::max(std::abs(2 * p.cell[0] + 1), std::abs(2 * p.cell[1] + 1)) / 2;  // 0 to 3
-    if (r < 2) fail(p);
-    p.damage = r < 2 ? 0.9f : r == 2 ? 0.89f : 0.8f + 0.01f * static_cast<float>(p.cell[0] + 4);
-  }
-  const Separation s = separate(points, kFace);
-  EXPECT_FALSE(s.separated);
-  EXPECT_EQ(s.path_damage, 0.8f);
-  const Separation ahead = with_failed(s.path_damage, points);
-  EXPECT_EQ(ahead.debonded_share(), 1.0);
-  EXPECT_NEAR(ahead.at_grain[1], kLinkArea * kWidth * kWidth, 1e-12);
-}
-
-TEST(Separation, AnUndamagedPathHasNoDamage) {
-  std::vector<CrackPoint> points = column();
-  for (CrackPoint& p : points)
-    if (p.cell[0] != 1 || p.cell[1] != 1) p.damage = 0.8f;
-  EXPECT_EQ(separate(points, kFace).path_damage, 0.0);
-}
-
-// Random fields of few values and many, with failed points, points that let go, parts or sheets: the damage of the
-// path is the largest of all values from which on failed points separate, and there is none where they do already.
-TEST(Separation, PathDamageIsThatOfAllLevelsTried) {
+// Random fields of few values of damage and many, with parts or sheets: no path has less damage than the one that is named, and
+// there is none where the bond is separated.
+TEST(Separation, ThePathIsThatOfTheLeastDamage) {
   test::Random random(977);
-  int separated = 0, ahead = 0;
+  const JoinedNodes joined = test::random_joined();
+  int separated = 0, held = 0;
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
-    const int values = n % 3 == 0 ? 4 : 100;
-    const double share = random.uniform(0.0, 0.75);
-    constexpr int kSupport = 3;
-    const JoinedNodes joined{{-3, 1, -1}, {0, 0, -1}, {1, -2, -1}};
-    const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace, joined, kSupport); };
-    std::vector<float> levels;
-    for (CrackPoint& p : points) {
-      p.damage = static_cast<float>(0.9 * random.index(values) / values);
-      levels.push_back(p.damage);
-      if (random.uniform(0.0, 1.0) < share) fail(p);
-      for (bool& a : p.attached) a = a && random.index(3) > 0;
-      if (n % 4 == 1) p.sheet = level(p) >= 5;
-      if (n % 4 == 2) p.part = p.cell[0] < 0 ? 0 : 2;
-      for (int d = 0; d < 3; ++d) p.base[d] = p.cell[d] - 1;
-    }
-    std::sort(levels.begin(), levels.end());
-    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    test::make_random(points, random, random.uniform(0.0, 0.75), n % 3 == 0 ? 4 : 100, n % 4);
+    const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace, joined, test::kRandomSupport); };
     const Separation s = look(points);
-    if (s.separated) {
-      ++separated;
-      EXPECT_TRUE(s.path.empty());
-      continue;
-    }
-    ++ahead;
-    for (float d : levels) EXPECT_EQ(look(failed_from(d, points)).separated, d <= s.path_damage) << d << " " << s.path_damage;
+    EXPECT_EQ(s.path.empty(), s.separated);
+    ++(s.separated ? separated : held);
+    if (s.separated) continue;
     float most = 0.0f;
     for (const CrackPoint& p : points)
       if (std::binary_search(s.path.begin(), s.path.end(), p.tag)) {
         EXPECT_FALSE(p.failed);
         most = std::max(most, p.damage);
       }
-    EXPECT_EQ(most, s.path_damage);
+    std::vector<CrackPoint> worse = points, better = points;
+    for (CrackPoint& p : worse)
+      if (p.damage >= most) fail(p);
+    for (CrackPoint& p : better)
+      if (p.damage > most) fail(p);
+    EXPECT_TRUE(look(worse).separated);
+    EXPECT_FALSE(look(better).separated);
   }
   EXPECT_GT(separated, 5);
-  EXPECT_GT(ahead, 20);
+  EXPECT_GT(held, 20);
 }
 
 TEST(Separation, OneBridgeHolds) {

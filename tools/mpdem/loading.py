@@ -81,10 +81,10 @@ def dimension(log):
 
 
 def ahead(log):
-    """Of a bond that is intact at the end: damage that every path from grain to grain passes, and the mode of a crack there."""
+    """Of a bond that is intact at the end: share of its weakest section that is left, and the mode of a crack through that."""
     last = re.findall(r"^fix mpm .*: bond 1 of grains 1 and 2: intact, .*", log, re.M)[-1:]
-    found = re.search(r"passes damage of (\S+) or more, and a crack there would be (\w+)", last[0]) if last else None
-    return (float(found[1]), found[2]) if found else (0.0, "")
+    found = re.search(r"; (\S+) % of its weakest section is left .*, and a crack through that would be (\w+)", last[0]) if last else None
+    return (0.01 * float(found[1]), found[2]) if found else ("", "")
 
 
 def results(folder, radius=0.005, name="run", window=2e-6):
@@ -96,10 +96,11 @@ def results(folder, radius=0.005, name="run", window=2e-6):
     size, inner, volume, points = dimension(log)
     r = measure(table["time"], table["way"], table["load"], window)
     section = np.pi * (size**2 - inner**2)
-    path_damage, mode_ahead = ahead(log) if bond["mode"][-1] == "intact" else ("", "")
+    left, mode_ahead = ahead(log) if bond["mode"][-1] == "intact" else ("", "")
     r.update(dimension=size, inner=inner, volume=volume, points=points, section=section,
              stress_section=r["peak"] / section, stress_grain=r["peak"] / (np.pi * radius**2),
-             mode=bond["mode"][-1], path_damage=path_damage, mode_ahead=mode_ahead, share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
+             mode=bond["mode"][-1], left=left, mode_ahead=mode_ahead,
+             share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
              share_inside=1.0 - bond["share_grain1"][-1] - bond["share_grain2"][-1] if bond["separated"][-1] else 0.0,
              failed=int(bond["failed"][-1]), let_go=int(bond["debonded"][-1]), attached=int(bond["attached"][-1]),
              dissipated=bond["dissipated_energy"][-1], imbalance=bond["energy_imbalance"][-1],

@@ -32,7 +32,7 @@ OWN = {"refine": 1.0,        # divides the spacing
        "layers": 3.0,        # of points through a coating, at least
        "coarse": 1.25e-4}    # spacing where no coating asks for less, m
 COLUMNS = ("shape", "load", "content", "dimension", "peak", "stress_section", "stress_grain", "stiffness", "energy", "mode",
-           "path_damage", "mode_ahead", "share_grain1", "share_grain2", "share_inside", "way_at_peak", "way_at_failure", "broken", "dissipated",
+           "left", "mode_ahead", "share_grain1", "share_grain2", "share_inside", "way_at_peak", "way_at_failure", "broken", "dissipated",
            "imbalance", "points", "failed", "let_go", "attached", "steps", "duration", "wall", "inner", "volume",
            "section", "spacing", "parameters")
 

@@ -4,14 +4,15 @@
 // Bonds that come apart: bodies in which points failed are looked at as a whole, each by one rank, and
 // their parts get nodes of their own (mpm/separation.h). What is left of a shared node across a crack
 // pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
-// soon as one of them fails; what has come apart, at the checks of fix mpm. At the end of a run bonds that hold
-// are looked at for the separation that is ahead.
+// soon as one of them fails; what has come apart, at the checks of fix mpm. Of bonds that hold, the end of a run
+// tells how much of them is left (mpm/ligament.h).
 #include <mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "../mpm/ligament.h"
 #include "../mpm/separation.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
@@ -242,29 +243,30 @@ std::string FixMpm::failure_mode(int body) const {
   return mode_of(separation_[body]);
 }
 
-// Of bodies that hold, what would separate them first: the damage from which on points would have to fail, and the
-// areas of the surface that there would be then. Collective.
-std::vector<mpdem::Separation> FixMpm::separation_ahead(const std::vector<char>& wanted) {
-  const int bodies = static_cast<int>(wanted.size());
+// Of bodies that hold, their ligament and the separation that there would be without it. Collective.
+std::vector<FixMpm::CrackAhead> FixMpm::cracks_ahead(const std::vector<char>& wanted) {
+  const std::size_t bodies = wanted.size();
   const WholeBodies whole = collect_bodies(wanted);
-  std::vector<double> found(4 * bodies, 0.0);
-  for (int b = 0; b < bodies; ++b) {
-    if (whole.points[b].empty()) continue;
-    mpdem::Separation s = look_at(b, whole.points[b]);
-    double damage = law_->parameters().Dcut;  // what failed since the last look may have been the last that held
-    if (!s.separated) {
-      damage = s.path_damage;
-      if (damage > 0.0) s = look_at(b, mpdem::failed_from(damage, whole.points[b]));
-    }
-    const double row[4] = {damage, s.at_grain[0], s.at_grain[1], s.inside};
-    std::copy(row, row + 4, &found[4 * b]);
+  constexpr int kWords = 5;
+  std::vector<double> found(kWords * bodies, 0.0);
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const std::vector<mpdem::CrackPoint>& points = whole.points[b];
+    if (points.empty()) continue;
+    const int body = static_cast<int>(b);
+    const mpdem::Ligament ligament = mpdem::find_ligament(points, joined_nodes(body), mpdem::support(basis_));
+    const mpdem::Separation s = look_at(body, mpdem::cut_through(ligament.cut, points));
+    const double row[kWords] = {static_cast<double>(ligament.cut.size()), static_cast<double>(ligament.whole),
+                                s.at_grain[0], s.at_grain[1], s.inside};
+    std::copy(row, row + kWords, &found[kWords * b]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, found.data(), 4 * bodies, MPI_DOUBLE, MPI_SUM, world);
-  std::vector<mpdem::Separation> ahead(bodies);
-  for (int b = 0; b < bodies; ++b) {
-    ahead[b].path_damage = found[4 * b];
-    for (int g = 0; g < 2; ++g) ahead[b].at_grain[g] = found[4 * b + 1 + g];
-    ahead[b].inside = found[4 * b + 3];
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, world);
+  std::vector<CrackAhead> ahead(bodies);
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const double* row = &found[kWords * b];
+    ahead[b].left = row[0];
+    ahead[b].whole = row[1];
+    for (int g = 0; g < 2; ++g) ahead[b].surface.at_grain[g] = row[2 + g];
+    ahead[b].surface.inside = row[4];
   }
   return ahead;
 }
@@ -281,7 +283,7 @@ void FixMpm::report_modes() {
     lines += told[b];
   }
   if (lines == 0) return;
-  const std::vector<mpdem::Separation> ahead = separation_ahead(holds);
+  const std::vector<CrackAhead> ahead = cracks_ahead(holds);
   if (comm->me != 0) return;
   for (std::size_t b = 0; b < told.size(); ++b) {
     if (!told[b]) continue;
@@ -290,12 +292,10 @@ void FixMpm::report_modes() {
                                " points failed");
     if (!holds[b]) {
       text += shares_of(separation_[b]);
-    } else if (ahead[b].path_damage == 0.0) {
-      text += "; an undamaged path leads from grain to grain";
     } else {
-      // rounded down, so that it is below the cut-off as long as it is that
-      text += text_of("; every path from grain to grain passes damage of ", std::floor(1000.0 * ahead[b].path_damage) / 1000.0,
-                      " or more, and a crack there would be ", mode_of(ahead[b]), shares_of(ahead[b]));
+      const CrackAhead& a = ahead[b];
+      text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
+                      " points), and a crack through that would be ", mode_of(a.surface), shares_of(a.surface));
     }
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s\n", text.c_str());
