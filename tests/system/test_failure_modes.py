@@ -2,12 +2,15 @@
 """Failure mode and shares of the separating surface for cracks cut into the cement beforehand, where they are known.
 
 test_point_file.py has the plain cracks of the ring; here are several at once, stepped ones, other shapes, and ranks.
+Bonds that hold: how much of their weakest section is left, and the crack that would be there.
 """
+import csv
 import re
 
 import numpy as np
 import pytest
-from scenes import cement, edit, pair, run, shift, thermo
+from scenes import cement, edit, launch, pair, run, shift, thermo
+from test_pair_table import SCRIPT
 from test_point_file import CELL, DAMAGE, SPACING, read, write
 
 SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3"), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4"),
@@ -106,3 +109,83 @@ def test_constructed_crack(case, made, tmp_path, figures):
         figures.note(f"{case}: per cent at the first grain, the second, inside", found)
         assert found == pytest.approx(shares, abs=wall[0] if wall else 2)
         assert [100 * t[f"f_bond[{i}]"][-1] for i in (23, 24)] == pytest.approx(found[:2], abs=0.1)
+
+
+def lines_of_modes(output):
+    return [x for x in output.splitlines() if "of grains 1 and 2: " in x]
+
+
+AHEAD = re.compile(r"; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack through that would be (\w+); of the "
+                   r"separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) % inside$")
+SECTOR = np.deg2rad(12)
+
+
+def rest(c):
+    return abs(c.angle) < SECTOR
+
+
+def columns_of(c, points):
+    cells = np.floor(np.column_stack((c.x, c.y))[points] / SPACING)
+    return len(np.unique(cells, axis=0))
+
+
+# failed points, those of the section that is left, mode and shares of a crack there
+HOLD = {
+    "sector left at the first grain": (lambda c: c.at[0] & ~rest(c), lambda c: c.at[0] & rest(c), "debonding", (100, 0, 0)),
+    "sector left at the second grain": (lambda c: c.at[1] & ~rest(c), lambda c: c.at[1] & rest(c), "debonding", (0, 100, 0)),
+    "sector left in the middle": (lambda c: c.plane & ~rest(c), lambda c: c.plane & (c.z > 0) & rest(c), "internal", (0, 0, 100)),
+    "more left in the middle than at the second grain": (
+        lambda c: np.where(c.angle > 0, c.at[1] & ~rest(c), c.at[1]) | c.plane & (c.angle > 2),
+        lambda c: c.at[1] & rest(c) & (c.angle > 0), "debonding", (0, 100, 0)),
+}
+
+
+@pytest.mark.parametrize("case", HOLD)
+def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
+    failed, left, mode, shares = HOLD[case]
+    columns = dict(made["flat"])
+    c = Cement(columns)
+    columns["failed"] = failed(c).astype(float)
+    for d in ("dxx", "dyy", "dzz"):  # the section left is the most damaged of those with as many points
+        columns[d] = 0.5 * (left(c) | c.plane & rest(c))
+    lines = []
+    for ranks in (1, 4):
+        directory = tmp_path / str(ranks)
+        write(directory / "cement.txt", columns)
+        done = run(scene("flat", "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
+                   + thermo(1, ["f_cem[2]"]) + "run 20\n", directory, ranks)
+        lines.append(lines_of_modes(done.output)[-1])
+    assert lines[0] == lines[1] and ": intact, " in lines[0]
+    found = AHEAD.search(lines[0])
+    assert found, lines[0]
+    figures.note(f"{case}: per cent left, points, of", [float(f) for f in found.groups()[:3]])
+    # points of a stepped surface stand above one another, and one of each column is enough
+    assert (int(found[2]), int(found[3])) == (columns_of(c, left(c)), columns_of(c, c.at[0]))
+    assert float(found[1]) == pytest.approx(100 * int(found[2]) / int(found[3]), rel=1e-5)
+    assert found[4] == mode
+    assert [float(f) for f in found.groups()[4:]] == pytest.approx(shares, abs=8)
+
+
+def test_sheared_bond_with_next_to_no_force(tmp_path, figures):
+    """Past the peak the bond is intact by the rule; what is left of its weakest section is about what is left of its force."""
+    words = {"load": "shear", "content": 0.01, "spacing": 2e-4, "frames": 10**8, "limit": 3300}
+    arguments = [w for k, v in words.items() for w in ("-var", k, str(v))]
+    lines = []
+    for ranks in (1, 2):
+        done = launch(SCRIPT.read_text(), tmp_path / str(ranks), ranks, name="in.pair_table", arguments=arguments)
+        assert done.status == 0 and not done.errors(), done.output[-3000:]
+        lines.append(lines_of_modes(done.output))
+    assert lines[0] == lines[1]
+    assert all(": intact, " in line for line in lines[0])
+    found = [AHEAD.search(line) for line in lines[0]]
+    assert all(found)
+    left = [float(f[1]) for f in found]
+    assert left == sorted(left, reverse=True), "failed points do not heal, so the section never grows"
+    with open(tmp_path / "1" / "load_run.csv") as f:
+        load = np.array([float(r["load"]) for r in csv.DictReader(f)])
+    force = load[-len(load) // 20:].mean() / load.max()
+    figures.note("sheared bond: per cent of the section left at the ends of the runs, first, least", [left[0], left[-1]])
+    figures.below("sheared bond: mean force of the last twentieth of the run, over the peak", force, 0.1)
+    figures.note("sheared bond: force over peak, over the section left", force / (left[-1] / 100))
+    assert 0.5 < force / (left[-1] / 100) < 2.0
+    assert left[0] > 50 and left[-1] < 5 and found[-1][4] == "mixed"

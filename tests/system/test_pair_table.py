@@ -156,6 +156,7 @@ def test_table_is_resumed(tmp_path):
     for row in rows:
         peak, energy = float(row["peak"]), float(row["energy"])
         assert peak > (10 if row["load"] == "tension" else 0.1) and energy > 0 and row["mode"] in ("internal", "debonding", "mixed")
+        assert row["left"] == row["mode_ahead"] == ""
         # the work done on the bond is what damage and failure took, the rest is in the pieces
         assert 0.3 * energy < float(row["dissipated"]) < energy
     assert (out / "table.png").stat().st_size > 1000

@@ -3,42 +3,16 @@
 #include "mpm/separation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
-#include "lanes.h"
+#include "crack_column.h"
 
 namespace mpdem {
 namespace {
 
-constexpr int kWidth = 8, kHeight = 10;
-constexpr double kLinkArea = 0.9;
-const double kFace[3] = {0.0, 0.0, 1.0};
-
-// A column of cells along z, the first grain below, the second above.
-std::vector<CrackPoint> column() {
-  std::vector<CrackPoint> all;
-  int tag = 1;
-  for (int k = 0; k < kHeight; ++k)
-    for (int j = 0; j < kWidth; ++j)
-      for (int i = 0; i < kWidth; ++i) {
-        CrackPoint p{};
-        p.tag = tag++;
-        p.cell[0] = i - 4;
-        p.cell[1] = j - 4;
-        p.cell[2] = k - 5;
-        p.attached[0] = k == 0;
-        p.attached[1] = k == kHeight - 1;
-        for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
-        all.push_back(p);
-      }
-  return all;
-}
-void fail(CrackPoint& p) {
-  p.failed = true;
-  p.attached[0] = p.attached[1] = false;
-}
-int level(const CrackPoint& p) { return p.cell[2] + 5; }
+using test::column, test::fail, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
 
 TEST(Separation, IntactBond) {
   const std::vector<CrackPoint> points = column();
@@ -70,15 +44,47 @@ TEST(Separation, PathOfIntactPoints) {
   };
   expect_path(kHeight);
   for (CrackPoint& p : points) {
-    p.damaged = level(p) == 4 && p.cell[0] < 3;
+    p.damage = level(p) == 4 && p.cell[0] < 3 ? 0.5f : 0.0f;
     if (level(p) == 6 && p.cell[0] > 0) fail(p);
   }
   expect_path(kHeight + 3);  // aside below the crack, past the damage
-  for (CrackPoint& p : points) p.damaged = true;
+  for (CrackPoint& p : points) p.damage = 0.5f;
   expect_path(kHeight);
   for (CrackPoint& p : points)
     if (level(p) == 6) fail(p);
   EXPECT_TRUE(separate(points, kFace).path.empty());
+}
+
+// Random fields of few values of damage and many, with parts or sheets: no path has less damage than the one that is named, and
+// there is none where the bond is separated.
+TEST(Separation, ThePathIsThatOfTheLeastDamage) {
+  test::Random random(977);
+  const JoinedNodes joined = test::random_joined();
+  int separated = 0, held = 0;
+  for (int n = 0; n < 60; ++n) {
+    std::vector<CrackPoint> points = column();
+    test::make_random(points, random, random.uniform(0.0, 0.75), n % 3 == 0 ? 4 : 100, n % 4);
+    const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace, joined, test::kRandomSupport); };
+    const Separation s = look(points);
+    EXPECT_EQ(s.path.empty(), s.separated);
+    ++(s.separated ? separated : held);
+    if (s.separated) continue;
+    float most = 0.0f;
+    for (const CrackPoint& p : points)
+      if (std::binary_search(s.path.begin(), s.path.end(), p.tag)) {
+        EXPECT_FALSE(p.failed);
+        most = std::max(most, p.damage);
+      }
+    std::vector<CrackPoint> worse = points, better = points;
+    for (CrackPoint& p : worse)
+      if (p.damage >= most) fail(p);
+    for (CrackPoint& p : better)
+      if (p.damage > most) fail(p);
+    EXPECT_TRUE(look(worse).separated);
+    EXPECT_FALSE(look(better).separated);
+  }
+  EXPECT_GT(separated, 5);
+  EXPECT_GT(held, 20);
 }
 
 TEST(Separation, OneBridgeHolds) {

@@ -80,6 +80,13 @@ def dimension(log):
     return largest, float(inner[1]) if inner else 0.0, float(found[2]), int(found[3])
 
 
+def ahead(log):
+    """Of a bond that is intact at the end: share of its weakest section that is left, and the mode of a crack through that."""
+    last = re.findall(r"^fix mpm .*: bond 1 of grains 1 and 2: intact, .*", log, re.M)[-1:]
+    found = re.search(r"; (\S+) % of its weakest section is left .*, and a crack through that would be (\w+)", last[0]) if last else None
+    return (0.01 * float(found[1]), found[2]) if found else ("", "")
+
+
 def results(folder, radius=0.005, name="run", window=2e-6):
     """One row of the table of runs, SI units."""
     table = read_table(os.path.join(folder, f"load_{name}.csv"))
@@ -89,9 +96,11 @@ def results(folder, radius=0.005, name="run", window=2e-6):
     size, inner, volume, points = dimension(log)
     r = measure(table["time"], table["way"], table["load"], window)
     section = np.pi * (size**2 - inner**2)
+    left, mode_ahead = ahead(log) if bond["mode"][-1] == "intact" else ("", "")
     r.update(dimension=size, inner=inner, volume=volume, points=points, section=section,
              stress_section=r["peak"] / section, stress_grain=r["peak"] / (np.pi * radius**2),
-             mode=bond["mode"][-1], share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
+             mode=bond["mode"][-1], left=left, mode_ahead=mode_ahead,
+             share_grain1=bond["share_grain1"][-1], share_grain2=bond["share_grain2"][-1],
              share_inside=1.0 - bond["share_grain1"][-1] - bond["share_grain2"][-1] if bond["separated"][-1] else 0.0,
              failed=int(bond["failed"][-1]), let_go=int(bond["debonded"][-1]), attached=int(bond["attached"][-1]),
              dissipated=bond["dissipated_energy"][-1], imbalance=bond["energy_imbalance"][-1],

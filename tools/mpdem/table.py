@@ -32,7 +32,7 @@ OWN = {"refine": 1.0,        # divides the spacing
        "layers": 3.0,        # of points through a coating, at least
        "coarse": 1.25e-4}    # spacing where no coating asks for less, m
 COLUMNS = ("shape", "load", "content", "dimension", "peak", "stress_section", "stress_grain", "stiffness", "energy", "mode",
-           "share_grain1", "share_grain2", "share_inside", "way_at_peak", "way_at_failure", "broken", "dissipated",
+           "left", "mode_ahead", "share_grain1", "share_grain2", "share_inside", "way_at_peak", "way_at_failure", "broken", "dissipated",
            "imbalance", "points", "failed", "let_go", "attached", "steps", "duration", "wall", "inner", "volume",
            "section", "spacing", "parameters")
 
@@ -244,6 +244,7 @@ def write(path, runs, out, script):
             known = {**res, "shape": run.shape, "load": run.load, "content": run.content, "spacing": run.spacing,
                      "parameters": " ".join(f"{k}={str(v).replace(' ', ':')}" for k, v in sorted(run.extra.items())),
                      "broken": "yes" if res["broken"] else "no"}
-            w.writerow([f"{known[c]:.6g}" if isinstance(known[c], float) else known[c] for c in COLUMNS])
+            row = [known.get(c, "") for c in COLUMNS]  # a run may be older than a column
+            w.writerow([f"{v:.6g}" if isinstance(v, float) else v for v in row])
     os.replace(path + ".tmp", path)
     return rows

@@ -3,59 +3,15 @@
 #include "separation.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numeric>
-
-#include "crevice.h"
+#include <optional>
+#include <queue>
 
 namespace mpdem {
 
 namespace {
-
-class Neighbours {
- public:
-  Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& joined, int support) : points_(p), order_(p.size()), face_(p.size()) {
-    std::iota(order_.begin(), order_.end(), 0);
-    std::sort(order_.begin(), order_.end(), [&](int a, int b) { return cell(a) < cell(b); });
-    for (int i : order_)
-      for (int d = 0; d < 3; ++d)
-        for (int side = 0; side < 2; ++side) {
-          std::array<int, 3> c = cell(i);
-          c[d] += side == 0 ? -1 : 1;
-          const auto it = std::lower_bound(order_.begin(), order_.end(), c,
-                                           [&](int a, const std::array<int, 3>& v) { return cell(a) < v; });
-          const bool there = it != order_.end() && cell(*it) == c;
-          face_[i][2 * d + side] = there && (p[i].sheet == p[*it].sheet || (touches(p[i].space[2 * d + side] + p[*it].space[2 * d + 1 - side]) &&
-                                                                             meet(p[i], p[*it], joined, support)))
-                                     ? *it
-                                     : -1;
-        }
-  }
-  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
-  const std::array<int, 6>& of(int i) const { return face_[i]; }
-  // Points in the order of their cells.
-  const std::vector<int>& order() const { return order_; }
-
- private:
-  static bool meet(const CrackPoint& a, const CrackPoint& b, const JoinedNodes& joined, int support) {
-    int low[3], high[3];
-    for (int d = 0; d < 3; ++d) {
-      low[d] = std::max(a.base[d], b.base[d]);
-      high[d] = std::min(a.base[d], b.base[d]) + support;
-    }
-    for (int i = low[0]; i < high[0]; ++i)
-      for (int j = low[1]; j < high[1]; ++j) {
-        const auto at = std::lower_bound(joined.begin(), joined.end(), std::array<int, 3>{i, j, low[2]});
-        if (at != joined.end() && *at < std::array<int, 3>{i, j, high[2]}) return true;
-      }
-    return false;
-  }
-  std::array<int, 3> cell(int i) const { return {points_[i].cell[0], points_[i].cell[1], points_[i].cell[2]}; }
-
-  const std::vector<CrackPoint>& points_;
-  std::vector<int> order_;
-  std::vector<std::array<int, 6>> face_;
-};
 
 struct Piece {
   int points = 0, least_tag = 0, part = 0;
@@ -65,28 +21,49 @@ struct Piece {
 // Spreads the labels (-1: none) from cell to cell, within a part or across, until every point
 // that can be reached has one. Fronts advance together; the lower label wins where two meet.
 void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<int>& label) {
-  std::vector<int> front;
+  std::vector<int> front, next, claim(label.size(), -1);
   for (int i : near.order())
     if (label[i] >= 0) front.push_back(i);
   while (!front.empty()) {
-    std::map<int, int> claimed;  // point, label
+    next.clear();
     for (int i : front)
       for (int j : near.of(i))
         if (j >= 0 && label[j] < 0 && (across || points[j].part == points[i].part)) {
-          const auto it = claimed.emplace(j, label[i]).first;
-          it->second = std::min(it->second, label[i]);
+          if (claim[j] < 0) next.push_back(j);
+          claim[j] = claim[j] < 0 ? label[i] : std::min(claim[j], label[i]);
         }
-    front.clear();
-    for (const auto& c : claimed) {
-      label[c.first] = c.second;
-      front.push_back(c.first);
-    }
+    for (int j : next) label[j] = claim[j];
+    front.swap(next);
   }
 }
 
-// Shortest way over intact points of a part from the first grain to the second; empty if there is none.
-std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, bool past_damage) {
-  const auto passable = [&](int i) { return !points[i].failed && !(past_damage && points[i].damaged); };
+// Least damage up to which points have to be passed to come from the first grain to the second over intact points
+// of a part (Dijkstra's search with the largest damage for the length of a path), if there is a way.
+std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<CrackPoint>& points) {
+  using Ahead = std::pair<float, int>;
+  std::priority_queue<Ahead, std::vector<Ahead>, std::greater<Ahead>> front;
+  std::vector<char> seen(points.size(), 0);
+  const auto see = [&](int i) {
+    seen[i] = 1;
+    front.emplace(points[i].damage, i);
+  };
+  for (int i : near.order())
+    if (!points[i].failed && points[i].attached[0]) see(i);
+  float most = 0.0f;
+  while (!front.empty()) {
+    const int i = front.top().second;
+    most = std::max(most, front.top().first);
+    front.pop();
+    if (points[i].attached[1]) return most;
+    for (int j : near.of(i))
+      if (j >= 0 && !seen[j] && !points[j].failed && points[j].part == points[i].part) see(j);
+  }
+  return std::nullopt;
+}
+
+// Shortest way from the first grain to the second over intact points of a part with at most this damage.
+std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, float damage) {
+  const auto passable = [&](int i) { return !points[i].failed && points[i].damage <= damage; };
   constexpr int kUnseen = -2, kStart = -1;
   std::vector<int> from(points.size(), kUnseen), queue, path;
   for (int i : near.order())
@@ -118,9 +95,10 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   Separation result;
   result.part.resize(n);
   for (int i = 0; i < n; ++i) result.part[i] = points[i].part;
-  for (bool past_damage : {true, false})
-    if (result.path.empty()) result.path = find_path(near, points, past_damage);
-  if (!result.path.empty()) return result;
+  if (const std::optional<float> damage = damage_to_pass(near, points)) {
+    result.path = find_path(near, points, *damage);
+    return result;
+  }
   result.separated = true;
 
   // Pieces of intact points of one part.

@@ -2,9 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Has a bond come apart, and how? The crack is the set of failed points; intact points hold
-// together where their lattice cells share a face and, if they are of different sheets (crevice.h), their
-// material touches there and a node at which the sheets are joined is in the support of both. A bond is separated when no such piece is
-// attached to both grains. Then
+// together as neighbours.h says. A bond is separated when no such piece is attached to both grains. Then
 // * the cement gets parts that share no nodes: what is attached to the first grain, to the
 //   second, and every loose piece of at least kLeastLoose points. Failed points and smaller
 //   crumbs go with the nearest of these (in steps from cell to cell) of their part;
@@ -13,26 +11,17 @@
 //   own links are to material of the other. Where neither grain holds to anything but there is
 //   a loose piece, it is the surface of both. Its areas are projected on the plane across the
 //   line of centres.
+// While a path of intact points leads from grain to grain the bond holds. The one that is named is one whose most
+// damaged point is the least damaged, since it is expected to hold longest: so there is seldom reason to look again.
 // Serial, on all points of one body; the result does not depend on their order.
 #ifndef MPDEM_SEPARATION_H
 #define MPDEM_SEPARATION_H
 
-#include <array>
 #include <vector>
 
-namespace mpdem {
+#include "neighbours.h"
 
-struct CrackPoint {
-  int tag;
-  int cell[3];              // of the lattice
-  int part;                 // so far; piece_of(), see body.h
-  int sheet;
-  int base[3];              // first node of its support
-  float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
-  bool failed, damaged;
-  bool attached[2];         // holds to this grain
-  double link_area[2];      // projected area of its links, let go or not
-};
+namespace mpdem {
 
 struct Separation {
   bool separated = false;
@@ -40,8 +29,7 @@ struct Separation {
   double at_grain[2] = {0, 0}, inside = 0;
   // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
-  // Tags of intact points, ascending, that lead from one grain to the other, past damaged ones where
-  // that is possible: while none of them fails the bond is not separated.
+  // Tags of the points, ascending, of that path: while none of them fails the bond is not separated.
   std::vector<int> path;
 
   double debonded_share() const {
@@ -51,8 +39,6 @@ struct Separation {
 };
 
 constexpr int kLeastLoose = 64;
-
-using JoinedNodes = std::vector<std::array<int, 3>>;
 
 // face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
 // support: nodes a direction.

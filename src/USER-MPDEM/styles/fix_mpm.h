@@ -174,6 +174,14 @@ class FixMpm : public Fix {
   bool separate_bodies(bool debris);
   void watch_paths();
   bool some_path_is_cut();
+  struct WholeBodies;
+  WholeBodies collect_bodies(const std::vector<char>& wanted);
+  mpdem::Separation look_at(int body, const std::vector<mpdem::CrackPoint>& points) const;
+  struct CrackAhead {
+    double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
+    mpdem::Separation surface;       // if the ligament failed
+  };
+  std::vector<CrackAhead> cracks_ahead(const std::vector<char>& wanted);
   void report_modes();
   void record_events();
   void write_events();

@@ -4,12 +4,15 @@
 // Bonds that come apart: bodies in which points failed are looked at as a whole, each by one rank, and
 // their parts get nodes of their own (mpm/separation.h). What is left of a shared node across a crack
 // pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
-// soon as one of them fails; what has come apart, at the checks of fix mpm.
+// soon as one of them fails; what has come apart, at the checks of fix mpm. Of bonds that hold, the end of a run
+// tells how much of them is left (mpm/ligament.h).
 #include <mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "../mpm/ligament.h"
 #include "../mpm/separation.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
@@ -37,7 +40,34 @@ struct OfPath {
   int body, tag;
 };
 
+void direction_of_centres(const mpdem::Body& body, double* n) {
+  double length = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    n[d] = body.centre[1][d] - body.centre[0][d];
+    length += n[d] * n[d];
+  }
+  for (int d = 0; d < 3; ++d) n[d] /= std::sqrt(length);
+}
+
+const char* mode_of(const mpdem::Separation& s) {
+  const double share = s.debonded_share();
+  return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
+}
+
+std::string shares_of(const mpdem::Separation& s) {
+  const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+  if (all <= 0.0) return "";
+  return text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",
+                 100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
+}
+
 }  // namespace
+
+// What collect_bodies() brought to this rank.
+struct FixMpm::WholeBodies {
+  mpdem::Received<Sent> sent;
+  std::vector<std::vector<mpdem::CrackPoint>> points;  // of each body, in the order in which they are sent; empty elsewhere
+};
 
 // Notes the bonds whose path is cut by the points that fail in this step.
 void FixMpm::watch_paths() {
@@ -59,6 +89,67 @@ bool FixMpm::some_path_is_cut() {
   int mine = any_path_cut_, any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
   return any != 0;
+}
+
+// Sends each of the bodies asked for to one rank, as a whole. Collective.
+FixMpm::WholeBodies FixMpm::collect_bodies(const std::vector<char>& wanted) {
+  sort_links();
+  const mpdem::PointStore& points = avec_->points;
+  std::vector<std::vector<Sent>> out(comm->nprocs);
+  std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
+  for (const mpdem::Link& k : points.links) ++first_link[k.slot + 1];
+  for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const mpdem::BlockMeta& m = points.meta[b];
+    if (!wanted[m.body]) continue;
+    const mpdem::Body& body = avec_->bodies[m.body];
+    double axis[3];
+    direction_of_centres(body, axis);
+    const vd damage = m.damaged ? mpdem::largest(mpdem::eigen(points.damage[b].D)) : vd{};
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      Sent s;
+      s.body = m.body;
+      s.slot = kLanes * static_cast<int>(b) + l;
+      s.point.tag = points.tags[b][l];
+      s.point.part = mpdem::piece_of(m.part);
+      s.point.sheet = mpdem::sheet_of(m.part);
+      s.point.failed = m.failed >> l & 1;
+      s.point.damage = static_cast<float>(std::max(damage[l], 0.0));
+      for (int d = 0; d < 3; ++d) {
+        s.point.cell[d] = mpdem::lattice_cell(body, d, points.created_at(static_cast<int>(b))[d][l]);
+        s.point.base[d] = m.base[d];
+      }
+      const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
+      for (int n = 0; n < 6; ++n) s.point.space[n] = static_cast<float>(mpdem::space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
+      for (int g = 0; g < 2; ++g) {
+        s.point.attached[g] = false;
+        s.point.link_area[g] = 0.0;
+      }
+      for (int n = first_link[s.slot]; n < first_link[s.slot + 1]; ++n) {
+        const mpdem::Link& k = points.links[n];
+        const int g = k.grain == body.grain[0] ? 0 : 1;
+        double across = 0.0;
+        for (int d = 0; d < 3; ++d) across += (k.foot[d] - body.centre[g][d]) / body.radius[g] * axis[d];
+        s.point.attached[g] = s.point.attached[g] || k.attached;
+        s.point.link_area[g] += k.area * std::fabs(across);
+      }
+      out[m.body % comm->nprocs].push_back(s);
+    }
+  }
+  WholeBodies whole;
+  whole.sent = mpdem::all_to_all(world, out);
+  whole.points.resize(wanted.size());
+  for (const Sent& s : whole.sent.data) whole.points[s.body].push_back(s.point);
+  return whole;
+}
+
+mpdem::Separation FixMpm::look_at(int body, const std::vector<mpdem::CrackPoint>& points) const {
+  const mpdem::Body& b = avec_->bodies[body];
+  double face[3];
+  direction_of_centres(b, face);
+  for (double& f : face) f = std::fabs(f) * b.spacing * b.spacing;
+  return mpdem::separate(points, face, joined_nodes(body), mpdem::support(basis_));
 }
 
 // Looks at bodies in which points failed: those whose path is cut, and what has come apart already,
@@ -86,72 +177,16 @@ bool FixMpm::separate_bodies(bool debris) {
   any_path_cut_ = false;
   if (!any) return false;
 
-  sort_links();
-  std::vector<std::vector<Sent>> out(comm->nprocs);
-  std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
-  for (const mpdem::Link& k : points.links) ++first_link[k.slot + 1];
-  for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::BlockMeta& m = points.meta[b];
-    if (!look[m.body]) continue;
-    const mpdem::Body& body = avec_->bodies[m.body];
-    double axis[3], length = 0.0;
-    for (int d = 0; d < 3; ++d) {
-      axis[d] = body.centre[1][d] - body.centre[0][d];
-      length += axis[d] * axis[d];
-    }
-    for (double& a : axis) a /= std::sqrt(length);
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(m.occupied >> l & 1)) continue;
-      Sent s;
-      s.body = m.body;
-      s.slot = kLanes * static_cast<int>(b) + l;
-      s.point.tag = points.tags[b][l];
-      s.point.part = mpdem::piece_of(m.part);
-      s.point.sheet = mpdem::sheet_of(m.part);
-      s.point.failed = m.failed >> l & 1;
-      const mpdem::Sym3<vd>& D = points.damage[b].D;
-      s.point.damaged = D.xx[l] != 0.0 || D.yy[l] != 0.0 || D.zz[l] != 0.0 || D.yz[l] != 0.0 || D.xz[l] != 0.0 || D.xy[l] != 0.0;
-      for (int d = 0; d < 3; ++d) {
-        s.point.cell[d] = mpdem::lattice_cell(body, d, points.created_at(static_cast<int>(b))[d][l]);
-        s.point.base[d] = m.base[d];
-      }
-      const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
-      for (int n = 0; n < 6; ++n) s.point.space[n] = static_cast<float>(mpdem::space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
-      for (int g = 0; g < 2; ++g) {
-        s.point.attached[g] = false;
-        s.point.link_area[g] = 0.0;
-      }
-      for (int n = first_link[s.slot]; n < first_link[s.slot + 1]; ++n) {
-        const mpdem::Link& k = points.links[n];
-        const int g = k.grain == body.grain[0] ? 0 : 1;
-        double across = 0.0;
-        for (int d = 0; d < 3; ++d) across += (k.foot[d] - body.centre[g][d]) / body.radius[g] * axis[d];
-        s.point.attached[g] = s.point.attached[g] || k.attached;
-        s.point.link_area[g] += k.area * std::fabs(across);
-      }
-      out[m.body % comm->nprocs].push_back(s);
-    }
-  }
-  const auto in = mpdem::all_to_all(world, out);
+  const WholeBodies whole = collect_bodies(look);
 
   // Here the bodies of this rank are whole.
   std::vector<std::vector<Returned>> back(comm->nprocs);
   std::vector<double> result(4 * bodies, 0.0);
-  std::vector<std::vector<mpdem::CrackPoint>> whole(bodies);
-  for (const Sent& s : in.data) whole[s.body].push_back(s.point);
   std::vector<mpdem::Separation> found(bodies);
   std::vector<std::vector<OfPath>> paths(comm->nprocs);
   for (int b = 0; b < bodies; ++b) {
-    if (whole[b].empty()) continue;
-    const mpdem::Body& body = avec_->bodies[b];
-    double face[3], length = 0.0;
-    for (int d = 0; d < 3; ++d) {
-      face[d] = body.centre[1][d] - body.centre[0][d];
-      length += face[d] * face[d];
-    }
-    for (double& f : face) f = std::fabs(f) / std::sqrt(length) * body.spacing * body.spacing;
-    found[b] = mpdem::separate(whole[b], face, joined_nodes(b), mpdem::support(basis_));
+    if (whole.points[b].empty()) continue;
+    found[b] = look_at(b, whole.points[b]);
     for (int tag : found[b].path)
       for (auto& to : paths) to.push_back({b, tag});
     result[4 * b] = found[b].separated;
@@ -162,8 +197,8 @@ bool FixMpm::separate_bodies(bool debris) {
   std::vector<std::size_t> at(bodies, 0);
   std::size_t n = 0;
   for (int r = 0; r < comm->nprocs; ++r)
-    for (int i = 0; i < in.count[r]; ++i, ++n) {
-      const Sent& s = in.data[n];
+    for (int i = 0; i < whole.sent.count[r]; ++i, ++n) {
+      const Sent& s = whole.sent.data[n];
       const int part = found[s.body].part[at[s.body]++];
       // `updated` fragments may meet again, so they share their nodes
       if (part != s.point.part && !updated_) back[r].push_back({s.slot, part});
@@ -205,27 +240,63 @@ bool FixMpm::separate_bodies(bool debris) {
 
 std::string FixMpm::failure_mode(int body) const {
   if (body >= static_cast<int>(separation_.size()) || !separation_[body].separated) return "intact";
-  const double share = separation_[body].debonded_share();
-  return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
+  return mode_of(separation_[body]);
 }
 
-// One line a bond, at the end of a run in which points have failed.
+// Of bodies that hold, their ligament and the separation that there would be without it. Collective.
+std::vector<FixMpm::CrackAhead> FixMpm::cracks_ahead(const std::vector<char>& wanted) {
+  const std::size_t bodies = wanted.size();
+  const WholeBodies whole = collect_bodies(wanted);
+  constexpr int kWords = 5;
+  std::vector<double> found(kWords * bodies, 0.0);
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const std::vector<mpdem::CrackPoint>& points = whole.points[b];
+    if (points.empty()) continue;
+    const int body = static_cast<int>(b);
+    const mpdem::Ligament ligament = mpdem::find_ligament(points, joined_nodes(body), mpdem::support(basis_));
+    const mpdem::Separation s = look_at(body, mpdem::cut_through(ligament.cut, points));
+    const double row[kWords] = {static_cast<double>(ligament.cut.size()), static_cast<double>(ligament.whole),
+                                s.at_grain[0], s.at_grain[1], s.inside};
+    std::copy(row, row + kWords, &found[kWords * b]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, world);
+  std::vector<CrackAhead> ahead(bodies);
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const double* row = &found[kWords * b];
+    ahead[b].left = row[0];
+    ahead[b].whole = row[1];
+    for (int g = 0; g < 2; ++g) ahead[b].surface.at_grain[g] = row[2 + g];
+    ahead[b].surface.inside = row[4];
+  }
+  return ahead;
+}
+
+// One line a bond, at the end of a run in which points have failed. Collective.
 void FixMpm::report_modes() {
-  const std::vector<BondState>& state = bonds();
-  if (comm->me != 0) return;
   constexpr std::size_t kMostLines = 20;
+  const std::vector<BondState>& state = bonds();
+  std::vector<char> told(state.size(), 0), holds(state.size(), 0);
   std::size_t lines = 0;
-  for (std::size_t b = 0; b < separation_.size(); ++b) {
-    if (state[b].failed == 0.0) continue;
-    if (++lines > kMostLines) break;
-    const mpdem::Separation& s = separation_[b];
-    const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+  for (std::size_t b = 0; b < std::min(state.size(), separation_.size()) && lines < kMostLines; ++b) {
+    told[b] = state[b].failed != 0.0;
+    holds[b] = told[b] && !separation_[b].separated;
+    lines += told[b];
+  }
+  if (lines == 0) return;
+  const std::vector<CrackAhead> ahead = cracks_ahead(holds);
+  if (comm->me != 0) return;
+  for (std::size_t b = 0; b < told.size(); ++b) {
+    if (!told[b]) continue;
     std::string text = text_of("fix mpm (id ", id, "): bond ", b + 1, " of grains ", avec_->bodies[b].grain[0], " and ",
                                avec_->bodies[b].grain[1], ": ", failure_mode(static_cast<int>(b)), ", ", state[b].failed,
                                " points failed");
-    if (s.separated && all > 0.0)
-      text += text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",
-                      100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
+    if (!holds[b]) {
+      text += shares_of(separation_[b]);
+    } else {
+      const CrackAhead& a = ahead[b];
+      text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
+                      " points), and a crack through that would be ", mode_of(a.surface), shares_of(a.surface));
+    }
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s\n", text.c_str());
   }

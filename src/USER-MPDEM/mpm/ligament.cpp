@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "ligament.h"
+
+#include <array>
+#include <utility>
+
+namespace mpdem {
+
+namespace {
+
+// As many paths from grain to grain as there can be with no point in common: the largest flow through the graph in
+// which each point is an entry and an exit, joined by an arc of capacity one. Augmenting paths are looked for in
+// sweeps that pass each entry and exit once, the nearest to the second grain first, whatever their length: among many small
+// gaps paths of all lengths are wanted, and a sweep for each length (Dinic) takes several times as long.
+class Flow {
+ public:
+  // Points that may be passed, in an order of their own; near: across their faces, kNone where there is none.
+  Flow(std::vector<std::array<int, 6>> near, std::vector<std::array<char, 2>> attached)
+      : near_(std::move(near)), attached_(std::move(attached)), before_(near_.size(), kNone), after_(near_.size(), kNone),
+        level_(2 * near_.size()), met_(2 * near_.size()) {
+    for (bool more = true; more;) {
+      more = false;
+      spread_from_second();
+      met_.assign(met_.size(), 0);
+      for (int i = 0; i < size(); ++i)
+        if (attached_[i][0] && reached(entry(i)) && !met_[entry(i)]) more = augment(i) || more;
+    }
+  }
+
+  // Points of the least cut nearest to a grain (0, 1): the last that still lead on from there.
+  std::vector<int> cut_near(int grain) {
+    if (grain == 0) spread_from_first();
+    else spread_from_second();
+    std::vector<int> cut;
+    for (int i = 0; i < size(); ++i)
+      if (reached(grain == 0 ? entry(i) : exit(i)) && !reached(grain == 0 ? exit(i) : entry(i))) cut.push_back(i);
+    return cut;
+  }
+
+  static constexpr int kNone = -1;
+
+ private:
+  static constexpr int kGrain = -2;
+
+  int size() const { return static_cast<int>(near_.size()); }
+  static int entry(int i) { return 2 * i; }
+  static int exit(int i) { return 2 * i + 1; }
+  bool on_path(int i) const { return before_[i] != kNone; }
+  bool reached(int node) const { return level_[node] > 0; }
+  void reach(int node, int level) {
+    if (node < 0 || reached(node)) return;
+    level_[node] = level;
+    queue_.push_back(node);
+  }
+
+  // Steps that are left from each entry and exit to the second grain, 0 where none lead there.
+  void spread_from_second() {
+    level_.assign(level_.size(), 0);
+    queue_.clear();
+    for (int i = 0; i < size(); ++i)
+      if (attached_[i][1]) reach(exit(i), 1);
+    for (std::size_t k = 0; k < queue_.size(); ++k) {
+      const int node = queue_[k], i = node / 2, level = level_[node] + 1;
+      if (node == exit(i)) {
+        const int from = !on_path(i) ? i : after_[i];
+        if (from >= 0) reach(entry(from), level);
+      } else {
+        for (int j : near_[i])
+          if (j >= 0) reach(exit(j), level);
+        if (on_path(i)) reach(exit(i), level);
+      }
+    }
+  }
+
+  void spread_from_first() {
+    level_.assign(level_.size(), 0);
+    queue_.clear();
+    for (int i = 0; i < size(); ++i)
+      if (attached_[i][0]) reach(entry(i), 1);
+    for (std::size_t k = 0; k < queue_.size(); ++k) {
+      const int node = queue_[k], i = node / 2, level = level_[node] + 1;
+      if (node == entry(i)) {
+        const int to = !on_path(i) ? i : before_[i];
+        if (to >= 0) reach(exit(to), level);
+      } else {
+        for (int j : near_[i])
+          if (j >= 0) reach(entry(j), level);
+        if (on_path(i)) reach(entry(i), level);
+      }
+    }
+  }
+
+  // Where to go on from here towards the second grain: the node with the fewest steps left that was not met yet, or kNone.
+  int step(int node) const {
+    const int i = node / 2;
+    int best = kNone;
+    const auto offer = [&](int next) {
+      if (reached(next) && !met_[next] && (best == kNone || level_[next] < level_[best])) best = next;
+    };
+    if (node == entry(i)) {
+      const int to = !on_path(i) ? i : before_[i];
+      if (to >= 0) offer(exit(to));
+      return best;
+    }
+    for (int j : near_[i])
+      if (j >= 0) offer(entry(j));
+    if (on_path(i)) offer(entry(i));
+    return best;
+  }
+
+  // One more path from this point at the first grain, if there is one that meets none of this sweep.
+  bool augment(int start) {
+    walk_.assign(1, entry(start));
+    met_[entry(start)] = 1;
+    while (!walk_.empty()) {
+      const int node = walk_.back();
+      if (node == exit(node / 2) && level_[node] == 1) break;
+      const int next = step(node);
+      if (next != kNone) {
+        walk_.push_back(next);
+        met_[next] = 1;
+      } else {
+        walk_.pop_back();
+      }
+    }
+    if (walk_.empty()) return false;
+    before_[start] = kGrain;
+    for (std::size_t k = 0; k + 1 < walk_.size(); ++k) {
+      const int a = walk_[k], b = walk_[k + 1], i = a / 2, j = b / 2;
+      if (a != exit(i)) continue;  // through a point, or back along a path: the arcs beside it say so
+      if (i == j) {
+        before_[i] = after_[i] = kNone;  // a path that was there leaves the point
+      } else {
+        after_[i] = j;
+        before_[j] = i;
+      }
+    }
+    after_[walk_.back() / 2] = kGrain;
+    return true;
+  }
+
+  std::vector<std::array<int, 6>> near_;
+  std::vector<std::array<char, 2>> attached_;
+  std::vector<int> before_, after_, level_, queue_, walk_;
+  std::vector<char> met_;
+};
+
+// The flow over the points that pass, and which these are.
+struct Bond {
+  std::vector<int> points;
+  Flow flow;
+};
+
+template <class Passes, class Attached>
+Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Passes passes, Attached attached) {
+  std::vector<int> passed, place(points.size(), Flow::kNone);
+  for (int i : near.order())
+    if (passes(points[i])) {
+      place[i] = static_cast<int>(passed.size());
+      passed.push_back(i);
+    }
+  std::vector<std::array<int, 6>> across(passed.size());
+  std::vector<std::array<char, 2>> held(passed.size());
+  for (std::size_t k = 0; k < passed.size(); ++k) {
+    const CrackPoint& p = points[passed[k]];
+    for (int f = 0; f < 6; ++f) {
+      const int j = near.of(passed[k])[f];
+      across[k][f] = j >= 0 && points[j].part == p.part ? place[j] : Flow::kNone;
+    }
+    for (int g = 0; g < 2; ++g) held[k][g] = attached(p, g);
+  }
+  return {std::move(passed), Flow(std::move(across), std::move(held))};
+}
+
+double mean_damage(const std::vector<int>& cut, const std::vector<CrackPoint>& points) {
+  double sum = 0.0;
+  for (int i : cut) sum += points[i].damage;
+  return cut.empty() ? 0.0 : sum / static_cast<double>(cut.size());
+}
+
+}  // namespace
+
+Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support) {
+  const Neighbours near(points, joined, support);
+  Ligament result;
+  {
+    Bond whole = bond_of(points, near, [](const CrackPoint&) { return true; },
+                         [](const CrackPoint& p, int g) { return p.attached[g] || p.link_area[g] > 0.0; });
+    result.whole = static_cast<int>(whole.flow.cut_near(0).size());
+  }
+  Bond left = bond_of(points, near, [](const CrackPoint& p) { return !p.failed; },
+                      [](const CrackPoint& p, int g) { return p.attached[g]; });
+  std::vector<int> cuts[2];
+  for (int g = 0; g < 2; ++g)
+    for (int k : left.flow.cut_near(g)) cuts[g].push_back(left.points[k]);
+  result.cut = cuts[mean_damage(cuts[1], points) > mean_damage(cuts[0], points) + kSameDamage];
+  return result;
+}
+
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points) {
+  for (int i : cut) {
+    points[i].failed = true;
+    points[i].attached[0] = points[i].attached[1] = false;
+  }
+  return points;
+}
+
+}  // namespace mpdem

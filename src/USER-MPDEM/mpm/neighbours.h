@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Which points of a bond hold together if they are intact: those whose lattice cells share a face and, if they are
+// of different sheets (crevice.h), whose material touches there and in whose supports there is a node at which the
+// sheets are joined. What the separation (separation.h) and the ligament (ligament.h) of a bond go by.
+#ifndef MPDEM_NEIGHBOURS_H
+#define MPDEM_NEIGHBOURS_H
+
+#include <array>
+#include <vector>
+
+namespace mpdem {
+
+struct CrackPoint {
+  int tag;
+  int cell[3];              // of the lattice
+  int part;                 // so far; piece_of(), see body.h
+  int sheet;
+  int base[3];              // first node of its support
+  float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
+  float damage;             // largest eigenvalue
+  bool failed;
+  bool attached[2];         // holds to this grain
+  double link_area[2];      // projected area of its links, let go or not
+};
+
+// Ascending.
+using JoinedNodes = std::vector<std::array<int, 3>>;
+
+class Neighbours {
+ public:
+  // joined: where there are sheets; support: nodes a direction.
+  explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0);
+  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
+  const std::array<int, 6>& of(int i) const { return face_[i]; }
+  // Points in the order of their cells: what goes by it does not depend on the order in which they are given.
+  const std::vector<int>& order() const { return order_; }
+
+ private:
+  std::vector<int> order_;
+  std::vector<std::array<int, 6>> face_;
+};
+
+}  // namespace mpdem
+
+#endif

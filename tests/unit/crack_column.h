@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A column of cells along z, the first grain below, the second above: what tests of cracks cut.
+#ifndef MPDEM_TEST_CRACK_COLUMN_H
+#define MPDEM_TEST_CRACK_COLUMN_H
+
+#include <vector>
+
+#include "lanes.h"
+#include "mpm/neighbours.h"
+
+namespace mpdem::test {
+
+constexpr int kWidth = 8, kHeight = 10;
+constexpr double kLinkArea = 0.9;
+const double kFace[3] = {0.0, 0.0, 1.0};
+
+inline std::vector<CrackPoint> column(int width = kWidth, int height = kHeight) {
+  std::vector<CrackPoint> all;
+  int tag = 1;
+  for (int k = 0; k < height; ++k)
+    for (int j = 0; j < width; ++j)
+      for (int i = 0; i < width; ++i) {
+        CrackPoint p{};
+        p.tag = tag++;
+        p.cell[0] = i - width / 2;
+        p.cell[1] = j - width / 2;
+        p.cell[2] = k - height / 2;
+        p.attached[0] = k == 0;
+        p.attached[1] = k == height - 1;
+        for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
+        all.push_back(p);
+      }
+  return all;
+}
+
+inline void fail(CrackPoint& p) {
+  p.failed = true;
+  p.attached[0] = p.attached[1] = false;
+}
+
+inline int level(const CrackPoint& p, int height = kHeight) { return p.cell[2] + height / 2; }
+
+// Nodes at which the sheets of a column are joined, a few of them, and what random() takes for supports.
+constexpr int kRandomSupport = 3;
+inline JoinedNodes random_joined() { return {{-3, 1, -1}, {0, 0, -1}, {1, -2, -1}}; }
+
+// Failed points, points that let go and damage of this many values at random; parts (kind 1) or sheets (kind 2).
+inline void make_random(std::vector<CrackPoint>& points, Random& random, double share, int values, int kind, int height = kHeight) {
+  for (CrackPoint& p : points) {
+    p.damage = static_cast<float>(0.9 * random.index(values) / values);
+    if (random.uniform(0.0, 1.0) < share) fail(p);
+    for (bool& a : p.attached) a = a && random.index(3) > 0;
+    if (kind == 1) p.part = p.cell[0] < 0 ? 0 : 2;
+    if (kind == 2) p.sheet = level(p, height) >= height / 2;
+    for (int d = 0; d < 3; ++d) p.base[d] = p.cell[d] - 1;
+  }
+}
+
+}  // namespace mpdem::test
+
+#endif

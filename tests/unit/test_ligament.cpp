@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/ligament.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "crack_column.h"
+#include "mpm/separation.h"
+
+namespace mpdem {
+namespace {
+
+using test::column, test::fail, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
+
+std::set<int> tags_of(const std::vector<int>& cut, const std::vector<CrackPoint>& points) {
+  std::set<int> tags;
+  for (int i : cut) tags.insert(points[i].tag);
+  EXPECT_EQ(tags.size(), cut.size());
+  return tags;
+}
+
+std::set<int> tags_where(const std::vector<CrackPoint>& points, const std::function<bool(const CrackPoint&)>& is) {
+  std::set<int> tags;
+  for (const CrackPoint& p : points)
+    if (is(p)) tags.insert(p.tag);
+  return tags;
+}
+
+TEST(Ligament, OfAnUnbrokenBondIsWhole) {
+  const std::vector<CrackPoint> points = column();
+  const Ligament l = find_ligament(points);
+  EXPECT_EQ(l.whole, kWidth * kWidth);
+  EXPECT_EQ(l.share(), 1.0);
+}
+
+TEST(Ligament, OfASeparatedBondIsNothing) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 6) fail(p);
+  const Ligament l = find_ligament(points);
+  EXPECT_TRUE(l.cut.empty());
+  EXPECT_EQ(l.whole, kWidth * kWidth);
+  EXPECT_EQ(l.share(), 0.0);
+  EXPECT_EQ(find_ligament({}).share(), 0.0);
+}
+
+// Two sections with bridges: that with fewer points left is the ligament, or the points that lead to it, whatever the damage.
+TEST(Ligament, OfTwoSectionsTheOneWithLessLeft) {
+  for (const auto& [below, above] : {std::make_pair(2, 6), {6, 2}, {0, 5}, {5, kHeight - 1}}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points) {
+      const int at = p.cell[0] + p.cell[1];
+      if (level(p) == below && at != 0) fail(p);   // 7 left
+      if (level(p) == above && at != -4) fail(p);  // 5 left
+      p.damage = level(p) == below ? 0.8f : 0.1f;
+    }
+    const Ligament l = find_ligament(points);
+    EXPECT_EQ(l.cut.size(), 5u);
+    for (int i : l.cut) {
+      EXPECT_LE(std::abs(level(points[i]) - above), 1);
+      EXPECT_EQ(points[i].cell[0] + points[i].cell[1], -4);
+    }
+    EXPECT_EQ(l.share(), 5.0 / (kWidth * kWidth));
+  }
+}
+
+// A crack that leaves a ring at the second grain, and of that k points.
+TEST(Ligament, OfARingWithPointsLeft) {
+  for (int k : {28, 11, 1}) {
+    std::vector<CrackPoint> points = column();
+    int left = k;
+    for (CrackPoint& p : points) {
+      if (level(p) != kHeight - 1) continue;
+      const bool ring = std::max(std::abs(2 * p.cell[0] + 1), std::abs(2 * p.cell[1] + 1)) == kWidth - 1;
+      if (!ring || left-- <= 0) fail(p);
+      p.damage = 0.5f;
+    }
+    const Ligament l = find_ligament(points);
+    ASSERT_EQ(l.cut.size(), static_cast<std::size_t>(k));
+    const Separation s = separate(cut_through(l.cut, points), kFace);
+    EXPECT_TRUE(s.separated);
+    EXPECT_NEAR(s.at_grain[1], kLinkArea * kWidth * kWidth, 1e-12);
+    EXPECT_EQ(s.debonded_share(), 1.0);
+  }
+}
+
+// Links that let go make a section of those that hold, though no point failed.
+TEST(Ligament, AttachedPointsAreASection) {
+  for (int grain : {0, 1}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points) p.attached[grain] = p.attached[grain] && p.cell[0] == 1 && p.cell[1] < 2;
+    const Ligament l = find_ligament(points);
+    EXPECT_EQ(l.cut.size(), 6u);
+    EXPECT_EQ(l.whole, kWidth * kWidth);
+    for (int i : l.cut) points[i].damage = 0.5f;
+    const Ligament again = find_ligament(points);
+    EXPECT_EQ(tags_of(again.cut, points), tags_where(points, [&](const CrackPoint& p) { return p.attached[grain]; }));
+    EXPECT_NEAR(separate(cut_through(again.cut, points), kFace).at_grain[grain], kLinkArea * kWidth * kWidth, 1e-12);
+  }
+}
+
+// A step between two half sections is counted with them.
+TEST(Ligament, OfASteppedSection) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == (p.cell[0] < 0 ? 3 : 6)) fail(p);
+  const Ligament l = find_ligament(points);
+  // points of the wall between the halves, in the two levels that paths have between 3 and 6
+  EXPECT_EQ(l.cut.size(), static_cast<std::size_t>(2 * kWidth));
+  EXPECT_TRUE(separate(cut_through(l.cut, points), kFace).separated);
+}
+
+// Of cuts that are alike, here those that lead to two bridges, the more damaged of the outermost; of those that are as
+// damaged, the first grain's.
+TEST(Ligament, OfCutsAlikeTheMoreDamaged) {
+  const auto bridge = [](const CrackPoint& p) { return std::abs(2 * p.cell[0] + 1) < 2 && std::abs(2 * p.cell[1] + 1) < 2; };
+  for (const auto& [first, second, taken] : {std::make_tuple(0.3f, 0.4f, 8), {0.4f, 0.3f, 1}, {0.3f, 0.3f, 1}, {0.3f, 0.3005f, 1}}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points) {
+      if ((level(p) == 2 || level(p) == 7) && !bridge(p)) fail(p);
+      p.damage = level(p) < kHeight / 2 ? first : second;
+    }
+    const Ligament l = find_ligament(points);
+    EXPECT_EQ(tags_of(l.cut, points), tags_where(points, [&, at = taken](const CrackPoint& p) { return level(p) == at && bridge(p); }));
+  }
+}
+
+// All sets of points of small bonds: none smaller than the ligament separates.
+TEST(Ligament, IsTheLeastOfAllCutsOfSmallBonds) {
+  test::Random random(5);
+  constexpr int kSmall = 2, kThick = 3, kAll = kSmall * kSmall * kThick;
+  std::set<std::size_t> sizes;
+  for (int n = 0; n < 40; ++n) {
+    std::vector<CrackPoint> points = column(kSmall, kThick);
+    ASSERT_EQ(points.size(), static_cast<std::size_t>(kAll));
+    test::make_random(points, random, 0.2, 4, 0, kThick);
+    random.shuffle(points);
+    const Ligament l = find_ligament(points);
+    std::size_t least = kAll;
+    for (int set = 0; set < 1 << kAll; ++set) {
+      const std::size_t size = static_cast<std::size_t>(__builtin_popcount(set));
+      if (size >= least) continue;
+      std::vector<int> cut;
+      for (int i = 0; i < kAll; ++i)
+        if (set >> i & 1) cut.push_back(i);
+      if (separate(cut_through(cut, points), kFace).separated) least = size;
+    }
+    EXPECT_EQ(l.cut.size(), least);
+    EXPECT_EQ(separate(cut_through(l.cut, points), kFace).separated, true);
+    EXPECT_EQ(l.whole, kSmall * kSmall);
+    sizes.insert(least);
+  }
+  EXPECT_GE(sizes.size(), 4u);
+}
+
+// Paths with no point in common, one after the other by Ford and Fulkerson's method on a plain table of capacities.
+std::vector<std::vector<int>> disjoint_paths(const std::vector<CrackPoint>& points, const Neighbours& near) {
+  const int n = static_cast<int>(points.size()), source = 2 * n, sink = 2 * n + 1;
+  std::vector<std::map<int, int>> capacity(static_cast<std::size_t>(2 * n + 2));
+  for (int i = 0; i < n; ++i) {
+    if (points[i].failed) continue;
+    capacity[2 * i][2 * i + 1] = 1;
+    if (points[i].attached[0]) capacity[source][2 * i] = 1;
+    if (points[i].attached[1]) capacity[2 * i + 1][sink] = 1;
+    for (int j : near.of(i))
+      if (j >= 0 && !points[j].failed && points[j].part == points[i].part) capacity[2 * i + 1][2 * j] = 1;
+  }
+  const std::vector<std::map<int, int>> before = capacity;
+  for (;;) {
+    std::vector<int> from(capacity.size(), -1), queue{source};
+    from[source] = source;
+    for (std::size_t k = 0; k < queue.size() && from[sink] < 0; ++k)
+      for (const auto& [to, c] : capacity[queue[k]])
+        if (c > 0 && from[to] < 0) {
+          from[to] = queue[k];
+          queue.push_back(to);
+        }
+    if (from[sink] < 0) break;
+    for (int v = sink; v != source; v = from[v]) {
+      --capacity[from[v]][v];
+      ++capacity[v][from[v]];
+    }
+  }
+  const auto next = [&](int v) {
+    for (const auto& [to, c] : before[v])
+      if (capacity[v][to] < c) return to;
+    return -1;
+  };
+  std::vector<std::vector<int>> paths;
+  for (const auto& [start, c] : before[source]) {
+    if (capacity[source][start] == c) continue;
+    paths.emplace_back();
+    for (int v = start; v != sink; v = next(v))
+      if (v % 2 == 0) paths.back().push_back(v / 2);
+  }
+  return paths;
+}
+
+// Menger's theorem: as many paths with no point in common as there are points in the ligament, which lies across each of
+// them once; it separates the bond.
+TEST(Ligament, IsAsManyPointsAsThereArePathsWithNoneInCommon) {
+  test::Random random(41);
+  const JoinedNodes joined = test::random_joined();
+  std::set<std::size_t> sizes;
+  for (int n = 0; n < 60; ++n) {
+    std::vector<CrackPoint> points = column();
+    test::make_random(points, random, random.uniform(0.0, 0.7), 100, n % 4);
+    const Neighbours near(points, joined, test::kRandomSupport);
+    const Ligament l = find_ligament(points, joined, test::kRandomSupport);
+    const std::set<int> cut(l.cut.begin(), l.cut.end());
+    const std::vector<std::vector<int>> paths = disjoint_paths(points, near);
+    std::set<int> met;
+    std::size_t steps = 0;
+    for (const std::vector<int>& path : paths) {
+      int crossed = 0;
+      for (int i : path) crossed += cut.count(i) > 0;
+      EXPECT_EQ(crossed, 1);
+      met.insert(path.begin(), path.end());
+      steps += path.size();
+    }
+    EXPECT_EQ(met.size(), steps);
+    EXPECT_EQ(paths.size(), l.cut.size());
+    EXPECT_TRUE(separate(cut_through(l.cut, points), kFace, joined, test::kRandomSupport).separated);
+    EXPECT_EQ(l.cut.empty(), separate(points, kFace, joined, test::kRandomSupport).separated);
+    for (CrackPoint& p : points) {  // the unbroken bond
+      p.failed = false;
+      for (int g = 0; g < 2; ++g) p.attached[g] = p.link_area[g] > 0.0;
+    }
+    EXPECT_EQ(static_cast<int>(disjoint_paths(points, near).size()), l.whole);
+    sizes.insert(l.cut.size());
+  }
+  EXPECT_GT(sizes.size(), 15u);
+}
+
+// Points fail one after the other: the ligament loses one at a time at most, and gets none back.
+TEST(Ligament, NeverGrowsAsPointsFail) {
+  test::Random random(8);
+  std::vector<CrackPoint> points = column();
+  std::vector<int> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  random.shuffle(order);
+  std::size_t last = find_ligament(points).cut.size();
+  for (int i : order) {
+    fail(points[i]);
+    const std::size_t now = find_ligament(points).cut.size();
+    EXPECT_LE(now, last);
+    EXPECT_LE(last, now + 1);
+    last = now;
+  }
+  EXPECT_EQ(last, 0u);
+}
+
+TEST(Ligament, OrderOfThePointsDoesNotMatter) {
+  test::Random random(181);
+  for (int n = 0; n < 20; ++n) {
+    std::vector<CrackPoint> points = column();
+    test::make_random(points, random, random.uniform(0.0, 0.5), n % 2 == 0 ? 1 : 100, n % 4);
+    const JoinedNodes joined = test::random_joined();
+    const Ligament one = find_ligament(points, joined, test::kRandomSupport);
+    const std::set<int> tags = tags_of(one.cut, points);
+    for (int again = 0; again < 3; ++again) {
+      random.shuffle(points);
+      const Ligament other = find_ligament(points, joined, test::kRandomSupport);
+      EXPECT_EQ(tags_of(other.cut, points), tags);
+      EXPECT_EQ(other.whole, one.whole);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mpdem
