@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Scenes other than one bond in the middle of a box."""
+import re
+
 import numpy as np
 import pytest
 from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
@@ -153,6 +155,25 @@ def test_all_contacts(tmp_path, ranks):
     assert f"Cement at {len(pairs) - 1} contacts of group 'grains'" in all_.output and "; 1 had cement before" in all_.output
     assert f"Cement at 0 contacts of group 'grains'" in all_.output
     assert (one.directory / "cement.txt").read_text() == (all_.directory / "cement.txt").read_text()
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_many_bonds_that_break(tmp_path, ranks):
+    """Twenty-five columns of two beads are pulled apart: the first twenty have a line at the end, all are counted."""
+    scene = pair(4e-4, half_box=(28e-3, 28e-3, 12.5e-3))
+    places = [(x, y, z) for x in range(-2, 3) for y in range(-2, 3) for z in (-1, 1)]
+    beads = "".join(f"create_atoms 1 single {2.05 * RADIUS * x} {2.05 * RADIUS * y} {RADIUS * z} units box\n" for x, y, z in places)
+    scene = (scene[:scene.index("create_atoms")] + beads
+             + scene[scene.index("set          type"):scene.index("create_cement")]
+             + f"create_cement calcite contacts grains gap 1e-4 shape flat {RING} spacing 4e-4\n")
+    script = (scene + cement(8e-4, 4e-8, axis="radial", damage="damage tensor B0 9.6e3")
+              + "region low block INF INF INF INF INF 0 units box\nregion high block INF INF INF INF 0 INF units box\n"
+              "group low region low\ngroup low subtract low calcite\ngroup high region high\ngroup high subtract high calcite\n"
+              "fix hold low move linear 0 0 0\nfix pull high move linear 0 0 3\n" + thermo(100, ["f_cem[2]"]) + "run 400\n")
+    out = run(script, tmp_path, ranks).output
+    assert out.count(": bond ") == 20
+    found = re.findall(r"of 25 bonds points failed in 25, the first 20 of which are listed:(.*)", out)
+    assert len(found) == 1 and sum(int(n) for n in re.findall(r"(\d+) (?:debonding|internal|mixed|intact)", found[0])) == 25
 
 
 def test_fix_before_its_cement(tmp_path):

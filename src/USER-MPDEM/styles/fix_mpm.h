@@ -183,6 +183,7 @@ class FixMpm : public Fix {
   };
   std::vector<CrackAhead> cracks_ahead(const std::vector<char>& wanted);
   void report_modes();
+  void report_sum_of_modes(int lines);
   void record_events();
   void write_events();
   void count_points();

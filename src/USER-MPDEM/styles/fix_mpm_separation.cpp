@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "../mpm/ligament.h"
 #include "../mpm/separation.h"
@@ -300,6 +301,28 @@ void FixMpm::report_modes() {
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s\n", text.c_str());
   }
+  if (lines == kMostLines) report_sum_of_modes(static_cast<int>(lines));
+}
+
+// Where not every bond has a line.
+void FixMpm::report_sum_of_modes(int lines) {
+  std::map<std::string, int> count;
+  int damaged = 0;
+  for (std::size_t b = 0; b < bonds_.size(); ++b) {
+    if (bonds_[b].failed == 0.0) continue;
+    ++count[failure_mode(static_cast<int>(b))];
+    ++damaged;
+  }
+  if (damaged == lines) return;
+  std::string text = text_of("fix mpm (id ", id, "): of ", bonds_.size(), " bonds points failed in ", damaged, ", the first ", lines,
+                             " of which are listed:");
+  const char* comma = " ";
+  for (const auto& mode : count) {
+    text += text_of(comma, mode.second, " ", mode.first);
+    comma = ", ";
+  }
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s\n", text.c_str());
 }
 
 }  // namespace LAMMPS_NS
