@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Scenes other than one bond in the middle of a box."""
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,6 +175,27 @@ def test_many_bonds_that_break(tmp_path, ranks):
     assert out.count(": bond ") == 20
     found = re.findall(r"of 25 bonds points failed in 25, the first 20 of which are listed:(.*)", out)
     assert len(found) == 1 and sum(int(n) for n in re.findall(r"(\d+) (?:debonding|internal|mixed|intact)", found[0])) == 25
+
+
+def test_packing(tmp_path, figures):
+    """examples/packing, of 27 beads: each of the nine columns breaks; on one rank and on two."""
+    example = (Path(__file__).parents[2] / "examples" / "packing" / "in.packing").read_text()
+    found = {}
+    for ranks in (1, 2):
+        script = edit(example, "index 4  ", "index 3  ")
+        style = re.search(r"^thermo_style .*\nthermo .*\n", script, re.M)[0]
+        done = run(script.replace(style, thermo(50, ["c_force", "f_cem[2]", "f_cem[12]"])), tmp_path / str(ranks), ranks)
+        found[ranks] = done.table()
+        modes = re.findall(r"bond \d+ of grains (\d+) and (\d+): (\w+)", done.output)
+        apart = [(int(a) - 1, int(b) - 1) for a, b, mode in modes if mode != "intact"]
+        assert {a % 9 for a, b in apart if b - a == 9} == set(range(9)), modes
+        figures.below(f"packing, {ranks} rank(s): energy imbalance", abs(found[ranks]["f_cem[12]"]).max(), 0.01)
+    one, two = found[1], found[2]
+    intact = one["f_cem[2]"] == 0
+    peak = abs(one["c_force"]).max()
+    assert intact.sum() > 4 and abs(one["c_force"][-3:]).max() < 0.05 * peak
+    figures.below("packing, two ranks against one: force while intact, over the peak", abs(one["c_force"] - two["c_force"])[intact].max() / peak, 1e-10)
+    figures.below("packing, two ranks against one: force, over the peak", abs(one["c_force"] - two["c_force"]).max() / peak, 1e-3)
 
 
 def test_fix_before_its_cement(tmp_path):
