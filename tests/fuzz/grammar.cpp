@@ -23,6 +23,9 @@ const Lines kTwoGrains = {"region box block -0.006 0.006 -0.006 0.006 -0.0125 0.
                           "set type 1 diameter 0.01 density 2500", "group grains type 1"};
 const Lines kMotion = {"group first id 1", "group second id 2", "fix hold first move linear 0 0 0", "fix pull second move linear 0 0 0.1",
                        "timestep 1e-9"};
+// The second grain follows its own mass, pushed before and after the package.
+const Lines kFreeMotion = {"group first id 1", "group second id 2", "fix hold first move linear 0 0 0", "fix pull second nve/sphere",
+                           "fix push second addforce 1 0 5", "fix keep second setforce NULL 0 NULL", "timestep 4e-9"};
 
 const Lines kCreate = {
     "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 4e-4",
@@ -35,6 +38,7 @@ const Lines kCreate = {
     "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 spacing 4.5e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 shape meniscus filling 35 spacing 4e-4",
     "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 30 spacing 4e-4 type 2 density 2710",
+    "create_cement calcite contacts grains gap 1e-5 shape flat inner 1e-3 outer 2e-3 spacing 4e-4",
 };
 const Lines kPointFiles = {
     "create_cement calcite pair 1 2 file points.txt spacing 4e-4",
@@ -295,13 +299,13 @@ Input make_input(std::uint64_t seed, std::uint64_t number, const std::string& re
       s.plain(kTwoGrains);
       s.plain(kNeighbours);
       s.own(r.of(kCreate), 4);
-      s.plain(kMotion);
+      s.plain(r.one_in(3) ? kFreeMotion : kMotion);
       s.own(r.of(kMpm), 4);
       break;
     case kGrains:
       s.own(r.of(kCreate), 2);
       if (r.one_in(6)) s.own(r.of(kCreate), 2);
-      s.plain(kMotion);
+      s.plain(r.one_in(3) ? kFreeMotion : kMotion);
       s.own(r.of(kMpm), 4);
       s.own(r.of(kCouple), 6);
       extras(s, r, 4);
@@ -326,7 +330,7 @@ Input make_input(std::uint64_t seed, std::uint64_t number, const std::string& re
       in.points = valid_points(r);
       if (!r.one_in(4)) in.points = mutated_points(in.points, r);
       s.own(r.of(kPointFiles), 4);
-      s.plain(kMotion);
+      s.plain(r.one_in(3) ? kFreeMotion : kMotion);
       s.own(r.of(kMpm), 8);
       s.own(r.of(kCouple), 8);
       s.plain("run 1");
@@ -336,7 +340,7 @@ Input make_input(std::uint64_t seed, std::uint64_t number, const std::string& re
       in.restart = r.one_in(3) ? restart : mutated_bytes(restart, r);
       s.plain("read_restart fuzz.restart");
       s.plain(kNeighbours);
-      s.plain(kMotion);
+      s.plain(r.one_in(3) ? kFreeMotion : kMotion);
       s.own(r.one_in(3) ? r.of(kMpm) : kMpm[1], 4);
       s.own(r.one_in(3) ? r.of(kCouple) : kCouple[1], 4);
       s.plain("run 1");
