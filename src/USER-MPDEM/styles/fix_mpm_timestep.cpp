@@ -42,9 +42,9 @@ std::map<int, double> FixMpm::inertia_of_cement() const {
   return inertia;
 }
 
-// That over what the grain has of inertia against it where its motion is not prescribed: for any t, 7/2 of the
-// mass m has less kinetic energy at places up to the radius r than a sphere of mass m,
-//   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2   with t = 5/2, moment of inertia 2/5 m r^2.
+// That over what the grain has of inertia against it where its motion is not prescribed: a mass m at places up to the
+// radius r that moves with the grain has no more kinetic energy than a sphere of 7/2 m, since with t = 5/2
+//   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2   and its moment of inertia is 2/5 m r^2.
 double FixMpm::mass_ratio(int i, const mpdem::PrescribedMotion& p, double inertia) const {
   return ((p.any_translation_free() ? 1.0 : 0.0) + (p.rotation ? 0.0 : 2.5)) * inertia / atom->rmass[i];
 }
