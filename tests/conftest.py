@@ -15,6 +15,14 @@ sys.dont_write_bytecode = True
 for folder in ("system", "verification"):
     sys.path.insert(0, str(Path(__file__).parent / folder))
 
+# Open MPI refuses to start as root, which a container may well be, without the first two. The others keep it
+# from looking for a network: that takes two thirds of the time in which a program starts. test_examples.py does
+# without them, as a user would.
+OPEN_MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+ONE_MACHINE = {"OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader"}
+for _name, _value in {**OPEN_MPI, **ONE_MACHINE}.items():
+    os.environ.setdefault(_name, _value)
+
 _records = []
 
 
@@ -25,6 +33,13 @@ def pytest_addoption(parser):
 @pytest.fixture
 def long(request):
     return request.config.getoption("--long")
+
+
+@pytest.fixture
+def any_network(monkeypatch):
+    """Open MPI as it is without the tests' own choices."""
+    for name in ONE_MACHINE:
+        monkeypatch.delenv(name)
 
 
 @pytest.fixture

@@ -258,11 +258,9 @@ def start(script, directory, ranks=1, program=None, name="in.test", arguments=()
         # Ranks that wait give way, or a busy machine would take many times as long.
         command = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
                    "-np", str(ranks), *command]
-    # Open MPI refuses to start as root, which a container may well be, without these two.
-    environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **os.environ}
     with open(directory / f"{name}.out", "w") as out:
         return subprocess.Popen(command, cwd=directory, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                env=environment, start_new_session=True)
+                                start_new_session=True)
 
 
 def launch(script, directory, ranks=1, name="in.test", **options):

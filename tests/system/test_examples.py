@@ -10,6 +10,7 @@ import pytest
 from scenes import launch
 
 ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.usefixtures("any_network")
 
 
 @pytest.mark.parametrize("name", ["table1", "scaled"])

@@ -145,7 +145,7 @@ bool PenaltyLinks::follow_points(const PointStore& points, const std::vector<Bod
   concerned_.erase(std::unique(concerned_.begin(), concerned_.end()), concerned_.end());
   std::vector<Item> items;
   std::vector<LinkBlock> stay, anew;
-  stay.reserve(blocks_.size() + concerned_.size());
+  stay.reserve(blocks_.size());
   for (const LinkBlock& b : blocks_) {
     if (!std::binary_search(concerned_.begin(), concerned_.end(), place_of(b))) {
       stay.push_back(b);
@@ -160,10 +160,10 @@ bool PenaltyLinks::follow_points(const PointStore& points, const std::vector<Bod
     b.at = sides.find(b.body, b.side);
     all = grid.find_columns(field_of(b.body, b.part), b.base, b.column) && all;
   }
-  const std::ptrdiff_t middle = static_cast<std::ptrdiff_t>(stay.size());
-  stay.insert(stay.end(), anew.begin(), anew.end());
-  std::inplace_merge(stay.begin(), stay.begin() + middle, stay.end(), [](const LinkBlock& a, const LinkBlock& b) { return place_of(a) < place_of(b); });
-  blocks_.swap(stay);
+  // not inplace_merge: the buffer it takes from the library is not aligned as a block of lanes has to be
+  blocks_.resize(stay.size() + anew.size());
+  std::merge(stay.begin(), stay.end(), anew.begin(), anew.end(), blocks_.begin(),
+             [](const LinkBlock& a, const LinkBlock& b) { return place_of(a) < place_of(b); });
   return all;
 }
 

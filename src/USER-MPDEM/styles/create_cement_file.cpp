@@ -12,6 +12,7 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "../geometry/frame_along.h"
 #include "../geometry/point_file.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
@@ -99,7 +100,7 @@ std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, con
 
 // Third axis of the frame along the axis of the elasticity, damage in its components.
 void CreateCement::set_frame(const FillPoint& p, mpdem::PointRecord& r) const {
-  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), p.axis);
+  const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
   const double w[4] = {q.w(), q.x(), q.y(), q.z()};
   std::copy(w, w + 4, r.q);
   r.has_frame = true;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../geometry/frame_along.h"
 #include "../mpm/scatter.h"
 #include "arguments.h"
 #include "atom.h"
@@ -299,7 +300,7 @@ void FixMpm::set_frames(mpdem::PointStore& points) const {
         }
         a = from[depth[1] < depth[0] ? 1 : 0];
       }
-      const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(mpdem::Vector3::UnitZ(), a.normalized());
+      const Eigen::Quaterniond q = mpdem::frame_along(a.normalized());
       mpdem::Frame& f = points.blocks[b].q;
       f.w[l] = q.w();
       f.x[l] = q.x();

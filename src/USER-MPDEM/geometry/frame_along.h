@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Axes of a transversely isotropic material whose third is given.
+#ifndef MPDEM_FRAME_ALONG_H
+#define MPDEM_FRAME_ALONG_H
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace mpdem {
+
+// The smallest rotation that takes the axis z to `axis`, a unit vector; half a turn around x where that is -z.
+// Accurate to rounding in every direction, unlike Eigen's FromTwoVectors, which is off by 1e-7 near -z.
+inline Eigen::Quaterniond frame_along(const Eigen::Vector3d& axis) {
+  const double across = std::hypot(axis.x(), axis.y());
+  const Eigen::Vector3d around = across > 0.0 ? Eigen::Vector3d(-axis.y() / across, axis.x() / across, 0.0) : Eigen::Vector3d::UnitX();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(std::atan2(across, axis.z()), around));
+}
+
+}  // namespace mpdem
+
+#endif
