@@ -10,7 +10,7 @@ import pytest
 from scenes import launch
 
 ROOT = Path(__file__).parents[2]
-pytestmark = pytest.mark.usefixtures("any_network")
+pytestmark = pytest.mark.usefixtures("as_installed")
 
 
 @pytest.mark.parametrize("name", ["table1", "scaled"])

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from scenes import PATIENCE, cement, edit, pair, pull, restarted, run, start
 
+pytestmark = pytest.mark.usefixtures("as_installed")  # mpirun lets interrupted ranks write their restart files
+
 STEPS = 1500
 DAMAGE = "damage tensor B0 9.6e6 cutoff 0.9 events events.csv check 20"
 FIXES = cement(2e-4, 3e-9, axis="radial", damage=DAMAGE, couple="kn auto kt auto csv 10 bond.csv")

@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from scenes import PATIENCE, CALCITE, RADIUS, executable, launch
 
+pytestmark = pytest.mark.usefixtures("as_installed")  # mpirun lets interrupted runs end
+
 ROOT = Path(__file__).parents[2]
 PYTHON = "/usr/bin/python3"
 SCRIPT = ROOT / "examples" / "pair_table" / "in.pair_table"
