@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "scatter.h"
 
@@ -25,19 +26,27 @@ NodeKinematics Grid::kinematics() const {
 
 namespace {
 
-// Every key with its neighbours from `low` to `high` in direction d; ascending, each once.
+void sort_unique(std::vector<Key>& keys) {
+  if (!std::is_sorted(keys.begin(), keys.end())) std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+// Keys, ascending and each once, with their neighbours from `low` to `high` in direction d. All moved by the same
+// are still ascending, so the copies are merged, not sorted.
 void widen(std::vector<Key>& keys, int d, int low, int high) {
-  std::vector<Key> wide;
-  wide.reserve(keys.size() * (high - low + 1));
-  for (Key k : keys) {
-    const int at = k[1 + d];
-    for (int i = low; i <= high; ++i) {
-      k[1 + d] = at + i;
-      wide.push_back(k);
-    }
+  const auto moved = [&](int by) {
+    std::vector<Key> copy(keys);
+    for (Key& k : copy) k[1 + d] += by;
+    return copy;
+  };
+  std::vector<Key> wide = moved(low), both;
+  for (int i = low + 1; i <= high; ++i) {
+    const std::vector<Key> next = moved(i);
+    both.clear();
+    both.reserve(wide.size() + next.size());
+    std::set_union(wide.begin(), wide.end(), next.begin(), next.end(), std::back_inserter(both));
+    wide.swap(both);
   }
-  std::sort(wide.begin(), wide.end());
-  wide.erase(std::unique(wide.begin(), wide.end()), wide.end());
   keys.swap(wide);
 }
 
@@ -72,8 +81,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   std::vector<Key> unique;
   unique.reserve(cells.size());
   for (const Cell& c : cells) unique.push_back({c.field, c.base[0], c.base[1], c.base[2]});
-  std::sort(unique.begin(), unique.end());
-  unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
+  sort_unique(unique);
 
   const int S = support(basis), columns_of_cell = S * S;
   std::vector<Key> next = unique;
@@ -87,7 +95,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   }
   if (!extra.empty()) {
     next.insert(next.end(), extra.begin(), extra.end());
-    widen(next, 0, 0, 0);
+    sort_unique(next);
   }
   mine = std::max(mine, kBytesOfNode * next.size());
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
@@ -95,11 +103,19 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   keys.swap(next);
   keys.shrink_to_fit();
 
-  std::vector<int> columns(columns_of_cell * unique.size());
-  for (std::size_t u = 0; u < unique.size(); ++u) find_columns(unique[u][0], &unique[u][1], &columns[columns_of_cell * u]);
+  // Cells ascend, and so do the first nodes of the nth column of each.
+  std::vector<int> columns(columns_of_cell * unique.size()), walk(columns_of_cell, 0);
+  for (std::size_t u = 0; u < unique.size(); ++u)
+    for (int n = 0; n < columns_of_cell; ++n) {
+      const Key first{unique[u][0], unique[u][1] + n / S, unique[u][2] + n % S, unique[u][3]};
+      while (keys[walk[n]] < first) ++walk[n];
+      columns[columns_of_cell * u + n] = walk[n];
+    }
+  std::size_t u = 0;
   for (const Cell& c : cells) {
     const Key k{c.field, c.base[0], c.base[1], c.base[2]};
-    const std::size_t u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
+    if (unique[u] != k && (++u == unique.size() || unique[u] != k))
+      u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
     std::copy(&columns[columns_of_cell * u], &columns[columns_of_cell * u] + columns_of_cell, c.column);
   }
   inside_.clear();
@@ -115,14 +131,15 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
     if (it != parent_field.end()) k[0] = it->second;
     return k;
   };
-  std::vector<Key> wanted;
-  for (const Key& k : keys) wanted.push_back(source(k));
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<Key> wanted(keys);
+  if (!parent_field.empty()) {
+    std::transform(keys.begin(), keys.end(), wanted.begin(), source);
+    sort_unique(wanted);
+  }
   std::vector<char> found;
   const std::vector<double> carried = fetch_values(comm, NodeKinematics::kWidth, before.keys, before.values, wanted, found);
   const auto at = [&](std::size_t i) {
-    return std::lower_bound(wanted.begin(), wanted.end(), source(keys[i])) - wanted.begin();
+    return parent_field.empty() ? i : std::lower_bound(wanted.begin(), wanted.end(), source(keys[i])) - wanted.begin();
   };
   velocity.resize(3 * n);
   displacement.resize(3 * n);

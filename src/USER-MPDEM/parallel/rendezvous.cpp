@@ -89,8 +89,11 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   // What this rank has itself needs no message.
   std::vector<Key> missing;
   std::vector<int> missing_at;
+  const bool many = wanted.size() > keys.size() / 8;
+  auto it = keys.begin();
   for (std::size_t w = 0; w < wanted.size(); ++w) {
-    const auto it = std::lower_bound(keys.begin(), keys.end(), wanted[w]);
+    if (many) while (it != keys.end() && *it < wanted[w]) ++it;
+    else it = std::lower_bound(it, keys.end(), wanted[w]);
     if (it != keys.end() && *it == wanted[w]) {
       take(w, &values[(it - keys.begin()) * width]);
     } else {
