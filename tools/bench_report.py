@@ -6,7 +6,7 @@
     tools/bench_report.py [--quick] [--list] [--build DIR] [--out DIR] [NAME ...]
 
 NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all of
-them, which takes a quarter of an hour. Writes results.json, rates.csv,
+them, which takes 15 to 25 minutes. Writes results.json, rates.csv,
 accuracy.csv and a PNG a diagram to DIR, by default BUILD/bench/results.
 """
 import argparse
