@@ -85,7 +85,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
   const int S = support(basis), columns_of_cell = S * S;
   std::vector<Key> next = unique;
-  // Keys of all neighbours before the double ones go, then all that is kept and carried of a node.
+  // Keys of the neighbours while they are merged, then all that is kept and carried of a node.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
   double mine = 0.0, most;

@@ -92,8 +92,11 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   const bool many = wanted.size() > keys.size() / 8;
   auto it = keys.begin();
   for (std::size_t w = 0; w < wanted.size(); ++w) {
-    if (many) while (it != keys.end() && *it < wanted[w]) ++it;
-    else it = std::lower_bound(it, keys.end(), wanted[w]);
+    if (many) {
+      while (it != keys.end() && *it < wanted[w]) ++it;
+    } else {
+      it = std::lower_bound(it, keys.end(), wanted[w]);
+    }
     if (it != keys.end() && *it == wanted[w]) {
       take(w, &values[(it - keys.begin()) * width]);
     } else {
