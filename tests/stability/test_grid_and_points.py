@@ -13,7 +13,7 @@ HOLD = "unfix pull\nfix pull second move linear 0 0 0\n"
 
 
 def stiffness(script, directory):
-    script += shift(1e-8, "(500*dt)") + "run 500\n" + HOLD + "run 400\n" + thermo(1, ["f_bond"]) + "run 300\n"
+    script += shift(1e-8, "(500*dt)") + "run 500\n" + HOLD + "run 400\n" + thermo(4, ["f_bond"]) + "run 300\n"
     return run(script, directory).table()["f_bond"].mean() / 1e-8
 
 
@@ -46,12 +46,13 @@ def test_offset_and_failure(tmp_path, figures, long):
 
 
 @pytest.mark.parametrize("percell", [1, 2, 3, 4])
-def test_points_a_cell(percell, tmp_path, figures):
-    """1, 8, 27 and 64 points a cell, with 1 and 27 some of them on faces of the quadratic cells."""
+def test_points_a_cell(percell, tmp_path, figures, long):
+    """1, 8, 27 and 64 points a cell, with 1 and 27 some of them on faces of the quadratic cells; in the short form a thinner ring breaks."""
     inner = "inner 1e-3 outer 2e-3"
     k = stiffness(pair(CELL / percell, cement=inner) + cement(CELL, 5e-9), tmp_path / "elastic")
     figures.below(f"{percell**3} points a cell: stiffness against finite elements", abs(k / EXACT - 1), 0.06 if percell == 1 else 0.012)
-    script = pair(CELL / percell, cement=inner) + cement(CELL, 4e-9, axis="radial", damage=BRITTLE) + pull(4.0, 4e-6)
+    breaks = inner if long else "inner 1.6e-3 outer 2e-3"
+    script = pair(CELL / percell, cement=breaks) + cement(CELL, 4e-9, axis="radial", damage=BRITTLE) + pull(4.0, 4e-6)
     t = run(script + thermo(10, ["f_bond", "f_cem[12]"]) + "run 1600\n", tmp_path / "broken").table()
     figures.below(f"{percell**3} points a cell: imbalance of the energy after the peak",
                   abs(t["f_cem[12]"][t["f_bond"].argmax():]).max(), 0.01)

@@ -31,16 +31,16 @@ def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic
     script += edit(fixes, f"cell {cell:.15g} ", f"cell {cell:.15g} basis {basis} ")
     script += deform(load, amount, duration, timestep, 2 * radius + gap)
     script += "unfix pull\nfix pull second move linear 0 0 0\n"
-    script += thermo(1, ["v_load"]) + f"run {round(duration / 4 / timestep)}\n"
+    script += thermo(4, ["v_load"]) + f"run {round(duration / 4 / timestep)}\n"
     force = run(script, directory, ranks).table()["v_load"]
     swing = np.abs(force / force.mean() - 1).max()
     assert swing < 0.1, f"{load}: the load still swings by {swing:.2g}"
     return force.mean() / amount
 
 
-def measure_case(directory, case, load, cell, **options):
-    """The same of a case of the references."""
+def measure_case(directory, case, load, cell, duration=10e-6, **options):
+    """The same of a case of the references, bonds stiff enough for 10 us."""
     words = " ".join(f"{w} {case[w]:.15g}" for w in WORDS[case["shape"]])
     axis = "global 0 0 1" if case["axis"] == "z" else case["axis"]
     return measure(directory, load, case["shape"], words, cell, gap=case["gap"], radius=case["radius"],
-                   elastic=tuple(case["elastic"]), axis=axis, **options)
+                   elastic=tuple(case["elastic"]), axis=axis, duration=duration, **options)

@@ -24,7 +24,7 @@ def test_two_bonds_in_a_row(tmp_path, figures):
     """Three grains: the stiffness from end to end is half of that of one bond."""
     def stiffness(script, directory, moved):
         script += (cement(CELL, 1e-8).replace("second id 2", f"second id {moved}") + shift(1e-8, 8e-6) + "run 800\n"
-                   + "unfix pull\nfix pull second move linear 0 0 0\nrun 600\n" + thermo(1, ["f_bond"]) + "run 400\n")
+                   + "unfix pull\nfix pull second move linear 0 0 0\nrun 600\n" + thermo(4, ["f_bond"]) + "run 400\n")
         return run(script, directory).table()["f_bond"].mean() / 1e-8
 
     one = stiffness(pair(CELL / 2), tmp_path / "one", 2)

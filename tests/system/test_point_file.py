@@ -83,7 +83,7 @@ def test_round_trip_of_a_broken_bond(tmp_path, figures):
 def test_attached_points_are_found(ring, tmp_path, figures):
     """Positions and volumes alone: areas within 2 %, stiffness within 3 % of the cement made by shape."""
     def stiffness(script, directory):
-        script += cement(CELL, 1e-8) + shift(1e-8, 8e-6) + "run 800\n" + thermo(1, ["f_bond"]) + "run 400\n"
+        script += cement(CELL, 1e-8) + shift(1e-8, 8e-6) + "run 800\n" + thermo(4, ["f_bond"]) + "run 400\n"
         done = run(script, directory)
         return done, done.table()["f_bond"].mean()
 

@@ -34,7 +34,7 @@ def stiffness(tmp_path_factory):
                   + shift(DISTANCE, DURATION, direction) + f"run {round(DURATION / timestep)}\n"
                   # what is left of the vibration averages out while the grains are held
                   + "unfix pull\nfix pull second move linear 0 0 0\n"
-                  + thermo(1, ["f_bond"]) + f"run {round(4e-6 / timestep)}\n")
+                  + thermo(4, ["f_bond"]) + f"run {round(4e-6 / timestep)}\n")
         force = run(script, tmp_path_factory.mktemp("stiffness")).table()["f_bond"]
         return force.mean() / DISTANCE
     return measure
