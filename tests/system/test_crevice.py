@@ -12,14 +12,14 @@ from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, laun
 CELL, ASKEW = 2e-4, (0.3, -0.2, 1.0)
 SHELLS = dict(direction=ASKEW, shape="coating", cement="thickness 4e-4 cap 30 inner 8e-4", half_box=3 * (12.5e-3,))
 DAMAGE = "damage tensor B0 9.6e5 cutoff 0.9"
-BEFORE, AFTER, EVERY = 1200, 300, 4
+BEFORE, AFTER, EVERY = 600, 200, 4
 COLUMNS = ["id", "x", "y", "z", "vx", "vy", "vz", "c_damage", "c_failed", "c_stress_zz"]
 OUTPUT = point_quantities(["damage", "failed", "stress_zz"])
 SCALARS = ["f_bond", "f_bond[4]", "f_bond[17]", "f_bond[19]", "f_cem[8]", "f_cem[12]"]
 
 
 def pulled(words=""):
-    return cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} {words}") + pull(4.0, 4e-6, ASKEW) + OUTPUT + thermo(EVERY, SCALARS)
+    return cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} {words}") + pull(8.0, 4e-6, ASKEW) + OUTPUT + thermo(EVERY, SCALARS)
 
 
 def script(processors="* * *", words=""):
