@@ -59,7 +59,7 @@ def test_ranks(words, tmp_path, figures):
 # Fails, crosses cells and goes on: what total kinematics with shared nodes cannot show.
 def test_updated_pulls_apart(tmp_path, figures):
     script = pair(CELL / 2, half_box=(6e-3, 6e-3, 16e-3)) + with_words(cement(CELL, DT, **BROKEN), "kinematics updated")
-    script += pull(80.0, 4e-6) + thermo(100, ["f_bond", "f_bond[18]", "f_bond[22]"]) + "run 3100\n"
+    script += pull(80.0, 4e-6) + thermo(100, ["f_bond", "f_bond[18]", "f_bond[22]"]) + "run 4000\n"
     t = run(script, tmp_path, ranks=2).table()  # 1.1 mm, five and a half cells
     assert t["f_bond[18]"][-1] > 500 and t["f_bond[22]"][-1] == 1
     figures.below("updated: force over its peak when the parts are apart", abs(t["f_bond"][-1]) / t["f_bond"].max(), 1e-5)
