@@ -21,7 +21,7 @@ def test_time_step(way, tmp_path, figures, long):
     limit = stable_step(directory=tmp_path / "limit", **words_of(way))
     force = {}
     for share in (0.5, 0.9, 0.98):
-        steps = int((20000 if long else 2000) / share)
+        steps = int((20000 if long else 1200) / share)
         script = bond(**words_of(way), timestep=f"{share * limit:.15g}") + pull(0.01, 40 * limit)
         t = run(script + thermo(steps // 50, ["f_bond", "f_cem[5]", "f_cem[12]"]) + f"run {steps}\n", tmp_path / str(share)).table()
         assert all(np.isfinite(c).all() for c in t.values())

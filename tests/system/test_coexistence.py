@@ -47,6 +47,11 @@ def alone(script):
     return edit(edit(edit(script, FREE_PAIR, ""), SECOND_BOND, ""), OF_SECOND, "")
 
 
+def faster(script):
+    """At half of the stable step instead of a quarter."""
+    return edit(script, "dt     index 1e-7", "dt     index 2e-7")
+
+
 def shorter(script, steps):
     return edit(script, "steps  index 30000", f"steps  index {steps}")
 
@@ -105,10 +110,10 @@ def test_through_failure(ranks, tmp_path, figures):
 def test_what_is_far_changes_nothing(tmp_path, figures):
     """The bond is the same with and without tray and rain; the rain is that of `liggghts` without cement."""
     ranks = 2
-    script = shorter(alone(SCRIPT), 16000)
+    script = faster(shorter(alone(SCRIPT), 8000))
     columns = [column(n) for n in (TENSION, FAILED)] + ["f_bond[13]", "f_cem[8]"]
     last = ("compute radius free property/atom radius\n"
-            "dump beads free custom 16000 beads.*.txt id x y z vx vy vz omegax omegay omegaz fx fy fz\n"
+            "dump beads free custom 8000 beads.*.txt id x y z vx vy vz omegax omegay omegaz fx fy fz\n"
             'dump_modify beads sort id format "%d' + 12 * " %.17g" + '"\n')
     busy = run(with_columns(edit(script, RUN, last + RUN), columns, 40), start_in(tmp_path / "busy"), ranks)
     quiet = script.replace(section("insertion"), "")
@@ -130,10 +135,10 @@ def test_what_is_far_changes_nothing(tmp_path, figures):
         pytest.skip("the stock program liggghts is not installed")
     plain = edit(alone(SCRIPT), "atom_style   mpdem", "atom_style   granular").replace(section("cement"), "")
     plain = edit(plain, "create_cement calcite pair 1 2 shape flat outer 1e-3 spacing 1e-4\n", "")
-    plain = edit(shorter(plain, 16000), RUN, last + RUN)
+    plain = edit(faster(shorter(plain, 8000)), RUN, last + RUN)
     plain = edit(plain, re.search(r"^thermo_style .*\n", plain, re.M)[0], "thermo_style custom step atoms ke\n")
-    theirs = run(plain, start_in(tmp_path / "stock"), ranks, program=stock).points(16000, "beads")
-    ours = busy.points(16000, "beads")
+    theirs = run(plain, start_in(tmp_path / "stock"), ranks, program=stock).points(8000, "beads")
+    ours = busy.points(8000, "beads")
     assert len(ours["id"]) == len(theirs["id"]) >= 20
     for vector in ("xyz", ("vx", "vy", "vz"), ("omegax", "omegay", "omegaz"), ("fx", "fy", "fz")):
         a, b = (np.array([of[c] for c in vector]) for of in (ours, theirs))
@@ -155,8 +160,8 @@ def test_ranks(tmp_path, figures):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_restart(ranks, tmp_path, figures):
     """Continued from the middle, between two insertions and while both bonds fail."""
-    middle, end = 13200, 20800
-    script = with_columns(shorter(SCRIPT, end), COLUMNS, 40)
+    middle, end = 6600, 10400
+    script = with_columns(faster(shorter(SCRIPT, end)), COLUMNS, 40)
     first = edit(script, RUN, f"run {middle}\nwrite_restart ${{file}}\n" + RUN)
     whole = run(first, start_in(tmp_path), ranks).table()
     begin = script.index("region       box")

@@ -13,7 +13,7 @@ from scenes import RADIUS, cement, dump, pair, point_quantities, run, thermo
 
 CELL = 2e-4
 SHAPES = {"flat": ("flat", "inner 1e-3 outer 2e-3", 0.0), "meniscus": ("meniscus", "neck 1.6e-3 inner 8e-4", 0.0),
-          "meniscus across a gap": ("meniscus", "neck 1e-3", 5e-4), "coating": ("coating", "thickness 4e-4 cap 30 inner 8e-4", 0.0)}
+          "meniscus across a gap": ("meniscus", "neck 1e-3", 5e-4), "coating": ("coating", "thickness 4e-4 cap 24 inner 8e-4", 0.0)}
 DAMAGE = "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6"
 TENSORS = ["damage", "stress"]
 PARTS = ["xx", "yy", "zz", "yz", "xz", "xy"]

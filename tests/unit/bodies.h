@@ -15,6 +15,8 @@
 
 namespace mpdem::test {
 
+constexpr double kDegree = M_PI / 180;
+
 // Adaptive Gauss-Legendre quadrature, ten points a piece, halved until the halves agree to
 // 1e-14 of the whole, or to `floor` where that may vanish.
 template <class F>

@@ -11,24 +11,23 @@ namespace {
 
 using test::Vector;
 
-constexpr double kDegree = M_PI / 180;
 
-struct Case {
+struct CoatingCase {
   GrainPair pair;
   double thickness, cap, inner;
   std::string name() const {
     return test::name_of(pair) + ", thickness " + std::to_string(1e3 * thickness) + " mm, cap " +
-           std::to_string(cap / kDegree) + ", inner " + std::to_string(1e3 * inner) + " mm";
+           std::to_string(cap / test::kDegree) + ", inner " + std::to_string(1e3 * inner) + " mm";
   }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<CoatingCase> coating_cases() {
+  std::vector<CoatingCase> all;
   for (const GrainPair& p : test::pairs())
     for (double t : {1.2e-4, 5e-4})
       for (double cap : {45.0, 70.0, 90.0, 180.0})
         for (double inner : {0.0, 3e-4}) {
-          const Case c{p, t, cap == 180.0 ? M_PI : cap * kDegree, inner};
+          const CoatingCase c{p, t, cap == 180.0 ? M_PI : cap * test::kDegree, inner};
           if (test::shape_error([&] { Coating(p, t, c.cap, inner); }).empty()) all.push_back(c);
         }
   return all;
@@ -36,7 +35,7 @@ std::vector<Case> cases() {
 
 // Seen from each grain's centre: shell from R to R + t at polar angle a, without what the
 // other grain, and for the second also the shell of the first, takes out of the ray.
-double volume_by_rays(const Case& c) {
+double volume_by_rays(const CoatingCase& c) {
   const GrainPair& p = c.pair;
   const double d = p.distance();
   double V = 0;
@@ -75,9 +74,9 @@ double volume_by_rays(const Case& c) {
 }
 
 TEST(Coating, VolumeAgainstQuadrature) {
-  ASSERT_GT(cases().size(), 60u);
+  ASSERT_GT(coating_cases().size(), 60u);
   test::Worst worst, own;
-  for (const Case& c : cases()) {
+  for (const CoatingCase& c : coating_cases()) {
     const Coating coating(c.pair, c.thickness, c.cap, c.inner);
     worst.add(std::fabs(coating.volume() / volume_by_rays(c) - 1.0), c.name());
     own.add(std::fabs(volume_by_quadrature(coating) / coating.volume() - 1.0), c.name());
@@ -99,7 +98,7 @@ TEST(Coating, ContentOfAPairOfBeads) {
 
 TEST(Coating, ThicknessForVolumeInverts) {
   test::Worst worst;
-  for (const Case& c : cases()) {
+  for (const CoatingCase& c : coating_cases()) {
     const double V = Coating(c.pair, c.thickness, c.cap, c.inner).volume();
     worst.add(std::fabs(Coating::thickness_for_volume(c.pair, V, c.cap, c.inner) / c.thickness - 1.0), c.name());
   }
@@ -109,7 +108,7 @@ TEST(Coating, ThicknessForVolumeInverts) {
 TEST(Coating, InsideIsTheShellUpToTheCap) {
   test::Random random(161);
   int inside = 0;
-  for (const Case& c : cases()) {
+  for (const CoatingCase& c : coating_cases()) {
     const Coating coating(c.pair, c.thickness, c.cap, c.inner);
     const GrainPair& p = c.pair;
     int wrong = 0;
@@ -136,7 +135,7 @@ TEST(Coating, InsideIsTheShellUpToTheCap) {
 
 TEST(Coating, ClearanceBoxAndArea) {
   test::Random random(162);
-  for (const Case& c : cases()) {
+  for (const CoatingCase& c : coating_cases()) {
     SCOPED_TRACE(c.name());
     test::expect_consistent(Coating(c.pair, c.thickness, c.cap, c.inner), random, 1000);
   }
@@ -152,7 +151,7 @@ TEST(Coating, RefusesWhatIsNoBody) {
   for (double bad : {0.0, -1e-4, 3.1e-3, nan})
     EXPECT_NE(error(p, bad, M_PI, 0).find("thickness"), std::string::npos) << bad;
   for (double bad : {0.0, -1.0, 2.0, 4.0, nan}) EXPECT_NE(error(p, 1e-4, bad, 0).find("cap"), std::string::npos) << bad;
-  EXPECT_NE(error(p, 1e-4, 1 * kDegree, 0).find("cap"), std::string::npos);
+  EXPECT_NE(error(p, 1e-4, 1 * test::kDegree, 0).find("cap"), std::string::npos);
   EXPECT_NE(error(apart, 4e-4, M_PI, 0).find("gap"), std::string::npos);
   for (double bad : {-1e-6, 2e-3, nan})
     EXPECT_NE(error(p, 1e-4, M_PI, bad).find("inner radius"), std::string::npos) << bad;

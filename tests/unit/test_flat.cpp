@@ -11,14 +11,14 @@ namespace {
 
 using test::Vector;
 
-struct Case {
+struct FlatCase {
   GrainPair pair;
   double outer, inner;
   std::string name() const { return test::name_of(pair) + ", outer " + std::to_string(1e3 * outer) + " mm"; }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<FlatCase> flat_cases() {
+  std::vector<FlatCase> all;
   for (const GrainPair& p : test::pairs()) {
     const double largest = std::min(p.R1, p.R2), least = test::circle_of_contact(p);
     for (double a : {0.02, 0.4, 0.9, 1.0}) {
@@ -30,7 +30,7 @@ std::vector<Case> cases() {
 }
 
 // r = R sin a, with R of the smaller grain, keeps the integrand smooth up to its girth.
-double volume_by_quadrature_of(const Case& c) {
+double volume_by_quadrature_of(const FlatCase& c) {
   const GrainPair& p = c.pair;
   const double R = std::min(p.R1, p.R2), from = std::max(c.inner, test::circle_of_contact(p));
   const auto drop = [](double radius, double r) {
@@ -46,7 +46,7 @@ double volume_by_quadrature_of(const Case& c) {
 
 TEST(Flat, VolumeAgainstQuadrature) {
   test::Worst worst;
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     const double V = Flat(c.pair, c.outer, c.inner).volume();
     worst.add(std::fabs(V - volume_by_quadrature_of(c)) / V, c.name());
   }
@@ -55,7 +55,7 @@ TEST(Flat, VolumeAgainstQuadrature) {
 
 TEST(Flat, AttachedAreaAgainstQuadrature) {
   test::Worst worst;
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     const Flat flat(c.pair, c.outer, c.inner);
     for (int s = 0; s < 2; ++s) {
       const double R = c.pair.radius(s), from = std::max(c.inner, test::circle_of_contact(c.pair));
@@ -69,7 +69,7 @@ TEST(Flat, AttachedAreaAgainstQuadrature) {
 
 TEST(Flat, OuterForVolumeInverts) {
   test::Worst worst;
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     const double V = Flat(c.pair, c.outer, c.inner).volume();
     worst.add(std::fabs(Flat::outer_for_volume(c.pair, V * (1 - 1e-15), c.inner) / c.outer - 1.0), c.name());
   }
@@ -94,7 +94,7 @@ TEST(Flat, ContentOfAPairOfBeads) {
 TEST(Flat, InsideIsWhatTheCylinderHoldsBetweenTheSpheres) {
   test::Random random(141);
   int inside = 0;
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     if (c.outer < 1e-3 || c.inner > 0.9 * c.outer) continue;
     const Flat flat(c.pair, c.outer, c.inner);
     const GrainPair& p = c.pair;
@@ -117,14 +117,14 @@ TEST(Flat, InsideIsWhatTheCylinderHoldsBetweenTheSpheres) {
 
 TEST(Flat, ClearanceBoxAndArea) {
   test::Random random(142);
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     SCOPED_TRACE(c.name());
     if (c.inner < 0.9 * c.outer) test::expect_consistent(Flat(c.pair, c.outer, c.inner), random, 1000);
   }
 }
 
 TEST(Flat, Thickness) {
-  for (const Case& c : cases()) {
+  for (const FlatCase& c : flat_cases()) {
     const Flat flat(c.pair, c.outer, c.inner);
     const GrainPair& p = c.pair;
     const auto gap_at = [&](double r) {

@@ -15,13 +15,13 @@ namespace {
 using test::Matrix;
 using test::Vector;
 
-struct Case {
+struct FilledCase {
   std::string name;
   GrainPair pair;
   double outer, inner, spacing;
 };
 
-std::vector<Case> cases() {
+std::vector<FilledCase> filled_cases() {
   const Vector z(0, 0, 1), skew = Vector(1.0, -2.0, 0.7).normalized();
   return {{"equal, touching", {5e-3, 5e-3, 0.0, z}, 2.332e-3, 0.0, 1e-4},
           {"equal, ring", {5e-3, 5e-3, 0.0, z}, 2e-3, 1e-3, 7e-5},
@@ -34,7 +34,7 @@ std::vector<Case> cases() {
 
 TEST(LatticeFill, VolumeAndAreaAreThoseOfTheShape) {
   test::Worst volume, area, on_sphere;
-  for (const Case& c : cases()) {
+  for (const FilledCase& c : filled_cases()) {
     const Flat shape(c.pair, c.outer, c.inner);
     const std::vector<FillPoint> points = fill_with_points(shape, c.spacing);
     double V = 0, A[2] = {0, 0};
@@ -66,7 +66,7 @@ std::array<int, 3> cell_of(const Vector& x, double spacing) {
 }
 
 TEST(LatticeFill, OnePointACellInAscendingOrder) {
-  for (const Case& c : cases()) {
+  for (const FilledCase& c : filled_cases()) {
     const Flat shape(c.pair, c.outer, c.inner);
     const std::vector<FillPoint> points = fill_with_points(shape, c.spacing);
     const std::vector<FillPoint> again = fill_with_points(shape, c.spacing);
@@ -92,7 +92,7 @@ TEST(LatticeFill, OnePointACellInAscendingOrder) {
 }
 
 // Points and links under a symmetry of lattice and body; `swapped`: grains change places.
-void expect_symmetric(const std::vector<FillPoint>& points, const Case& c, const Matrix& Q, bool swapped,
+void expect_symmetric(const std::vector<FillPoint>& points, const FilledCase& c, const Matrix& Q, bool swapped,
                       test::Worst& worst) {
   std::map<std::array<int, 3>, const FillPoint*> at;
   for (const FillPoint& p : points) at[cell_of(p.X, c.spacing)] = &p;
@@ -116,7 +116,7 @@ TEST(LatticeFill, SymmetricWithTheLattice) {
   test::Worst worst;
   const Matrix quarter = test::rotation({0, 0, 1}, 0.5 * M_PI);
   const Matrix exact_quarter = quarter.array().round();
-  for (const Case& c : cases()) {
+  for (const FilledCase& c : filled_cases()) {
     if (c.pair.n[2] != 1.0) continue;
     const std::vector<FillPoint> points = fill_with_points(Flat(c.pair, c.outer, c.inner), c.spacing);
     expect_symmetric(points, c, Vector(-1, 1, 1).asDiagonal(), false, worst);
@@ -130,7 +130,7 @@ TEST(LatticeFill, SymmetricWithTheLattice) {
 // A bond in any direction with equal grains is its own image under inversion, as the lattice is.
 TEST(LatticeFill, SymmetricUnderInversionInAnyDirection) {
   test::Worst worst;
-  for (const Case& c : cases())
+  for (const FilledCase& c : filled_cases())
     if (c.pair.R1 == c.pair.R2) {
       const std::vector<FillPoint> points = fill_with_points(Flat(c.pair, c.outer, c.inner), c.spacing);
       expect_symmetric(points, c, -Matrix::Identity(), true, worst);
@@ -141,7 +141,7 @@ TEST(LatticeFill, SymmetricUnderInversionInAnyDirection) {
 // First moments of volume and area against the exact ones, in units of the spacing.
 TEST(LatticeFill, CentroidIsThatOfTheShape) {
   test::Worst along, across, area_along, area_across, second;
-  for (const Case& c : cases()) {
+  for (const FilledCase& c : filled_cases()) {
     const Flat shape(c.pair, c.outer, c.inner);
     const GrainPair& p = c.pair;
     const double from = std::max(c.inner, test::circle_of_contact(p));

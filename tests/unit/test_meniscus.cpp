@@ -11,24 +11,23 @@ namespace {
 
 using test::Vector;
 
-constexpr double kDegree = M_PI / 180;
 
-struct Case {
+struct MeniscusCase {
   GrainPair pair;
   double filling, contact, inner;
   std::string name() const {
-    return test::name_of(pair) + ", filling " + std::to_string(filling / kDegree) + ", contact " +
-           std::to_string(contact / kDegree) + ", inner " + std::to_string(1e3 * inner) + " mm";
+    return test::name_of(pair) + ", filling " + std::to_string(filling / test::kDegree) + ", contact " +
+           std::to_string(contact / test::kDegree) + ", inner " + std::to_string(1e3 * inner) + " mm";
   }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<MeniscusCase> meniscus_cases() {
+  std::vector<MeniscusCase> all;
   for (const GrainPair& p : test::pairs())
     for (double b : {25.0, 40.0, 60.0})
       for (double t : {0.0, 10.0, 25.0})
         for (double inner : {0.0, 0.5}) {
-          Case c{p, b * kDegree, t * kDegree, 0.0};
+          MeniscusCase c{p, b * test::kDegree, t * test::kDegree, 0.0};
           const auto set_inner = [&] { c.inner = inner * Meniscus(p, c.filling, c.contact, 0.0).neck(); };
           if (test::shape_error(set_inner).empty()) all.push_back(c);
         }
@@ -37,8 +36,8 @@ std::vector<Case> cases() {
 
 TEST(Meniscus, OutlineIsAnArcThatMeetsTheSpheresAtTheContactAngle) {
   test::Worst ends, angle, curvature;
-  ASSERT_GT(cases().size(), 100u);
-  for (const Case& c : cases()) {
+  ASSERT_GT(meniscus_cases().size(), 100u);
+  for (const MeniscusCase& c : meniscus_cases()) {
     const Meniscus m(c.pair, c.filling, c.contact, c.inner);
     const double lo = m.lowest(), hi = m.highest(), d = 2e-5 * (hi - lo);
     EXPECT_NEAR(m.filling_angle(0), c.filling, 1e-15);
@@ -73,7 +72,7 @@ TEST(Meniscus, OutlineIsAnArcThatMeetsTheSpheresAtTheContactAngle) {
 
 TEST(Meniscus, VolumeAgainstQuadrature) {
   test::Worst worst, own;
-  for (const Case& c : cases()) {
+  for (const MeniscusCase& c : meniscus_cases()) {
     const Meniscus m(c.pair, c.filling, c.contact, c.inner);
     const double V = test::volume_of_revolution(m, {});
     worst.add(std::fabs(m.volume() / V - 1.0), c.name());
@@ -87,7 +86,7 @@ TEST(Meniscus, VolumeAgainstQuadrature) {
 TEST(Meniscus, ClosedFormOfEqualSpheres) {
   test::Worst worst;
   for (double gap : {0.0, 3e-4})
-    for (double b : {20 * kDegree, 35 * kDegree, 70 * kDegree}) {
+    for (double b : {20 * test::kDegree, 35 * test::kDegree, 70 * test::kDegree}) {
       const double R = 5e-3, rho = (R + 0.5 * gap) / std::cos(b) - R;
       const double r0 = (R + rho) * std::sin(b), z = rho * std::cos(b);
       const double V = 2 * M_PI * ((r0 * r0 + rho * rho) * z - z * z * z / 3 -
@@ -106,7 +105,7 @@ TEST(Meniscus, ContentOfAPairOfBeads) {
                              {0.11, 67.5, 4.007},  {0.17, 77.6, 4.455}, {0.25, 87.7, 4.900}};
   for (const auto& row : table) {
     const double b = Meniscus::filling_for_volume(beads, test::volume_of_content(row[0], 5e-3), 0.0, 0.0);
-    EXPECT_NEAR(b / kDegree, row[1], 0.051) << row[0];
+    EXPECT_NEAR(b / test::kDegree, row[1], 0.051) << row[0];
     EXPECT_NEAR(1e3 * Meniscus(beads, b, 0.0, 0.0).neck(), row[2], 0.0006) << row[0];
   }
 }
@@ -115,7 +114,7 @@ TEST(Meniscus, ContentOfAPairOfBeads) {
 TEST(Meniscus, FillingAngleInverts) {
   test::Worst volume, neck;
   std::vector<std::string> refused_cases;
-  for (const Case& c : cases()) {
+  for (const MeniscusCase& c : meniscus_cases()) {
     const Meniscus m(c.pair, c.filling, c.contact, c.inner);
     const std::string refused = test::shape_error([&] {
       const double from_volume = Meniscus::filling_for_volume(c.pair, m.volume(), c.contact, c.inner);
@@ -132,7 +131,7 @@ TEST(Meniscus, FillingAngleInverts) {
 
 TEST(Meniscus, ClearanceBoxAndArea) {
   test::Random random(151);
-  for (const Case& c : cases()) {
+  for (const MeniscusCase& c : meniscus_cases()) {
     SCOPED_TRACE(c.name());
     test::expect_consistent(Meniscus(c.pair, c.filling, c.contact, c.inner), random, 500);
   }
@@ -142,7 +141,7 @@ TEST(Meniscus, RefusesWhatIsNoBody) {
   const GrainPair p{5e-3, 5e-3, 0.0, Vector(0, 0, 1)}, wide{5e-3, 5e-3, 5e-3, Vector(0, 0, 1)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto error = [](const GrainPair& pair, double b, double t, double inner) {
-    return test::shape_error([&] { Meniscus(pair, b * kDegree, t * kDegree, inner); });
+    return test::shape_error([&] { Meniscus(pair, b * test::kDegree, t * test::kDegree, inner); });
   };
   EXPECT_EQ(error(p, 30, 0, 0), "");
   for (double bad : {0.0, -10.0, 90.0, nan})

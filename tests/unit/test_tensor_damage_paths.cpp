@@ -21,7 +21,7 @@ struct Row {
   double strain[6], damage[6], stress[6], Yeq_over_B0, dissipation;
   bool failed, sensitive;
 };
-struct Path {
+struct RecordedPath {
   int number;
   std::vector<Row> rows;
 };
@@ -29,7 +29,7 @@ struct Path {
 struct Group {
   VtiConstants elastic;
   DamageParameters damage;
-  std::vector<Path> paths;
+  std::vector<RecordedPath> paths;
 };
 
 std::vector<Group> read_paths() {
@@ -102,7 +102,7 @@ class Comparison {
 
   const TensorDamage& law() const { return law_; }
 
-  void step(const Path& path, int k, int l, const Sym3<vd>& before, const Sym3<vd>& damage, const Sym3<vd>& start,
+  void step(const RecordedPath& path, int k, int l, const Sym3<vd>& before, const Sym3<vd>& damage, const Sym3<vd>& start,
             const Sym3<vd>& strain, const TensorDamage::Update& u) {
     const Row& r = path.rows[k];
     if (r.sensitive) return;
@@ -166,7 +166,7 @@ class DamagePaths : public ::testing::Test {
           EXPECT_EQ(tensor(damage, l), tensor(before, l));
           continue;
         }
-        const Path& path = g.paths[l % n];
+        const RecordedPath& path = g.paths[l % n];
         const int k = tick - 3 * (l / n);
         c.step(path, k, l, before, damage, start, strain, u);
         ++compared[l];
@@ -198,7 +198,7 @@ TEST_F(DamagePaths, SingleSteps) {
   Deviations deviations;
   for (const Group& g : read_paths()) {
     Comparison c(g, deviations);
-    for (const Path& path : g.paths) {
+    for (const RecordedPath& path : g.paths) {
       const int n = static_cast<int>(path.rows.size());
       for (int first = 0; first < n; first += kLanes) {
         Sym3<vd> start{}, strain{}, before{};
