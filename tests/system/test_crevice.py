@@ -10,7 +10,7 @@ import pytest
 from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, thermo)
 
 CELL, ASKEW = 2e-4, (0.3, -0.2, 1.0)
-SHELLS = dict(direction=ASKEW, shape="coating", cement="thickness 4e-4 cap 30 inner 8e-4", half_box=3 * (12.5e-3,))
+SHELLS = dict(direction=ASKEW, shape="coating", cement="thickness 4e-4 cap 24 inner 8e-4", half_box=3 * (12.5e-3,))
 DAMAGE = "damage tensor B0 9.6e5 cutoff 0.9"
 BEFORE, AFTER, EVERY = 600, 200, 4
 COLUMNS = ["id", "x", "y", "z", "vx", "vy", "vz", "c_damage", "c_failed", "c_stress_zz"]

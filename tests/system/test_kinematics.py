@@ -2,7 +2,7 @@
 """Kinematics, basis and transfer of fix mpm, each by a word of the script."""
 import numpy as np
 import pytest
-from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, RING, SPINNING, cement, dump, edit, pair, point_quantities, pull,
+from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, SPINNING, cement, dump, edit, pair, point_quantities, pull,
                     run, shift, thermo)
 
 CELL, DT = 2e-4, 5e-9
@@ -58,9 +58,9 @@ def test_ranks(words, tmp_path, figures):
 
 # Fails, crosses cells and goes on: what total kinematics with shared nodes cannot show.
 def test_updated_pulls_apart(tmp_path, figures):
-    script = pair(CELL / 2, half_box=(6e-3, 6e-3, 16e-3)) + with_words(cement(CELL, DT, **BROKEN), "kinematics updated")
+    script = pair(CELL / 2, cement="inner 1.4e-3 outer 2e-3", half_box=(6e-3, 6e-3, 16e-3)) + with_words(cement(CELL, DT, **BROKEN), "kinematics updated")
     script += pull(80.0, 4e-6) + thermo(100, ["f_bond", "f_bond[18]", "f_bond[22]"]) + "run 4000\n"
-    t = run(script, tmp_path, ranks=2).table()  # 1.1 mm, five and a half cells
+    t = run(script, tmp_path).table()  # 1.1 mm, five and a half cells
     assert t["f_bond[18]"][-1] > 500 and t["f_bond[22]"][-1] == 1
     figures.below("updated: force over its peak when the parts are apart", abs(t["f_bond"][-1]) / t["f_bond"].max(), 1e-5)
 
@@ -111,12 +111,13 @@ def test_bodies_at_rest_sleep(tmp_path):
 def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
     """Of three bonds one is pulled until it breaks, one rests, one is pushed later and let rest again, with dampers."""
     grains = [(x, z) for x in (-0.011, 0.0, 0.011) for z in (-RADIUS, RADIUS)]
-    scene = pair(CELL / 2, half_box=(17e-3, 6e-3, 12.5e-3))
+    ring = "inner 1.5e-3 outer 2e-3"
+    scene = pair(CELL / 2, cement=ring, half_box=(17e-3, 6e-3, 12.5e-3))
     first = scene.index("create_atoms")
     rest = scene[scene.index("set          type"):]
     scene = scene[:first] + "".join(f"create_atoms 1 single {x} 0 {z} units box\n" for x, z in grains) + rest
     for i, j in ((3, 4), (5, 6)):
-        scene += f"create_cement calcite pair {i} {j} shape flat {RING} spacing {CELL / 2}\n"
+        scene += f"create_cement calcite pair {i} {j} shape flat {ring} spacing {CELL / 2}\n"
 
     def table(on, ranks):
         script = scene + with_words(cement(CELL, DT, couple="damping 0.1", **BROKEN), f"skip resting {on}")

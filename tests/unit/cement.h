@@ -14,6 +14,16 @@
 
 namespace mpdem::test {
 
+constexpr double kCell = 1e-4, kCalcite = 2710;  // m, kg/m3
+
+inline TensorDamage law_of(double B0, double interface = 1.0, double viscosity = 0.0) {
+  DamageParameters p;
+  p.B0 = B0;
+  p.interface = interface;
+  p.viscosity = viscosity;
+  return TensorDamage(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
+}
+
 class Cement {
  public:
   PointStore points;

@@ -16,6 +16,7 @@
 namespace mpdem::test {
 
 constexpr double kH = 0.1, kDensity = 2.0;
+constexpr double kDt = 0.05, kBound = 4.0;
 
 inline void copy(const Vector& from, double* to) { std::copy(from.data(), from.data() + 3, to); }
 inline void copy(const Eigen::Quaterniond& q, double* to) {

@@ -13,12 +13,12 @@ namespace mpdem {
 namespace {
 
 using test::copy;
+using test::kBound;
+using test::kDt;
 using test::kDensity;
 using test::kH;
 using test::Scene;
 using test::Vector;
-
-constexpr double kDt = 0.05, kBound = 4.0;
 
 // at the surface or at the points, edge nodes tied or free, basis
 class AddedMass : public ::testing::TestWithParam<std::tuple<bool, bool, Basis>> {

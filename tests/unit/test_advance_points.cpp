@@ -10,29 +10,23 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::kCell;
+using test::law_of;
 using test::Matrix;
 using test::Vector;
 
-constexpr double kH = 1e-4, kDt = 1e-9;
-
-TensorDamage law_of(double B0, double interface = 1.0, double viscosity = 0.0) {
-  DamageParameters p;
-  p.B0 = B0;
-  p.interface = interface;
-  p.viscosity = viscosity;
-  return TensorDamage(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
-}
+constexpr double kDt = 1e-9;
 
 // Random motion of the nodes that damages some points and fails a few a step.
 void shake(Cement& c, test::Random& random) {
-  c.set_velocity([&](const Vector&) { return Vector(3e-3 * kH / kDt * random.vector()); });
+  c.set_velocity([&](const Vector&) { return Vector(3e-3 * kCell / kDt * random.vector()); });
 }
 
 // Same damage, failures and energies as the law applied point by point, with the factor of
 // the interface on points that are linked and the share of growth that viscosity leaves.
 void expect_law_at_every_point(const TensorDamage& law) {
   test::Random random(101);
-  Cement c(kH, test::scattered(random, kH, 3, 7), kH * kH * kH / 7);
+  Cement c(kCell, test::scattered(random, kCell, 3, 7), kCell * kCell * kCell / 7);
   for (BlockMeta& m : c.points.meta) m.linked = static_cast<std::uint8_t>(m.occupied & random.bits());
   const DamageParameters& p = law.parameters();
   const double growth = kDt / (p.viscosity + kDt);
@@ -79,8 +73,8 @@ TEST(AdvancePoints, EveryPointFollowsTheLawViscous) { expect_law_at_every_point(
 TEST(AdvancePoints, FailedPointsAreFrozenAndGiveNoForce) {
   test::Random random(102);
   const TensorDamage law = law_of(9.6e4);
-  const std::vector<Vector> X = test::scattered(random, kH, 3, 7);
-  Cement c(kH, X, kH * kH * kH / 7);
+  const std::vector<Vector> X = test::scattered(random, kCell, 3, 7);
+  Cement c(kCell, X, kCell * kCell * kCell / 7);
   for (int step = 0; step < 8; ++step) {
     shake(c, random);
     c.advance(law, kDt);
@@ -115,7 +109,7 @@ TEST(AdvancePoints, FailedPointsAreFrozenAndGiveNoForce) {
 TEST(AdvancePoints, WithoutB0NothingIsDamaged) {
   test::Random random(103);
   const TensorDamage law = law_of(0.0);
-  Cement c(kH, test::scattered(random, kH, 3, 7), kH * kH * kH / 7);
+  Cement c(kCell, test::scattered(random, kCell, 3, 7), kCell * kCell * kCell / 7);
   for (int step = 0; step < 5; ++step) {
     shake(c, random);
     const AdvanceResult r = c.advance(law, kDt);
@@ -130,7 +124,7 @@ TEST(AdvancePoints, WithoutB0NothingIsDamaged) {
 TEST(AdvancePoints, ElasticForceDerivesFromTheEnergy) {
   test::Random random(104);
   const TensorDamage law = law_of(0.0);
-  const std::vector<Vector> X = test::scattered(random, kH, 3, 7);
+  const std::vector<Vector> X = test::scattered(random, kCell, 3, 7);
   const auto energy_of = [&](const Cement& c) {
     double U = 0;
     for (const PointBlock& p : c.points.blocks)
@@ -139,12 +133,12 @@ TEST(AdvancePoints, ElasticForceDerivesFromTheEnergy) {
   };
   const auto error_at = [&](double size) {
     test::Random same(105);
-    Cement c(kH, X, kH * kH * kH / 7);
-    c.set_velocity([&](const Vector&) { return Vector(0.05 * kH / kDt * same.vector()); });
+    Cement c(kCell, X, kCell * kCell * kCell / 7);
+    c.set_velocity([&](const Vector&) { return Vector(0.05 * kCell / kDt * same.vector()); });
     c.advance(law, kDt);
     const std::vector<double> force = c.grid.force;
     const double U = energy_of(c);
-    c.set_velocity([&](const Vector&) { return Vector(size * kH / kDt * same.vector()); });
+    c.set_velocity([&](const Vector&) { return Vector(size * kCell / kDt * same.vector()); });
     c.advance(law, kDt);
     double work = 0;
     for (std::size_t i = 0; i < force.size(); ++i)

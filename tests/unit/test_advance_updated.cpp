@@ -8,10 +8,10 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::kCalcite;
+using test::kCell;
 using test::Matrix;
 using test::Vector;
-
-constexpr double kH = 1e-4, kDensity = 2710;
 
 TensorDamage elastic() { return TensorDamage(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), DamageParameters()); }
 
@@ -32,9 +32,9 @@ struct Lump {
   int layouts = 0, moved = 0;
 
   Lump(test::Random& random, Basis basis, const Transfer& t)
-      : c(kH, test::scattered(random, kH, 4, 8), kH * kH * kH / 8, Eigen::Quaterniond::Identity(), basis, UpdatedPass::kMargin),
+      : c(kCell, test::scattered(random, kCell, 4, 8), kCell * kCell * kCell / 8, Eigen::Quaterniond::Identity(), basis, UpdatedPass::kMargin),
         method(t) {
-    c.grid.lump_mass(c.points, kDensity);
+    c.grid.lump_mass(c.points, kCalcite);
     c.points.let_move();
     pass.bind(c.points, c.grid);
   }
@@ -46,7 +46,7 @@ struct Lump {
     project();
   }
   void project() {
-    UpdatedPass::project(c.points, c.grid, law, kDensity, method);
+    UpdatedPass::project(c.points, c.grid, law, kCalcite, method);
     take_nodes();
   }
   void take_nodes() {
@@ -60,8 +60,8 @@ struct Lump {
     std::vector<Grid::Cell> cells;
     for (BlockMeta& m : c.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
     std::vector<char> fresh;
-    c.grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh, {}, UpdatedPass::kMargin);
-    c.grid.lump_mass(c.points, kDensity);
+    c.grid.build(MPI_COMM_SELF, kCell, cells, NodeKinematics(), fresh, {}, UpdatedPass::kMargin);
+    c.grid.lump_mass(c.points, kCalcite);
     pass.bind(c.points, c.grid);
     ++layouts;
   }
@@ -69,7 +69,7 @@ struct Lump {
     if (pass.layout_is_stale()) lay_out();
     c.grid.drift(dt, 0.0);
     AdvanceResult result;
-    pass.advance(c.points, c.grid, law, kDensity, dt, dt, method, AdvanceOptions(), result);
+    pass.advance(c.points, c.grid, law, kCalcite, dt, dt, method, AdvanceOptions(), result);
     ASSERT_EQ(pass.lost(), 0);
     moved += pass.crossings();
     take_nodes();
@@ -113,7 +113,7 @@ TEST_P(Updated, Translation) {
       const PointStore& s = lump.c.points;
       strain.add(test::tensor(s.blocks[b].strain, l), 1.0);
       for (int d = 0; d < 3; ++d)
-        place.add(std::fabs(s.blocks[b].X[d][l] - s.motion[b].X0[d][l] - steps * lump.dt * v[d]) / kH);
+        place.add(std::fabs(s.blocks[b].X[d][l] - s.motion[b].X0[d][l] - steps * lump.dt * v[d]) / kCell);
     });
     EXPECT_EQ(left, points);
     EXPECT_GT(lump.moved, 10 * points);
@@ -141,7 +141,7 @@ TEST_P(Updated, Translation) {
 TEST_P(Updated, RelocationKeepsThePass) {
   test::Random random(142);
   Lump lump(random, GetParam(), transfer(Transfer::apic));
-  lump.set_velocity([&](const Vector& x) { return Vector(500 * (x / kH) + 300 * random.vector()); });
+  lump.set_velocity([&](const Vector& x) { return Vector(500 * (x / kCell) + 300 * random.vector()); });
   for (int n = 0; n < 20; ++n) lump.step();
   EXPECT_GT(lump.moved, 100);
   const Grid& g = lump.c.grid;
@@ -155,7 +155,7 @@ TEST_P(Updated, RelocationKeepsThePass) {
     live.push_back(kLanes * b + l);
     tags.push_back(lump.c.points.tags[b][l]);
   });
-  lump.c.points.arrange(live, tags, kH, place, {}, GetParam());
+  lump.c.points.arrange(live, tags, kCell, place, {}, GetParam());
   lump.lay_out();
   lump.project();
   double mass = 0, momentum = 0, force = 0;
@@ -189,7 +189,7 @@ TEST_P(Updated, Conservation) {
     const Matrix A = 40.0 * random.general();
     // with tents a node may have next to no mass at full force
     if (GetParam() == Basis::linear) lump.dt = 2e-12;
-    lump.set_velocity([&](const Vector& x) { return Vector(A * (x / kH) + Vector(100, 50, -70)); });
+    lump.set_velocity([&](const Vector& x) { return Vector(A * (x / kCell) + Vector(100, 50, -70)); });
     const Vector p = lump.momentum(), L = lump.angular_momentum();
     for (int n = 0; n < 100; ++n) lump.step();
     test::expect_within((lump.momentum() - p).norm() / p.norm(), 1e-12, "momentum");
@@ -205,7 +205,7 @@ TEST(UpdatedPass, TellsOfPointsThatWentTooFar) {
   lump.set_velocity([&](const Vector&) { return Vector(1e9, 0, 0); });
   lump.c.grid.drift(lump.dt, 0.0);
   AdvanceResult result;
-  lump.pass.advance(lump.c.points, lump.c.grid, lump.law, kDensity, lump.dt, lump.dt, lump.method, AdvanceOptions(), result);
+  lump.pass.advance(lump.c.points, lump.c.grid, lump.law, kCalcite, lump.dt, lump.dt, lump.method, AdvanceOptions(), result);
   EXPECT_NE(lump.pass.lost(), 0);
 }
 

@@ -11,7 +11,6 @@ namespace {
 
 using test::Vector;
 
-
 struct CoatingCase {
   GrainPair pair;
   double thickness, cap, inner;

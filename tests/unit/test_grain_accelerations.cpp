@@ -14,11 +14,11 @@ namespace mpdem {
 namespace {
 
 using test::copy;
+using test::kBound;
+using test::kDt;
 using test::Scene;
 using test::Vector;
 using Grain = GrainAccelerations::Grain;
-
-constexpr double kDt = 0.05, kBound = 4.0;
 
 // edge nodes tied or free, basis, mass of the grains over that of the cement of a bond
 class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, double>> {
@@ -50,7 +50,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
   }
 };
 
-void set_added_mass(Scene& s, double lambda = 0.0) {
+void prepare(Scene& s, double lambda = 0.0) {
   s.sides.distribute(s.bodies, s.motion);
   std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
   s.links.add_stiffness(s.grid, s.sides, kDt);
@@ -61,7 +61,7 @@ void set_added_mass(Scene& s, double lambda = 0.0) {
 TEST_P(Accelerations, SolveTheEquationsOfMotion) {
   Setting s = setting(171);
   s.place_grains(0.05, 1.0);
-  set_added_mass(s);
+  prepare(s);
   int of_both = 0;
   for (const PenaltyLinks::AddedMass& a : s.links.added_masses()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
   EXPECT_GT(of_both, 5);
@@ -214,12 +214,12 @@ bool is_stable(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M, double bound)
 TEST_P(Accelerations, BoundOfTheTimeStepHolds) {
   Setting s = setting(172);
   s.place_grains(0.0, 0.0);
-  set_added_mass(s);
+  prepare(s);
   const Unknowns u(s, s.grains);
   const Eigen::MatrixXd K = stiffness(s, s.grains, u);
   for (double share : {0.0, 0.5, 0.95}) {
     const double lambda = share * kBound / (kDt * kDt);
-    set_added_mass(s, lambda);
+    prepare(s, lambda);
     EXPECT_GT(s.links.added_masses().size(), 10u);
     const Eigen::MatrixXd M = mass_matrix(s, s.grains, u);
     Eigen::MatrixXd both = K;
@@ -229,7 +229,7 @@ TEST_P(Accelerations, BoundOfTheTimeStepHolds) {
   }
 }
 
-std::string name_of(const ::testing::TestParamInfo<std::tuple<bool, Basis, double>>& p) {
+std::string name_of_grains(const ::testing::TestParamInfo<std::tuple<bool, Basis, double>>& p) {
   const auto& [tied, basis, mass] = p.param;
   const char* const bases[] = {"linear", "quadratic", "cubic"};
   return std::string(tied ? "tied_" : "free_") + bases[static_cast<int>(basis)] + (mass < 5 ? "_light" : mass < 100 ? "_middling" : "_heavy");
@@ -238,7 +238,7 @@ std::string name_of(const ::testing::TestParamInfo<std::tuple<bool, Basis, doubl
 INSTANTIATE_TEST_SUITE_P(Grains, Accelerations,
                          ::testing::Combine(::testing::Bool(), ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
                                             ::testing::Values(1.0, 10.0, 1000.0)),
-                         name_of);
+                         name_of_grains);
 
 }  // namespace
 }  // namespace mpdem

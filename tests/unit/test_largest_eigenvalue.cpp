@@ -10,8 +10,8 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
-
-constexpr double kH = 1e-4, kDensity = 2710;
+using test::kCalcite;
+using test::kCell;
 
 class LargestEigenvalue : public ::testing::TestWithParam<Basis> {};
 INSTANTIATE_TEST_SUITE_P(Bases, LargestEigenvalue, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic));
@@ -21,12 +21,12 @@ INSTANTIATE_TEST_SUITE_P(Bases, LargestEigenvalue, ::testing::Values(Basis::line
 TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   test::Random random(151);
   const Eigen::Quaterniond q(test::rotation(random.direction(), 1.0));
-  Cement c(kH, test::lattice(kH, 3), kH * kH * kH / 8, q, GetParam());
-  c.grid.lump_mass(c.points, kDensity);
+  Cement c(kCell, test::lattice(kCell, 3), kCell * kCell * kCell / 8, q, GetParam());
+  c.grid.lump_mass(c.points, kCalcite);
   const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), DamageParameters());
   const int n = 3 * c.grid.size();
   Eigen::MatrixXd A(n, n);
-  const double step = 1e-6 * kH;
+  const double step = 1e-6 * kCell;
   for (int i = 0; i < n; ++i) {
     Cement moved = c;
     moved.grid.velocity.assign(n, 0.0);
@@ -43,7 +43,7 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   const EigenvalueEstimate rough = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law, 1e-3);
   EXPECT_LT(rough.products, found.products);
   EXPECT_NEAR(rough.value / exact, 1.0, 1e-3);
-  const double bound = eigenvalue_bound(GetParam(), law.elasticity().largest_stiffness(), kDensity, kH);
+  const double bound = eigenvalue_bound(GetParam(), law.elasticity().largest_stiffness(), kCalcite, kCell);
   if (GetParam() == Basis::linear) EXPECT_EQ(bound, 0.0);
   else EXPECT_LE(exact, bound);
 }

@@ -11,7 +11,6 @@ namespace {
 
 using test::Vector;
 
-
 struct MeniscusCase {
   GrainPair pair;
   double filling, contact, inner;

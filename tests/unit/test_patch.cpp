@@ -8,17 +8,12 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::kCell;
+using test::law_of;
 using test::Matrix;
 using test::Vector;
 
-constexpr double kH = 1e-4;
 constexpr int kCells = 5;
-
-TensorDamage law_of(double B0) {
-  DamageParameters p;
-  p.B0 = B0;
-  return TensorDamage(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
-}
 
 // Global Kirchhoff stress of a point.
 Matrix stress_of(const Cement& c, const TensorDamage& law, int b, int l) {
@@ -33,7 +28,7 @@ TEST_P(LinearField, UniformStrainAndStressOnScatteredPoints) {
   const double size = GetParam(), dt = 1e-9;
   test::Random random(91);
   const Eigen::Quaterniond axis(random.frame());
-  Cement c(kH, test::scattered(random, kH, kCells, 9), kH * kH * kH / 9, axis);
+  Cement c(kCell, test::scattered(random, kCell, kCells, 9), kCell * kCell * kCell / 9, axis);
   const TensorDamage law = law_of(0.0);
   const Matrix A = size * random.general(), B = size * random.general();
   const Vector v0 = 100.0 * random.vector();
@@ -73,12 +68,12 @@ TEST_P(LinearField, UniformStrainAndStressOnScatteredPoints) {
 TEST_P(LinearField, InteriorNodesOfALatticeAreInBalance) {
   const double size = GetParam(), dt = 1e-9;
   test::Random random(92);
-  Cement c(kH, test::lattice(kH, kCells), kH * kH * kH / 8, Eigen::Quaterniond(random.frame()));
+  Cement c(kCell, test::lattice(kCell, kCells), kCell * kCell * kCell / 8, Eigen::Quaterniond(random.frame()));
   const TensorDamage law = law_of(0.0);
   const Matrix A = size * random.general();
   c.set_velocity([&](const Vector& X) { return Vector(A * X / dt); });
   c.advance(law, dt);
-  const double typical = stress_of(c, law, 0, 0).norm() * kH * kH;
+  const double typical = stress_of(c, law, 0, 0).norm() * kCell * kCell;
   test::Worst interior;
   double largest = 0.0;
   int inside = 0;
@@ -105,8 +100,8 @@ TEST(Patch, RigidTranslationAndRotationGiveNoStrain) {
   const TensorDamage law = law_of(9.6e6);
   test::Worst strain, force, frame;
   for (double angle : {0.0, 1e-4, 0.3, 1.5, 2.5}) {
-    Cement c(kH, test::scattered(random, kH, kCells, 9), kH * kH * kH / 9);
-    const Vector axis = random.direction(), t = kH * random.vector();
+    Cement c(kCell, test::scattered(random, kCell, kCells, 9), kCell * kCell * kCell / 9);
+    const Vector axis = random.direction(), t = kCell * random.vector();
     // two steps of the same rotation, carried by the nodes
     for (int k = 0; k < 2; ++k) {
       const Matrix before = test::rotation(axis, k * angle), after = test::rotation(axis, (k + 1) * angle);
@@ -120,7 +115,7 @@ TEST(Patch, RigidTranslationAndRotationGiveNoStrain) {
       strain.add(test::tensor(c.points.blocks[b].strain, l), 1.0);
       frame.add(test::matrix(rotation_matrix(c.points.blocks[b].q), l) - R, 1.0);
     });
-    for (double f : c.grid.force) force.add(std::fabs(f) / (law.elasticity().C11 * kH * kH));
+    for (double f : c.grid.force) force.add(std::fabs(f) / (law.elasticity().C11 * kCell * kCell));
   }
   expect_within(strain, 1e-12, "strain");
   expect_within(frame, 1e-12, "axes");
@@ -133,11 +128,11 @@ TEST(Patch, InternalForceHasNoResultantAndNoMoment) {
   test::Random random(94);
   for (double B0 : {0.0, 9.6e4}) {
     const TensorDamage law = law_of(B0);
-    Cement c(kH, test::scattered(random, kH, kCells, 9), kH * kH * kH / 9);
+    Cement c(kCell, test::scattered(random, kCell, kCells, 9), kCell * kCell * kCell / 9);
     std::size_t failed = 0;
     test::Worst resultant, moment, again;
     for (int step = 0; step < 6; ++step) {
-      c.set_velocity([&](const Vector&) { return Vector(2e-3 * kH / 1e-9 * random.vector()); });
+      c.set_velocity([&](const Vector&) { return Vector(2e-3 * kCell / 1e-9 * random.vector()); });
       failed += c.advance(law, 1e-9).failed.size();
       Vector f = Vector::Zero(), m = Vector::Zero();
       double f_size = 0, m_size = 0;

@@ -8,14 +8,14 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::kCalcite;
+using test::kCell;
 using test::Matrix;
 using test::Vector;
 
-constexpr double kH = 1e-4, kDensity = 2710;
-
 Cement some_cement(test::Random& random) {
-  Cement c(kH, test::scattered(random, kH, 4, 6), kH * kH * kH / 6);
-  c.grid.lump_mass(c.points, kDensity);
+  Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
+  c.grid.lump_mass(c.points, kCalcite);
   for (int n = 0; n < c.grid.size(); ++n)
     c.grid.added_mass[n] = random.index(3) ? 0.0 : random.uniform(0, 2) * c.grid.mass[n];
   return c;
@@ -34,10 +34,10 @@ TEST(Reproject, LinearFieldsPassUnchanged) {
   Cement c = some_cement(random);
   const Matrix A = random.general();
   const Vector v0 = random.vector();
-  c.set_velocity([&](const Vector& X) { return Vector(A * X / kH + v0); });
+  c.set_velocity([&](const Vector& X) { return Vector(A * X / kCell + v0); });
   const std::vector<double> before = c.grid.velocity;
   std::vector<double> jump;
-  reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
+  reproject_velocity(c.points, c.grid, kCalcite, Transfer(), 0.0, jump);
   test::Worst worst;
   for (std::size_t i = 0; i < before.size(); ++i) {
     worst.add(std::fabs(c.grid.velocity[i] - before[i]) / 5.0);
@@ -52,7 +52,7 @@ TEST(Reproject, KeepsMomentumAndMomentOfMomentum) {
   c.set_velocity([&](const Vector&) { return random.vector(); });
   const std::vector<double> before = c.grid.velocity;
   std::vector<double> jump;
-  reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
+  reproject_velocity(c.points, c.grid, kCalcite, Transfer(), 0.0, jump);
   Vector p = Vector::Zero(), L = Vector::Zero();
   double p_size = 0, L_size = 0, moved = 0;
   for (int n = 0; n < c.grid.size(); ++n) {
@@ -77,7 +77,7 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
   test::Worst asymmetry, gain, loss;
   const auto project = [&](const std::vector<double>& v) {
     c.grid.velocity = v;
-    reproject_velocity(c.points, c.grid, kDensity, Transfer(), 0.0, jump);
+    reproject_velocity(c.points, c.grid, kCalcite, Transfer(), 0.0, jump);
     return c.grid.velocity;
   };
   const auto field = [&] {
@@ -109,8 +109,8 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
 TEST(Reproject, MethodsArePolynomialsOfOneMap) {
   test::Random random(124);
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
-    Cement c(kH, test::scattered(random, kH, 4, 6), kH * kH * kH / 6, Eigen::Quaterniond::Identity(), basis);
-    c.grid.lump_mass(c.points, kDensity);
+    Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), basis);
+    c.grid.lump_mass(c.points, kCalcite);
     std::vector<double> v(c.grid.velocity.size()), jump;
     for (double& x : v) x = random.uniform(-1, 1);
     for (double& a : c.grid.acceleration) a = random.uniform(-1, 1);
@@ -120,7 +120,7 @@ TEST(Reproject, MethodsArePolynomialsOfOneMap) {
       t.method = method;
       t.order = order;
       t.flip_share = A;
-      reproject_velocity(c.points, c.grid, kDensity, t, dt, jump);
+      reproject_velocity(c.points, c.grid, kCalcite, t, dt, jump);
       return c.grid.velocity;
     };
     const auto combine = [](double a, const std::vector<double>& x, double b, const std::vector<double>& y) {
@@ -142,7 +142,7 @@ TEST(Reproject, MethodsArePolynomialsOfOneMap) {
     expect_within(worst, 1e-13, "method against polynomial");
     // what xpic 2 makes of the velocity before the kick, seen by the points: y q(y) = 2 y - y^2
     c.grid.velocity = v;
-    filter_velocity(c.points, c.grid, kDensity, 2);
+    filter_velocity(c.points, c.grid, kCalcite, 2);
     const std::vector<double> filtered = c.grid.velocity, through = y(filtered), exact = combine(2, yv, -1, yyv);
     test::Worst filter;
     for (std::size_t i = 0; i < v.size(); ++i) filter.add(std::fabs(through[i] - exact[i]));

@@ -11,9 +11,8 @@ namespace mpdem {
 namespace {
 
 using test::Cement;
+using test::kCell;
 using test::Vector;
-
-constexpr double kH = 1e-4, kDensity = 2710;
 
 // Velocity comes and goes; asleep or not, points and forces are the same to the bit.
 TEST(Resting, SleepsAndWakesExactly) {
@@ -21,7 +20,7 @@ TEST(Resting, SleepsAndWakesExactly) {
   DamageParameters p;
   p.B0 = 1e6;
   const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), p);
-  Cement one(kH, test::scattered(random, kH, 3, 8), kH * kH * kH / 8);
+  Cement one(kCell, test::scattered(random, kCell, 3, 8), kCell * kCell * kCell / 8);
   Cement two = one;
   Resting on, off;
   on.bind(one.points, one.grid);
@@ -31,7 +30,7 @@ TEST(Resting, SleepsAndWakesExactly) {
   int slept = 0;
   for (int n = 0; n < 60; ++n) {
     const bool moving = n / 10 % 2 == 1;
-    for (double& v : one.grid.velocity) v = moving ? random.uniform(-1, 1) * 3e-3 * kH : 0.0;
+    for (double& v : one.grid.velocity) v = moving ? random.uniform(-1, 1) * 3e-3 * kCell : 0.0;
     two.grid.velocity = one.grid.velocity;
     AdvanceResult a, b;
     one.grid.clear_force();
@@ -111,7 +110,7 @@ TEST(Skip, UndamagedAndFailedPoints) {
   DamageParameters p;
   p.B0 = 1e6;
   const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), p);
-  Cement one(kH, test::scattered(random, kH, 3, 8), kH * kH * kH / 8);
+  Cement one(kCell, test::scattered(random, kCell, 3, 8), kCell * kCell * kCell / 8);
   Cement two = one;
   AdvanceOptions none;
   none.skip_undamaged = none.skip_failed = none.skip_resting = false;
@@ -119,7 +118,7 @@ TEST(Skip, UndamagedAndFailedPoints) {
   test::Worst worst;
   std::size_t failed = 0;
   for (int n = 0; n < 60; ++n) {
-    one.set_velocity([&](const Vector& x) { return Vector(2e-3 * x[0] * x[0] / kH, 0, 0); });
+    one.set_velocity([&](const Vector& x) { return Vector(2e-3 * x[0] * x[0] / kCell, 0, 0); });
     two.grid.velocity = one.grid.velocity;
     AdvanceResult a, b;
     one.grid.clear_force();
