@@ -19,7 +19,7 @@ def test_free_vibration(words, steps, tmp_path, figures, long):
     Within a swing it goes up and down: at nine tenths of the stable step the mass that stabilises the links is as much
     as that of the grains, and moves with nodes, not with them. It goes with the square of the step.
     """
-    steps = steps if long else steps // 20
+    steps = steps if long else steps // 40
     script = bond(words) + shift(1e-8, "(2000*dt)") + (
         "run 2000\nunfix pull\nunfix hold\nfix motion grains nve/sphere\n"
         "variable kinetic atom \"0.5*mass*(vx^2+vy^2+vz^2)\"\n" + GRAIN_ENERGY)
@@ -69,7 +69,7 @@ def turning(rate, ramp):
 @pytest.mark.parametrize("words", ["", "basis linear", "basis cubic"])
 def test_rotation(words, tmp_path, figures, long):
     """A bond pulled until it is damaged turns as a whole, ten times; stress, damage and energy stay."""
-    revolutions = 10 if long else 0.5
+    revolutions = 10 if long else 0.25
     opening = 2.9e-7  # between the first damage and the first failure
     dt, rate, every = 1.5e-8, 1e4, 10
     ramp = 4000 * dt
