@@ -52,8 +52,8 @@ fuzz: $(BUILD)/.setup
 # Every test, those of stability at full length, and the table of doc/reliability.md from what they
 # measured. Takes an hour or two.
 stress: test
-	cd $(BUILD) && MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures /usr/bin/python3 -B -m pytest \
-	  -q -p no:cacheprovider --long --basetemp=stress $(CURDIR)/tests/stability
+	MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures JOBS=$(JOBS) tools/test_files.sh $(BUILD)/stress --long \
+	  tests/stability/test_*.py
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
 # LIGGGHTS itself from source, with the series of patches/ and the package inside, in

@@ -7,7 +7,7 @@
 #
 # The executable is DIRECTORY/liggghts-mpdem. From the environment:
 #   TARBALL   liggghts_3.8.0+repack1.orig.tar.xz; fetched from Debian's archive if not set
-#   JOBS      of make (2)
+#   JOBS      of make, and tests at a time (2)
 # A second call compiles what has changed. Another tarball or series starts anew.
 set -eu
 unset MAKEFLAGS MFLAGS MAKELEVEL  # of a make that called this script
@@ -54,7 +54,5 @@ nice -n 10 make -j "${JOBS:-2}" auto
 cp lmp_auto "$directory/liggghts-mpdem"
 echo "Built $directory/liggghts-mpdem"
 
-if ls "$root"/tests/system/test_*.py > /dev/null 2>&1; then
-  cd "$root"
-  MPDEM_EXE=$directory/liggghts-mpdem nice -n 10 /usr/bin/python3 -m pytest -p no:cacheprovider tests/system
-fi
+cd "$root"
+MPDEM_EXE=$directory/liggghts-mpdem nice -n 10 tools/test_files.sh "$directory/tests" tests/system/test_*.py
