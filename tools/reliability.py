@@ -1,27 +1,32 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""Writes the table of doc/reliability.md from what the tests measured.
+"""Writes the tables of doc/reliability.md from what the tests measured.
 
     tools/reliability.py build/figures doc/reliability.md
 
 `make test` and `make stress` leave build/figures/<test file>.json, a list of figures with their limits.
-One row a test: how many cases and figures, and the figure that came nearest to its limit. What stands
-in the page between the two marks is replaced, the rest is left as it is.
+One row a test: how many cases and figures, and the figure that came nearest to its limit. `make fuzz`
+leaves build/figures/fuzz.json: how many inputs of each scene ended in which way. What stands in the page
+between the marks of a table is replaced if it was measured, the rest is left as it is.
 """
 import glob
 import json
 import os
 import sys
 
-BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
+FUZZ = "fuzz.json"
+OUTCOMES = {"ok": "ended well", "message": "one message that names its command", "silent": "error without a message",
+            "nameless": "message that names no command", "crash": "crash", "hang": "hang", "memory": "too much memory",
+            "host": "LIGGGHTS' own crash or hang"}
+
+
+def files(folder):
+    return [p for p in sorted(glob.glob(os.path.join(folder, "*.json"))) if os.path.basename(p) != FUZZ]
 
 
 def rows(folder):
-    files = sorted(glob.glob(os.path.join(folder, "*.json")))
-    if not files:
-        sys.exit(f"reliability.py: no figures in {folder}; run `make test` or `make stress`")
-    for path in files:
+    for path in files(folder):
         with open(path) as f:
             records = json.load(f)
         for test in dict.fromkeys(r["test"] for r in records):
@@ -52,18 +57,43 @@ def table(folder):
     return "\n".join(text)
 
 
+def fuzz_table(path):
+    with open(path) as f:
+        records = json.load(f)
+    total = sum(sum(r["counts"].values()) for r in records)
+    text = [f"{total} inputs of seed {records[0]['seed']}:", "",
+            "| starts from | " + " | ".join(OUTCOMES.values()) + " |", "|---" * (len(OUTCOMES) + 1) + "|"]
+    return "\n".join(text + [f"| {r['case']} | " + " | ".join(str(r["counts"][k]) for k in OUTCOMES) + " |" for r in records])
+
+
+def replace(text, mark, new, page):
+    """What stands between the two lines of a mark is replaced."""
+    begin, end = f"<!-- {mark}: begin -->", f"<!-- {mark}: end -->"
+    if text.count(begin) != 1 or text.count(end) != 1 or text.index(end) < text.index(begin):
+        sys.exit(f"reliability.py: {page} needs the lines '{begin}' and '{end}' once each, in this order")
+    head, rest = text.split(begin)
+    return f"{head}{begin}\n{new}\n{end}{rest.split(end)[1]}"
+
+
 def main():
     if len(sys.argv) != 3:
         sys.exit("reliability.py: use: tools/reliability.py FOLDER PAGE")
     folder, page = sys.argv[1:]
+    fuzz = os.path.join(folder, FUZZ)
+    written = []
     with open(page) as f:
         text = f.read()
-    if text.count(BEGIN) != 1 or text.count(END) != 1 or text.index(END) < text.index(BEGIN):
-        sys.exit(f"reliability.py: {page} needs the lines '{BEGIN}' and '{END}' once each, in this order")
-    head, rest = text.split(BEGIN)
+    if files(folder):
+        text = replace(text, "table", table(folder), page)
+        written.append("of tests")
+    if os.path.exists(fuzz):
+        text = replace(text, "fuzz", fuzz_table(fuzz), page)
+        written.append("of the fuzzer")
+    if not written:
+        sys.exit(f"reliability.py: no figures in {folder}; run `make test`, `make stress` or `make fuzz`")
     with open(page, "w") as f:
-        f.write(f"{head}{BEGIN}\n{table(folder)}\n{END}{rest.split(END)[1]}")
-    print(f"reliability.py: table of {page} written from {folder}")
+        f.write(text)
+    print(f"reliability.py: {page}: table {' and '.join(written)} written from {folder}")
 
 
 if __name__ == "__main__":

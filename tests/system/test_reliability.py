@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The tables of doc/reliability.md hold what was measured, and what was not measured stays."""
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+TOOL = Path(__file__).parents[2] / "tools" / "reliability.py"
+PAGE = "Head\n<!-- table: begin -->\nold\n<!-- table: end -->\nbetween\n<!-- fuzz: begin -->\nold\n<!-- fuzz: end -->\nend\n"
+COUNTS = {"ok": 3, "message": 4, "silent": 0, "nameless": 0, "crash": 1, "hang": 0, "memory": 0, "host": 2}
+
+
+def figure(name, value, limit):
+    return {"test": "test_a", "what": "What.", "case": name, "figure": name, "value": value, "limit": limit,
+            "met": limit is None or value <= limit}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def run(page=PAGE, **files):
+        (tmp_path / "figures").mkdir(exist_ok=True)
+        for name, records in files.items():
+            (tmp_path / "figures" / f"{name}.json").write_text(json.dumps(records))
+        (tmp_path / "page.md").write_text(page)
+        done = subprocess.run([TOOL, tmp_path / "figures", tmp_path / "page.md"], capture_output=True, text=True)
+        return done.returncode, done.stderr, (tmp_path / "page.md").read_text()
+    return run
+
+
+def test_row_is_that_of_the_figure_nearest_to_its_limit(write):
+    status, _, page = write(test_file=[figure("far", 1.0, 10.0), figure("near", 0.2, 0.5), figure("noted", "1e-3", None)])
+    assert status == 0
+    assert "| `test_file`: a | What. | 3, 2 | near | 0.2 | 0.5 |\n<!-- table: end -->\nbetween\n" in page
+    assert "<!-- fuzz: begin -->\nold\n<!-- fuzz: end -->" in page
+
+
+@pytest.mark.parametrize("value, limit", [(2.0, 1.0), (1.0, 0.0)])
+def test_a_limit_that_is_missed_is_said(write, value, limit):
+    _, _, page = write(test_file=[figure("missed", value, limit), figure("near", 0.9, 1.0)])
+    assert f"missed | {value:.2g} **not met** | {limit:g} |" in page
+
+
+def test_fuzzer_alone(write):
+    status, _, page = write(fuzz=[{"test": "test_fuzz", "case": "nothing", "counts": COUNTS, "seed": 7}])
+    assert status == 0 and "<!-- table: begin -->\nold\n" in page
+    assert "10 inputs of seed 7:" in page and "| nothing | 3 | 4 | 0 | 0 | 1 | 0 | 0 | 2 |\n<!-- fuzz: end -->\nend\n" in page
+
+
+def test_nothing_measured_or_nowhere_to_write(write, tmp_path):
+    status, error, page = write()
+    assert status == 1 and page == PAGE
+    assert error == f"reliability.py: no figures in {tmp_path / 'figures'}; run `make test`, `make stress` or `make fuzz`\n"
+    status, error, page = write("no marks\n", test_file=[figure("a", 1.0, 2.0)])
+    assert status == 1 and "'<!-- table: begin -->'" in error and page == "no marks\n"
