@@ -263,11 +263,11 @@ def start(script, directory, ranks=1, program=None, name="in.test", arguments=()
                                 start_new_session=True)
 
 
-def launch(script, directory, ranks=1, name="in.test", **options):
+def launch(script, directory, ranks=1, name="in.test", minutes=5, **options):
     """Runs the script in `directory`, whatever comes of it."""
     process = start(script, directory, ranks, name=name, **options)
     try:
-        process.wait(300 * PATIENCE)
+        process.wait(60 * minutes * PATIENCE)
     except BaseException:
         os.killpg(process.pid, signal.SIGKILL)
         raise

@@ -102,15 +102,15 @@ void FixMpm::step_total(double dt) {
 }
 
 double FixMpm::kinetic_energy(double kick) const {
-  double energy = 0.0;
+  double twice[3] = {};  // of each component: their sums do not wait for each other
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) {
       const double v = grid_.velocity[3 * i + d] + kick * grid_.acceleration[3 * i + d];
-      energy += 0.5 * grid_.mass[i] * v * v;
+      twice[d] += grid_.mass[i] * v * v;
     }
   }
-  return energy;
+  return 0.5 * (twice[0] + twice[1] + twice[2]);
 }
 
 // Everything but the internal force, which is on the nodes already.

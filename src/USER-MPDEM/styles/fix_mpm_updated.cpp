@@ -32,10 +32,14 @@ void FixMpm::reproject() {
 
 // The same for a transfer in the course of the step, whose acceleration is known only now.
 double FixMpm::half_kick_of_jump() const {
-  double power = coupled_ && !transferred_.empty() ? links_.inertial_power(grid_, sides_, transferred_) : 0.0;
-  for (std::size_t i = 0; i < transferred_.size(); ++i)
-    if (grid_.halo.counts_here()[i / 3]) power += grid_.mass[i / 3] * grid_.acceleration[i] * transferred_[i];
-  return -0.5 * dt_last_ * power;
+  if (transferred_.empty()) return 0.0;
+  double power[3] = {};  // of each component: their sums do not wait for each other
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (!grid_.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power[d] += grid_.mass[i] * grid_.acceleration[3 * i + d] * transferred_[3 * i + d];
+  }
+  const double of_links = coupled_ ? links_.inertial_power(grid_, sides_, transferred_) : 0.0;
+  return -0.5 * dt_last_ * (power[0] + power[1] + power[2] + of_links);
 }
 
 void FixMpm::step_updated(double dt) {
