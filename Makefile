@@ -50,7 +50,7 @@ fuzz: $(BUILD)/.setup
 	  --json $(BUILD)/figures/fuzz.json
 
 # Every test, those of stability at full length, and the table of doc/reliability.md from what they
-# measured. Takes three quarters of an hour on two cores.
+# measured. The long form takes about half an hour on two cores.
 stress: test
 	MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures JOBS=$(JOBS) tools/test_files.sh $(BUILD)/stress --long \
 	  tests/stability/test_*.py

@@ -15,7 +15,7 @@ shift
 LONG=
 [ "$1" != --long ] || { LONG=--long; shift; }
 export FOLDER LONG
-printf '%s\n' "$@" | xargs -P "${JOBS:-2}" -n 1 sh -c '
+printf '%s\n' "$@" | xargs -d '\n' -P "${JOBS:-2}" -n 1 sh -c '
   status=0
   output=$(/usr/bin/python3 -B -m pytest -q -p no:cacheprovider $LONG --basetemp="$FOLDER/$(basename "$0" .py)" "$0" 2>&1) ||
     status=$?
