@@ -17,6 +17,7 @@
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
 #include "../styles/write_cement.h"
+#include "../version.h"
 #include "abort.h"
 #include "atom.h"
 #include "original.h"
@@ -75,8 +76,9 @@ AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {
 void LAMMPS::help() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
   std::fprintf(screen,
-               "\n\n* USER-MPDEM styles\n\n"
-               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement\n");
+               "\n\n* USER-MPDEM %s styles\n\n"
+               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement\n",
+               mpdem::kVersion);
 }
 
 }  // namespace LAMMPS_NS

@@ -5,11 +5,14 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 
+#include "../version.h"
 #include "arguments.h"
 #include "atom.h"
+#include "comm.h"
 #include "fix.h"
 #include "memory.h"
 #include "modify.h"
@@ -23,7 +26,12 @@ constexpr int kPlainState = 1, kGrainState = 1 + kGrainNumbers;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
-AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {}
+// Every scene with cement begins here, by `atom_style` or `read_restart`, in whatever program the package is.
+AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
+  if (comm->me != 0) return;
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "USER-MPDEM %s\n", mpdem::kVersion);
+}
 
 AtomVecMpdem::~AtomVecMpdem() { memory->destroy(slot); }
 
