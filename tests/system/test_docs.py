@@ -1,21 +1,62 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What README and doc/ show is run: whole scripts as they stand, lines in a small scene."""
+"""What README and doc/ show is run: whole scripts as they stand, lines in a small scene, commands in a copy of the folders.
+
+What is fenced has a word that says what becomes of it:
+  liggghts            a whole script                      run
+  liggghts-restart    a script that continues README's    run
+  liggghts-fragment   lines of a script                   run one by one in a scene
+  sh, python          commands                            run
+  sh-template         commands that take long or need a place of their own; files, targets, presets and variables
+                      that they name must be there
+  liggghts-template   lines with words to be replaced; the command or style must be there
+  text                neither: output, formulas, folders
+Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
+"""
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from scenes import RING, pair, run
+from scenes import PATIENCE, RING, executable, launch, pair, run
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md"] + sorted((ROOT / "doc").glob("*.md"))
+DOC = sorted((ROOT / "doc").rglob("*.md"))
+TOP = [ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md", "patches/README.md")]
+PAGES = [ROOT / "README.md"] + DOC + TOP
+KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-template", "sh", "sh-template", "python", "text"}
+FENCED = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```", re.M | re.S)
 SECTIONS = ["Syntax", "Examples", "Description", "Restart", "Restrictions", "Related commands", "Default"]
 
 
-def blocks(kind):
+def name_of(page):
+    return str(page.relative_to(ROOT))
+
+
+def blocks(*kinds):
     for page in PAGES:
-        for text in re.findall(rf"^```{kind}\n(.*?)^```", page.read_text(), re.M | re.S):
-            yield page, text
+        for _, kind, text in FENCED.findall(page.read_text()):
+            if kind in kinds:
+                yield page, text
+
+
+def prose(page):
+    """Without what is fenced."""
+    return FENCED.sub("", page.read_text())
+
+
+def indented(page):
+    """Indented blocks outside of lists, with the head that they stand under."""
+    head, before = "", ""
+    for line in prose(page).splitlines():
+        if line.startswith("#"):
+            head = line.lstrip("# ")
+        if line.startswith("    ") and not re.match(r"[*0-9]", before):
+            yield head, line.strip()
+        if line.strip() and not line.startswith(" "):
+            before = line
 
 
 SCRIPTS = [pytest.param(text, id=page.stem) for page, text in blocks("liggghts")]
@@ -43,6 +84,9 @@ def test_script_that_continues(tmp_path):
 def test_line(line, tmp_path):
     command = line.split()[0]
     scene = pair(1e-4, cement=RING)
+    if command in ("atom_modify", "communicate", "neigh_modify"):
+        scene = re.sub(rf"^{' +'.join(map(re.escape, line.split()))}.*$", line, scene, count=1, flags=re.M)
+        assert line in scene
     cement = "fix cem calcite mpm cell 2e-4 elastic isotropic 60e9 0.25"
     couple = "fix bond grains mpm/couple cem"
     if command == "atom_style":
@@ -63,7 +107,7 @@ def test_line(line, tmp_path):
     run(script, tmp_path)
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p.parent.name == "doc" and "## Syntax" in p.read_text()],
+@pytest.mark.parametrize("page", [p for p in DOC if "## Syntax" in p.read_text()],
                          ids=lambda p: p.stem)
 def test_order_of_a_page(page):
     heads = re.findall(r"^## (.*)$", page.read_text(), re.M)
@@ -72,7 +116,159 @@ def test_order_of_a_page(page):
     assert -1 not in order and order == sorted(order) and len(set(order)) == len(SECTIONS), heads
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_blocks_say_what_they_are(page):
+    kinds = {kind for _, kind, _ in FENCED.findall(page.read_text())}
+    assert kinds <= KINDS and page.read_text().count("```") == 2 * len(FENCED.findall(page.read_text())), kinds
+    if page.name != "theory.md":
+        assert not [(head, line) for head, line in indented(page) if head != "Syntax"]
+
+
+# --------------------------------------------------------------------------------------------------- commands
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """What commands of the documentation find: the folders of the repository, and build/liggghts-mpdem."""
+    root = tmp_path_factory.mktemp("repository")
+    for name in ("examples", "tools", "doc"):
+        shutil.copytree(ROOT / name, root / name)
+    (root / "build").mkdir()
+    (root / "build/liggghts-mpdem").symlink_to(executable())
+    return root
+
+
+@pytest.mark.parametrize("command", [pytest.param(text, id=f"{page.stem}:{text.split()[0]}") for page, text in blocks("sh")])
+def test_command(command, folders):
+    done = subprocess.run(["sh", "-euc", command], cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE)
+    assert done.returncode == 0 and "ERROR" not in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+@pytest.mark.parametrize("script", [pytest.param(text, id=page.stem) for page, text in blocks("python")])
+def test_python(script, folders):
+    done = subprocess.run([sys.executable, "-c", script], cwd=folders, capture_output=True, text=True, timeout=120 * PATIENCE)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+def words_of_options(tool):
+    text = (ROOT / tool).read_text()
+    return set(re.findall(r'"(--[a-z-]+)"', text)) | {"--help"}
+
+
+@pytest.mark.parametrize("page,command", [pytest.param(page, line, id=f"{page.stem}:{line[:40]}")
+                                          for page, text in blocks("sh-template") for line in text.splitlines()])
+def test_template_names_what_there_is(page, command):
+    """Of a command that is not run here: its files, targets, presets, options of the tools and variables of the scripts."""
+    words = re.sub(r"\s#.*", "", command).replace("PACKAGE/", "").split()
+    makefile = (ROOT / "Makefile").read_text() + (ROOT / "patches/README.md").read_text()
+    inside = ROOT / (words[1] if words[0] == "cd" and len(words) > 1 and (ROOT / words[1]).is_dir() else "")
+    if words[0] == "make" and "LIGGGHTS-PUBLIC" not in page.read_text():
+        for target in (w for w in words[1:] if "=" not in w):
+            assert re.search(rf"^{re.escape(target)}:", makefile, re.M), target
+    for before, word in zip([""] + words, words):
+        word = word.strip(";'\"")
+        if before == "--preset":
+            assert f'"name": "{word}"' in (ROOT / "CMakePresets.json").read_text(), word
+        if re.match(r"(examples|tools|tests|doc|src|patches|bench)/", word):
+            assert list(ROOT.glob(word)), word
+        if before == "-in":
+            script = inside / word
+            assert script.exists(), word
+            for variable in re.findall(r"-var (\w+)", command):
+                assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
+        if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
+            assert word.split("=")[0] in words_of_options(words[0]), word
+
+
+@pytest.mark.parametrize("page", [p for p in DOC if "## Syntax" in p.read_text()], ids=name_of)
+def test_syntax_names_a_style(page, tmp_path):
+    """A line under Syntax begins as a command or style that the program knows, and as the head of the page says."""
+    lines = [line for head, line in indented(page) if head == "Syntax"]
+    title = page.read_text().split("\n", 1)[0].lstrip("# ").split()
+    styles = launch("", tmp_path, arguments=["-h"]).output.replace(",", " ").split()
+    for line in lines:
+        words = line.split()
+        assert words[0] == title[0] and (len(title) == 1 or title[1] in words + ["command"]), line
+        style = title[1] if len(title) > 1 and title[1] != "command" else title[0]
+        assert style in styles, style
+
+
+# ------------------------------------------------------------------------------------------------------ links
+
+
+def anchors(page):
+    """What GitHub makes of the heads of a page, and its own."""
+    text = prose(page)
+    found = set(re.findall(r'<a id="([^"]+)">', text))
+    for head in re.findall(r"^#+ (.*)$", text, re.M):
+        plain = re.sub(r"\[([^]]*)\]\([^)]*\)|`", lambda m: m[1] or "", head)
+        found.add(re.sub(r"[^\w\- ]", "", plain.lower()).strip().replace(" ", "-"))
+    return found
+
+
+def links(page):
+    return re.findall(r"\]\(([^)\s]+)\)", prose(page))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_links_lead_somewhere(page):
-    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
-        assert (page.parent / target).exists(), f"{page.name}: {target}"
+    for link in links(page):
+        if re.match(r"[a-z]+:", link):
+            continue
+        file, _, anchor = link.partition("#")
+        target = page if not file else page.parent / file
+        assert target.exists(), link
+        if anchor:
+            assert anchor in anchors(target), link
+
+
+def test_index_has_every_page():
+    index = ROOT / "doc/index.md"
+    linked = {(index.parent / link.partition("#")[0]).resolve() for link in links(index)}
+    missing = [name_of(p) for p in PAGES if p.resolve() not in linked | {index.resolve()}]
+    assert not missing, missing
+    assert index.resolve() in {(ROOT / link).resolve() for link in links(ROOT / "README.md")}
+
+
+@pytest.mark.parametrize("page", DOC + [ROOT / "README.md"], ids=name_of)
+def test_page_leads_to_the_bibliography(page):
+    assert page.name == "bibliography.md" or any("bibliography.md" in link for link in links(page))
+
+
+def sources():
+    for folder in ("src", "bench", "tests"):
+        for file in sorted((ROOT / folder).rglob("*")):
+            if file.suffix in (".h", ".cpp") or file.parent.name == "verification":
+                yield file
+
+
+def test_bibliography_has_every_source():
+    """Authors that the pages and the comments of the source name have an entry."""
+    heads = " ".join(re.findall(r'^<a id="[^"]*"></a>\*\*(.*?)\*\*', (ROOT / "doc/bibliography.md").read_text(), re.M))
+    known = set(re.findall(r"\w+", heads.replace("ö", "oe").replace("ž", "z")))
+    missing = []
+    for file in list(sources()) + PAGES:
+        if file.suffix not in (".md", ".h", ".cpp", ".py") or file.name == "bibliography.md":
+            continue
+        text = re.sub(r"\n *(//|#)? ?", " ", file.read_text()).replace("ö", "oe").replace("ž", "z")
+        named = re.findall(r"\b([A-Z][a-z]+)(?:, [A-Z][a-z]+)* (?:&|and) ([A-Z][a-z]+),? \(?(?:[A-Z][^();]{0,60}\()?[12][09]\d\d\b", text)
+        named += [(a,) for a in re.findall(r"\b([A-Z][a-z]+) (?:et al\.|and others),? \(?[12][09]\d\d\b", text)]
+        missing += [(name_of(file), *names) for names in named if not set(names) <= known]
+    assert not missing, missing
+
+
+def test_files_that_pages_name_are_there():
+    missing = []
+    for page in PAGES:
+        if page.name == "CHANGELOG.md":
+            continue  # of versions that have been
+        for name in re.findall(r"`((?:src|tests|tools|examples|bench|patches|doc)/[\w./*-]+)`", prose(page)):
+            if not list(ROOT.glob(name)):
+                missing.append((name_of(page), name))
+    package = ROOT / "src/USER-MPDEM"
+    for name in re.findall(r"`((?:material|mpm|coupling|geometry|styles|parallel|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()):
+        if not list(package.glob(name)):
+            missing.append(("doc/theory.md", name))
+    assert not missing, missing
