@@ -152,34 +152,34 @@ def test_python(script, folders):
     assert done.returncode == 0, done.stderr[-2000:]
 
 
-def words_of_options(tool):
-    text = (ROOT / tool).read_text()
-    return set(re.findall(r'"(--[a-z-]+)"', text)) | {"--help"}
-
-
-@pytest.mark.parametrize("page,command", [pytest.param(page, line, id=f"{page.stem}:{line[:40]}")
-                                          for page, text in blocks("sh-template") for line in text.splitlines()])
-def test_template_names_what_there_is(page, command):
-    """Of a command that is not run here: its files, targets, presets, options of the tools and variables of the scripts."""
-    words = re.sub(r"\s#.*", "", command).replace("PACKAGE/", "").split()
-    makefile = (ROOT / "Makefile").read_text() + (ROOT / "patches/README.md").read_text()
-    inside = ROOT / (words[1] if words[0] == "cd" and len(words) > 1 and (ROOT / words[1]).is_dir() else "")
-    if words[0] == "make" and "LIGGGHTS-PUBLIC" not in page.read_text():
-        for target in (w for w in words[1:] if "=" not in w):
-            assert re.search(rf"^{re.escape(target)}:", makefile, re.M), target
-    for before, word in zip([""] + words, words):
-        word = word.strip(";'\"")
-        if before == "--preset":
-            assert f'"name": "{word}"' in (ROOT / "CMakePresets.json").read_text(), word
-        if re.match(r"(examples|tools|tests|doc|src|patches|bench)/", word):
-            assert list(ROOT.glob(word)), word
-        if before == "-in":
-            script = inside / word
-            assert script.exists(), word
-            for variable in re.findall(r"-var (\w+)", command):
-                assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
-        if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
-            assert word.split("=")[0] in words_of_options(words[0]), word
+@pytest.mark.parametrize("page,text", [pytest.param(page, text, id=f"{page.stem}:{' '.join(text.split()[:5])[:40]}")
+                                       for page, text in blocks("sh-template")])
+def test_template_names_what_there_is(page, text):
+    """Of commands that are not run here: their files, targets, presets, options of the tools and variables of the scripts."""
+    makefile = (ROOT / "Makefile").read_text()
+    here = ROOT
+    for line in text.splitlines():
+        words = re.sub(r"\s#.*", "", line).replace("PACKAGE/", "").split()
+        if words[0] == "cd":
+            here = here / words[1]
+        if not here.is_dir():
+            break  # inside of LIGGGHTS' source
+        if words[0] == "make":
+            for target in (w for w in words[1:] if "=" not in w):
+                assert re.search(rf"^{re.escape(target)}:", makefile, re.M), target
+        for before, word in zip([""] + words, words):
+            word = word.strip(";'\"")
+            if before == "--preset":
+                assert f'"name": "{word}"' in (ROOT / "CMakePresets.json").read_text(), word
+            if re.match(r"(examples|tools|tests|doc|src|patches|bench)/", word):
+                assert list(ROOT.glob(word)), word
+            if before == "-in":
+                script = here / word
+                assert script.exists(), word
+                for variable in re.findall(r"-var (\w+)", line):
+                    assert re.search(rf"^variable +{variable} +index", script.read_text(), re.M), variable
+            if re.match(r"--[a-z]", word) and words[0].endswith(".py"):
+                assert f'"{word.split("=")[0]}"' in (ROOT / words[0]).read_text(), word
 
 
 @pytest.mark.parametrize("page", [p for p in DOC if "## Syntax" in p.read_text()], ids=name_of)
