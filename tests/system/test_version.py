@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from scenes import RING, hosted, launch, pair, run
+from scenes import RING, hosted, launch, pair, restarted, run
 
 ROOT = Path(__file__).parents[2]
 VERSION = re.search(r'kVersion = "(.*)"', (ROOT / "src/USER-MPDEM/version.h").read_text())[1]
@@ -21,10 +21,11 @@ def test_help_names_it(tmp_path):
 
 
 def test_screen_and_log_name_it_once(tmp_path):
-    result = run(pair(1e-4, cement=RING), tmp_path, ranks=2)
     line = f"USER-MPDEM {VERSION}"
-    assert result.output.splitlines().count(line) == 1
-    assert (tmp_path / "log.liggghts").read_text().splitlines().count(line) == 1
+    for script in (pair(1e-4, cement=RING) + "write_restart scene.restart\n", restarted("scene.restart")):
+        result = run(script, tmp_path, ranks=2)
+        assert result.output.splitlines().count(line) == 1
+        assert (tmp_path / "log.liggghts").read_text().splitlines().count(line) == 1
 
 
 def test_changelog_and_citation_agree():

@@ -26,9 +26,12 @@ constexpr int kPlainState = 1, kGrainState = 1 + kGrainNumbers;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
-// Every scene with cement begins here, by `atom_style` or `read_restart`, in whatever program the package is.
+// Every scene with cement begins here, in whatever program the package is: by `atom_style`, and by `read_restart`
+// once more. A log needs to name the version once.
 AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
-  if (comm->me != 0) return;
+  static FILE* told = nullptr;
+  if (comm->me != 0 || (told && told == logfile)) return;
+  told = logfile;
   for (FILE* f : {screen, logfile})
     if (f) std::fprintf(f, "USER-MPDEM %s\n", mpdem::kVersion);
 }
