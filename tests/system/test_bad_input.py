@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Mistakes in a script end the run with one line that says what is wrong and what to do."""
 import pytest
-from scenes import NEIGHBOURS, cement, edit, launch, pair, pull
+from scenes import NEIGHBOURS, RADIUS, cement, edit, launch, pair, pull, restarted
 
 CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
 FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
+PULLING = pull(1.0, 1e-6)
 GOOD = (pair(1e-4) + cement(2e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9")
-        + pull(1.0, 1e-6) + "run 10\n")
+        + PULLING + "run 10\n")
 
 
 def with_damage(words):
@@ -179,7 +180,48 @@ CASES = {
                      ["fix mpm (id cem)", "not finite", "step", "check"]),
     "grain leaves the box": ([("variable along equal", "variable other equal"),
                               ("run 10\n", 'variable along equal "1e300*v_t"\nrun 10\n')],
-                             ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+                             ["fix mpm (id cem)", "grain 2", "lost", "left the simulation box", "larger box"]),
+    # numbers that cannot be meant
+    "units lj": ([("units        si", "units        lj")], ["create_cement", "units 'lj'", "use 'units si'"]),
+    "grains far from the origin": ([("0 0 -0.005 units", "1e9 0 -0.005 units"), ("0 0 0.005 units", "1e9 0 0.005 units"),
+                                    ("block -0.006 0.006", "block 999999999.994 1000000000.006")],
+                                   ["create_cement", "grains 1 and 2", "1e+09 from the origin", "rounded to 2.2", "nearer to the origin"]),
+    "grains too far for the spacing": ([("0 0 -0.005 units", "1e6 0 -0.005 units"), ("0 0 0.005 units", "1e6 0 0.005 units"),
+                                        ("block -0.006 0.006", "block 999999.994 1000000.006")],
+                                       ["create_cement", "1e+06 from the origin", "length of 0.0001", "within 450360"]),
+    "grains and cement of one type": ([("spacing 0.0001\n", "spacing 0.0001 type 1\n")],
+                                      ["create_cement", "type 1", "grain 1 too", "atom type of its own"]),
+    "grains that get the type of cement": ([("run 10\n", "set group first type 2\nrun 10\n")],
+                                           ["fix mpm (id cem)", "type 2", "grain 1 too", "atom type of its own"]),
+    "kn beyond rounding": ([("kn auto", "kn 1e30")], ["fix mpm/couple (id bond)", "'kn 1e+30'", "C33", "use 'kn auto'"]),
+    "kt beyond rounding": ([("kt auto", "kt 1e30")], ["fix mpm/couple (id bond)", "'kt 1e+30'", "use 'kt auto'"]),
+    "density far too large": ([("spacing 0.0001\n", "spacing 0.0001 density 1e15\n"), ("timestep     1e-09", "timestep     1e-2"),
+                               ("cutoff 0.9\n", "cutoff 0.9 timestep auto 0.9\n"), (PULLING, "velocity second set 0 0 0.1\nfix m grains nve/sphere\n"),
+                               ("run 10\n", "run 200\n")],
+                              ["fix mpm (id cem)", "grain", "is lost at step", "left the simulation box", "cells a step", "densities"]),
+    "damping too strong for light grains": ([("diameter 0.01 density 2500", "diameter 0.01 density 25"), (PULLING, "fix m grains nve/sphere\n"),
+                                             ("axis radial", "axis radial quasistatic 100 0.2"), ("timestep     1e-09", "timestep     1e-7")],
+                                            ["time step 1e-07", "damping of 'quasistatic 100 0.2'", "from 4.6", "to 1.4", "free grain", "use 'quasistatic 100 0.0013"]),
+    # the coupling of the steps before
+    "coupling taken away for a time": ([("run 10\n", f"run 10\nunfix bond\nrun 10\n{BOND}\nrun 10\n")],
+                                       ["fix mpm/couple (id bond)", "'cem' made steps without", "keep one"]),
+    "coupling that comes late": ([("run 10\n", f"unfix bond\nrun 10\n{BOND}\nrun 10\n")], ["fix mpm/couple (id bond)", "made steps without"]),
+    "kn changed": ([("run 10\n", f"run 10\nunfix bond\n{BOND} kn 1e11\nrun 10\n")],
+                   ["fix mpm/couple (id bond)", "5e+14", "4.7619e+16 in the steps before", "use 'kn 9.52381e+12 kt 9.52381e+12'"]),
+    "kt changed": ([("run 10\n", f"run 10\nunfix bond\n{BOND} kt 1e11\nrun 10\n")], ["fix mpm/couple (id bond)", "5e+14", "in the steps before"]),
+    "length changed": ([("run 10\n", f"run 10\nunfix bond\n{BOND} length 1e-3\nrun 10\n")], ["fix mpm/couple (id bond)", "9.52381e+15", "in the steps before"]),
+    "at changed": ([("run 10\n", f"run 10\nunfix bond\n{BOND} at points\nrun 10\n")],
+                   ["fix mpm/couple (id bond)", "'at points'", "'at surface'", "use that"]),
+    # files
+    "csv on a full disk": ([("kt auto", "kt auto csv 5 /dev/full")], ["fix mpm/couple (id bond)", "'csv' file /dev/full", "No space left", "name another"]),
+    "events on a full disk": ([("cutoff 0.9", "cutoff 0.9 events /dev/full")], ["fix mpm (id cem)", "'events' file /dev/full", "No space left", "name another"]),
+    "csv and events in one file": ([("kt auto", "kt auto csv 5 t.csv"), ("cutoff 0.9", "cutoff 0.9 events ./t.csv")],
+                                   ["fix mpm (id cem)", "./t.csv", "'csv' of fix mpm/couple (id bond)", "name another"]),
+    "csv in the file of a dump": ([("kt auto", "kt auto csv 5 d.txt"), ("group        first", "dump d all custom 5 ./d.txt id x\ngroup        first")],
+                                  ["fix mpm/couple (id bond)", "d.txt", "dump 'd'", "name another"]),
+    "csv in the log": ([("kt auto", "kt auto csv 5 log.liggghts")], ["fix mpm/couple (id bond)", "log.liggghts", "the log"]),
+    "cement in the file of csv": ([("kt auto", "kt auto csv 5 t.csv"), ("run 10\n", "run 10\nwrite_cement ./t.csv\n")],
+                                  ["write_cement", "./t.csv", "'csv' of fix mpm/couple (id bond)", "name another"]),
 }
 
 
@@ -200,3 +242,52 @@ def test_message(tmp_path, name):
 def test_the_unchanged_script_runs(tmp_path):
     result = launch(GOOD, tmp_path, 2)
     assert result.status == 0 and not result.errors(), result.output[-2000:]
+    assert not warnings(result)
+
+
+def warnings(result):
+    return [line for line in result.output.splitlines() if "WARNING" in line and "thin at its inner rim" not in line]
+
+
+# name: (changes, words that the warning has to hold)
+WARN = {
+    "no coupling": ([(f"{BOND} kn auto kt auto\n", "")], ["fix mpm (id cem)", "no fix mpm/couple", "bonds nothing;", "define one"]),
+    "no coupling any more": ([("run 10\n", "run 10\nunfix bond\nrun 10\nrun 10\n")], ["fix mpm (id cem)", "bonds nothing any more", "define one"]),
+    "no coupling after a restart": ([("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 "
+                                      "elastic isotropic 40e9 0.2\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
+    "much added mass": ([("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")], ["fix mpm (id cem)", "links need", "mass of all grains", "smaller 'kn'"]),
+    "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),
+    "moduli in GPa": ([("vti 60000000000 40000000000 0.25 0.2 18000000000", "vti 60 40 0.25 0.2 18")], ["fix mpm (id cem)", "strain of 18", "Pa, not GPa"]),
+    "damping that costs half the step": ([("diameter 0.01 density 2500", "diameter 0.01 density 25"), (PULLING, "fix m grains nve/sphere\n"),
+                                          ("axis radial", "axis radial quasistatic 100 0.2")],
+                                         ["damping of 'quasistatic 100 0.2'", "from 4.6", "to 1.4", "use 'quasistatic 100 0.0013"]),
+}
+
+
+@pytest.mark.parametrize("name", WARN)
+def test_warning(tmp_path, name):
+    changes, needed = WARN[name]
+    script = GOOD
+    for old, new in changes:
+        script = edit(script, old, new)
+    result = launch(script, tmp_path, 2)
+    assert result.status == 0 and not result.errors(), result.output[-1500:]
+    assert len(warnings(result)) == 1, warnings(result)
+    missing = [word for word in needed if word not in warnings(result)[0]]
+    assert not missing, warnings(result)[0]
+
+
+def test_what_is_at_the_limit_is_taken(tmp_path):
+    """A gap of half the radius, a cell of four spacings."""
+    script = pair(2e-4, gap=RADIUS / 2) + cement(8e-4, 1e-9) + pull(1.0, 1e-6) + "run 1\n"
+    result = launch(script, tmp_path)
+    assert result.status == 0 and not result.errors() and not warnings(result), result.output[-2000:]
+
+
+@pytest.mark.parametrize("words", ["kn 1e11", "at points"])
+def test_other_coupling_after_a_restart(tmp_path, words):
+    again = (restarted("r") + "timestep 1e-9\n" + FIX + "cell 2e-4 elastic isotropic 40e9 0.2\n" + BOND + f" {words}\nfix m grains nve/sphere\nrun 1\n")
+    launch(GOOD + "write_restart r\n", tmp_path)
+    result = launch(again, tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1
+    assert "fix mpm/couple (id bond)" in result.errors()[0] and "steps before" in result.errors()[0]

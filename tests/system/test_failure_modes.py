@@ -19,6 +19,7 @@ GAP = {"wide": 1e-3}
 MEET = np.sqrt(5.4e-3**2 - 5e-3**2)  # ring in which the shells of the coating meet
 # As far out cells of both shells share faces, though there is a crevice thinner than two spacings between them.
 TOUCH = np.sqrt(5.4e-3**2 - (5e-3 - SPACING)**2)
+MODES = [f"f_cem[{i}]" for i in (19, 20, 21, 22)]  # bonds that are separated; by debonding, internal, mixed
 STEP, FEW = 1.5e-3, np.deg2rad(18)
 
 
@@ -97,13 +98,14 @@ def test_constructed_crack(case, made, tmp_path, figures):
         directory = tmp_path / str(ranks)
         write(directory / "cement.txt", columns)
         done = run(scene(shape, "cement.txt") + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + shift(1e-9, 1e-6)
-                   + thermo(1, ["f_cem[2]", "f_bond[22]", "f_bond[23]", "f_bond[24]"]) + "run 200\n", directory, ranks)
+                   + thermo(1, ["f_cem[2]", "f_bond[22]", "f_bond[23]", "f_bond[24]", *MODES]) + "run 200\n", directory, ranks)
         lines.append([x for x in done.output.splitlines() if "of grains 1 and 2: " in x][-1])
         t = done.table()
         assert (t["f_cem[2]"] == columns["failed"].sum()).all(), "the pull itself broke points"
     assert lines[0] == lines[1]
     assert f": {mode}" in lines[0], lines[0]
     assert t["f_bond[22]"][-1] == (mode != "intact")
+    assert [t[m][-1] for m in MODES] == [mode != "intact"] + [mode == m for m in ("debonding", "internal", "mixed")]
     if shares:
         found = [float(w) for w in re.findall(r"(\S+) % ", lines[0])]
         figures.note(f"{case}: per cent at the first grain, the second, inside", found)

@@ -116,6 +116,21 @@ def test_quasistatic(tmp_path, figures):
         figures.below(f"{words}: kinetic share of the energy at the peak", fast_share, 0.01)
 
 
+@pytest.mark.parametrize("density", [25, 1])
+def test_damping_that_light_free_grains_admit(tmp_path, figures, density):
+    """The damping that the warning advises leaves nine tenths of the step without damping; the one of the script leaves less than inertia as it is."""
+    def step(words, **where):
+        script = edit(pair(CELL / 2), "density 2500", f"density {density}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 1 {words}")
+        out = run(script + "fix motion grains nve/sphere\nrun 0\n", tmp_path).output
+        return float(re.search(r"timestep auto: (\S+),", out).group(1)), re.findall(r"WARNING.*use 'quasistatic 100 (\S+)'", out)
+
+    plain, free, (damped, advice) = step("")[0], step("quasistatic 100 0")[0], step("quasistatic 100 0.2")
+    assert damped < plain and len(advice) == 1
+    admitted, none = step(f"quasistatic 100 {advice[0]}")
+    figures.below(f"grains of density {density}: step with the damping that is advised, over 0.9 of that without, minus 1", abs(admitted / free / 0.9 - 1), 1e-4)
+    assert not none and abs(free / plain / 10 - 1) < 1e-3
+
+
 def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
     """Both grains let go and leave to either side: what is left in the middle is drawn along by neither."""
     script = pair(CELL / 2) + edit(cement(CELL, 1e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3 interface 0.1"),

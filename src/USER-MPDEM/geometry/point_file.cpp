@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -21,6 +22,10 @@ const std::vector<std::string> kPosition = {"x", "y", "z", "volume"}, kAxis = {"
                                kAttached = {"attached_i", "attached_j"};
 // Attached points can be centroids of cells cut by the surface, feet of patches those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
+// So neither area nor volume of a point can be larger than what lies within that distance of it.
+constexpr double kLargestArea = 4.0 * kFurthestFoot * kFurthestFoot;                    // squares of the spacing
+constexpr double kLargestVolume = 8.0 * kFurthestFoot * kFurthestFoot * kFurthestFoot;  // cubes of the spacing
+constexpr double kMostOfSphere = 1.05;  // of its surface may be attached; patches are flat
 
 template <class... T>
 [[noreturn]] void stop(const T&... parts) {
@@ -49,7 +54,7 @@ class Reader {
   }
   int line() const { return line_; }
   std::string place() const { return place(line_); }
-  std::string place(int line) const { return "file '" + name_ + "', line " + std::to_string(line) + ": "; }
+  std::string place(int line) const { return place_in_file(name_, line); }
 
  private:
   const std::string &text_, &name_;
@@ -105,6 +110,13 @@ double number(const std::string& word, const std::string& column, const std::str
 bool flag(double v, const std::string& column, const std::string& place) {
   if (v != 0.0 && v != 1.0) stop(place, "column '", column, "' is ", v, "; must be 0 or 1");
   return v == 1.0;
+}
+
+// An ID of a grain.
+int grain_of(double v, const std::string& column, const std::string& place) {
+  if (v != std::floor(v) || v < 1.0 || v > std::numeric_limits<int>::max())
+    stop(place, "column '", column, "' is ", v, "; the ID of a grain is needed, a whole number of at least 1");
+  return static_cast<int>(v);
 }
 
 using Matrix3 = Eigen::Matrix3d;
@@ -179,6 +191,8 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
 
 }  // namespace
 
+std::string place_in_file(const std::string& name, int line) { return "file '" + name + "', line " + std::to_string(line) + ": "; }
+
 PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair,
                        const PointFileOptions& o) {
   Reader file(text, name);
@@ -198,13 +212,22 @@ PointCloud read_points(const std::string& text, const std::string& name, const G
     if (words.size() != columns.count())
       stop(place, words.size(), " numbers, but ", columns.count(), " columns are named");
     for (const auto& c : columns.all()) v[c.second] = number(words[c.second], c.first, place);
-    if (columns.has(kGrains) && (std::min(value("grain_i"), value("grain_j")) != o.tag[0] ||
-                                 std::max(value("grain_i"), value("grain_j")) != o.tag[1]))
-      continue;
+    if (columns.has(kGrains)) {
+      int grain[2];
+      for (int s = 0; s < 2; ++s) grain[s] = grain_of(value(kGrains[s]), kGrains[s], place);
+      if (grain[0] == grain[1]) stop(place, "'grain_i' and 'grain_j' are both ", grain[0], "; two different grains are needed");
+      if (std::min(grain[0], grain[1]) != o.tag[0] || std::max(grain[0], grain[1]) != o.tag[1]) {
+        for (int g : grain) cloud.other_grains.emplace(g, file.line());
+        continue;
+      }
+    }
     FillPoint p;
     p.X = o.to_body(vector("x", "y", "z"));
     p.volume = value("volume");
     if (!(p.volume > 0.0)) stop(place, "volume ", p.volume, " must be greater than 0");
+    if (p.volume > kLargestVolume * std::pow(o.spacing, 3))
+      stop(place, "volume ", p.volume, " is ", p.volume / std::pow(o.spacing, 3), " times a cell of a lattice of spacing ", o.spacing,
+           "; check the units of lengths and volumes and the spacing");
     if (columns.has(kAxis)) {
       p.axis = vector("ax", "ay", "az");
       if (!(p.axis.norm() > 0.0)) stop(place, "axis 0 0 0: a direction is needed, or leave the columns 'ax ay az' out");
@@ -239,6 +262,9 @@ PointCloud read_points(const std::string& text, const std::string& name, const G
         k.area = value(kArea[s]);
         if (!(k.area >= 0.0)) stop(place, "area ", k.area, " must not be negative");
         if (k.area == 0.0) continue;
+        if (k.area > kLargestArea * o.spacing * o.spacing)
+          stop(place, "area ", k.area, " at grain ", o.tag[s], " is ", k.area / (o.spacing * o.spacing), " times a face of a lattice of spacing ",
+               o.spacing, "; check the units of lengths and areas and the spacing");
         if (columns.has(kFoot)) k.foot = o.to_body(Vector3(value(kFoot[3 * s]), value(kFoot[3 * s + 1]), value(kFoot[3 * s + 2])));
         const double off = (k.foot - pair.centre(s)).norm() - R;
         if (std::fabs(off) > 1e-6 * R) stop(place, "foot point is ", off, " off the surface of grain ", o.tag[s]);
@@ -269,6 +295,13 @@ PointCloud read_points(const std::string& text, const std::string& name, const G
     if (cloud.attached_area[s] == 0.0)
       stop("file '", name, "': nothing is attached to grain ", o.tag[s], "; no point is within ", attach,
            " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains");
+
+  for (int s = 0; s < 2; ++s) {
+    const double sphere = 4.0 * M_PI * pair.radius(s) * pair.radius(s);
+    if (cloud.attached_area[s] > kMostOfSphere * sphere)
+      stop("file '", name, "': the attached area at grain ", o.tag[s], " is ", cloud.attached_area[s], " in all, more than its surface, ", sphere,
+           "; check the units of lengths and areas");
+  }
 
   int other = -1, twice = shared_cell(cloud.points, cloud.corner, o.spacing, other);
   if (twice >= 0 || on_a_face(cloud.points, o.spacing)) {

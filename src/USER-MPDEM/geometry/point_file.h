@@ -21,6 +21,7 @@
 #define MPDEM_POINT_FILE_H
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,12 @@ struct PointCloud {
   bool regular = false;
   double largest_volume = 0;
   double volume = 0, thickness = 0, attached_area[2] = {0, 0};
+  // Grains that lines of other pairs name, ascending, with the first such line.
+  std::map<int, int> other_grains;
 };
+
+// Where in a file something stands, as the complaints say it.
+std::string place_in_file(const std::string& name, int line);
 
 // Throws ShapeError with the name of the file and the number of the line.
 PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair,

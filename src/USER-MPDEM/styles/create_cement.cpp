@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include "group.h"
 #include "modify.h"
 #include "pair.h"
+#include "scene_checks.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -37,6 +39,7 @@ namespace {
 const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
                                             "cap",     "content", "file",  "attach",  "inner",   "spacing",
                                             "density", "type",    "grid"};
+constexpr double kRounding = 1e-9;  // of lengths that a script computed
 }
 
 void CreateCement::check_scene(const Arguments& args) const {
@@ -45,8 +48,8 @@ void CreateCement::check_scene(const Arguments& args) const {
   if (!AtomVecMpdem::of(lmp))
     args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   if (atom->tag_enable == 0) args.complain("needs atom IDs");
-  if (force->ftm2v != 1.0 || force->nktv2p != 1.0)
-    args.complain(text_of("units '", update->unit_style, "' are not consistent; use 'units si', 'cgs' or 'micro'"));
+  const std::string trouble = mpdem::trouble_with_units(lmp);
+  if (!trouble.empty()) args.complain(trouble);
 }
 
 CreateCement::Grain CreateCement::find_grain(int tag, const Arguments& args) const {
@@ -192,6 +195,19 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
   }
 }
 
+// What rounding of positions takes as strain, bonds must not feel. length: of what is strained.
+void CreateCement::check_place(const Grain& a, const Grain& b, double length, const Arguments& args) const {
+  constexpr double kMostStrain = 1e-6;
+  double far = 0.0;
+  for (const Grain* g : {&a, &b})
+    for (double x : g->x) far = std::max(far, std::fabs(x));
+  const double rounded = std::numeric_limits<double>::epsilon() * far;
+  if (rounded > kMostStrain * length)
+    args.complain(text_of("grains ", a.tag, " and ", b.tag, " are ", far, " from the origin, where positions are rounded to ", rounded,
+                          ", too much for a length of ", length, "; place the box nearer to the origin, within ",
+                          kMostStrain * length / std::numeric_limits<double>::epsilon()));
+}
+
 void CreateCement::command(int narg, char** arg) {
   Arguments args(lmp, "create_cement", narg, arg, 0);
   check_scene(args);
@@ -227,8 +243,9 @@ void CreateCement::command(int narg, char** arg) {
   domain->minimum_image(d[0], d[1], d[2]);
   const mpdem::Vector3 centres(d[0], d[1], d[2]);
   mpdem::GrainPair pair{g0.radius, g1.radius, centres.norm() - g0.radius - g1.radius, centres.normalized()};
-  const double reach = 0.5 * std::min(g0.radius, g1.radius);
-  if (!(centres.norm() > 0.0) || !(pair.gap < reach))
+  const double smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
+  check_place(g0, g1, smaller, args);
+  if (!(centres.norm() > 0.0) || !(pair.gap <= reach * (1.0 + kRounding)))
     args.complain(text_of("grains ", tags[0], " and ", tags[1], " are not neighbours: their gap ", pair.gap,
                           " exceeds half the smaller radius, ", reach, "; bring them together or name other grains"));
   if (!(pair.gap > -0.2 * reach))
@@ -236,9 +253,12 @@ void CreateCement::command(int narg, char** arg) {
                           ", more than a tenth of the smaller radius, ", 0.2 * reach));
 
   const std::unique_ptr<mpdem::Shape> shape = read_shapes(pair, g0.mass + g1.mass, args);
+  check_place(g0, g1, spacing_, args);
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
     args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
+  const std::string same_type = mpdem::trouble_with_types(lmp, *avec, type_);
+  if (!same_type.empty()) args.complain(same_type);
   Body body;
   std::vector<FillPoint> fill;
   mpdem::Vector3 corner = mpdem::Vector3::Zero();

@@ -12,6 +12,7 @@ CommandStyle(create_cement,CreateCement)
 #ifndef MPDEM_CREATE_CEMENT_H
 #define MPDEM_CREATE_CEMENT_H
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ class CreateCement : protected Pointers {
     double x[3], unwrapped[3], radius, mass, q[4];
   };
   Grain find_grain(int tag, const mpdem::Arguments& args) const;
+  void check_grains_of_file(const std::map<int, int>& line, const mpdem::Arguments& args) const;
+  void check_place(const Grain& a, const Grain& b, double length, const mpdem::Arguments& args) const;
   // Dimensions of one shape, as far as they were given.
   struct ShapeWords {
     std::string style;

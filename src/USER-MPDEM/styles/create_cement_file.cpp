@@ -80,6 +80,7 @@ std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, con
     return Vector3(Vector3(d[0], d[1], d[2]) + pair.centre(0));
   };
   mpdem::PointCloud cloud = mpdem::read_points(text, file_, pair, o);
+  check_grains_of_file(cloud.other_grains, args);
   for (FillPoint& p : cloud.points) {
     p.X -= cloud.corner;
     for (int k = 0; k < p.links; ++k) p.link[k].foot -= cloud.corner;
@@ -96,6 +97,21 @@ std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, con
   body.thickness = cloud.thickness;
   std::copy(cloud.attached_area, cloud.attached_area + 2, body.attached_area);
   return std::move(cloud.points);
+}
+
+// Are they in the scene? line: first that names a grain. Collective.
+void CreateCement::check_grains_of_file(const std::map<int, int>& line, const mpdem::Arguments& args) const {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::vector<int> found;  // of grains here, and of all ranks, in the order of the lines
+  for (const auto& g : line) {
+    const int i = atom->map(g.first);
+    found.push_back(i >= 0 && i < atom->nlocal && !avec->is_point(i));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, world);
+  std::size_t n = 0;
+  for (const auto& g : line)
+    if (!found[n++])
+      args.complain(text_of(mpdem::place_in_file(file_, g.second), "grain ", g.first, " does not exist; create it before, or leave its lines out"));
 }
 
 // Third axis of the frame along the axis of the elasticity, damage in its components.

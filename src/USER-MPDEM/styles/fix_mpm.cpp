@@ -15,11 +15,12 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "files_in_use.h"
 #include "fix_gravity.h"
-#include "force.h"
 #include "group.h"
 #include "host_recipe.h"
 #include "modify.h"
+#include "scene_checks.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -29,7 +30,8 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 18;
+constexpr int kVectorSize = 22;
+constexpr double kMostSpacings = 4.0;  // a cell
 }  // namespace
 
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
@@ -49,36 +51,22 @@ int FixMpm::setmask() {
   return POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | END_OF_STEP | POST_RUN;
 }
 
-void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
-  if (coupled_ && coupling->id != coupling_id_)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): cement '", id, "' is coupled by fix '",
-                                 coupling_id_, "' already; unfix one of them"));
-  coupled_ = true;
-  coupling_id_ = coupling->id;
-  penalty_ = p;
-  set_time_step(coupling);
-}
-
 void FixMpm::init() {
   avec_ = AtomVecMpdem::of(lmp);
   check_scene();
   check_host_recipe(lmp, mpdem::text_of("fix mpm (id ", id, "): "), *avec_);
   find_other_forces();
   coupled_ = false;  // fix mpm/couple says so again in its own init
-  bool follows = false;
-  for (int i = 0; i < modify->nfix; ++i) follows = follows || std::string(modify->fix[i]->style) == "mpm/couple";
-  if (!follows) set_time_step(this);
-  if (!follows && relax_ > 0.0)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'quasistatic ", mass_scale_, " ", relax_, "' damps relative to the grains, "
-                                 "which needs a fix mpm/couple; define one, or use damping 0"));
+  mpdem::check_only_writer(lmp, text_of("fix mpm (id ", id, "): "), "events", events_name_, this);
+  if (!coupling_follows()) set_time_step(this);
 }
 
 void FixMpm::check_scene() {
   const std::string who = text_of("fix mpm (id ", id, "): ");
   if (domain->triclinic || domain->dimension != 3)
     mpdem::stop_all(lmp, who + "needs a three-dimensional orthogonal box");
-  if (force->ftm2v != 1.0 || force->nktv2p != 1.0)
-    mpdem::stop_all(lmp, who + text_of("units '", update->unit_style, "' are not consistent; use 'units si', 'cgs' or 'micro'"));
+  for (const std::string& trouble : {mpdem::trouble_with_units(lmp), mpdem::trouble_with_types(lmp, *avec_, 0)})
+    if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
   for (int i = 0; i < modify->nfix; ++i)
     if (modify->fix[i] != this && std::string(modify->fix[i]->style) == "mpm")
       mpdem::stop_all(lmp, who + text_of("fix '", modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
@@ -149,6 +137,13 @@ void FixMpm::check_scene() {
   check_box();
   check_axis();
   check_initial_damage();
+  check_cell();
+}
+
+// Against the cement of each bond. Warnings name the worst of all.
+void FixMpm::check_cell() const {
+  const std::string who = text_of("fix mpm (id ", id, "): ");
+  double widest = 0.0, finest = 1e300;
   for (const mpdem::Body& b : avec_->bodies) {
     if (b.thickness < cell_)
       mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' is larger than the cement between grains ", b.grain[0], " and ",
@@ -157,12 +152,21 @@ void FixMpm::check_scene() {
       mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' leaves cells without points between those of spacing ", b.spacing, " between grains ",
                                          b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ",
                                          b.spacing, ", better two spacings, or create the cement with a smaller spacing"));
-    if (b.spacing > 0.75 * cell_ && comm->me == 0)
-      error->warning("fix mpm", 0,
-                     text_of("one point a cell: spacing ", b.spacing, " with cell ", cell_,
-                             " makes the cement far too soft; use a cell of at least two spacings")
-                         .c_str());
+    widest = std::max(widest, b.spacing);
+    finest = std::min(finest, b.spacing);
   }
+  if (comm->me != 0) return;
+  if (widest > 0.75 * cell_)
+    error->warning("fix mpm", 0,
+                   text_of("one point a cell: spacing ", widest, " with cell ", cell_,
+                           " makes the cement far too soft; use a cell of at least two spacings")
+                       .c_str());
+  if (cell_ > kMostSpacings * finest * (1.0 + 1e-9))
+    error->warning("fix mpm", 0,
+                   text_of("'cell ", cell_, "' is ", cell_ / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,
+                           " cost time for nothing: the cell limits what is resolved. Use a cell of two spacings, or create the cement with "
+                           "spacing ", 0.5 * cell_)
+                       .c_str());
 }
 
 // Cement from a file may come damaged; the cut-off is not known there.

@@ -68,12 +68,17 @@ class FixMpm : public Fix {
 
   // Is its state that of a restart file?
   bool continued() const { return restored_cell_ != 0.0; }
+  // Has some cement made a step, in this run, one before or that of a restart file?
+  bool in_motion() const;
+  // File of the events, or empty.
+  const std::string& events_name() const { return events_name_; }
 
   // Sums over all ranks at the present step; collective.
   struct Totals {
     double points, failed, largest_damage, mean_damage;
     double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
     double momentum[3], angular_momentum[3];
+    double separated, debonding, internal, mixed;  // bonds
   };
   const Totals& totals();
 
@@ -113,6 +118,9 @@ class FixMpm : public Fix {
   void parse_skip(mpdem::Arguments& args);
   void check_words(mpdem::Arguments& args);
   void check_scene();
+  void check_cell() const;
+  bool coupling_follows();
+  void remember_coupling();
   void check_initial_damage();
   void check_created_positions();
   void check_box() const;
@@ -140,6 +148,7 @@ class FixMpm : public Fix {
   std::vector<double> motion_of_bodies() const;
   void keep_motion_of_bodies(const std::vector<int>& bodies, const std::vector<double>& before);
   std::string flight(int i) const;
+  void watch_for_grains_that_leave();
   void find_owned_grains();
   void find_bonded_grains();
   void find_grain_accelerations();
@@ -182,6 +191,7 @@ class FixMpm : public Fix {
     mpdem::Separation surface;       // if the ligament failed
   };
   std::vector<CrackAhead> cracks_ahead(const std::vector<char>& wanted);
+  void count_modes(Totals& t) const;
   void report_modes();
   void report_sum_of_modes(int lines);
   void record_events();
@@ -196,9 +206,16 @@ class FixMpm : public Fix {
   std::map<int, double> inertia_of_cement() const;
   double mass_ratio(int i, const mpdem::PrescribedMotion& p, double inertia) const;
   double shear_speed() const;
-  double relaxation_rate() const;
-  double step_for(double eigenvalue) const;
-  double limit_for(double dt);
+  double largest_mass_ratio() const;
+  double relaxation_rate(double share) const;
+  double step_for(double eigenvalue, double relax) const;
+  struct DampedStep {
+    double step, undamped, admitted;
+  };
+  DampedStep damped_step(double eigenvalue) const;
+  void tell_of_damping();
+  void warn_of_parameters() const;
+  double limiting_eigenvalue(double dt);
   void check_step_after(const char* event);
   void set_time_step(const Fix* running);
   void report_times();
@@ -227,6 +244,13 @@ class FixMpm : public Fix {
   bool coupled_ = false;
   std::string coupling_id_;
   mpdem::PenaltyParameters penalty_;
+  // Of the steps so far; part of restart files.
+  struct CouplingOfSteps {
+    enum { kNoSteps, kLinks, kNone } coupling = kNoSteps;
+    double kn = 0.0, kt = 0.0;
+    bool at_surface = true;
+  } ran_;
+  bool warned_of_no_coupling_ = false;
 
   AtomVecMpdem* avec_ = nullptr;
   mpdem::Grid grid_;

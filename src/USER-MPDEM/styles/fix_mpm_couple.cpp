@@ -3,11 +3,14 @@
 #include "fix_mpm_couple.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
+#include <limits>
 
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
+#include "files_in_use.h"
 #include "modify.h"
 #include "update.h"
 
@@ -84,6 +87,8 @@ void FixMpmCouple::init() {
   mpdem::PenaltyParameters p;
   p.kn = (kn_ < 0.0 ? automatic : kn_) * per_length;
   p.kt = (kt_ < 0.0 ? automatic : kt_) * per_length;
+  check_rounding("kn", kn_, per_length);
+  check_rounding("kt", kt_, per_length);
   p.damping = damping_;
   p.at_surface = at_surface_;
   cement_->set_coupling(this, p);
@@ -98,25 +103,48 @@ void FixMpmCouple::init() {
   mpdem::stop_if_any(lmp, trouble);
   check_integrators();
 
-  if (table_every_ > 0 && !table_open_) {
-    std::string header = "step,time,bond,grain1,grain2";
-    for (const char* c : kColumns) header += text_of(",", c);
-    if (comm->me == 0) trouble = table_.open(table_name_, header + ",mode", static_cast<long>(table_from_) - !cement_->continued());
-    if (!trouble.empty())
-      trouble = text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble, "; name another");
-    table_open_ = true;
-    // Rows of the step of a restart file are those of the run that wrote it: the set-up of this one has velocities of
-    // another time.
-    int kept = cement_->continued() && comm->me == 0 && trouble.empty() && table_.kept_to() == static_cast<long>(table_from_);
-    MPI_Bcast(&kept, 1, MPI_INT, 0, world);
-    if (kept) table_last_ = table_from_;
-  }
-  mpdem::stop_if_any(lmp, trouble);
+  open_table();
 }
 
-void FixMpmCouple::setup(int) {
-  if (table_every_ > 0) write_table();
+// Links must not turn the rounding of positions into a stress that counts beside those of the cement.
+void FixMpmCouple::check_rounding(const char* keyword, double k, double per_length) const {
+  constexpr double kMostStrain = 1e-6;
+  double far = 0.0;
+  for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
+  const double C33 = cement_->law().elasticity().C33;
+  const double most = std::max(kAutoOverC33, kMostStrain / (std::numeric_limits<double>::epsilon() * far * per_length)) * C33;
+  if (k > most)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): '", keyword, " ", k, "' is ", k / C33, " times the stiffness of the cement, C33 ", C33,
+                                 ", so that the rounding of positions would load the bonds; use '", keyword, " auto', which is ", kAutoOverC33,
+                                 " C33, or at most ", most));
 }
+
+// Rows of a run that went on before, in this program or that of the restart file, stay. That of the last step of all is theirs:
+// the set-up of this run has velocities of another time.
+void FixMpmCouple::open_table() {
+  if (table_every_ == 0) return;
+  const std::string who = text_of("fix mpm/couple (id ", id, "): ");
+  mpdem::check_only_writer(lmp, who, "csv", table_name_, this);
+  if (table_open_) return;
+  std::string header = "step,time,bond,grain1,grain2", trouble;
+  for (const char* c : kColumns) header += text_of(",", c);
+  if (comm->me == 0)
+    trouble = table_.open(table_name_, header + ",mode", cement_->in_motion() ? static_cast<long>(table_from_) : mpdem::TableFile::kAnew);
+  stop_if_not_written(trouble);
+  table_open_ = true;
+  int kept = comm->me == 0 && table_.kept_to() == static_cast<long>(table_from_);
+  MPI_Bcast(&kept, 1, MPI_INT, 0, world);
+  if (kept) table_last_ = table_from_;
+}
+
+// Collective. trouble: why, if so.
+void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
+  mpdem::stop_if_any(lmp, trouble.empty() ? trouble : text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble,
+                                                              "; name another, or use a disk with free space"));
+}
+
+// No step ends with the first row of all.
+void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
   if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
@@ -127,15 +155,18 @@ void FixMpmCouple::write_table() {
   table_last_ = update->ntimestep;
   const int bonds = static_cast<int>(cement_->bonds().size());
   cement_->totals();
-  if (comm->me != 0) return;
-  for (int b = 0; b < bonds; ++b) {
-    const mpdem::Body& body = cement_->cement()->bodies[b];
-    std::fprintf(table_.stream(), BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep,
-                 update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
-    for (int c = 0; c < kAllColumns; ++c) std::fprintf(table_.stream(), ",%.10g", value(b, c));
-    std::fprintf(table_.stream(), ",%s\n", cement_->failure_mode(b).c_str());
+  std::string trouble;
+  if (comm->me == 0) {
+    std::string rows;
+    for (int b = 0; b < bonds; ++b) {
+      const mpdem::Body& body = cement_->cement()->bodies[b];
+      mpdem::append(rows, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep, update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
+      for (int c = 0; c < kAllColumns; ++c) mpdem::append(rows, ",%.10g", value(b, c));
+      rows += "," + cement_->failure_mode(b) + "\n";
+    }
+    trouble = table_.write(rows);
   }
-  table_.flush();
+  stop_if_not_written(trouble);
 }
 
 double FixMpmCouple::value(int body, int column) {

@@ -31,11 +31,17 @@ class FixMpmCouple : public Fix {
   double compute_vector(int n) override;
   double compute_array(int row, int column) override;
 
+  // File of the table, or empty.
+  const std::string& table_name() const { return table_name_; }
+
  private:
   FixMpm* find_cement() const;
   void check_integrators();
+  void check_rounding(const char* keyword, double k, double per_length) const;
   double value(int body, int column);
+  void open_table();
   void write_table();
+  void stop_if_not_written(const std::string& trouble);
 
   std::string cement_id_;
   FixMpm* cement_ = nullptr;

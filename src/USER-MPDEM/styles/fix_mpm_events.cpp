@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "../material/eigen3.h"
 #include "arguments.h"
 #include "comm.h"
+#include "files_in_use.h"
 #include "fix_mpm.h"
 #include "update.h"
 
@@ -78,11 +78,15 @@ void FixMpm::record_events() {
 // Collective.
 void FixMpm::write_events() {
   if (events_name_.empty()) return;
+  const auto check = [this](const std::string& why) {
+    mpdem::stop_if_any(lmp, why.empty() ? why : text_of("fix mpm (id ", id, "): cannot write 'events' file ", why, "; name another, or use a "
+                                                        "disk with free space"));
+  };
   if (!events_open_) {
     std::string trouble;
-    if (comm->me == 0) trouble = events_file_.open(events_name_, kHeader, static_cast<long>(events_from_));
-    if (!trouble.empty()) trouble = text_of("fix mpm (id ", id, "): cannot write 'events' file ", trouble, "; name another");
-    mpdem::stop_if_any(lmp, trouble);
+    mpdem::check_only_writer(lmp, text_of("fix mpm (id ", id, "): "), "events", events_name_, this);
+    if (comm->me == 0) trouble = events_file_.open(events_name_, kHeader, continued() ? static_cast<long>(events_from_) : mpdem::TableFile::kAnew);
+    check(trouble);
     events_open_ = true;
   }
   constexpr int kWidth = sizeof(FailureEvent) / sizeof(double);
@@ -96,15 +100,15 @@ void FixMpm::write_events() {
   }
   MPI_Gatherv(events_.data(), mine, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
   events_.clear();
-  if (comm->me != 0 || all.empty()) return;
   std::sort(all.begin(), all.end(), [](const FailureEvent& a, const FailureEvent& b) {
     return a.step != b.step ? a.step < b.step : a.point < b.point;
   });
+  std::string rows;
   for (const FailureEvent& e : all)
-    std::fprintf(events_file_.stream(), "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step,
-                 e.time, e.point, e.bond, e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2],
-                 e.direction[0], e.direction[1], e.direction[2], e.grain > 0 ? "debonding" : "internal");
-  events_file_.flush();
+    mpdem::append(rows, "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,
+                  e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2], e.direction[0], e.direction[1], e.direction[2],
+                  e.grain > 0 ? "debonding" : "internal");
+  check(rows.empty() ? "" : events_file_.write(rows));
 }
 
 }  // namespace LAMMPS_NS

@@ -11,6 +11,7 @@
 
 #include "arguments.h"
 #include "atom.h"
+#include "domain.h"
 #include "fix_mpm.h"
 #include "fix_mpm_couple.h"
 #include "modify.h"
@@ -20,6 +21,10 @@ namespace LAMMPS_NS {
 
 using mpdem::text_of;
 
+namespace {
+constexpr int kFixedBoundary = 1;  // Domain::boundary
+}
+
 void FixMpm::count_points() {
   bigint mine = 0, total;
   for (int i = 0; i < atom->nlocal; ++i) mine += avec_->is_point(i);
@@ -28,6 +33,32 @@ void FixMpm::count_points() {
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): ", points_expected_ - total,
                                  " material points left the simulation box at step ", update->ntimestep,
                                  "; use a larger or periodic box"));
+}
+
+// What to do about an atom that is out of the box, by its speed.
+std::string FixMpm::flight(int i) const {
+  const double* v = atom->v[i];
+  const double cells = dt_last_ / cell_ * std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  if (cells < 0.5) return "use a larger box or a periodic one";
+  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains, the contact model, 'kn' of fix "
+                 "mpm/couple and the densities of grains and cement, and use a smaller time step");
+}
+
+// Of this rank, before LIGGGHTS drops it, which it does without a word.
+void FixMpm::watch_for_grains_that_leave() {
+  for (int i : grains_here_)
+    for (int d = 0; d < 3 && grain_trouble_.empty(); ++d) {
+      const double x = atom->x[i][d];
+      const bool finite = std::isfinite(x);
+      const bool below = domain->boundary[d][0] == kFixedBoundary && x < domain->boxlo[d];
+      const bool above = domain->boundary[d][1] == kFixedBoundary && x >= domain->boxhi[d];
+      if (finite && !below && !above) continue;
+      const std::string who = text_of("fix mpm (id ", id, "): bonded grain ", atom->tag[i], " is lost at step ", update->ntimestep, ": ");
+      grain_trouble_ = who + (finite ? text_of("it left the simulation box (", "xyz"[d], " = ", x, ", box ", domain->boxlo[d], " to ",
+                                               domain->boxhi[d], "); ", flight(i))
+                                     : text_of("its position is not finite; check the motion of the grains, the contact model, 'kn' of fix "
+                                               "mpm/couple and the densities of grains and cement, and use a smaller time step"));
+    }
 }
 
 // Bonded or not, among the grains of this rank; empty if all are well.

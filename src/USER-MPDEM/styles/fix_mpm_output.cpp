@@ -25,7 +25,7 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 4.0;
+constexpr double kRestartVersion = 5.0;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -40,6 +40,7 @@ const FixMpm::Totals& FixMpm::totals() {
   if (totals_at_ == update->ntimestep) return totals_;
   if (!built_) {
     totals_ = Totals{};
+    count_modes(totals_);
     return totals_;
   }
   const mpdem::PointStore& points = avec_->points;
@@ -117,6 +118,7 @@ const FixMpm::Totals& FixMpm::totals() {
   const double strain = std::numeric_limits<double>::epsilon() * reach / cell_;
   const double rounding = 100.0 * std::max(law_->elasticity().C33, coupled_ ? penalty_.kn * cell_ : 0.0) * sum[kVolume] * strain * strain;
   t.imbalance = scale > rounding ? (t.external_work + start_energy_ - kept) / scale : 0.0;
+  count_modes(t);
   for (int d = 0; d < 3; ++d) {
     t.momentum[d] = sum[kP + d];
     t.angular_momentum[d] = sum[kL + d];
@@ -208,7 +210,8 @@ double FixMpm::compute_vector(int n) {
   const double v[] = {t.points,     t.failed,      t.largest_damage, t.mean_damage, t.kinetic,         t.elastic,
                       t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
                       t.momentum[0], t.momentum[1], t.momentum[2],
-                      t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2]};
+                      t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
+                      t.separated, t.debonding, t.internal, t.mixed};
   return v[n];
 }
 
@@ -242,6 +245,7 @@ void FixMpm::write_restart(FILE* fp) {
   head.push_back(update->get_cur_time());
   head.push_back(eigenvalue_);
   head.push_back(auto_step_);
+  head.insert(head.end(), {static_cast<double>(ran_.coupling), ran_.kn, ran_.kt, 1.0 * ran_.at_surface});
   const std::size_t bodies = avec_->bodies.size();
   head.push_back(static_cast<double>(bodies));
   head.push_back(static_cast<double>(all.size() / kNodeRow));
@@ -286,13 +290,19 @@ void FixMpm::restart(char* buf) {
   update->atimestep = update->ntimestep;
   eigenvalue_ = v[13];
   auto_step_ = v[14];
-  const std::size_t bodies = static_cast<std::size_t>(v[15]), n = static_cast<std::size_t>(v[16]);
+  ran_.coupling = v[15] == CouplingOfSteps::kLinks  ? CouplingOfSteps::kLinks
+                  : v[15] == CouplingOfSteps::kNone ? CouplingOfSteps::kNone
+                                                    : CouplingOfSteps::kNoSteps;
+  ran_.kn = v[16];
+  ran_.kt = v[17];
+  ran_.at_surface = v[18] != 0.0;
+  const std::size_t bodies = static_cast<std::size_t>(v[19]), n = static_cast<std::size_t>(v[20]);
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
-  const double* row = v + 17;
+  const double* row = v + 21;
   for (std::size_t b = 0; b < bodies; ++b, row += 6) {
     failed_seen_[b] = row[0];
     separation_[b].separated = row[1] != 0.0;

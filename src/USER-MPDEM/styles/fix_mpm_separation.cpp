@@ -244,6 +244,17 @@ std::string FixMpm::failure_mode(int body) const {
   return mode_of(separation_[body]);
 }
 
+// The same on all ranks.
+void FixMpm::count_modes(Totals& t) const {
+  t.separated = t.debonding = t.internal = t.mixed = 0.0;
+  for (const mpdem::Separation& s : separation_) {
+    if (!s.separated) continue;
+    const std::string mode = mode_of(s);
+    t.separated += 1.0;
+    (mode == "debonding" ? t.debonding : mode == "internal" ? t.internal : t.mixed) += 1.0;
+  }
+}
+
 // Of bodies that hold, their ligament and the separation that there would be without it. Collective.
 std::vector<FixMpm::CrackAhead> FixMpm::cracks_ahead(const std::vector<char>& wanted) {
   const std::size_t bodies = wanted.size();

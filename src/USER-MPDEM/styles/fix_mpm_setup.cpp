@@ -79,7 +79,9 @@ void FixMpm::setup_pre_exchange() {
 }
 
 void FixMpm::pre_exchange() {
-  if (built_) fill_atoms();
+  if (!built_) return;
+  watch_for_grains_that_leave();
+  fill_atoms();
 }
 
 void FixMpm::setup_pre_neighbor() {
@@ -216,7 +218,7 @@ void FixMpm::refresh_added_mass() {
   if (!coupled_) return;
   std::fill(grid_.penalty.begin(), grid_.penalty.end(), 0.0);
   // What damping takes of the bound in every step, nodes with added mass cannot have.
-  const double bound = stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate() * update->dt);
+  const double bound = stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate(relax_) * update->dt);
   links_.add_stiffness(grid_, sides_, update->dt);
   const bool known = eigenvalue_ > 0.0;
   grid_.set_added_mass(update->dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound);

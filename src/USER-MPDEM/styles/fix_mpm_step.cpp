@@ -245,8 +245,10 @@ void FixMpm::end_of_step() {
     check_state();
   }
   if (output_due) fill_atoms();
-  if (!all_in_motion_)
+  if (!all_in_motion_) {
     for (mpdem::Body& b : avec_->bodies) b.in_motion = 1.0;
+    remember_coupling();
+  }
   all_in_motion_ = true;
   timer_.stop();
 }
@@ -322,15 +324,6 @@ void FixMpm::start_bodies() {
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
   start_energy_ += energy;
   bodies_started_ = bodies;
-}
-
-// What to do about a material point that is out of the box, by its speed.
-std::string FixMpm::flight(int i) const {
-  const double* v = atom->v[i];
-  const double cells = dt_last_ / cell_ * std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  if (cells < 0.5) return "use a larger or periodic box";
-  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains and the contact model, and use a "
-                 "smaller time step");
 }
 
 void FixMpm::fill_atoms() {

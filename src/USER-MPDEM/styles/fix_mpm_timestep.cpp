@@ -51,23 +51,30 @@ double FixMpm::mass_ratio(int i, const mpdem::PrescribedMotion& p, double inerti
 
 double FixMpm::shear_speed() const { return std::sqrt(law_->elasticity().softest_shear() / inertia_); }
 
-// Of `quasistatic`, the largest of any node against its grains, which when free are slowed too. Collective.
-double FixMpm::relaxation_rate() const {
-  if (relax_ == 0.0) return 0.0;
+// The largest of grains that follow forces. Collective.
+double FixMpm::largest_mass_ratio() const {
   const std::map<int, double> inertia = inertia_of_cement();
-  double rate = 0.0, share = 0.0, most;
-  for (const mpdem::Body& b : avec_->bodies) rate = std::max(rate, mpdem::Relaxation::rate(b, relax_, shear_speed()));
+  double mine = 0.0, most;
   for (int i = 0; i < atom->nlocal; ++i) {
     const auto it = avec_->is_point(i) ? inertia.end() : inertia.find(atom->tag[i]);
-    if (it != inertia.end()) share = std::max(share, mass_ratio(i, mpdem::prescribed_motion(lmp, i), it->second));
+    if (it != inertia.end()) mine = std::max(mine, mass_ratio(i, mpdem::prescribed_motion(lmp, i), it->second));
   }
-  MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  return rate * (1.0 + most);
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, world);
+  return most;
 }
 
-double FixMpm::step_for(double eigenvalue) const {
+// Of `quasistatic` with the damping `share` of critical, the largest of any node against its grains, which when free are
+// slowed too. Collective.
+double FixMpm::relaxation_rate(double share) const {
+  if (share == 0.0) return 0.0;
+  double rate = 0.0;
+  for (const mpdem::Body& b : avec_->bodies) rate = std::max(rate, mpdem::Relaxation::rate(b, share, shear_speed()));
+  return rate * (1.0 + largest_mass_ratio());
+}
+
+double FixMpm::step_for(double eigenvalue, double relax) const {
   // Damping acts on the velocity of half a step ago: w^2 dt^2 + 2 p dt <= B.
-  const double B = stability_bound(), p = penalty_.damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate();
+  const double B = stability_bound(), p = penalty_.damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // as if nothing limited the step, were it compared with
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): no time step is stable, the square of the highest frequency is ", eigenvalue,
@@ -76,32 +83,41 @@ double FixMpm::step_for(double eigenvalue) const {
   return step;
 }
 
+// What the damping of `quasistatic` takes of the step, and the damping that takes a tenth at most: with that step, p of
+// step_for() is (B - w^2 dt^2)/(2 dt), and grows by a rate that is proportional to the damping. Collective.
+FixMpm::DampedStep FixMpm::damped_step(double eigenvalue) const {
+  constexpr double kKept = 0.9;
+  DampedStep d{step_for(eigenvalue, relax_), step_for(eigenvalue, 0.0), relax_};
+  if (d.step >= kKept * d.undamped) return d;
+  const double B = stability_bound(), dt = kKept * d.undamped;
+  const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - penalty_.damping * std::sqrt(B * eigenvalue);
+  d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
+  return d;
+}
+
 double FixMpm::stable_step() {
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
-  return step_for(e.value + e.residual);
+  return step_for(e.value + e.residual, relax_);
 }
 
 // The bound will do for steps below it; the eigenvalue itself costs some passes.
 // What was found before is kept unless it is well below: the added mass, which has a margin for that, hangs
 // on it, and has to be the same in runs that are divided or restarted otherwise.
-double FixMpm::limit_for(double dt) {
+double FixMpm::limiting_eigenvalue(double dt) {
   double mine = grid_.largest_tie_factor(), ties;
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, world);
   const double bound = ties * eigenvalue_bound();
-  if (bound > 0.0) {
-    const double limit = step_for(bound);
-    if (dt <= limit) return limit;
-  }
+  if (bound > 0.0 && dt <= step_for(bound, relax_)) return bound;
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
   if (e.value > 1.02 * eigenvalue_) eigenvalue_ = e.value + e.residual;
-  return step_for(e.value + e.residual);
+  return e.value + e.residual;
 }
 
 // Other nodes and weights, other eigenvalue. One that was never asked for is no matter: then the step is
 // below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
 void FixMpm::check_step_after(const char* event) {
   if (eigenvalue_ == 0.0 || updated_) return;
-  const double known = eigenvalue_, limit = limit_for(update->dt);
+  const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(update->dt), relax_);
   if (update->dt > limit)
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit, " after ", event,
                                  " at step ", update->ntimestep, "; use 'timestep ", 0.9 * limit, "' or less"));
@@ -136,7 +152,7 @@ void FixMpm::set_time_step(const Fix* running) {
   has_sheets_.resize(divided);
   const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, points, grid, *law_);
   // Never longer than before: what goes by step*dt would jump, and cement that fails leaves longer steps behind.
-  double dt = step_fraction_ * step_for(e.value + e.residual);
+  double dt = step_fraction_ * step_for(e.value + e.residual, relax_);
   std::string share = text_of(step_fraction_, " of the limit,");
   if (auto_step_ > 0.0 && auto_step_ <= dt) {
     share = text_of("as before, the limit is now ", dt / step_fraction_, ",");
@@ -160,7 +176,8 @@ void FixMpm::set_time_step(const Fix* running) {
 }
 
 void FixMpm::report_parameters() {
-  const double limit = limit_for(update->dt);
+  const DampedStep damped = damped_step(limiting_eigenvalue(update->dt));
+  const double limit = damped.step;
   if (comm->me == 0 && !reported_) {
     const auto& p = law_->parameters();
     std::string text = text_of(
@@ -190,10 +207,39 @@ void FixMpm::report_parameters() {
     text += text_of("  time step ", update->dt, ", stable up to ", limit, eigenvalue_ > 0.0 ? "" : " at least", "\n");
     for (FILE* f : {screen, logfile})
       if (f) std::fprintf(f, "%s", text.c_str());
+    warn_of_parameters();
   }
+  if (damped.admitted < relax_) tell_of_damping();
   if (update->dt > limit)
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): time step ", update->dt, " exceeds the stable step ", limit,
                                  "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
+}
+
+// Where the step goes by it, not by the cell. From the eigenvalue itself: below the bound more damping would seem to do. Collective.
+void FixMpm::tell_of_damping() {
+  const mpdem::EigenvalueEstimate e = mpdem::largest_eigenvalue(world, avec_->points, grid_, *law_);
+  const DampedStep damped = damped_step(e.value + e.residual);
+  const double ratio = largest_mass_ratio();
+  const std::string who = text_of("fix mpm (id ", id, "): "), is_free = ratio == 0.0 ? "" :
+      text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");
+  const std::string text = text_of("the damping of 'quasistatic ", mass_scale_, " ", relax_, "' shortens the stable step from ", damped.undamped,
+                                   " to ", damped.step, is_free, "; use 'quasistatic ", mass_scale_, " ", damped.admitted,
+                                   "' or less, which leaves 0.9 of the step");
+  if (update->dt > damped.step)
+    mpdem::stop_all(lmp, who + text_of("time step ", update->dt, " exceeds the stable step: ", text, ", or 'timestep ", 0.9 * damped.step, "'"));
+  if (!reported_ && comm->me == 0 && damped.step < 0.5 * damped.undamped) error->warning("fix mpm", 0, (who + text).c_str());
+}
+
+// Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
+void FixMpm::warn_of_parameters() const {
+  const mpdem::DamageParameters& p = law_->parameters();
+  if (p.B0 == 0.0) return;
+  const double strain = mpdem::implied_strength(p, std::min(constants_.Ez, constants_.Ep)).failure_strain;
+  if (strain > 1.0)
+    error->warning("fix mpm", 0,
+                   text_of("fix mpm (id ", id, "): cement fails at a strain of ", strain, ", with B0 ", p.B0, " and moduli ", constants_.Ez, " and ",
+                           constants_.Ep, ": check the units, which are those of pressure for all of them (Pa, not GPa, with 'units si')")
+                       .c_str());
 }
 
 // The last line of the report: it takes the eigenvalue, which is found for the others.
@@ -201,14 +247,16 @@ void FixMpm::report_added_mass() {
   if (reported_) return;
   reported_ = true;
   if (!coupled_) return;
-  std::vector<double> sum(2 * avec_->bodies.size() + 1, 0.0);
+  std::vector<double> sum(2 * avec_->bodies.size() + 2, 0.0);  // of each side, then mass of the grains and inertia of the cement
   const std::vector<double> mine = links_.added_mass(grid_, sides_);
   for (std::size_t i = 0; i < mine.size(); ++i) sum[2 * sides_.sides[i].body + sides_.sides[i].side] += mine[i];
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (!avec_->is_point(i)) sum[sum.size() - 2] += atom->rmass[i];
   for (const mpdem::PointBlock& b : avec_->points.blocks) sum.back() += inertia_ * mpdem::sum_lanes(b.volume);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, world);
   std::map<int, double> of_grain;
   double all = 0.0, share = -1.0, most;
-  for (std::size_t n = 0; n + 1 < sum.size(); ++n) {
+  for (std::size_t n = 0; n + 2 < sum.size(); ++n) {
     of_grain[avec_->bodies[n / 2].grain[n % 2]] += sum[n];
     all += sum[n];
   }
@@ -220,6 +268,13 @@ void FixMpm::report_added_mass() {
   if (most >= 0.0) text += text_of("; those of one free grain up to ", most, " of its mass");
   for (FILE* f : {screen, logfile})
     if (f) std::fprintf(f, "%s\n", text.c_str());
+  const double scene = sum[sum.size() - 2] + sum.back();
+  if (all > scene)
+    error->warning("fix mpm", 0,
+                   text_of("fix mpm (id ", id, "): links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
+                           ", and the bonds follow late; use a smaller 'timestep', or a smaller 'kn' and 'kt' of fix mpm/couple ('auto' is ",
+                           "200 C33)")
+                       .c_str());
 }
 
 // Where the time of the run went, the slowest rank for each phase.

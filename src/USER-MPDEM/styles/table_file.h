@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// CSV file of one header and rows that begin with the step. Opened at a later step than 0 it
-// keeps the rows up to that step, so that a run continued from a restart file continues its
-// tables too. Rank 0 writes; the others hold a closed file.
+// CSV file of one header and rows that begin with the step, ascending. A run that is continued continues its
+// table too: rows up to a step stay. Nothing is lost in silence: rows are written whole or not at all, and whoever
+// writes is told why. Rank 0 writes; the others hold a closed file.
 #ifndef MPDEM_TABLE_FILE_H
 #define MPDEM_TABLE_FILE_H
 
@@ -19,21 +19,25 @@ class TableFile {
   TableFile& operator=(const TableFile&) = delete;
   ~TableFile() { close(); }
 
-  // Empty, or why the file cannot be written. Rows of `last_kept` and before stay if the file
-  // is there with the same header.
+  static constexpr long kAnew = -1;
+  // Empty, or why not. A file that is there is replaced (kAnew), or its rows up to step last_kept stay.
   std::string open(const std::string& name, const std::string& header, long last_kept);
   // Step of the last row that stayed, -1: none did.
   long kept_to() const { return kept_to_; }
+  // Whole rows, with their ends of line. Empty, or why not; then the file is as it was before.
+  std::string write(const std::string& rows);
   void close();
-  bool is_open() const { return file_ != nullptr; }
-
-  std::FILE* stream() { return file_; }
-  void flush() { std::fflush(file_); }
 
  private:
+  std::string keep_rows(const std::string& header, long last_kept);
+
+  std::string name_;
   std::FILE* file_ = nullptr;
   long kept_to_ = -1;
 };
+
+// Appends formatted text.
+__attribute__((format(printf, 2, 3))) void append(std::string& text, const char* format, ...);
 
 }  // namespace mpdem
 

@@ -18,6 +18,7 @@
 #include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
+#include "files_in_use.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -98,6 +99,8 @@ void WriteCement::command(int narg, char** arg) {
     for (std::size_t b = 0; b < chosen.size() && trouble.empty(); ++b)
       for (int t : avec->bodies[b].grain)
         if (chosen[b] && !grain.count(t)) trouble = text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
+    const std::string other = mpdem::writer_of(lmp, name, nullptr);
+    if (trouble.empty() && !other.empty()) trouble = text_of("write_cement: file '", name, "' is written by ", other, "; name another");
     if (trouble.empty()) f = std::fopen(name.c_str(), "w");
     if (!f && trouble.empty()) trouble = text_of("write_cement: file '", name, "' cannot be written: ", std::strerror(errno), "; check name and folder");
   }

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Tables of the bonds and of the events: rows of a run in parts are those of the run left alone, and none is lost in silence."""
+import os
+import sys
+
+import pytest
+from scenes import cement, edit, executable, launch, pair, pull, restarted, run
+
+CELL, SPACING = 4e-4, 2e-4
+FIXES = cement(CELL, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv", couple="kn auto kt auto csv 7 bond.csv")
+HEAD, MOTION = pair(SPACING, gap=1e-4), "fix motion grains nve/sphere\n"
+LEAVING = "velocity second set 0.2 0.4 1.2\nset group second omegaz 300\n"
+FIRST = HEAD + FIXES + LEAVING + MOTION
+AGAIN = restarted("r") + FIXES + MOTION
+
+
+def tables(directory):
+    return {name: (directory / name).read_bytes() for name in ("bond.csv", "events.csv")}
+
+
+def steps(text):
+    return [int(line.split(b",")[0]) for line in text.splitlines()[1:]]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("whole")
+    run(FIRST + "run 520\n", directory)
+    found = tables(directory)
+    assert steps(found["bond.csv"]) == list(range(0, 521, 7)) and len(found["events.csv"].splitlines()) > 20
+    return found
+
+
+def test_run_in_parts(tmp_path, whole):
+    run(FIRST + "run 300\nrun 0\nrun 150\nrun 70 pre no\n", tmp_path)
+    assert tables(tmp_path) == whole
+
+
+@pytest.mark.parametrize("at", [300, 301, 350])
+def test_restart(tmp_path, whole, at):
+    """The file is of a step with a row, or of one without; steps that the first run made beyond it do not stay."""
+    run(FIRST + f"run {at}\nwrite_restart r\nrun 33\n", tmp_path)
+    run(AGAIN + f"run {520 - at}\n", tmp_path)
+    assert tables(tmp_path) == whole
+
+
+def test_coupling_defined_anew(tmp_path, whole):
+    again = next(line for line in FIXES.splitlines(True) if "mpm/couple" in line)
+    for at in (300, 350):
+        run(FIRST + f"run {at}\nunfix bond\n{again}run {520 - at}\n", tmp_path)
+        assert tables(tmp_path) == whole
+
+
+def test_rows_of_another_scene_do_not_stay(tmp_path):
+    """Cement that is made late in a run has a table of its own, whatever the file held."""
+    late = HEAD.replace("create_cement", "fix hold grains freeze\nrun 100\nunfix hold\ncreate_cement") + FIXES + LEAVING + MOTION
+    late = late.replace("group        grains type 1\n", "group        grains type 1\ntimestep 2e-9\n")
+    run(late + "run 50\n", tmp_path)
+    clean = tables(tmp_path)
+    assert steps(clean["bond.csv"]) == [105, 112, 119, 126, 133, 140, 147]
+    row = clean["bond.csv"].splitlines(True)[1].replace(b"105,", b"14,", 1)
+    (tmp_path / "bond.csv").write_bytes(clean["bond.csv"].splitlines(True)[0] + row)
+    run(late + "run 50\n", tmp_path)
+    assert tables(tmp_path) == clean
+
+
+def test_other_columns_are_not_overwritten(tmp_path):
+    run(FIRST + "run 14\nwrite_restart r\n", tmp_path)
+    (tmp_path / "bond.csv").write_text("my,notes\n")
+    result = launch(AGAIN + "run 7\n", tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1
+    for word in ("fix mpm/couple (id bond)", "bond.csv", "other columns", "name another"):
+        assert word in result.errors()[0]
+    assert (tmp_path / "bond.csv").read_text() == "my,notes\n"
+
+
+# Called by the script: no file of the program that called it grows beyond so many bytes any more. MPI needs larger ones to begin with.
+LIMIT = """\
+import os, resource, sys
+pid = os.getppid()
+while os.readlink(f"/proc/{pid}/exe") != sys.argv[1]:
+    pid = int(open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()[1])
+resource.prlimit(pid, resource.RLIMIT_FSIZE, (int(sys.argv[2]), resource.prlimit(pid, resource.RLIMIT_FSIZE)[1]))
+"""
+ROOM = 12000
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("file", ["bond.csv", "events.csv"])
+def test_disk_that_gets_full(tmp_path, whole, file, ranks):
+    """The run stops with a message; the file has whole rows up to there."""
+    program = tmp_path / "program"
+    program.write_text(f"#!/bin/sh\ntrap '' XFSZ\nexec {executable()} \"$@\"\n")  # so that it is told, not killed
+    os.chmod(program, 0o755)
+    (tmp_path / "limit.py").write_text(LIMIT)
+    script = edit(FIRST, "csv 7 bond.csv" if file == "events.csv" else "events events.csv", "")
+    result = launch(script + f"shell {sys.executable} limit.py {os.path.realpath(executable())} {ROOM}\nrun 520\n", tmp_path, ranks, program=str(program))
+    assert result.status != 0, result.output[-1500:]
+    assert len(result.errors()) == 1, result.output[-1500:]
+    for word in ("cannot write", file, "File too large", "disk with free space"):
+        assert word in result.errors()[0]
+    found = (tmp_path / file).read_bytes()
+    assert 0.5 * ROOM < len(found) <= ROOM and found.endswith(b"\n")
+    if ranks == 1:  # two round sums in another order
+        assert whole[file].startswith(found)
+    assert len({line.count(b",") for line in found.splitlines()}) == 1
+
+
+@pytest.mark.parametrize("alias", ["symbolic link", "hard link", "path"])
+def test_one_file_by_two_names(tmp_path, alias):
+    (tmp_path / "bond.csv").write_text("")
+    (tmp_path / "sub").mkdir()
+    name = {"path": "sub/../bond.csv"}.get(alias, "other.csv")
+    if alias == "symbolic link":
+        (tmp_path / name).symlink_to("bond.csv")
+    elif alias == "hard link":
+        os.link(tmp_path / "bond.csv", tmp_path / name)
+    result = launch(edit(FIRST, "events events.csv", f"events {name}") + "run 10\n", tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1
+    for word in ("fix mpm (id cem)", name, "'csv' of fix mpm/couple (id bond)", "name another"):
+        assert word in result.errors()[0]
+
+
+def test_devices_take_both(tmp_path):
+    script = edit(edit(FIRST, "events events.csv", "events /dev/null"), "csv 7 bond.csv", "csv 7 /dev/null")
+    run(script + "run 20\n", tmp_path)
