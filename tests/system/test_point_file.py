@@ -190,12 +190,13 @@ BAD = {
     "failed": (f"{HEAD} failed\n{ROW} 2\n", ["line 2", "'failed'", "0 or 1"]),
     **{f"grain {g}": (f"{HEAD} grain_i grain_j\n{ROW} 1 2\n{ROW} {g} 2\n", ["line 3", "'grain_i' is", f"{g}", "whole number"]) for g in ("1.5", "-1", "0")},
     "both grains one": (f"{HEAD} grain_i grain_j\n{ROW} 1 2\n{ROW} 2 2\n", ["line 3", "both 2", "different"]),
-    "grain that does not exist": (f"{HEAD} grain_i grain_j\n{ROW} 1 2\n{ROW} 7 2\n0.0011 0 0.00005 1e-12 2 7\n", ["line 3", "grain 7 does not exist", "leave its lines out"]),
+    "grain that does not exist": (f"{HEAD} area_i area_j grain_i grain_j\n{ROW} 1e-8 1e-8 1 2\n{ROW} 1e-8 1e-8 7 2\n{ROW} 1e-8 1e-8 2 7\n",
+                                  ["line 3", "grain 7 does not exist", "leave its lines out"]),
     "area far too large": (f"{HEAD} area_i area_j\n{ROW} 9.9 1e-8\n", ["line 2", "area 9.9 at grain 1", "units"]),
-    "more than the surface": (f"{HEAD} area_i area_j\n" + "".join(f"{1e-4 * i:.6g} {1e-4 * j:.6g} {s * 5e-5} 1e-12 6e-7 0\n" for i in range(12, 32) for j in range(15)
-                                                                    for s in (-1, 1)),
-                              ["attached area at grain 1", "more than its surface", "units"]),
-    "volume far too large": (f"{HEAD}\n{ROW}\n0.0011 0 0.00005 1e-3\n", ["line 3", "volume 0.001", "1e+09 times a cell", "units"]),
+    "more than the surface": (f"{HEAD} area_i area_j\n" + "".join(f"{1e-4 * i:.6g} {1e-4 * j:.6g} -0.00005 1e-12 6e-7 1e-8\n"
+                                                                    for i in range(-12, 13) for j in range(-12, 13)),
+                              ["attached area at grain 1", "0.000375", "more than its surface", "0.000314", "units"]),
+    "volume far too large": (f"{HEAD}\n{ROW}\n0.0011 0 0.00005 1e-3\n", ["line 3", "volume 0.001", "1000000000 times a cell", "units"]),
     "foot off the grain": (f"{HEAD} area_i area_j foot_ix foot_iy foot_iz foot_jx foot_jy foot_jz\n{ROW} 1e-8 1e-8 0.001 0 0 0.001 0 0\n",
                            ["line 2", "foot point", "off the surface", "grain 1"]),
 }

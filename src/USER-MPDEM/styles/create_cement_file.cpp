@@ -102,10 +102,11 @@ std::vector<FillPoint> CreateCement::read_file(const mpdem::GrainPair& pair, con
 // Are they in the scene? line: first that names a grain. Collective.
 void CreateCement::check_grains_of_file(const std::map<int, int>& line, const mpdem::Arguments& args) const {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  std::vector<int> found;  // of grains here, and of all ranks, in the order of the lines
-  for (const auto& g : line) {
-    const int i = atom->map(g.first);
-    found.push_back(i >= 0 && i < atom->nlocal && !avec->is_point(i));
+  std::vector<int> tags, found(line.size(), 0);
+  for (const auto& g : line) tags.push_back(g.first);
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const auto at = std::lower_bound(tags.begin(), tags.end(), atom->tag[i]);
+    if (at != tags.end() && *at == atom->tag[i] && !avec->is_point(i)) found[at - tags.begin()] = 1;
   }
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, world);
   std::size_t n = 0;
