@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import cement, edit, launch, pair, run, shift, thermo
+from scenes import cement, edit, launch, pair, restarted, run, shift, thermo
 from test_pair_table import SCRIPT
 from test_point_file import CELL, DAMAGE, SPACING, read, write
 
@@ -111,6 +111,32 @@ def test_constructed_crack(case, made, tmp_path, figures):
         figures.note(f"{case}: per cent at the first grain, the second, inside", found)
         assert found == pytest.approx(shares, abs=wall[0] if wall else 2)
         assert [100 * t[f"f_bond[{i}]"][-1] for i in (23, 24)] == pytest.approx(found[:2], abs=0.1)
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_bonds_by_mode(made, tmp_path, ranks):
+    """Four bonds of one scene, three of which come apart, each in its way: their numbers in the vector of fix mpm, also after a restart."""
+    bonds = [("meniscus", lambda c: c.at[0]), ("meniscus", lambda c: c.plane), ("flat", lambda c: stepped(c, 0)), ("meniscus", lambda c: 0 * c.x)]
+    grains = [[f"create_atoms 1 single {11e-3 * n:.15g} 0 {z} units box" for z in (-0.005, 0.005)] for n in range(len(bonds))]
+    files = []
+    for n, (shape, crack) in enumerate(bonds):
+        columns = dict(made[shape])
+        columns["failed"] = crack(Cement(columns)).astype(float)
+        for x in ("x", "foot_ix", "foot_jx"):
+            columns[x] = np.where(columns["area_" + x[5]] > 0, columns[x] + 11e-3 * n, 0) if len(x) > 1 else columns[x] + 11e-3 * n
+        columns["grain_i"], columns["grain_j"] = (np.full(len(columns["x"]), 2 * n + i) for i in (1, 2))
+        write(tmp_path / f"{n}.txt", columns)
+        files.append(f"create_cement calcite pair {2 * n + 1} {2 * n + 2} file {n}.txt spacing {SPACING}\n")
+    text = pair(SPACING, half_box=(40e-3, 6e-3, 12.5e-3))
+    text = edit(text, "\n".join(grains[0]), "\n".join(sum(grains, [])))
+    text = edit(text, next(line for line in text.splitlines(True) if line.startswith("create_cement")), "".join(files))
+    fixes = cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + "fix hold grains move linear 0 0 0\n"
+    look = thermo(10, MODES)
+    t = run(text + fixes + look + "run 10\nwrite_restart r\n", tmp_path, ranks).table()
+    again = run(restarted("r") + fixes + look + "run 10\n", tmp_path, ranks).table()
+    for table in (t, again):
+        assert [table[m][-1] for m in MODES] == [3, 1, 1, 1]
+    assert [again[m][0] for m in MODES] == [3, 1, 1, 1]
 
 
 def lines_of_modes(output):
