@@ -63,6 +63,7 @@ void AtomVecMpdem::drop_grains_that_left() {
 // At the start of a run; other commands that look at all styles call this too.
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
+  waiting.finish(lmp);
   if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which it was
   for (int k = 0; k < modify->nfix; ++k)

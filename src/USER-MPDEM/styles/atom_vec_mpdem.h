@@ -21,6 +21,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include "../mpm/body.h"
 #include "../mpm/point_store.h"
 #include "atom_vec_sphere.h"
+#include "waiting_state.h"
 
 namespace LAMMPS_NS {
 
@@ -45,6 +46,8 @@ class AtomVecMpdem : public AtomVecSphere {
     double late[6] = {0, 0, 0, 0, 0, 0};
   };
   std::vector<GrainState> grains;
+  // After read_restart, of points made before the first run.
+  WaitingState waiting;
 
   bool is_point(int i) const { return slot[i] >= 0; }
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }

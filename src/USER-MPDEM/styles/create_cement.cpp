@@ -392,6 +392,7 @@ void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& bo
     args.complain(text_of(fill.size() - created, " of ", fill.size(),
                           " points lie outside the simulation box; use a larger box or move the grains"));
   atom->natoms += created;
+  avec->waiting.add(lmp, before, first_tag + 1);
   for (int m = 0; m < modify->nfix; ++m) {
     Fix* fix = modify->fix[m];
     if (!fix->create_attribute) continue;

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "waiting_state.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <climits>
+#include <vector>
+
+#include "arguments.h"
+#include "atom.h"
+#include "fix.h"
+#include "memory.h"
+#include "modify.h"
+
+namespace LAMMPS_NS {
+
+// Each fix's part of a row begins with the length of the part. Values have the same length for all atoms; a history grows with
+// the contacts, and zeros of any length are a history without contacts.
+std::vector<double> WaitingState::neutral_row(LAMMPS* lmp, int atoms) const {
+  const int fixes = lmp->modify->nfix_restart_peratom, width = lmp->atom->nextra_store;
+  std::vector<int> shortest(fixes, INT_MAX);
+  bool bad = false;
+  for (int i = 0; i < atoms; ++i) {
+    int at = 0;
+    for (int n = 0; n < fixes && !bad; ++n) {
+      const double length = at < width ? lmp->atom->extra[i][at] : 0.0;
+      bad = !(length >= 1.0 && length <= width - at);
+      if (bad) break;
+      shortest[n] = std::min(shortest[n], static_cast<int>(length));
+      at += static_cast<int>(length);
+    }
+  }
+  mpdem::stop_if_any(lmp, bad ? "read_restart: the file is damaged in the state of fixes of an atom; use another restart file" : "");
+  MPI_Allreduce(MPI_IN_PLACE, shortest.data(), fixes, MPI_INT, MPI_MIN, lmp->world);
+  std::vector<double> row;
+  for (int n = 0; n < fixes; ++n) {
+    row.push_back(shortest[n]);
+    row.insert(row.end(), shortest[n] - 1, 0.0);
+  }
+  return row;
+}
+
+void WaitingState::add(LAMMPS* lmp, int first, int first_tag) {
+  Atom* atom = lmp->atom;
+  if (atom->nextra_store == 0) return;
+  if (first_tag_ == 0) {
+    row_ = neutral_row(lmp, first);
+    first_tag_ = first_tag;
+  }
+  lmp->memory->grow(atom->extra, atom->nmax, atom->nextra_store, "atom:extra");
+  for (int i = first; i < atom->nlocal; ++i) std::copy(row_.begin(), row_.end(), atom->extra[i]);
+}
+
+void WaitingState::finish(LAMMPS* lmp) {
+  if (first_tag_ == 0) return;
+  const Atom* atom = lmp->atom;
+  for (int m = 0; m < lmp->modify->nfix; ++m) {
+    Fix* fix = lmp->modify->fix[m];
+    if (!fix->recent_restart || !fix->restart_peratom || !fix->create_attribute) continue;
+    fix->pre_set_arrays();
+    for (int i = 0; i < atom->nlocal; ++i)
+      if (atom->tag[i] >= first_tag_) fix->set_arrays(i);
+  }
+  first_tag_ = 0;
+}
+
+}  // namespace LAMMPS_NS
