@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""Summary and figures of a bond that was pulled.
+"""Summary and figures of loaded bonds.
 
     tools/mpdem_plot.py RUN_DIR [--bond bond_NAME.csv] [--points 'points_NAME.*.txt'] [--out DIR]
 
@@ -9,6 +9,11 @@ Reads the table of `fix mpm/couple ... csv` and the text dumps of the material p
 summary and writes summary.csv, force_displacement.png and damage_cut.png; geometry.png, if the dumps
 have the compute `attached`; interface.png, if there is the event log events_NAME.csv and links let
 go. With the table load_NAME.csv of examples/pair_table, way and load are those of its load.
+
+summary.csv has a row a bond. Whether a bond is separated, the mode, the step and the shares are those of its table.
+`peak_force_N` is the largest magnitude of the force along the line of centres, `sense` tells whether it is tension or
+compression, `largest_force_with_shear_N` is of the whole force. Openings are those of the gap between the grains since
+the first row of the table; below zero the gap has closed. `lowest_mean_load_over_peak` tells what is left of the load.
 Needs Debian's python3-numpy and python3-matplotlib.
 """
 import argparse
@@ -32,9 +37,9 @@ def positive(text):
 
 
 def arguments():
-    p = argparse.ArgumentParser(description="Summary and figures of a bond that was pulled.")
+    p = argparse.ArgumentParser(description="Summary and figures of loaded bonds.")
     p.add_argument("run_dir", metavar="RUN_DIR", help="folder of the run's output")
-    p.add_argument("--bond", metavar="CSV", help="table of fix mpm/couple (default: the only bond_*.csv in RUN_DIR)")
+    p.add_argument("--bond", metavar="CSV", help="table of fix mpm/couple (default: the only bond.csv or bond_*.csv in RUN_DIR)")
     p.add_argument("--points", metavar="DUMP", nargs="+",
                    help="dumps of the points, names or a pattern (default: points_NAME.*.txt, "
                         "NAME as in bond_NAME.csv); 'none': no cut")
@@ -45,7 +50,7 @@ def arguments():
     p.add_argument("--radius", metavar="R", type=positive, default=0.005, help="of the two grains, m (0.005)")
     p.add_argument("--spacing", metavar="H", type=positive, help="of the material points, m (default: measured)")
     p.add_argument("--window", metavar="STEPS", type=positive,
-                   help="over which the tension is averaged to tell failure (500, or as the script of pair_table)")
+                   help="over which the load that is left is averaged (500, or as the script of pair_table)")
     return p.parse_args()
 
 
@@ -57,7 +62,7 @@ def main():
     window = args.window or window or 500
     results = {b.number: summary.measure(b, window) for b in bonds}
     result = results[table.number]
-    summary.show(table, result, len(bonds))
+    summary.show(table, result, results)
 
     out = args.out or args.run_dir
     run.make_folder(out)

@@ -11,7 +11,6 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.patches import Circle, Patch  # noqa: E402
 
 from . import run  # noqa: E402
-from .summary import FAILED_BELOW  # noqa: E402
 
 CURVE, FAILED, LET_GO, MARK = "#1b2a49", "#d98b4a", "#6aa69a", "#c1272d"
 GRAIN, GRAIN_EDGE = "#ececec", "#707070"
@@ -36,46 +35,52 @@ def force_displacement(path, bond, result, stages):
     ax.set_zorder(counts.get_zorder() + 1)
     ax.patch.set_visible(False)
     um = bond.way_scale * bond.opening
+    peak = result.sense * result.peak
     handles = ax.plot(um, bond.tension, color=CURVE, label=bond.load_name)
-    top = 1.12 * result.peak
+    sheared = result.largest_force > 1.2 * result.peak
+    if sheared:
+        handles += ax.plot(um, bond.force, color=CURVE, lw=0.6, ls=(0, (4, 2)), label="whole force, with shear")
     if np.isfinite(result.stiffness):
-        reach = bond.way_scale * 1.04 * result.peak / result.stiffness
-        handles += ax.plot([0.0, reach], [0.0, 1.04 * result.peak], "--", color="0.5", lw=0.8, zorder=1,
+        reach = bond.way_scale * 1.04 * peak / result.stiffness
+        handles += ax.plot([0.0, reach], [0.0, 1.04 * peak], "--", color="0.5", lw=0.8, zorder=1,
                            label="initial stiffness")
     if stages:
         at = np.array([(bond.way_scale * bond.at(s, bond.opening), bond.at(s, "tension")) for _, s, _ in stages])
         handles += ax.plot(at[:, 0], at[:, 1], "o", color="white", mec=CURVE, ms=4.5, mew=1.0, zorder=4,
                            clip_on=False, label="stages of the cut")
-    peak = ax.plot(bond.way_scale * result.peak_opening, result.peak, "*", color=MARK, ms=8, zorder=5, mec="white", mew=0.4,
-                       clip_on=False, label=f"peak {run.number(result.peak)} {bond.load_unit} at "
+    star = ax.plot(bond.way_scale * result.peak_opening, peak, "*", color=MARK, ms=8, zorder=5, mec="white", mew=0.4,
+                       clip_on=False, label=f"peak {run.number(result.peak)} {bond.load_unit}{' of compression' if result.sense < 0 else ''} at "
                          f"{bond.way_scale * result.peak_opening:.3g} {bond.way_unit}")
-    handles += peak
-    if result.broken:
+    handles += star
+    if result.separated:
         handles.append(ax.axvline(bond.way_scale * result.failure_opening, color=MARK, lw=0.8, ls=":", zorder=1,
-                                  label=f"failure at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit} "
-                                  f"(mean < {100 * FAILED_BELOW:g} %)"))
+                                  label=f"separated ({result.mode}) at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit}"))
     else:
-        lowest = f" (mean ≥ {100 * result.lowest:.1f} %)" if np.isfinite(result.lowest) else ""
-        handles += ax.plot([], [], " ", label="not broken" + lowest)
+        lowest = f" (mean ≥ {100 * result.lowest:.1f} % of the peak)" if np.isfinite(result.lowest) else ""
+        handles += ax.plot([], [], " ", label="not separated" + lowest)
     handles += counts.plot(um, bond.failed, color=FAILED, lw=0.9, label="failed points")
     handles += counts.plot(um, bond.debonded, color=LET_GO, lw=0.9, label="links let go")
 
-    low = max(min(-0.04 * top, 1.3 * float(bond.tension.min())), -0.25 * top)
-    ax.set_xlim(min(0.0, um.min()), max(1.03 * um.max(), 1e-9))
+    # Every value is inside: nothing of tension, compression, opening or closing is cut off.
+    high = max(bond.tension.max(), peak, result.largest_force if sheared else 0.0, 0.0)
+    deep = min(bond.tension.min(), peak, 0.0)
+    low, top = deep - (0.12 if deep < -0.25 * high else 0.04) * (high - deep), high + 0.12 * (high - deep)
+    margin = 0.03 * max(np.ptp(um), 1e-9)
+    ax.set_xlim(min(0.0, um.min() - margin * (um.min() < 0.0)), max(um.max() + margin, 0.0))
     ax.set_ylim(low, top)
     most = max(bond.failed.max(), bond.debonded.max(), 1.0) * 1.15
-    counts.set_ylim(most * low / top, most)
+    counts.set_ylim(most * low / top if -low < top else -0.04 * most, most)
     counts.yaxis.set_major_locator(matplotlib.ticker.MaxNLocator(6, integer=True))
     counts.set_yticks([t for t in counts.get_yticks() if 0 <= t <= most])
     counts.tick_params(colors="0.45")
     counts.spines["right"].set_color("0.6")
     ax.axhline(0.0, color="0.75", lw=0.6, zorder=0)
-    ax.set_xlabel(f"{bond.way_name} ({bond.way_unit})")
-    ax.set_ylabel(f"{bond.load_name} ({bond.load_unit})")
+    ax.set_xlabel(f"{bond.way_name} ({bond.way_unit})" + (", below zero: closing" if bond.lift is bond.opening and um.min() < 0.0 else ""))
+    ax.set_ylabel(f"{bond.load_name} ({bond.load_unit})" + (", below zero: compression" if bond.load == "tension" and deep < -0.04 * high else ""))
     counts.set_ylabel("number of failed points, of links let go", color="0.45")
     if stages:
         drawn = [h for h in handles if h.get_linestyle() != "None"]
-        label_stages(ax, [s[0] for s in stages], at, drawn + peak)
+        label_stages(ax, [s[0] for s in stages], at, drawn + star)
     ax.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.01), ncol=3, frameon=False,
               handlelength=1.6, columnspacing=1.4)
     save(fig, path)
@@ -127,7 +132,7 @@ def damage_cut(path, bond, result, stages, radius, spacing):
         tension = bond.at(step, "tension")
         ax.set_title(f"({letter}) {bond.way_name.split()[-1]} {bond.way_scale * opening:.3g} {bond.way_unit}\n"
                      f"{run.number(tension)} {bond.load_unit}, "
-                     f"{100 * tension / result.peak:.0f} % of peak", loc="left", pad=3, linespacing=1.15)
+                     f"{100 * result.sense * tension / result.peak:.0f} % of peak", loc="left", pad=3, linespacing=1.15)
         ax.set_xlim(-wide, wide)
         ax.set_ylim(-high, high)
         ax.set_aspect("equal")

@@ -21,7 +21,7 @@ TIMES = "plasma"
 def follow_load(folder, bond):
     """Way and load of examples/pair_table, if its table is there; its log names the load.
     Returns the steps over which the script averages, None without that table."""
-    path = os.path.join(folder, f"load_{run.stem(bond)}.csv")
+    path = os.path.join(folder, f"{run.beside(bond, 'load')}.csv")
     if not os.path.isfile(path):
         return None
     table = loading.read_table(path)
@@ -45,7 +45,7 @@ def draw(args, out, bond, dumps, spacing):
         first = {c: v[first["c_bond"] == bond.number] if c != "step" else v for c, v in first.items()}
     geometry(os.path.join(out, "geometry.png"), bond, first, args.radius, spacing)
     written = ["geometry.png"]
-    name = args.events or f"events_{run.stem(bond)}.csv"
+    name = args.events or f"{run.beside(bond, 'events')}.csv"
     path = next((p for p in (os.path.join(args.run_dir, name), name) if os.path.isfile(p)), None)
     if path is None:
         if args.events:

@@ -15,7 +15,6 @@ from .run import Trouble
 
 FAILED_BELOW = 0.01        # of the peak
 STIFFNESS = (0.10, 0.40)   # of the peak
-MODES = ("debonding", "internal", "mixed", "intact")
 
 
 def read_table(path):

@@ -9,7 +9,9 @@ import numpy as np
 
 # The columns used; the table holds more.
 COLUMNS = ("step", "time", "bond", "grain1", "grain2", "gap", "tension", "points", "attached", "debonded",
-           "failed", "peak_tension", "dissipated_energy", "energy_imbalance")
+           "failed", "peak_tension", "separated", "share_grain1", "share_grain2", "dissipated_energy", "energy_imbalance",
+           "fx1", "fy1", "fz1")
+MODES = ("debonding", "internal", "mixed", "intact")
 DUMP_COLUMNS = ("x", "y", "z", "c_damage", "c_failed")
 EXTRA_COLUMNS = ("id", "c_bond", "c_attached", "c_grain")  # read if there
 
@@ -19,12 +21,13 @@ class Trouble(Exception):
 
 
 class Bond:
-    """The rows of one bond; a column is an attribute."""
+    """The rows of one bond; a column is an attribute. `mode`: as the table has it in the last row."""
 
-    def __init__(self, path, number, rows):
-        self.path, self.number = path, number
+    def __init__(self, path, number, rows, mode):
+        self.path, self.number, self.mode = path, number, mode
         for i, name in enumerate(COLUMNS):
             setattr(self, name, rows[:, i])
+        self.force = np.sqrt(self.fx1**2 + self.fy1**2 + self.fz1**2)  # its magnitude, shear included
         self.lift = self.gap - self.gap[0]
         self.opening = self.lift  # the way of the load, which is another with follow()
         self.grains = int(self.grain1[0]), int(self.grain2[0])
@@ -39,6 +42,7 @@ class Bond:
         if abs(self.tension.min()) > self.tension.max():  # loaded the other way
             self.opening, self.tension = -self.opening, -self.tension
         self.peak_tension = np.maximum.accumulate(self.tension)
+        self.force = np.abs(self.tension)
         self.way_name = "rotation" if turned else "gap opening" if load == "force" else "displacement"
         self.load_name = "moment" if turned else "tension" if load == "force" else "force"
         if turned:
@@ -55,10 +59,10 @@ def number(value):
     return f"{value:.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
-def stem(bond):
-    """NAME of bond_NAME.csv, to which the other files of the run belong."""
+def beside(bond, kind):
+    """What the run calls another of its files: KIND_NAME beside bond_NAME.csv, KIND beside bond.csv."""
     name = os.path.splitext(os.path.basename(bond.path))[0]
-    return name[len("bond_"):] if name.startswith("bond_") else name
+    return kind + (name[len("bond"):] if name == "bond" or name.startswith("bond_") else f"_{name}")
 
 
 def make_folder(path):
@@ -77,9 +81,9 @@ def find_bond_file(run_dir, name):
             if os.path.isfile(path):
                 return path
         raise Trouble(f"{paths[0]}: no such file; name the 'csv' file of fix mpm/couple with --bond")
-    found = sorted(glob.glob(os.path.join(glob.escape(run_dir), "bond_*.csv")))
+    found = sorted(p for name in ("bond.csv", "bond_*.csv") for p in glob.glob(os.path.join(glob.escape(run_dir), name)))
     if not found:
-        raise Trouble(f"{os.path.join(run_dir, 'bond_*.csv')}: no such file; write one with "
+        raise Trouble(f"{os.path.join(run_dir, 'bond_*.csv')}: no such file, nor bond.csv; write one with "
                       "'fix mpm/couple ... csv 50 bond_NAME.csv' or name it with --bond")
     if len(found) > 1:
         names = ", ".join(os.path.basename(f) for f in found)
@@ -102,11 +106,14 @@ def read_bonds(path):
     if lacking:
         raise Trouble(f"{path}: no column {', '.join(lacking)}; take a table written by "
                       "'fix mpm/couple ... csv' of this version, with its header line")
-    at = [header.index(c) for c in COLUMNS]
-    rows = []
+    if "mode" not in header:
+        raise Trouble(f"{path}: no column mode; take a table written by 'fix mpm/couple ... csv' of this version, with its header line")
+    at, mode = [header.index(c) for c in COLUMNS], header.index("mode")
+    rows, modes = [], []
     for row in reader:
         try:
             rows.append([float(row[i]) for i in at])
+            modes.append(row[mode].strip())
         except (ValueError, IndexError):
             raise Trouble(f"{path}: line {reader.line_num} is not a row of {len(header)} numbers; "
                           "delete that line or run again") from None
@@ -118,7 +125,10 @@ def read_bonds(path):
         raise Trouble(f"{path}: gap or tension is not finite from step {rows[bad][0, 0]:.0f}; "
                       "the run is unstable, reduce its time step")
     numbers = rows[:, COLUMNS.index("bond")]
-    return [Bond(path, int(n), rows[numbers == n]) for n in np.unique(numbers)]
+    wrong = sorted(set(modes) - set(MODES))
+    if wrong:
+        raise Trouble(f"{path}: mode '{wrong[0]}' is none of {', '.join(MODES)}; delete that line or run again")
+    return [Bond(path, int(n), rows[numbers == n], modes[np.flatnonzero(numbers == n)[-1]]) for n in np.unique(numbers)]
 
 
 def choose(bonds, number):
@@ -150,7 +160,7 @@ def matches(run_dir, name):
 def find_dumps(run_dir, names, bond):
     """Paths by step; dumps beyond the table belong to another run."""
     if not names:
-        names = [f"points_{stem(bond)}.*.txt"]
+        names = [f"{beside(bond, 'points')}.*.txt"]
     shown = os.path.join(run_dir, names[0])
     dumps = {}
     for path in sorted({p for name in names for p in matches(run_dir, name)}):
