@@ -27,6 +27,10 @@ DEFAULT = "total/quadratic/none"
 # the central difference. pic smooths the velocity by h^2/8 v'' in each of O(1/h) steps, which leaves
 # first order; xpic2 by the square of that, and with apic the affine part takes it back.
 EXPECTED = {"none": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 2}
+# What a diagram shows on its axis of errors, all relative.
+ERRORS = {"bar": "vibrating bar: error of the displacement (–)", "cube": "stretched cube: error of the displacement (–)",
+          "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
+          "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
 PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
 QUICK = ["skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
@@ -102,11 +106,13 @@ def diagram(rows, problem, file):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     colours = {"none": "black", "pic": "tab:red", "flip": "tab:green", "apic": "tab:blue", "xpic2": "tab:orange"}
-    panels = ("linear", "quadratic", "cubic")
+    transfers = {"none": "no transfer", "pic": "PIC", "flip": "FLIP", "apic": "APIC", "xpic2": "XPIC of order 2"}
+    references = {"total": "reference kept", "updated": "reference updated"}
+    panels = {"linear": "tents", "quadratic": "quadratic B-splines", "cubic": "cubic B-splines"}
     fig, axes = plt.subplots(1, 3, figsize=(11, 3.8), sharex=True, sharey=True)
     every = curves(rows, problem)
     for ax, basis in zip(axes, panels):
-        ax.set_title(basis)
+        ax.set_title(panels[basis])
         ax.grid(True, which="both", lw=0.3)
         for method, curve in every.items():
             kinematics, own_basis, transfer = method.split("/")
@@ -114,13 +120,13 @@ def diagram(rows, problem, file):
                 continue
             ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color=colours[transfer], lw=1.1, ms=4,
                       marker="o" if kinematics == "total" else "x", ls="-" if kinematics == "total" else "--",
-                      label=f"{kinematics} {transfer}")
+                      label=f"{references[kinematics]},\n{transfers[transfer]}")
         if DEFAULT in every:
             curve = every[DEFAULT]
             ax.loglog([r["seconds"] for r in curve], [r["error"] for r in curve], color="black", lw=3, alpha=0.55,
-                      label="default (total\nquadratic none)")
-        ax.set_xlabel("seconds, one core")
-    axes[0].set_ylabel(f"{problem}: relative error")
+                      label="default: quadratic\nB-splines, reference\nkept, no transfer")
+        ax.set_xlabel("CPU time on one core (s)")
+    axes[0].set_ylabel(ERRORS[problem])
     named = {line.get_label(): line for ax in axes for line in ax.lines}
     fig.tight_layout(rect=(0, 0, 0.86, 1))
     fig.legend(named.values(), named.keys(), loc="center left", bbox_to_anchor=(0.86, 0.55), fontsize=8, frameon=False)
@@ -135,7 +141,7 @@ def size_diagram(found, file):
     sizes = sorted((r["points"], 1e9 / r["points/s"]) for r in found if r["name"].startswith("size/"))
     fig, ax = plt.subplots(figsize=(5, 3.2))
     ax.semilogx(*zip(*sizes), "ko-")
-    ax.set(xlabel="points", ylabel="ns a point and step, one core", ylim=(0, None))
+    ax.set(xlabel="number of points (–)", ylabel="time a point and step, one core (ns)", ylim=(0, None))
     ax.grid(True, lw=0.3)
     fig.tight_layout()
     fig.savefig(file, dpi=90)

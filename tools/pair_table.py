@@ -5,10 +5,11 @@
 
     tools/pair_table.py OUT --shapes flat,meniscus --loads tension,shear --contents 0.01,0.05
     tools/pair_table.py OUT --table doc/data/study_strength.json
+    tools/pair_table.py OUT --redraw doc/data/study_strength.csv
 
 Runs examples/pair_table/in.pair_table once for each entry, as many at a time as there are cores, and
 leaves table.csv and table.png in OUT. Called again it goes on where it was stopped: finished runs
-are kept, others are run from the start. Needs Debian's python3-numpy and python3-matplotlib.
+are kept, others are run from the start. --redraw runs nothing: it draws OUT/table.png anew. Needs Debian's python3-numpy and python3-matplotlib.
 """
 import argparse
 import json
@@ -37,6 +38,7 @@ def arguments():
     p = argparse.ArgumentParser(description="Loads pairs of beads of every shape, load and content of a table.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, table.csv and table.png")
     p.add_argument("--table", metavar="JSON", help="groups of runs; instead of the words below")
+    p.add_argument("--redraw", metavar="CSV", help="a table.csv of earlier runs, to be drawn again")
     p.add_argument("--shapes", metavar="A,B", default="flat,meniscus,coating", help=", ".join(table.SHAPES))
     p.add_argument("--loads", metavar="A,B", default="tension,shear", help=", ".join(table.LOADS))
     p.add_argument("--contents", metavar="C,D", default="0.05,0.11,0.17,0.25", help="masses of cement over mass of the beads")
@@ -83,6 +85,13 @@ def groups(args):
 
 def main():
     args = arguments()
+    if args.redraw:
+        from mpdem import table_figure
+        rows = table_figure.read(args.redraw)
+        run.make_folder(args.out)
+        table_figure.draw(os.path.join(args.out, "table.png"), rows)
+        print(f"written to {args.out}: table.png")
+        return
     if not os.access(args.exe, os.X_OK):
         raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
     entries = {}
