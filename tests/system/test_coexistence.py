@@ -19,7 +19,7 @@ create_atoms 1 single  0.006 0 0.002 units box
 create_atoms 2 single  0.010 0 0.002 units box
 """
 SECOND_BOND = "create_cement calcite pair 3 4 shape flat outer 1e-3 spacing 1e-4\n"
-OF_SECOND = " f_bond[2][14] f_bond[2][18] f_bond[2][22]"
+OF_SECOND = " v_tension2 v_failed2 v_apart2"
 THERMO = re.search(r"^thermo_style .*\n", SCRIPT, re.M)[0]
 RUN = "run          ${steps} upto\n"
 

@@ -8,6 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
+  liggghts-specimen   lines of examples/specimen150, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
   text                neither: output, formulas, folders
 Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
@@ -26,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 DOC = sorted((ROOT / "doc").rglob("*.md"))
 TOP = [ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md", "patches/README.md")]
 PAGES = [ROOT / "README.md"] + DOC + TOP
-KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-template", "sh", "sh-template", "python", "text"}
+KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template", "python", "text"}
 FENCED = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```", re.M | re.S)
 SECTIONS = ["Syntax", "Examples", "Description", "Restart", "Restrictions", "Related commands", "Default"]
 
@@ -69,15 +70,33 @@ def test_whole_script(script, tmp_path):
     run(script, tmp_path, ranks=2)
 
 
-def test_script_that_continues(tmp_path):
-    """What README shows for a restart file goes on as the script before it would have."""
-    (_, text), = blocks("liggghts-restart")
+def test_first_script(tmp_path):
+    """README's first script pulls the pair apart, under heads that are words, and what it shows for a restart file
+    goes on from the middle to the same end."""
     first = next(t for page, t in blocks("liggghts") if page.name == "README.md")
-    run(first + "write_restart half.restart\n", tmp_path)
+    (_, text), = blocks("liggghts-restart")
+    whole = run(first, tmp_path)
     continued = run(text, tmp_path, name="in.continued")
-    whole = run(re.sub(r"^run .*$", "run 1000", first, flags=re.M), tmp_path / "whole")
-    rows = [re.findall(r"^ +(?:800|900|1000) .*$", r.output, re.M) for r in (continued, whole)]
-    assert len(rows[0]) == 3 and rows[0] == rows[1], rows
+    rows = []
+    for result in (whole, continued):
+        heads, = set(re.findall(r"^ +Step .*$", result.output, re.M))
+        assert heads.split() == ["Step", "Time", "gap_um", "tension", "failed", "apart"]
+        mode, = re.findall(r"^fix mpm \(id cem\): bond 1 of grains 1 and 2: (\w+), ", result.output.split("Setting up run")[-1], re.M)
+        assert mode in ("debonding", "internal", "mixed")
+        rows.append({int(r.split()[0]): r for r in re.findall(r"^ +\d+(?: +\S+){5} *$", result.output, re.M)})
+    assert list(rows[0]) == list(range(0, 1100, 100)) and list(rows[1]) == list(range(400, 1100, 100))
+    assert all(rows[0][step] == row for step, row in rows[1].items()), rows
+    table = [[float(w) for w in r.split()] for r in rows[0].values()]
+    tension, apart = ([r[i] for r in table] for i in (3, 5))
+    assert max(tension) > 100 and abs(tension[-1]) < 0.1 * max(tension)
+    assert apart[4] == 0 and apart[-1] == 1, "the restart file is to be written before the bond is separated"
+
+
+def test_lines_of_the_specimen():
+    """What doc/howto_pictures.md shows stands so in the script that tests/system/test_specimen.py runs."""
+    script = {" ".join(line.split()) for line in (ROOT / "examples" / "specimen150" / "in.compress").read_text().splitlines()}
+    shown = [" ".join(line.split()) for _, text in blocks("liggghts-specimen") for line in text.splitlines()]
+    assert len(shown) == 9 and set(shown) <= script, set(shown) - script
 
 
 @pytest.mark.parametrize("line", LINES)
