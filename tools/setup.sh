@@ -4,7 +4,8 @@
 # missing. Without root it prints the one line to run and stops.
 set -eu
 packages="g++ make cmake liggghts libliggghts-dev libeigen3-dev libopenmpi-dev openmpi-bin openssh-client
-          libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pytest patch xz-utils"
+          libgtest-dev libbenchmark-dev python3-numpy python3-scipy python3-matplotlib python3-pytest
+          python3-vtk9 patch xz-utils"
 missing=""
 for p in $packages; do
   status=$(dpkg-query -W -f='${Status}' "$p" 2>/dev/null || true)
