@@ -27,7 +27,8 @@ ROOT = Path(__file__).parents[2]
 DOC = sorted((ROOT / "doc").rglob("*.md"))
 TOP = [ROOT / name for name in ("CONTRIBUTING.md", "CHANGELOG.md", "patches/README.md")]
 PAGES = [ROOT / "README.md"] + DOC + TOP
-KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template", "python", "text"}
+KINDS = {"liggghts", "liggghts-restart", "liggghts-fragment", "liggghts-specimen", "liggghts-template", "sh", "sh-template",
+         "python", "text"}
 FENCED = re.compile(r"^( *)```([^\n]*)\n(.*?)^\1```", re.M | re.S)
 SECTIONS = ["Syntax", "Examples", "Description", "Restart", "Restrictions", "Related commands", "Default"]
 
@@ -133,8 +134,6 @@ def test_order_of_a_page(page):
     order = [next((i for i, s in enumerate(SECTIONS) if h.startswith(s) or (s == "Restart" and h == "Output")), -1)
              for h in heads]
     assert -1 not in order and order == sorted(order) and len(set(order)) == len(SECTIONS), heads
-
-
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
