@@ -37,9 +37,9 @@ WORDS = {
     "axis": lambda v: f"elastic axis {v}", "edge": lambda v: f"edge nodes {v}",
     "share": lambda v: f"{100 * float(v):.3g} % of the cement in the coating", "cap": lambda v: f"coating up to {v}°",
     "gap": lambda v: f"beads {metres(v)} apart", "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
-    "coarse": lambda v: f"spacing {metres(v)}", "spacing": lambda v: f"spacing {metres(v)}", "refine": lambda v: f"spacing divided by {v}",
+    "coarse": lambda v: f"spacing {metres(v)}", "spacing": lambda v: f"spacing {metres(v)}", "refine": lambda v: None if float(v) == 1 else f"spacing divided by {v}",
     "layers": lambda v: f"{v} layers of points in a shell", "percell": lambda v: f"{v} spacings a cell",
-    "courant": lambda v: f"step {v} of cell over wave speed", "speed": lambda v: f"{1e3 * float(v):.3g} mm/s",
+    "courant": lambda v: f"step {v} of cell over wave speed", "speed": lambda v: f"{1e3 * float(v):.4g} mm/s",
     "ramp": lambda v: f"speed reached in {1e6 * float(v):.3g} µs", "rate": lambda v: f"{1e-6 * float(v):.3g} N/µs",
     "arm": lambda v: f"arm {metres(v)}", "angle": lambda v: f"{v}° from the line of centres"}
 
@@ -105,7 +105,7 @@ def panel(ax, load, rows, settings):
             ax.plot(x, y, color=colour, ls=STYLES[i % len(STYLES)], lw=0.9, zorder=2)
             for a, b, (_, res) in zip(x, y, points):
                 ax.plot(a, b, MODES[res["mode"]][1], color=colour, ms=5, zorder=3, mfc=colour if res["mode"] == "debonding" else "none")
-    right = max(1.05 * max(100 * r.content for r, _ in rows), 1.3 * HAM_CONTENT if load in HAM else 0.0)
+    right = max(1.05 * max(100 * r.content for r, _ in rows), 1.5 * HAM_CONTENT if load in HAM else 0.0)
     if load in HAM:
         under, above = HAM[load]
         style = dict(color=HAM_COLOUR, lw=3, alpha=0.7, zorder=1, solid_capstyle="butt")
