@@ -121,7 +121,7 @@ def check_pictures(folder, press, points):
     plate, _ = of(folder / f"plate_{step}.vtk")
     height = float(re.search(r"equal (\S+)", (folder / "plate.in").read_text())[1])
     way = np.interp(step, press["Step"][1:], press["way_um"][1:]) * 1e-6
-    assert len(plate) == 3 and abs(plate[:, 2] - (height - way)).max() < 1e-8
+    assert len(plate) == 3 and abs(plate[:, 2] - (height - way)).max() < 6e-8  # six digits
 
 
 def test_first_failures_on_one_rank_and_two(poured, tmp_path, figures):
