@@ -12,6 +12,7 @@ namespace mpdem {
 namespace {
 
 constexpr int kSubSamples = 6;        // a direction, in cut cells
+constexpr int kSharedSamples = 16;    // a direction, in cells that neighbours cut
 constexpr int kSurfaceSamples = 6;    // a spacing, on the grains
 
 using Cell = std::array<int, 3>;
@@ -25,6 +26,36 @@ Cell cell_of(const Vector3& x, double spacing) {
   Cell c;
   for (int d = 0; d < 3; ++d) c[d] = static_cast<int>(std::floor(x[d] / spacing));
   return c;
+}
+
+// The part of the material at x, which is inside the shape, that is the shape's own.
+double share(const std::vector<Neighbour>& neighbours, const Vector3& x) {
+  const double own = x.squaredNorm();
+  int ties = 1;
+  for (const Neighbour& n : neighbours) {
+    const double other = (x - n.middle).squaredNorm(), tolerance = 1e-9 * (own + other);
+    if (other > own + tolerance || !n.shape->inside(x - n.middle)) continue;
+    if (other < own - tolerance) return 0.0;
+    ++ties;
+  }
+  return 1.0 / ties;
+}
+
+enum class Owner { shape, neighbour, several };
+
+// Who owns what is inside the shape within `reach` of x.
+Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, double reach) {
+  Owner owner = Owner::shape;
+  for (const Neighbour& n : neighbours) {
+    const double apart = n.middle.norm();
+    const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // before the plane between the middles
+    if (beyond > reach) continue;
+    const bool whole = n.shape->clearance(x - n.middle) >= reach, inside = n.shape->inside(x - n.middle);
+    if (whole && !inside) continue;
+    if (whole && beyond < -reach) return Owner::neighbour;
+    owner = Owner::several;
+  }
+  return owner;
 }
 
 // Index of the point whose cell holds x, or the nearest one around it.
@@ -57,7 +88,7 @@ int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& point
 }
 
 // Cuts the attached band of one grain into patches, one a point.
-void attach(const Shape& shape, int side, double spacing, const std::vector<Cell>& cells,
+void attach(const Shape& shape, int side, double spacing, const std::vector<Neighbour>& neighbours, const std::vector<Cell>& cells,
             std::vector<FillPoint>& points) {
   const GrainPair& pair = shape.pair();
   const double exact = shape.attached_area(side);
@@ -76,7 +107,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Cell
 
   const int rings = std::max(1, static_cast<int>(std::ceil((to - from) * R * kSurfaceSamples / spacing)));
   std::vector<Patch> patches(points.size());
-  double lost = 0.0;
+  double lost = 0.0, all = 0.0, own = 0.0;
   for (int i = 0; i < rings; ++i) {
     const double a = from + (to - from) * i / rings, b = from + (to - from) * (i + 1) / rings;
     const double ring_area = 2.0 * M_PI * R * R * 2.0 * std::sin(0.5 * (a + b)) * std::sin(0.5 * (b - a));
@@ -86,10 +117,15 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Cell
         8 * std::max(1, static_cast<int>(std::ceil(2.0 * M_PI * R * std::sin(theta) * kSurfaceSamples / spacing / 8)));
     for (int j = 0; j < around; ++j) {
       const double phi = 2.0 * M_PI * (j + 0.5) / around;
-      const Vector3 x = pair.centre(side) + R * (std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 +
-                                                                                           std::sin(phi) * e2));
+      const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
+      const Vector3 x = pair.centre(side) + R * out;
+      // Shapes begin above the surface.
+      const double part = neighbours.empty() ? 1.0 : share(neighbours, x + 1e-3 * spacing * out);
+      const double area = part * ring_area / around;
+      all += ring_area / around;
+      own += area;
+      if (part == 0.0) continue;
       const int p = owner_of(cells, points, x, spacing);
-      const double area = ring_area / around;
       if (p < 0) {
         lost += area;
         continue;
@@ -98,8 +134,10 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Cell
       patches[p].area += area;
     }
   }
+  const double attached = exact * (own / all);
   double total = 0.0;
   for (const Patch& q : patches) total += q.area;
+  if (!(own > 0.0)) throw ShapeError("neighbours take all of the cement at the surface of a grain; make the shapes smaller");
   if (!(total > 0.0) || lost > 0.05 * exact) {
     std::ostringstream why;
     why << "the lattice of spacing " << spacing << " does not reach the surface of the grain (area " << exact
@@ -111,7 +149,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Cell
     FillPoint& f = points[p];
     auto& k = f.link[f.links++];
     k.side = side;
-    k.area = patches[p].area * exact / total;
+    k.area = patches[p].area * attached / total;
     const Vector3 q = patches[p].sum / patches[p].area - pair.centre(side);
     k.foot = pair.centre(side) + R * q.normalized();
   }
@@ -146,28 +184,54 @@ void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell
   find_cells(shape, spacing, lower, to, full, cut);
 }
 
+// Share and centroid of the part of a cell that is inside, of samples that weigh from 0 to 1 by weight(x).
+template <class Weight>
+bool sample_cell(double spacing, const Cell& cell, int samples, Weight weight, double& sum, Vector3& centroid) {
+  const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
+  sum = 0.0;
+  Vector3 moment = Vector3::Zero();
+  for (int a = 0; a < samples; ++a)
+    for (int b = 0; b < samples; ++b)
+      for (int c = 0; c < samples; ++c) {
+        const Vector3 local((a + 0.5) / samples - 0.5, (b + 0.5) / samples - 0.5, (c + 0.5) / samples - 0.5);
+        const double w = weight(centre + spacing * local);
+        sum += w;
+        moment += w * local;
+      }
+  if (sum == 0.0) return false;
+  centroid = centre + spacing / sum * moment;
+  return true;
+}
+
 // Volume and centroid of the part of a cut cell that is inside; false if nothing is.
 bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p) {
-  const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
-  int count = 0;
-  Vector3 sum = Vector3::Zero();
-  for (int a = 0; a < kSubSamples; ++a)
-    for (int b = 0; b < kSubSamples; ++b)
-      for (int c = 0; c < kSubSamples; ++c) {
-        const Vector3 local((a + 0.5) / kSubSamples - 0.5, (b + 0.5) / kSubSamples - 0.5, (c + 0.5) / kSubSamples - 0.5);
-        if (!shape.inside(centre + spacing * local)) continue;
-        ++count;
-        sum += local;
-      }
-  if (count == 0) return false;
-  p.X = centre + spacing / count * sum;
+  double count;
+  if (!sample_cell(spacing, cell, kSubSamples, [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; }, count, p.X)) return false;
   p.volume = spacing * spacing * spacing * count / (kSubSamples * kSubSamples * kSubSamples);
+  return true;
+}
+
+// Leaves a point what neighbours do not take of its cell; false if that is nothing.
+bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours, const Cell& cell, FillPoint& p) {
+  const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
+  const Owner owner = owner_around(neighbours, centre, 0.5 * std::sqrt(3.0) * spacing);
+  if (owner != Owner::several) return owner == Owner::shape;
+  double whole, own;
+  Vector3 centroid;
+  const auto inside = [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; };
+  const auto mine = [&](const Vector3& x) { return shape.inside(x) ? share(neighbours, x) : 0.0; };
+  if (!sample_cell(spacing, cell, kSharedSamples, mine, own, centroid)) return false;
+  Vector3 unused;
+  sample_cell(spacing, cell, kSharedSamples, inside, whole, unused);
+  if (own == whole) return true;
+  p.X = centroid;
+  p.volume *= own / whole;
   return true;
 }
 
 }  // namespace
 
-std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most) {
+std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most, const std::vector<Neighbour>& neighbours) {
   const Vector3 extent = shape.half_extent();
   const double expected = shape.volume() / (spacing * spacing * spacing);
   constexpr double kMostCells = 1e9;  // along an axis
@@ -208,14 +272,15 @@ std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, doub
   std::vector<Cell> cells;
   std::vector<FillPoint> points;
   double total = 0.0;
-  for (const auto& f : filled) {
+  for (auto& f : filled) {
+    total += f.second.volume;
+    if (!neighbours.empty() && !leave_own(shape, spacing, neighbours, f.first, f.second)) continue;
     cells.push_back(f.first);
     points.push_back(f.second);
-    total += f.second.volume;
   }
   const double scale = shape.volume() / total;
   for (FillPoint& p : points) p.volume *= scale;
-  for (int side = 0; side < 2; ++side) attach(shape, side, spacing, cells, points);
+  for (int side = 0; side < 2; ++side) attach(shape, side, spacing, neighbours, cells, points);
   return points;
 }
 

@@ -8,6 +8,10 @@
 // every patch goes to the point of its cell with its area and its centroid on the sphere
 // (the foot point), scaled to the exact area. Deterministic: every rank that calls this
 // gets the same points in the same order.
+//
+// Where the shape overlaps those of other bodies, its neighbours, material goes to the one whose middle (the
+// origin of its coordinates, the middle of the gap) is nearest: cells are cut there too. What is at the same
+// distance is shared evenly. So the bodies together fill the union of their shapes, once.
 #ifndef MPDEM_LATTICE_FILL_H
 #define MPDEM_LATTICE_FILL_H
 
@@ -33,8 +37,14 @@ struct FillPoint {
   bool failed = false;
 };
 
+struct Neighbour {
+  const Shape* shape;
+  Vector3 middle;  // where its coordinates start
+};
+
 // Throws ShapeError if no cell of the lattice is inside, or if there would be more than `most` points.
-std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most = 1e8);
+std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most = 1e8,
+                                        const std::vector<Neighbour>& neighbours = {});
 
 }  // namespace mpdem
 

@@ -8,6 +8,7 @@
 #define MPDEM_BODY_H
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace mpdem {
@@ -31,9 +32,14 @@ struct Body {
   double points = 0;
 };
 
+// What is wrong with a body from a file, empty if nothing is: numbers that no body can have.
+std::string trouble_of(const Body& body);
+
 inline int lattice_cell(const Body& body, int d, double X) {
   return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));
 }
+
+constexpr int kAxisRules = 3;  // besides 0, see fix mpm
 
 // Parts of a body have nodes of their own, one field of the grid each. A body that came apart has pieces:
 // 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose

@@ -3,7 +3,11 @@
 #include "point_store.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+
+#include "checked_numbers.h"
 
 namespace mpdem {
 
@@ -67,36 +71,65 @@ int PointRecord::pack(double* buf) const {
   return m;
 }
 
-int PointRecord::unpack(const double* buf) {
-  int m = 0;
-  body = static_cast<int>(buf[m++]);
-  part = static_cast<int>(buf[m++]);
-  failed = buf[m++] != 0.0;
-  has_frame = buf[m++] != 0.0;
-  moving = buf[m++] != 0.0;
-  for (double& v : X) v = buf[m++];
-  volume = buf[m++];
-  for (double& v : F) v = buf[m++];
-  for (double& v : q) v = buf[m++];
-  for (double& v : strain) v = buf[m++];
-  for (double& v : damage) v = buf[m++];
+template <class Numbers>
+void PointRecord::take(Numbers& in) {
+  body = in.integer("its bond", 0, kMaxBodies - 1);
+  part = in.integer("its part", 0, kMaxParts - 1);
+  failed = in.flag("'failed'");
+  has_frame = in.flag("'has a frame'");
+  moving = in.flag("'is moving'");
+  in.finite("its place", X);
+  volume = in.positive("its volume");
+  in.finite("its deformation", F);
+  in.quaternion("its frame", q);
+  in.finite("its strain", strain);
+  for (double& v : damage) v = in.within("its damage", -1.0, 1.0);
   if (moving) {
-    for (double& w : X0) w = buf[m++];
-    for (double& w : v) w = buf[m++];
-    for (double& w : C) w = buf[m++];
+    in.finite("its first place", X0);
+    in.finite("its velocity", v);
+    in.finite("its velocity gradient", C);
   }
-  links = static_cast<int>(buf[m++]);
+  links = in.integer("its number of links", 0, kMaxLinks);
   for (int i = 0; i < kMaxLinks; ++i) {
     link[i].slot = -1;
-    link[i].grain = static_cast<int>(buf[m++]);
-    for (int d = 0; d < 3; ++d) link[i].foot[d] = buf[m++];
-    link[i].area = buf[m++];
-    const int state = static_cast<int>(buf[m++]);
+    link[i].grain = in.integer("the grain of a link", 0, std::numeric_limits<int>::max());
+    in.finite("the foot of a link", link[i].foot);
+    link[i].area = in.not_negative("the area of a link");
+    const int state = in.integer("the state of a link", 0, 3);
     link[i].attached = state & 1;
     link[i].inert = state >> 1 & 1;
-    for (int d = 0; d < 3; ++d) link[i].moved[d] = buf[m++];
+    in.finite("the way of a link", link[i].moved);
   }
-  return m;
+}
+
+int PointRecord::unpack(const double* buf) {
+  TrustedNumbers in(buf);
+  take(in);
+  return static_cast<int>(in.next() - buf);
+}
+
+std::string PointRecord::unpack_checked(const double* buf, const std::vector<Body>& bodies) {
+  CheckedNumbers in(buf);
+  take(in);
+  if (in.trouble().empty()) in.check("its bond", body, 0, static_cast<double>(bodies.size()) - 1);
+  if (!in.trouble().empty()) return in.trouble();
+  const Body& of = bodies[body];
+  const double reach = 1e8 * of.spacing;  // cells are numbered by int
+  for (int d = 0; d < 3; ++d) {
+    in.check("its place", X[d], of.lattice[d] - reach, of.lattice[d] + reach);
+    if (moving) in.check("its first place", X0[d], of.lattice[d] - reach, of.lattice[d] + reach);
+  }
+  constexpr double kRounding = 1.0 + 1e-9;
+  in.check("its volume", volume, 0.0, kRounding * of.volume);
+  for (int k = 0; k < links; ++k) {
+    const int side = link[k].grain == of.grain[1];
+    if (link[k].grain != of.grain[side]) in.tell("the grain of a link is " + std::to_string(link[k].grain) + ", which is none of its bond");
+    in.check("the area of a link", link[k].area, 0.0, kRounding * of.attached_area[side]);
+    double square = 0.0;
+    for (int d = 0; d < 3; ++d) square += std::pow(link[k].foot[d] - of.centre[side][d], 2);
+    in.check("the distance of the foot of a link from the centre of the grain", std::sqrt(square), 0.99 * of.radius[side], 1.01 * of.radius[side]);
+  }
+  return in.trouble();
 }
 
 void PointStore::clear() {

@@ -17,11 +17,13 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "../material/corotational.h"
 #include "../material/tensor3.h"
 #include "basis.h"
+#include "body.h"
 
 namespace mpdem {
 
@@ -59,6 +61,13 @@ struct PointRecord {
   static constexpr int kPackedMoving = kPacked + 15;
   int pack(double* buf) const;
   int unpack(const double* buf);
+  static bool packed_moving(const double* buf) { return buf[4] != 0.0; }
+  // Of a record from a file, as long as `packed_moving` says; what is wrong with it, empty if nothing is.
+  std::string unpack_checked(const double* buf, const std::vector<Body>& bodies);
+
+ private:
+  template <class Numbers>
+  void take(Numbers& in);
 };
 
 struct PointBlock {

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../mpm/checked_numbers.h"
 #include "../version.h"
 #include "arguments.h"
 #include "atom.h"
@@ -22,6 +23,7 @@ namespace LAMMPS_NS {
 
 namespace {
 constexpr int kGrainNumbers = sizeof(AtomVecMpdem::GrainState) / sizeof(double);
+constexpr int kSphereNumbers = 17;  // of an atom of style sphere, before those of fixes
 constexpr int kPlainState = 1, kGrainState = 1 + kGrainNumbers;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
@@ -147,13 +149,54 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
   return m;
 }
 
+// What is wrong with the numbers of an atom in a restart file, of which the last `own` are state and its length.
+std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own) const {
+  const auto whole = [](double v) { return ubuf(v).i; };
+  const int fixes = total - own - kSphereNumbers;
+  if (fixes < 0 || !waiting.fits(lmp, buf + kSphereNumbers, fixes)) return "the state of fixes is not as long as the file says";
+  mpdem::CheckedNumbers in(nullptr);
+  if (whole(buf[4]) < 1 || whole(buf[4]) > std::numeric_limits<int>::max()) in.tell(mpdem::text_of("its ID is ", whole(buf[4])));
+  if (whole(buf[5]) < 1 || whole(buf[5]) > atom->ntypes) in.tell(mpdem::text_of("its type is ", whole(buf[5]), ", allowed is 1 to ", atom->ntypes));
+  constexpr double kLargest = mpdem::CheckedNumbers::kLargest;
+  for (int d = 0; d < 3; ++d) {
+    in.check("its velocity", buf[8 + d], -kLargest, kLargest);
+    in.check("its angular velocity", buf[14 + d], -kLargest, kLargest);
+  }
+  in.check("its radius", buf[11], 0.0, kLargest);
+  in.check("its mass", buf[12], 0.0, kLargest);
+  in.check("its density", buf[13], 0.0, kLargest);
+  if (!in.trouble().empty()) return in.trouble();
+
+  const double* state = buf + total - own;
+  const int length = own - 1;
+  if (state[0] == kNoState && length == kPlainState) return "";
+  if (state[0] == kPoint && (length == 1 + mpdem::PointRecord::kPacked || length == 1 + mpdem::PointRecord::kPackedMoving)) {
+    mpdem::PointRecord r;
+    if (mpdem::PointRecord::packed_moving(state + 1) != (length == 1 + mpdem::PointRecord::kPackedMoving)) return "the state of a point is not as long as the file says";
+    return r.unpack_checked(state + 1, bodies);
+  }
+  if (state[0] == kGrain && length == kGrainState) {
+    GrainState g;
+    std::memcpy(static_cast<void*>(&g), state + 1, sizeof g);
+    in.check_quaternion("its orientation", g.q);
+    for (int n = 1; n < kGrainState; ++n) in.check("the state of a bonded grain", state[n], -kLargest, kLargest);
+    in.check_integer("'has been seen'", g.seen, 0.0, 1.0);
+    in.check_integer("'has a place'", g.placed, 0.0, 1.0);
+    return in.trouble();
+  }
+  return mpdem::text_of("its state is of kind ", state[0], " and ", length, " numbers long, which none is");
+}
+
 int AtomVecMpdem::unpack_restart(double* buf) {
   // That the file is as it was written is known from its seal, if it has one, see host/restart_seal.cpp.
-  const int total = buf[0] > 1.0 && buf[0] < std::numeric_limits<int>::max() ? static_cast<int>(buf[0]) : 1;
+  const double most = kSphereNumbers + atom->nextra_store + std::max(kGrainState, 1 + mpdem::PointRecord::kPackedMoving) + 1;
+  const int total = buf[0] > kSphereNumbers && buf[0] <= most ? static_cast<int>(buf[0]) : 1;
   const double own_length = buf[total - 1];
-  const int own = own_length > 0.0 && own_length < total ? static_cast<int>(own_length) : 0;
-  if (own == 0)
-    mpdem::stop_one(lmp, "read_restart: the file is damaged in the data of an atom; use another restart file");
+  const int own = own_length > 1.0 && own_length < total ? static_cast<int>(own_length) : 0;
+  const std::string trouble = own == 0 || own != own_length || total != buf[0] ? "its number of numbers is wrong" : trouble_in_atom(buf, total, own);
+  if (!trouble.empty())
+    mpdem::stop_one(lmp, mpdem::text_of("read_restart: the file is damaged in the data of an atom (ID ", ubuf(buf[4]).i, "): ", trouble,
+                                        "; use another restart file"));
   buf[0] = total - own;
   AtomVecSphere::unpack_restart(buf);
   buf[0] = total;
@@ -167,42 +210,50 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
                                   restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
   if (!bodies.empty()) fwrite(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp);
+  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
 // Called by every rank; only the first has the file.
 void AtomVecMpdem::read_restart_settings(FILE* fp) {
   int me;
   MPI_Comm_rank(world, &me);
-  int status[2] = {0, 0};  // 1: no data of this package, 2: other version, 3: truncated
+  std::string trouble;
+  int count = 0;
   if (me == 0) {
     char magic[sizeof kRestartMagic];
     int head[kRestartHead] = {0, 0, 0, 0};
-    if (fread(magic, 1, sizeof magic, fp) != sizeof magic || std::memcmp(magic, kRestartMagic, sizeof magic) != 0) {
-      status[0] = 1;
+    const auto marked = [&] { return fread(magic, 1, sizeof magic, fp) == sizeof magic && std::memcmp(magic, kRestartMagic, sizeof magic) == 0; };
+    const std::string cure = "; use another restart file";
+    if (!marked()) {
+      trouble = "the file has no data of atom_style mpdem";
     } else if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) {
-      status[0] = 3;
-    } else if (head[0] != kRestartVersion || head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
-      status[0] = 2;
-      status[1] = head[0];
+      trouble = "the file is truncated in the data of atom_style mpdem";
+    } else if (head[0] != kRestartVersion) {
+      trouble = mpdem::text_of("data of atom_style mpdem of version ", head[0], ", this program reads version ", kRestartVersion);
+    } else if (head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
+      trouble = mpdem::text_of("the file is damaged: it has ", head[2], " bonds of ", head[1], " bytes, this program writes ", sizeof(mpdem::Body),
+                               " bytes a bond", cure);
     } else if (head[2] > mpdem::kMaxBodies) {
-      status[0] = 4;
-      status[1] = head[2];
+      trouble = mpdem::text_of("the file has ", head[2], " bonds, this program takes ", mpdem::kMaxBodies,
+                               " at most; use the program that wrote it");
     } else {
-      bodies.resize(head[2]);
-      if (!bodies.empty() && fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size()) status[0] = 3;
-      status[1] = head[2];
+      count = head[2];
+      bodies.resize(count);
+      if (fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size())
+        trouble = "the file is truncated in the data of atom_style mpdem";
+      else if (!marked())
+        trouble = mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
     }
+    for (int b = 0; b < count && trouble.empty(); ++b) {
+      const std::string wrong = trouble_of(bodies[b]);
+      if (!wrong.empty())
+        trouble = mpdem::text_of("the file is damaged in the data of the bond of grains ", bodies[b].grain[0], " and ", bodies[b].grain[1], ": ", wrong, cure);
+    }
+    if (!trouble.empty()) trouble = "read_restart: " + trouble;
   }
-  MPI_Bcast(status, 2, MPI_INT, 0, world);
-  if (status[0] == 1) mpdem::stop_all(lmp, "read_restart: the file has no data of atom_style mpdem");
-  if (status[0] == 2)
-    mpdem::stop_all(lmp, mpdem::text_of("read_restart: data of atom_style mpdem of version ", status[1],
-                                        ", this program reads version ", kRestartVersion));
-  if (status[0] == 3) mpdem::stop_all(lmp, "read_restart: the file is truncated in the data of atom_style mpdem");
-  if (status[0] == 4)
-    mpdem::stop_all(lmp, mpdem::text_of("read_restart: the file has ", status[1], " bonds, this program takes ",
-                                        mpdem::kMaxBodies, " at most; use the program that wrote it"));
-  bodies.resize(status[1]);
+  mpdem::stop_if_any(lmp, trouble);
+  MPI_Bcast(&count, 1, MPI_INT, 0, world);
+  bodies.resize(count);
   MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);
 }
 

@@ -16,6 +16,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #define MPDEM_ATOM_VEC_MPDEM_H
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "../mpm/body.h"
@@ -56,9 +57,10 @@ class AtomVecMpdem : public AtomVecSphere {
   void track_orientation(int i);
 
   // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
-  // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes.
+  // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
+  // again after the bodies.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 7, kRestartHead = 4;
+  static constexpr int kRestartVersion = 8, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
@@ -82,6 +84,7 @@ class AtomVecMpdem : public AtomVecSphere {
   void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
+  std::string trouble_in_atom(const double* buf, int total, int own) const;
 };
 
 }  // namespace LAMMPS_NS

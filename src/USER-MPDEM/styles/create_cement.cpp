@@ -38,7 +38,7 @@ using mpdem::text_of;
 namespace {
 const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
                                             "cap",     "content", "file",  "attach",  "inner",   "spacing",
-                                            "density", "type",    "grid"};
+                                            "density", "type",    "grid",  "overlap"};
 constexpr double kRounding = 1e-9;  // of lengths that a script computed
 }
 
@@ -161,6 +161,8 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
       has_inner = true;
     } else if (key == "grid") {
       for (double& g : grid_) g = args.number(key);
+    } else if (key == "overlap") {
+      overlap_ = args.choice(key, {"error", "skip", "trim"});
     } else if (key == "spacing") {
       spacing_ = args.positive(key);
     } else if (key == "density") {
@@ -232,17 +234,26 @@ void CreateCement::command(int narg, char** arg) {
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
   args.about(text_of("pair ", tags[0], " ", tags[1]));
   std::sort(tags, tags + 2);
+  const Bond bond = plan(tags, args);
+  if (overlap_ == "trim")
+    args.complain("'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of these grains");
+  if (make(bond, {}, AtomVecMpdem::of(lmp)->bodies.size(), args).points == 0.0) report_skipped({{tags[0], tags[1]}});
+}
 
+CreateCement::Bond CreateCement::plan(const int* tags, Arguments& args) {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  if (avec->bodies.size() == mpdem::kMaxBodies) args.complain(text_of("there are ", mpdem::kMaxBodies, " bonds, which is the most"));
   for (const Body& b : avec->bodies)
     if (b.grain[0] == tags[0] && b.grain[1] == tags[1])
       args.complain(text_of("grains ", tags[0], " and ", tags[1], " have cement already; it would overlap"));
-  const Grain g0 = find_grain(tags[0], args), g1 = find_grain(tags[1], args);
-  double d[3] = {g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]};
+  Bond bond;
+  std::copy(tags, tags + 2, bond.tags);
+  for (int s = 0; s < 2; ++s) bond.grain[s] = find_grain(tags[s], args);
+  const Grain &g0 = bond.grain[0], &g1 = bond.grain[1];
+  double* d = bond.between;
+  for (int c = 0; c < 3; ++c) d[c] = g1.x[c] - g0.x[c];
   domain->minimum_image(d[0], d[1], d[2]);
   const mpdem::Vector3 centres(d[0], d[1], d[2]);
-  mpdem::GrainPair pair{g0.radius, g1.radius, centres.norm() - g0.radius - g1.radius, centres.normalized()};
+  const mpdem::GrainPair pair{g0.radius, g1.radius, centres.norm() - g0.radius - g1.radius, centres.normalized()};
   const double smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
   check_place(g0, g1, smaller, args);
   if (!(centres.norm() > 0.0) || !(pair.gap <= reach * (1.0 + kRounding)))
@@ -251,24 +262,35 @@ void CreateCement::command(int narg, char** arg) {
   if (!(pair.gap > -0.2 * reach))
     args.complain(text_of("grains ", tags[0], " and ", tags[1], " overlap by ", -pair.gap,
                           ", more than a tenth of the smaller radius, ", 0.2 * reach));
-
-  const std::unique_ptr<mpdem::Shape> shape = read_shapes(pair, g0.mass + g1.mass, args);
+  bond.pair = pair;
+  bond.shape = read_shapes(pair, g0.mass + g1.mass, args);
   check_place(g0, g1, spacing_, args);
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
     args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
   const std::string same_type = mpdem::trouble_with_types(lmp, *avec, type_);
   if (!same_type.empty()) args.complain(same_type);
+  if (bond.shape && bond.shape->largest_thickness() < 2.0 * spacing_)
+    args.complain(text_of("the cement is at most ", bond.shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
+                          spacing_, "; use a spacing of at most ", 0.5 * bond.shape->largest_thickness(), " or more cement"));
+  return bond;
+}
+
+// Bodies from `first` on are shared out among each other, by `neighbours`.
+CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem::Neighbour>& neighbours, std::size_t first, Arguments& args) {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  if (avec->bodies.size() == mpdem::kMaxBodies) args.complain(text_of("there are ", mpdem::kMaxBodies, " bonds, which is the most"));
+  const int* tags = bond.tags;
+  const Grain &g0 = bond.grain[0], &g1 = bond.grain[1];
+  const mpdem::GrainPair& pair = bond.pair;
+  const std::unique_ptr<mpdem::Shape>& shape = bond.shape;
   Body body;
   std::vector<FillPoint> fill;
   mpdem::Vector3 corner = mpdem::Vector3::Zero();
   std::string what;
   try {
     if (shape) {
-      if (shape->largest_thickness() < 2.0 * spacing_)
-        args.complain(text_of("the cement is at most ", shape->largest_thickness(), " thick, less than a cell of two points of spacing ",
-                              spacing_, "; use a spacing of at most ", 0.5 * shape->largest_thickness(), " or more cement"));
-      fill = mpdem::fill_with_points(*shape, spacing_, most_points());
+      fill = mpdem::fill_with_points(*shape, spacing_, most_points(), neighbours);
       corner = mpdem::Vector3(grid_[0], grid_[1], grid_[2]);
       for (FillPoint& p : fill) {
         p.X -= corner;
@@ -277,8 +299,10 @@ void CreateCement::command(int narg, char** arg) {
       for (int c = 0; c < 3; ++c) body.lattice[c] = -corner[c];
       for (int s = 0; s < 2; ++s) body.attached_area[s] = shape->attached_area(s);
       body.volume = shape->volume();
+      if (!neighbours.empty()) measure(fill, body);
       body.thickness = shape->largest_thickness();
       what = shape->describe();
+      if (body.volume < shape->volume()) what += text_of(", trimmed from a volume of ", shape->volume());
     } else {
       fill = read_file(pair, tags, g0.x, body, corner, args);
       what = "file '" + file_ + "'";
@@ -288,7 +312,7 @@ void CreateCement::command(int narg, char** arg) {
   }
 
   for (int s = 0; s < 2; ++s) {
-    const Grain& g = s == 0 ? g0 : g1;
+    const Grain& g = bond.grain[s];
     body.grain[s] = tags[s];
     body.radius[s] = g.radius;
     std::copy(g.q, g.q + 4, body.orientation[s]);
@@ -299,15 +323,21 @@ void CreateCement::command(int narg, char** arg) {
     body.origin[c] = g0.x[c] - body.centre[0][c];
     body.shift[0][c] = g0.x[c] - g0.unwrapped[c];
     // A multiple of the box; taken from integers, not from a difference of coordinates.
-    const double boxes = std::round((g0.x[c] + d[c] - g1.unwrapped[c]) / domain->prd[c]);
+    const double boxes = std::round((g0.x[c] + bond.between[c] - g1.unwrapped[c]) / domain->prd[c]);
     body.shift[1][c] = domain->periodicity[c] ? boxes * domain->prd[c] : 0.0;
-    const double first = std::round(body.shift[0][c] / domain->prd[c]);
-    body.shift[0][c] = domain->periodicity[c] ? first * domain->prd[c] : 0.0;
+    const double first_boxes = std::round(body.shift[0][c] / domain->prd[c]);
+    body.shift[0][c] = domain->periodicity[c] ? first_boxes * domain->prd[c] : 0.0;
     body.box[c] = domain->periodicity[c] ? domain->prd[c] : 0.0;
   }
   body.spacing = spacing_;
   body.points = static_cast<double>(fill.size());
-  check_overlap(fill, body, args);
+  const std::string overlap = overlap_of(fill, body, overlap_ == "trim" ? first : avec->bodies.size());
+  if (!overlap.empty()) {
+    if (overlap_ == "skip") return {};
+    args.complain(overlap + (overlap_ == "trim" ? ", which is of an earlier command and stays as it is; use 'overlap skip'"
+                                                : "; make one of them smaller (a coating: 'cap'), leave the second out by 'overlap skip', or "
+                                                  "share out the bonds of a 'contacts' by 'overlap trim'"));
+  }
   check_other_grains(fill, body);
   avec->bodies.push_back(body);
   add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
@@ -325,6 +355,16 @@ void CreateCement::command(int narg, char** arg) {
                      text_of("pair ", tags[0], " ", tags[1], ": the cement is ", shape->smallest_thickness(), " thin at its inner rim, less than two spacings: "
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
                          .c_str());
+  }
+  return {body.points, body.volume, body.volume * density_};
+}
+
+// Volume and attached areas as the points have them, for bodies that neighbours have cut.
+void CreateCement::measure(const std::vector<FillPoint>& fill, Body& body) {
+  body.volume = body.attached_area[0] = body.attached_area[1] = 0.0;
+  for (const FillPoint& p : fill) {
+    body.volume += p.volume;
+    for (int k = 0; k < p.links; ++k) body.attached_area[p.link[k].side] += p.link[k].area;
   }
 }
 

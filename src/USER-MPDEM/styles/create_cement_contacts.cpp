@@ -64,6 +64,72 @@ std::vector<std::pair<int, int>> CreateCement::contacts(int groupbit, double gap
   return {pairs.begin(), pairs.end()};
 }
 
+// For each bond the others, and periodic images, whose boxes meet its own.
+std::vector<std::vector<mpdem::Neighbour>> CreateCement::neighbours(const std::vector<Bond>& bonds) const {
+  using mpdem::Vector3;
+  struct Place {
+    Vector3 middle;
+    std::size_t bond;
+    bool image;
+  };
+  double widest = 0.0;
+  for (const Bond& b : bonds) widest = std::max(widest, b.shape->half_extent().maxCoeff());
+  const Vector3 low(domain->boxlo[0], domain->boxlo[1], domain->boxlo[2]), high(domain->boxhi[0], domain->boxhi[1], domain->boxhi[2]);
+  const int images[3] = {domain->periodicity[0], domain->periodicity[1], domain->periodicity[2]};
+  std::vector<Place> places;
+  for (std::size_t n = 0; n < bonds.size(); ++n)
+    for (int i = -images[0]; i <= images[0]; ++i)
+      for (int j = -images[1]; j <= images[1]; ++j)
+        for (int k = -images[2]; k <= images[2]; ++k) {
+          const Vector3 x = bonds[n].middle() + Vector3(i * domain->prd[0], j * domain->prd[1], k * domain->prd[2]);
+          const bool image = i != 0 || j != 0 || k != 0;
+          // Middles lie up to a radius outside of the box, beside the first grain.
+          const double reach = 2.0 * widest + bonds[n].pair.R1;
+          if (image && ((x - low).minCoeff() < -reach || (high - x).minCoeff() < -reach)) continue;
+          places.push_back({x, n, image});
+        }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.middle[0] != b.middle[0] ? a.middle[0] < b.middle[0] : a.bond < b.bond; });
+  std::vector<std::vector<mpdem::Neighbour>> near(bonds.size());
+  for (std::size_t n = 0; n < places.size(); ++n)
+    for (std::size_t m = n + 1; m < places.size() && places[m].middle[0] - places[n].middle[0] <= 2.0 * widest; ++m) {
+      const Place &a = places[n], &b = places[m];
+      const Vector3 apart = b.middle - a.middle;
+      const mpdem::Shape &of_a = *bonds[a.bond].shape, &of_b = *bonds[b.bond].shape;
+      if ((apart.cwiseAbs().array() > (of_a.half_extent() + of_b.half_extent()).array()).any()) continue;
+      if (!a.image) near[a.bond].push_back({&of_b, apart});
+      if (!b.image) near[b.bond].push_back({&of_a, -apart});
+    }
+  return near;
+}
+
+void CreateCement::report_skipped(const std::vector<std::pair<int, int>>& skipped) const {
+  if (comm->me != 0 || skipped.empty()) return;
+  constexpr std::size_t kMost = 20;
+  std::string pairs;
+  for (std::size_t n = 0; n < std::min(skipped.size(), kMost); ++n) pairs += text_of(" ", skipped[n].first, "-", skipped[n].second);
+  if (skipped.size() > kMost) pairs += " ...";
+  const std::string text = text_of(skipped.size(), " bonds left out whose cement would overlap that of others, between grains", pairs, "\n");
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s", text.c_str());
+}
+
+// Collective.
+void CreateCement::report_sums(const Sums& sums, int groupbit, const std::string& name) const {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  double mine[2] = {0.0, 0.0}, grains[2];
+  for (int i = 0; i < atom->nlocal; ++i)
+    if ((atom->mask[i] & groupbit) && !avec->is_point(i)) {
+      mine[0] += 1.0;
+      mine[1] += atom->rmass[i];
+    }
+  MPI_Allreduce(mine, grains, 2, MPI_DOUBLE, MPI_SUM, world);
+  if (comm->me != 0) return;
+  const std::string text = text_of("  in all ", sums.points, " points, volume ", sums.volume, ", mass ", sums.mass, ", content (mass over that of the ", grains[0],
+                                   " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1], "\n");
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s", text.c_str());
+}
+
 // Words after `contacts`; those after the gap go to each pair as they are.
 void CreateCement::cement_contacts(char** arg, int narg, int words, Arguments& args) {
   const std::string name = args.word("a group of grains for 'contacts'");
@@ -71,25 +137,47 @@ void CreateCement::cement_contacts(char** arg, int narg, int words, Arguments& a
   if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
   args.choice("gap", {"gap"});
   const double gap = args.not_negative("gap");
+  const std::vector<mpdem::Body>& bodies = AtomVecMpdem::of(lmp)->bodies;
+  const std::size_t before = bodies.size();
   std::set<std::pair<int, int>> cemented;
-  for (const mpdem::Body& b : AtomVecMpdem::of(lmp)->bodies) cemented.insert({b.grain[0], b.grain[1]});
+  for (const mpdem::Body& b : bodies) cemented.insert({b.grain[0], b.grain[1]});
   const std::vector<std::pair<int, int>> found = contacts(group->bitmask[igroup], gap);
   if (found.empty())
     args.complain(text_of("no two grains of group '", name, "' are closer than 'gap ", gap, "'; use a wider gap, or bring them together before"));
-  int made = 0;
+
+  std::vector<CreateCement> makers;
+  std::vector<Arguments> of_pairs;
+  std::vector<Bond> bonds;
   for (const std::pair<int, int>& p : found) {
     if (cemented.count(p)) continue;
-    std::string tags[2] = {std::to_string(p.first), std::to_string(p.second)}, pair = "pair";
-    std::vector<char*> list = {arg[0], &pair[0], &tags[0][0], &tags[1][0]};
-    list.insert(list.end(), arg + words, arg + narg);
-    CreateCement(lmp).command(static_cast<int>(list.size()), list.data());
-    ++made;
+    const int tags[2] = {p.first, p.second};
+    makers.emplace_back(lmp);
+    makers.back().groupbit_ = groupbit_;
+    of_pairs.emplace_back(lmp, "create_cement", narg, arg, words);
+    of_pairs.back().about(text_of("pair ", p.first, " ", p.second));
+    bonds.push_back(makers.back().plan(tags, of_pairs.back()));
   }
-  if (comm->me != 0) return;
-  for (FILE* f : {screen, logfile})
-    if (f)
-      std::fprintf(f, "%s", text_of("Cement at ", made, " contacts of group '", name, "' of a gap of at most ", gap, "; ",
-                                    found.size() - made, " had cement before\n").c_str());
+  std::vector<std::vector<mpdem::Neighbour>> near(bonds.size());
+  if (!bonds.empty() && makers[0].overlap_ == "trim") {
+    if (!bonds[0].shape) args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
+    near = neighbours(bonds);
+  }
+  Sums sums;
+  std::vector<std::pair<int, int>> skipped;
+  for (std::size_t n = 0; n < bonds.size(); ++n) {
+    const Sums s = makers[n].make(bonds[n], near[n], before, of_pairs[n]);
+    if (s.points == 0.0) skipped.push_back({bonds[n].tags[0], bonds[n].tags[1]});
+    sums.points += s.points;
+    sums.volume += s.volume;
+    sums.mass += s.mass;
+  }
+  if (comm->me == 0)
+    for (FILE* f : {screen, logfile})
+      if (f)
+        std::fprintf(f, "%s", text_of("Cement at ", bonds.size() - skipped.size(), " contacts of group '", name, "' of a gap of at most ", gap, "; ",
+                                      found.size() - bonds.size(), " had cement before\n").c_str());
+  report_sums(sums, group->bitmask[igroup], name);
+  report_skipped(skipped);
 }
 
 }  // namespace LAMMPS_NS

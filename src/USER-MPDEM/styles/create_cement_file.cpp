@@ -129,12 +129,12 @@ void CreateCement::set_frame(const FillPoint& p, mpdem::PointRecord& r) const {
   std::copy(turned, turned + 6, r.damage);
 }
 
-// New points inside cells that cement of another bond fills (nearly) whole. Collective.
-void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem::Body& body,
-                                 const mpdem::Arguments& args) const {
+// New points inside cells that cement of another bond, of the first `bodies`, fills (nearly) whole; empty if there are
+// none. Collective.
+std::string CreateCement::overlap_of(const std::vector<FillPoint>& fill, const mpdem::Body& body, std::size_t bodies) const {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   const mpdem::PointStore& points = avec->points;
-  if (avec->bodies.empty()) return;
+  if (bodies == 0) return "";
   // New points by cells as wide as the coarsest lattice.
   double width = spacing_;
   for (const mpdem::Body& b : avec->bodies) width = std::max(width, b.spacing);
@@ -154,7 +154,7 @@ void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem
     if (!avec->is_point(i)) continue;
     const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
     const int body_of_point = points.meta[b].body;
-    if (points.blocks[b].volume[l] < full[body_of_point]) continue;
+    if (body_of_point >= static_cast<int>(bodies) || points.blocks[b].volume[l] < full[body_of_point]) continue;
     const double half = 0.5 * avec->bodies[body_of_point].spacing * (1.0 - 1e-6);
     // From the middle of the new cement, so that the nearest periodic image is meant.
     Vector3 middle = 0.5 * (low + high);
@@ -173,9 +173,9 @@ void CreateCement::check_overlap(const std::vector<FillPoint>& fill, const mpdem
   MPI_Allreduce(MPI_IN_PLACE, inside.data(), static_cast<int>(inside.size()), MPI_DOUBLE, MPI_SUM, world);
   for (std::size_t b = 0; b < inside.size(); ++b)
     if (inside[b] > 0.0)
-      args.complain(text_of("the cement of grains ", body.grain[0], " and ", body.grain[1], " overlaps that of grains ",
-                            avec->bodies[b].grain[0], " and ", avec->bodies[b].grain[1], ", in a volume of ", inside[b], " of ", body.volume,
-                            "; make one of them smaller (a coating: 'cap')"));
+      return text_of("the cement of grains ", body.grain[0], " and ", body.grain[1], " overlaps that of grains ",
+                     avec->bodies[b].grain[0], " and ", avec->bodies[b].grain[1], ", in a volume of ", inside[b], " of ", body.volume);
+  return "";
 }
 
 // Points inside another grain than the two, or in another image of these. Each rank looks at its own grains,

@@ -40,6 +40,10 @@ namespace mpdem {
 class Arguments;
 }
 
+namespace mpdem {
+class CheckedNumbers;
+}
+
 namespace LAMMPS_NS {
 
 class FixMpm : public Fix {
@@ -112,6 +116,7 @@ class FixMpm : public Fix {
   double stable_step();
 
  private:
+  void restore_nodes(std::size_t n, mpdem::CheckedNumbers& in);
   void parse(int narg, char** arg);
   void parse_damage(mpdem::Arguments& args, mpdem::DamageParameters& damage);
   void parse_transfer(mpdem::Arguments& args);
@@ -223,6 +228,7 @@ class FixMpm : public Fix {
   // words of the script
   double cell_ = 0.0;
   enum { kRadial = 1, kBond, kGlobal } axis_ = kRadial;  // values are in restart files
+  static_assert(kGlobal == mpdem::kAxisRules);
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;

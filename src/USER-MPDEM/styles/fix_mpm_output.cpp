@@ -3,14 +3,16 @@
 //
 // Global sums, rows of the bonds and restart data of fix mpm. Nothing here runs in a step
 // that prints nothing.
+#include <malloc.h>
 #include <mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
+#include <utility>
 
+#include "../mpm/checked_numbers.h"
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
@@ -26,6 +28,7 @@ using mpdem::vd;
 
 namespace {
 constexpr double kRestartVersion = 5.0;
+constexpr std::size_t kRestartHead = 21, kBondRow = 6;
 constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
 
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
@@ -266,60 +269,84 @@ void FixMpm::write_restart(FILE* fp) {
   if (!all.empty()) fwrite(all.data(), sizeof(double), all.size(), fp);
 }
 
+// The same numbers on every rank.
 void FixMpm::restart(char* buf) {
+  const auto damaged = [this](const std::string& what) {
+    mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): its data in the restart file are damaged: ", what, "; use another restart file"));
+  };
+  // LIGGGHTS does not tell how long its copy is.
+  const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
   const double* v = reinterpret_cast<const double*>(buf);
+  if (numbers < kRestartHead) damaged(mpdem::text_of("they end after ", numbers, " numbers"));
   if (v[0] != kRestartVersion)
     mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): restart data of version ", v[0], ", this program reads version ",
                                         kRestartVersion));
-  restored_cell_ = v[1];
-  restored_basis_ = static_cast<mpdem::Basis>(static_cast<int>(v[2]));
-  restored_updated_ = static_cast<int>(v[3]) & 1;
-  restored_tied_ = static_cast<int>(v[3]) & 2;
-  dt_last_ = v[4];
-  bodies_started_ = static_cast<int>(v[5]);
-  start_energy_ = v[6];
+  mpdem::CheckedNumbers in(v + 1);
+  restored_cell_ = in.positive("cell");
+  restored_basis_ = static_cast<mpdem::Basis>(in.integer("the number of the basis", 0, static_cast<int>(mpdem::Basis::cubic)));
+  const int kinematics = in.integer("the number of the kinematics", 0, 3);
+  restored_updated_ = kinematics & 1;
+  restored_tied_ = kinematics & 2;
+  dt_last_ = in.not_negative("the time step");
+  bodies_started_ = in.integer("the number of bonds that have moved", 0, static_cast<double>(avec_->bodies.size()));
+  start_energy_ = in.finite("an energy");
+  double sums[5];
+  in.finite("an energy", sums);
   if (comm->me == 0) {
-    dissipated_ = v[7];
-    released_ = v[8];
-    damped_ = v[9];
-    work_ = v[10];
-    work_ahead_ = v[11];
+    dissipated_ = sums[0];
+    released_ = sums[1];
+    damped_ = sums[2];
+    work_ = sums[3];
+    work_ahead_ = sums[4];
   }
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
-  update->atime = v[12];
+  update->atime = in.finite("the time");
   update->atimestep = update->ntimestep;
-  eigenvalue_ = v[13];
-  auto_step_ = v[14];
-  ran_.coupling = v[15] == CouplingOfSteps::kLinks  ? CouplingOfSteps::kLinks
-                  : v[15] == CouplingOfSteps::kNone ? CouplingOfSteps::kNone
-                                                    : CouplingOfSteps::kNoSteps;
-  ran_.kn = v[16];
-  ran_.kt = v[17];
-  ran_.at_surface = v[18] != 0.0;
-  const std::size_t bodies = static_cast<std::size_t>(v[19]), n = static_cast<std::size_t>(v[20]);
-  std::vector<std::size_t> order(n);
-  std::iota(order.begin(), order.end(), 0);
+  eigenvalue_ = in.not_negative("the largest eigenvalue");
+  auto_step_ = in.not_negative("the step of 'timestep auto'");
+  using Coupling = decltype(ran_.coupling);
+  ran_.coupling = static_cast<Coupling>(in.integer("the kind of coupling", CouplingOfSteps::kNoSteps, CouplingOfSteps::kNone));
+  ran_.kn = in.finite("kn of the coupling");
+  ran_.kt = in.finite("kt of the coupling");
+  ran_.at_surface = in.flag("'at surface' of the coupling");
+  // Cement may have been made since.
+  const std::size_t bodies = in.integer("the number of bonds", bodies_started_, static_cast<double>(avec_->bodies.size()));
+  const std::size_t n = in.integer("the number of nodes", 0, std::numeric_limits<int>::max());
+  if (!in.trouble().empty()) damaged(in.trouble());
+  const std::size_t expected = kRestartHead + kBondRow * bodies + kNodeRow * n;
+  if (expected > numbers) damaged(mpdem::text_of(bodies, " bonds and ", n, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
-  const double* row = v + 21;
-  for (std::size_t b = 0; b < bodies; ++b, row += 6) {
-    failed_seen_[b] = row[0];
-    separation_[b].separated = row[1] != 0.0;
-    separation_[b].at_grain[0] = row[2];
-    separation_[b].at_grain[1] = row[3];
-    separation_[b].inside = row[4];
-    bonds_[b].peak = row[5];
+  for (std::size_t b = 0; b < bodies; ++b) {
+    failed_seen_[b] = in.not_negative("the number of failed points of a bond");
+    separation_[b].separated = in.flag("'is separated' of a bond");
+    separation_[b].at_grain[0] = in.not_negative("the area of separation at a grain");
+    separation_[b].at_grain[1] = in.not_negative("the area of separation at a grain");
+    separation_[b].inside = in.not_negative("the area of separation inside");
+    bonds_[b].peak = in.finite("the largest tension of a bond");
   }
-  const double* rows = row;
-  const auto key = [rows](std::size_t i) {
-    const double* r = rows + kNodeRow * i;
-    return mpdem::Key{static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]), static_cast<int>(r[3])};
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  for (std::size_t i : order) {
-    restored_.keys.push_back(key(i));
-    restored_.values.insert(restored_.values.end(), rows + kNodeRow * i + 4, rows + kNodeRow * (i + 1));
+  restore_nodes(n, in);
+  if (!in.trouble().empty()) damaged(in.trouble());
+}
+
+// Rows of nodes in the order of the keys.
+void FixMpm::restore_nodes(std::size_t n, mpdem::CheckedNumbers& in) {
+  const double bodies = static_cast<double>(avec_->bodies.size()), most = 1 << 30;
+  const double* rows = in.next();
+  std::vector<std::pair<mpdem::Key, const double*>> nodes;
+  for (std::size_t i = 0; i < n; ++i) {
+    const int field = in.integer("the bond of a node", 0, most);
+    in.check("the bond of a node", mpdem::body_of(field), 0, bodies - 1);
+    mpdem::Key key{field, 0, 0, 0};
+    for (int d = 1; d < 4; ++d) key[d] = in.integer("the place of a node", -most, most);
+    for (int d = 0; d < mpdem::NodeKinematics::kWidth; ++d) in.finite("the motion of a node");
+    nodes.emplace_back(key, rows + kNodeRow * i + 4);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  for (const auto& [key, values] : nodes) {
+    restored_.keys.push_back(key);
+    restored_.values.insert(restored_.values.end(), values, values + mpdem::NodeKinematics::kWidth);
   }
 }
 

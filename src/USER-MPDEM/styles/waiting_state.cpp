@@ -8,7 +8,6 @@
 #include <climits>
 #include <vector>
 
-#include "arguments.h"
 #include "atom.h"
 #include "fix.h"
 #include "memory.h"
@@ -18,21 +17,25 @@ namespace LAMMPS_NS {
 
 // Each fix's part of a row begins with the length of the part. Values have the same length for all atoms; a history grows with
 // the contacts, and zeros of any length are a history without contacts.
-std::vector<double> WaitingState::neutral_row(LAMMPS* lmp, int atoms) const {
-  const int fixes = lmp->modify->nfix_restart_peratom, width = lmp->atom->nextra_store;
-  std::vector<int> shortest(fixes, INT_MAX);
-  bool bad = false;
-  for (int i = 0; i < atoms; ++i) {
-    int at = 0;
-    for (int n = 0; n < fixes && !bad; ++n) {
-      const double length = at < width ? lmp->atom->extra[i][at] : 0.0;
-      bad = !(length >= 1.0 && length <= width - at);
-      if (bad) break;
-      shortest[n] = std::min(shortest[n], static_cast<int>(length));
-      at += static_cast<int>(length);
-    }
+
+bool WaitingState::fits(LAMMPS* lmp, const double* state, int size) {
+  if (size > lmp->atom->nextra_store) return false;
+  int at = 0;
+  for (int n = 0; n < lmp->modify->nfix_restart_peratom; ++n) {
+    const double length = at < size ? state[at] : 0.0;
+    if (!(length >= 1.0 && length <= size - at)) return false;
+    at += static_cast<int>(length);
   }
-  mpdem::stop_if_any(lmp, bad ? "read_restart: the file is damaged in the state of fixes of an atom; use another restart file" : "");
+  return at == size;
+}
+
+std::vector<double> WaitingState::neutral_row(LAMMPS* lmp, int atoms) const {
+  const int fixes = lmp->modify->nfix_restart_peratom;
+  std::vector<int> shortest(fixes, INT_MAX);
+  for (int i = 0; i < atoms; ++i) {
+    const double* part = lmp->atom->extra[i];
+    for (int n = 0; n < fixes; part += static_cast<int>(*part), ++n) shortest[n] = std::min(shortest[n], static_cast<int>(*part));
+  }
   MPI_Allreduce(MPI_IN_PLACE, shortest.data(), fixes, MPI_INT, MPI_MIN, lmp->world);
   std::vector<double> row;
   for (int n = 0; n < fixes; ++n) {

@@ -17,8 +17,9 @@ namespace LAMMPS_NS {
 
 class WaitingState {
  public:
-  // Rows for the local atoms from `first` on, whose IDs are at least `first_tag`. Stops on all ranks if the state of
-  // an atom of the file is not as long as the file says. Collective.
+  // Whether state of fixes from a restart file, `size` numbers, consists of as many parts as the file has fixes.
+  static bool fits(LAMMPS* lmp, const double* state, int size);
+  // Rows for the local atoms from `first` on, whose IDs are at least `first_tag`. Collective.
   void add(LAMMPS* lmp, int first, int first_tag);
   // Defaults of fixes in place of what `add` gave.
   void finish(LAMMPS* lmp);
