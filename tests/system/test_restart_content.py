@@ -2,14 +2,23 @@
 """Restart files whose seal is right and whose content is not: numbers of the package's own records are changed one at a
 time and the seal is renewed.  The run ends by one message that names the content, or is a sane one; it neither crashes
 nor hangs."""
+import random
 import struct
 
 import numpy as np
 import pytest
-from scenes import cement, edit, launch, pair, restarted, run
+from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-HEAD, BODY, NODE = 20, 53, 13  # bytes of the head of the bonds but for its mark; numbers of a bond, of a node
+FIX_HEAD, FIX_BOND, FIX_NODE = 17, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+# Offsets of numbers in the data of a bond, after the IDs of its grains.
+BOND = {"origin": 8, "centre": 32, "orientation": 80, "radius": 144, "shift": 160, "box": 208, "axis": 232, "in motion": 264, "volume": 272,
+        "area": 280, "spacing": 296, "lattice": 304, "regular": 328, "thickness": 336, "points": 344}
+FIX = {"version": 0, "cell": 1, "basis": 2, "kinematics": 3, "step": 4, "started": 5, "energy": 6, "time": 12, "bonds": 15, "nodes": 16}
+# Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
+POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "framed": 21, "moving": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
+         "strain": 40, "damage": 46, "links": 52, "grain": 53, "foot": 54, "area": 57, "state": 58}
+NAN, HUGE = float("nan"), 1e300
 
 
 def reseal(data):
@@ -22,32 +31,130 @@ def reseal(data):
     return data[:-8] + value.to_bytes(8, "little")
 
 
-class Record:
-    """Where the package's numbers are in a file of one process: offsets of integers and of numbers, by name."""
+class File:
+    """Where the package's numbers are in the bytes of a file that one process wrote."""
 
     def __init__(self, data):
+        self.data = data
         end = len(data) - (SEAL if data[-SEAL:-SEAL + 8] == b"MPDEMend" else 0)
-        style = data.index(b"MPDEMrst") + 8
-        self.integers = {"size of a bond": style + 4, "number of bonds": style + 8}
-        bodies = struct.unpack_from("<i", data, style + 8)[0]
-        self.size_of_body = struct.unpack_from("<i", data, style + 4)[0]
-        self.body = style + 16
-        fix = data.index(b"cem\0\x04\0\0\0mpm\0") + 12
-        size = struct.unpack_from("<i", data, fix)[0]
-        self.fix, self.fix_numbers = fix + 4, size // 8
-        self.nodes = self.fix + 8 * (17 + 6 * bodies)
-        # a process's atoms: how many numbers, these
-        self.atoms = next(p for p in range(end - 4, 0, -1) if struct.unpack_from("<i", data, p)[0] * 8 == end - p - 4 > 0) + 4
-        self.end = end
+        self.head = data.index(b"MPDEMrst") + 8  # version, bytes of a bond, bonds, whether there is a seal
+        size, bonds = self.integer(self.head + 4), self.integer(self.head + 8)
+        assert size == BOND["points"] + 8 and bonds == 1
+        self.bond = self.head + 16
+        name = b"cem\0\x04\0\0\0mpm\0"
+        self.fix = data.index(name) + len(name) + 4
+        self.nodes = self.fix + 8 * (FIX_HEAD + FIX_BOND * bonds)
+        assert self.number(self.fix + 8 * FIX["bonds"]) == bonds
+        # the atoms: how many numbers, these
+        at = next(p for p in range(end - 4, 0, -1) if self.integer(p) * 8 == end - p - 4 > 0) + 4
+        self.atoms = []
+        while at < end:
+            self.atoms.append(at)
+            at += 8 * int(self.number(at))
+        assert at == end
 
-    def atoms_from(self, data):
-        """Offset and number of numbers of each atom."""
-        at = self.atoms
-        while at < self.end:
-            numbers = int(struct.unpack_from("<d", data, at)[0])
-            yield at, numbers
-            at += 8 * numbers
+    def integer(self, at):
+        return struct.unpack_from("<i", self.data, at)[0]
+
+    def number(self, at):
+        return struct.unpack_from("<d", self.data, at)[0]
+
+    def point(self, n, name):
+        return self.atoms[2 + n] + 8 * POINT[name]
+
+    def with_number(self, at, value):
+        return reseal(self.data[:at] + struct.pack("<d", value) + self.data[at + 8:])
+
+    def with_integer(self, at, value):
+        return reseal(self.data[:at] + struct.pack("<i", value) + self.data[at + 4:])
 
 
-def changed(data, at, value):
-    return reseal(data[:at] + np.array([value]).tobytes() + data[at + (4 if isinstance(value, np.int32) else 8):])
+FIXES = cement(6e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
+MOVING = "fix motion grains nve/sphere\n"
+AGAIN = restarted("bad.restart") + FIXES + MOVING + thermo(1, ["f_bond", "f_cem[5]", "f_cem[6]", "f_cem[7]"]) + "run 0\n"
+
+
+def updated(script):
+    return edit(script, "cell 0.0006", "cell 0.0006 kinematics updated")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """With total and updated kinematics: some points are damaged, some have failed."""
+    found = {}
+    for kinematics in ("total", "updated"):
+        first = (pair(3e-4, gap=6e-4) + FIXES + "velocity second set 0.5 0.1 3\nset group second omegaz 300\n" + MOVING
+                 + "run 150\nwrite_restart good.restart\n")
+        result = run(first if kinematics == "total" else updated(first), tmp_path_factory.mktemp(kinematics))
+        found[kinematics] = File((result.directory / "good.restart").read_bytes())
+    return found
+
+
+def attempt(directory, data, ranks=1, script=AGAIN):
+    """Ends by one message, or well, with numbers in the table; the time that `launch` gives is a minute here."""
+    (directory / "bad.restart").write_bytes(data)
+    result = launch(script, directory, ranks, minutes=1)
+    if result.status == 0:
+        assert not result.errors() and all(np.isfinite(c).all() for c in result.table().values()), result.output[-2000:]
+        return ""
+    assert len(result.errors()) == 1, (result.status, result.output[-2000:])
+    return result.errors()[0]
+
+
+def test_unchanged(tmp_path, files):
+    for kinematics, script in (("total", AGAIN), ("updated", updated(AGAIN))):
+        file = files[kinematics]
+        assert attempt(tmp_path, file.with_number(file.fix, file.number(file.fix)), script=script) == ""
+
+
+@pytest.mark.parametrize("part, name, value, needed", [
+    ("head", "size", 345, "345 bytes"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
+    ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
+    ("IDs", 0, -7, "IDs of its grains are -7 and 2"), ("IDs", 4, 1, "1 and 1"),
+    ("bond", "orientation", 7.0, "orientation"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "origin", NAN, "origin"),
+    ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"),
+    ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
+    ("fix", "kinematics", 1e9, "kinematics"), ("fix", "started", 2.0, "bonds that have moved"),
+    ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
+    ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "nodes take"), ("fix", "nodes", NAN, "number of nodes is nan"),
+    ("fix", "time", NAN, "time"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "motion of a node"),
+    ("point", "kind", 2.0, "state is of kind 2"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
+    ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "not as long"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
+    ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage"), ("point", "links", 3.0, "links"),
+    ("point", "grain", 3.0, "grain of a link"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
+def test_named(tmp_path, files, part, name, value, needed):
+    """A number out of its range is named, with its value."""
+    f = files["total"]
+    linked = next(n for n in range(len(f.atoms) - 2) if f.number(f.point(n, "links")) == 1)
+    if part in ("head", "IDs"):
+        at = f.bond + name if part == "IDs" else f.head + {"size": 4, "bonds": 8}[name]
+        data = f.with_integer(at, value)
+    else:
+        at = {"bond": lambda: f.bond + BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "node": lambda: f.nodes + 8 * (5 * FIX_NODE + name),
+              "point": lambda: f.point(linked, name), "atom": lambda: f.atoms[1] + 8 * name}[part]()
+        data = f.with_number(at, value)
+    error = attempt(tmp_path, data)
+    who = "fix mpm (id cem)" if part in ("fix", "node") else "read_restart"
+    assert who in error and needed in error, error
+    assert "use another restart file" in error or "truncated" in error, error
+
+
+@pytest.mark.parametrize("kinematics, changes", [("total", 16), ("updated", 8)])
+def test_anywhere(tmp_path, files, kinematics, changes):
+    """Numbers anywhere in the records, the same in every run."""
+    f, draw = files[kinematics], random.Random(f"{kinematics} 7")
+    places = [f.bond + at for at in range(8, BOND["points"] + 8, 8)]
+    places += [f.fix + 8 * n for n in range(1, FIX_HEAD + FIX_BOND)] + [f.nodes + 8 * n for n in range(2 * FIX_NODE)]
+    for n in (0, 1, 2, len(f.atoms) // 2, len(f.atoms) - 1):
+        places += [f.atoms[n] + 8 * k for k in range(int(f.number(f.atoms[n])))]
+    kinds = [lambda v: -v or -1.0, lambda v: HUGE, lambda v: 1e9, lambda v: NAN, lambda v: v + 1, lambda v: v - 1, lambda v: 0.0, lambda v: 1e-300]
+    for _ in range(changes):
+        at, kind = draw.choice(places), draw.choice(kinds)
+        attempt(tmp_path, f.with_number(at, kind(f.number(at))), script=AGAIN if kinematics == "total" else updated(AGAIN))
+
+
+def test_on_two_ranks(tmp_path, files):
+    """Whether all ranks see it or one does."""
+    f = files["total"]
+    for at, needed in ((f.fix + 8 * FIX["nodes"], "number of nodes"), (f.bond + BOND["spacing"], "spacing"), (f.point(0, "volume"), "volume")):
+        assert needed in attempt(tmp_path, f.with_number(at, -1.0), 2)
