@@ -167,4 +167,4 @@ def test_bad_state_of_fixes(tmp_path):
         broken = data[:places[1]] + np.array([bad]).tobytes() + data[places[1] + 8:]
         (tmp_path / "r.bin").write_bytes(broken)
         result = launch(start(1) + "read_restart r.bin\n" + NEIGHBOURS + FORMS["pair"], tmp_path)
-        assert result.status != 0 and "in the state of fixes" in result.errors()[0]
+        assert result.status != 0 and "the state of fixes is not as long" in result.errors()[0]

@@ -10,11 +10,11 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, FIX_NODE = 17, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+FIX_HEAD, FIX_BOND, FIX_NODE = 21, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
 # Offsets of numbers in the data of a bond, after the IDs of its grains.
 BOND = {"origin": 8, "centre": 32, "orientation": 80, "radius": 144, "shift": 160, "box": 208, "axis": 232, "in motion": 264, "volume": 272,
         "area": 280, "spacing": 296, "lattice": 304, "regular": 328, "thickness": 336, "points": 344}
-FIX = {"version": 0, "cell": 1, "basis": 2, "kinematics": 3, "step": 4, "started": 5, "energy": 6, "time": 12, "bonds": 15, "nodes": 16}
+FIX = {"version": 0, "cell": 1, "basis": 2, "kinematics": 3, "step": 4, "started": 5, "energy": 6, "time": 12, "coupling": 15, "kn": 16, "bonds": 19, "nodes": 20}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "framed": 21, "moving": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
          "strain": 40, "damage": 46, "links": 52, "grain": 53, "foot": 54, "area": 57, "state": 58}
@@ -117,7 +117,7 @@ def test_unchanged(tmp_path, files):
     ("fix", "kinematics", 1e9, "kinematics"), ("fix", "started", 2.0, "bonds that have moved"),
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
     ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "nodes take"), ("fix", "nodes", NAN, "number of nodes is nan"),
-    ("fix", "time", NAN, "time"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "motion of a node"),
+    ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "motion of a node"),
     ("point", "kind", 2.0, "state is of kind 2"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
     ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "not as long"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
     ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage"), ("point", "links", 3.0, "links"),

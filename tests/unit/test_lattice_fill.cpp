@@ -188,5 +188,30 @@ TEST(LatticeFill, RefusesASpacingThatDoesNotFit) {
   EXPECT_NE(many.find("more than the 100 that there is memory for"), std::string::npos) << many;
 }
 
+// Two bodies side by side, at a distance at which samples lie in the plane between their middles, or do not: together
+// they fill the union, whose height at (x, y) is that of the higher one.
+TEST(LatticeFill, NeighboursFillTheUnionOnce) {
+  const double R = 5e-3, outer = 1e-3, spacing = 5e-5;
+  const GrainPair pair{R, R, 0.0, Vector(0, 0, 1)};
+  const Flat shape(pair, outer, 0.0);
+  for (double cells : {8.0 + 0.5 / 16, 8.0, 8.3}) {
+    const double apart = 2.0 * cells * spacing;
+    double V = 0;
+    for (double side : {-1.0, 1.0})
+      for (const FillPoint& p : fill_with_points(shape, spacing, 1e8, {{&shape, Vector(side * apart, 0, 0)}})) V += p.volume;
+    const auto height = [&](double r) { return r < outer ? 2.0 * (R - std::sqrt(R * R - r * r)) : 0.0; };
+    double expected = 0;
+    const int n = 800;
+    const double dx = (2.0 * outer + apart) / n, dy = 2.0 * outer / n;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        const double x = -outer + (i + 0.5) * dx, y = -outer + (j + 0.5) * dy;
+        expected += std::max(height(std::hypot(x, y)), height(std::hypot(x - apart, y))) * dx * dy;
+      }
+    EXPECT_NEAR(V / expected, 1.0, 5e-4) << cells;
+    EXPECT_LT(V, 1.9 * shape.volume());
+  }
+}
+
 }  // namespace
 }  // namespace mpdem
