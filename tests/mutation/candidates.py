@@ -9,7 +9,8 @@ original: all mutants are in one program (Untch, Offutt and Harrold, Mutation an
 import os
 import re
 import sys
-from dataclasses import dataclass
+
+from draw import Candidate
 
 try:
     from clang.cindex import CursorKind, Index, TypeKind
@@ -26,26 +27,6 @@ INTEGERS = {getattr(TypeKind, n) for n in ("BOOL", "CHAR_S", "SCHAR", "UCHAR", "
                                            "ULONG", "LONGLONG", "ULONGLONG")}
 NUMBERS = (INTEGERS - {TypeKind.BOOL}) | {TypeKind.FLOAT, TypeKind.DOUBLE, TypeKind.VECTOR, TypeKind.DEPENDENT}
 LOOPS = {CursorKind.FOR_STMT, CursorKind.WHILE_STMT, CursorKind.DO_STMT, CursorKind.CXX_FOR_RANGE_STMT}
-
-
-@dataclass
-class Candidate:
-    path: str      # below src/USER-MPDEM
-    operator: str  # its class
-    start: int     # range in the text, bytes
-    end: int
-    line: int
-    original: str
-    mutated: str
-    text: str = ""      # what the range is replaced by; {n} is the number
-    content: str = ""   # the line, for keys and tables
-    occurrence: int = 0
-
-    def key(self):
-        return "|".join((self.path, self.operator, self.content, self.original, self.mutated, str(self.occurrence)))
-
-    def change(self):
-        return f"`{self.original}` becomes `{self.mutated}`" if self.mutated else f"`{self.original}` is left out"
 
 
 def one_line(text):

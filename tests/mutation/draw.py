@@ -7,8 +7,29 @@ a line that changes elsewhere leaves the other mutants as they were.
 """
 import hashlib
 from collections import Counter
+from dataclasses import dataclass
 
 MOST_OF_A_FILE = 3
+
+
+@dataclass
+class Candidate:
+    path: str      # below src/USER-MPDEM
+    operator: str  # its class
+    start: int     # range in the text, bytes
+    end: int
+    line: int
+    original: str
+    mutated: str
+    text: str = ""      # what the range is replaced by; {n} is the number
+    content: str = ""   # the line, for keys and tables
+    occurrence: int = 0
+
+    def key(self):
+        return "|".join((self.path, self.operator, self.content, self.original, self.mutated, str(self.occurrence)))
+
+    def change(self):
+        return f"`{self.original}` becomes `{self.mutated}`" if self.mutated else f"`{self.original}` is left out"
 
 
 def lot(seed, *what):

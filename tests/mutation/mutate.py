@@ -147,7 +147,7 @@ class Folder:
         if stored.exists():
             known = json.loads(stored.read_text())
             if known["source"] == self.state["source"]:
-                return [candidates.Candidate(**c) for c in known["found"]], known["compiled_by"]
+                return [draw.Candidate(**c) for c in known["found"]], known["compiled_by"]
         original = [{k: c[k].replace(str(self.tree), str(ROOT)) for k in ("command", "file")} for c in self.commands()]
         found, compiled_by = candidates.find(original, str(ROOT / SOURCE), say_progress)
         stored.write_text(json.dumps({"source": self.state["source"], "found": [vars(c) for c in found], "compiled_by": compiled_by}))
