@@ -133,7 +133,9 @@ class SystemTests:
             shutil.rmtree(temporary, ignore_errors=True)
 
     def files(self):
-        return [f for kind in ("system", "stability") for f in sorted((self.folder.tree / "tests" / kind).glob("test_*.py"))]
+        """Not the tests of this tool, which look at the source as it is."""
+        return [f for kind in ("system", "stability") for f in sorted((self.folder.tree / "tests" / kind).glob("test_*.py"))
+                if f.name != "test_mutation.py"]
 
     def measure(self, jobs):
         """Tests of files that changed. A test that is skipped here is none."""
@@ -189,13 +191,16 @@ class SystemTests:
                 length += self.known[tests[at]]["seconds"]
                 chunk.append(tests[at])
                 at += 1
-            longest = max(self.known[t]["seconds"] for t in chunk)
-            status, output = self.pytest(["-x", "-v", *chunk], 120 + 8 * length, MPDEM_MUTANT=str(number),
-                                         MPDEM_TEST_PATIENCE=str(max(30.0, 6.0 * longest) / 300.0))
+            status, output = self.pytest(["-x", "-v", *chunk], 120 + 8 * length, MPDEM_MUTANT=str(number))
             if status != 0:
                 failed = re.findall(r"^(?:FAILED|ERROR) (tests/\S+)", output, re.M) or re.findall(r"^(tests/\S+::.*?) FAILED", output, re.M)
                 started = re.findall(r"^(tests/\S+::\S+)", output, re.M)
-                what = failed[0] if failed else f"{started[-1] if started else 'pytest'}, which does not end"
-                return re.sub(r"^tests/", "", what), passed
+                killer = next((t for t in (failed or started[-1:]) if t in chunk), chunk[0])
+                # A busy machine is no bug: the test passes without the mutant.
+                if self.pytest(["-q", killer], 120 + 8 * self.known[killer]["seconds"])[0] == 0:
+                    return killer.replace("tests/", "", 1) + ("" if failed else ", which does not end"), passed
+                print(f"mutate.py: {killer} fails now and then, without a mutant, too", flush=True)
+                at -= len(chunk) - chunk.index(killer) - 1
+                chunk = chunk[:chunk.index(killer) + 1]
             passed += chunk
         return "", passed
