@@ -103,10 +103,10 @@ class Folder:
             if path.is_file() and path.relative_to(self.tree) not in known and "__pycache__" not in str(path):
                 path.unlink()
 
-    def plant(self):
-        """The mutated source into the copy."""
+    def plant(self, missing=False):
+        """The mutated source into the copy, or what is missing there."""
         for name in files_of_the_project():
-            if str(name).startswith(SOURCE + "/"):
+            if str(name).startswith(SOURCE + "/") and not (missing and (self.tree / name).exists()):
                 here = [(n, c) for n, c in enumerate(self.mutants, 1) if c.path == str(name.relative_to(SOURCE))]
                 write_if_new(self.tree / name, draw.switched((ROOT / name).read_bytes(), here))
 
@@ -222,19 +222,19 @@ class Judge:
     def reason(self, c):
         """Why a mutant changes nothing, if somebody showed it."""
         for e in self.equivalent:
-            if (e["file"], e["line"]) == (c.path, c.content) and e["change"] == c.change():
+            if (e["file"], e["line"], e["change"], e["occurrence"]) == (c.path, c.content, c.change(), c.occurrence):
                 return e["reason"]
         return ""
 
     def judge(self, number, c):
-        result = self.folder.state["results"].get(c.key(), {"passed": []})
+        result = self.folder.state["results"].get(c.key(), {"passed": {}})
         began = time.time()
         # What somebody argued to change nothing is not let off what is cheap: a unit test that fails shows the argument wrong.
         for suite in self.suites[:1] if self.reason(c) else self.suites:
-            tests = [t for t in suite.in_order(c) if number in self.known[t]["reached"] and t not in result["passed"] and
+            tests = [t for t in suite.in_order(c) if number in self.known[t]["reached"] and result["passed"].get(t) != self.known[t]["mark"] and
                      (not self.most or self.known[t]["seconds"] <= self.most)]
             killer, passed = suite.kill(number, tests)
-            result["passed"] += passed
+            result["passed"].update({t: self.known[t]["mark"] for t in passed})  # until the test changes
             if killer:
                 result = {"killer": killer}
                 break
@@ -289,7 +289,7 @@ def main():
     folder = Folder(given.folder, given.seed, given.jobs)
     folder.load(given.fresh)
     folder.copy()
-    folder.plant()
+    folder.plant(missing=True)
     folder.configure()
     folder.draw(given.least, given.total)
     folder.save()

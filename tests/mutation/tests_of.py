@@ -17,7 +17,7 @@ from pathlib import Path
 
 MEMORY, DISK = 12 << 30, 1 << 30  # of a process, bytes: a mutant may ask for anything
 HURRY = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
-         "OMPI_MCA_mpi_yield_when_idle": "1"}
+         "OMPI_MCA_mpi_yield_when_idle": "1", "GTEST_COLOR": "no"}
 
 
 def limits():
@@ -162,7 +162,7 @@ class SystemTests:
                     del self.known[t]
                 for r in rows:
                     if r["outcome"] == "passed":
-                        self.known[r.pop("test")] = r
+                        self.known[r.pop("test")] = {**r, "mark": mark}
                 marks[f.name] = mark
             self.folder.save()
             print(f"mutate.py: {name}: {len(rows)} tests pass without a mutant", flush=True)
