@@ -25,7 +25,7 @@ from pathlib import Path
 
 import candidates
 import draw
-from tests_of import SystemTests, UnitTests
+from tests_of import SystemTests, UnitTests, end_all
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -269,6 +269,12 @@ class Judge:
         return rows
 
 
+def end(by, _):
+    end_all()
+    say(f"mutate.py: ended by {signal.Signals(by).name}; start it again to go on")
+    os._exit(1)
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     p.add_argument("--folder", default=ROOT / "build" / "mutation", help="where it works")
@@ -284,7 +290,8 @@ def main():
     p.add_argument("--fresh", action="store_true", help="forget all results")
     p.add_argument("--json", default=ROOT / "build" / "figures" / "mutants.json", help="for tools/reliability.py")
     given = p.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("mutate.py: ended by SIGTERM; start it again to go on"))
+    for by in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(by, end)
 
     folder = Folder(given.folder, given.seed, given.jobs)
     folder.load(given.fresh)

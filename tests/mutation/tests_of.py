@@ -20,6 +20,18 @@ HURRY = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "
          "OMPI_MCA_mpi_yield_when_idle": "1", "GTEST_COLOR": "no"}
 
 
+RUNNING = set()  # processes, each the first of a group
+
+
+def end_all():
+    """What was started ends what it started itself, which is in sessions of its own, when it is interrupted."""
+    for process in list(RUNNING):
+        try:
+            os.killpg(process.pid, signal.SIGINT)
+        except ProcessLookupError:
+            pass
+
+
 def limits():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_FSIZE, (DISK, DISK))
@@ -31,22 +43,19 @@ def execute(command, folder, seconds, **environment):
     with tempfile.TemporaryFile("w+", errors="replace") as out:
         process = subprocess.Popen(list(map(str, command)), cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                    env={**os.environ, **HURRY, **environment}, start_new_session=True, preexec_fn=limits)
+        RUNNING.add(process)
         try:
             status = process.wait(seconds)
-        except BaseException as trouble:
-            # pytest ends what it started, which is in sessions of their own, when it is interrupted
-            for by, patience in ((signal.SIGINT, 20), (signal.SIGKILL, 20)):
+        except subprocess.TimeoutExpired:
+            status = None
+            for by in (signal.SIGINT, signal.SIGKILL):  # pytest ends what it started when it is interrupted
                 try:
                     os.killpg(process.pid, by)
-                    process.wait(patience)
+                    process.wait(20)
                     break
-                except ProcessLookupError:
-                    break
-                except subprocess.TimeoutExpired:
+                except (ProcessLookupError, subprocess.TimeoutExpired):
                     continue
-            if not isinstance(trouble, subprocess.TimeoutExpired):
-                raise
-            status = None
+        RUNNING.discard(process)
         out.seek(0)
         return status, out.read()
 
@@ -128,7 +137,7 @@ class SystemTests:
         temporary = tempfile.mkdtemp()
         try:
             return execute([sys.executable, "-B", "-m", "pytest", "-p", "no:cacheprovider", "-p", "reach", f"--basetemp={temporary}/t",
-                            *arguments], self.folder.tree, seconds, **self.environment, **environment)
+                            *arguments], self.folder.tree / "tests", seconds, **self.environment, **environment)
         finally:
             shutil.rmtree(temporary, ignore_errors=True)
 
@@ -149,14 +158,14 @@ class SystemTests:
         broken = []
 
         def one(f, mark):
-            name = str(f.relative_to(self.folder.tree))
+            name = str(f.relative_to(self.folder.tree / "tests"))  # as pytest calls it
             _, listed = self.pytest(["--collect-only", "-q", name], 120)
             tests = [line for line in listed.splitlines() if line.startswith(name + "::") and re.search(self.pattern, line)]
             with tempfile.NamedTemporaryFile("r") as records:
                 status, output = self.pytest(["-q", *tests], 3600, MPDEM_REACH_RECORDS=records.name) if tests else (0, "")
                 rows = [json.loads(line) for line in records]
-            if status != 0:
-                return [f"{name}: {output[-1500:]}"]
+            if status != 0 or (tests and not rows):
+                return [f"{name}: {(output or listed)[-1500:]}"]
             with self.folder.lock:
                 for t in [t for t in self.known if t.startswith(name + "::")]:
                     del self.known[t]
@@ -165,7 +174,8 @@ class SystemTests:
                         self.known[r.pop("test")] = {**r, "mark": mark}
                 marks[f.name] = mark
             self.folder.save()
-            print(f"mutate.py: {name}: {len(rows)} tests pass without a mutant", flush=True)
+            if rows:
+                print(f"mutate.py: {name}: {len(rows)} tests pass without a mutant", flush=True)
             return []
 
         with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -193,12 +203,12 @@ class SystemTests:
                 at += 1
             status, output = self.pytest(["-x", "-v", *chunk], 120 + 8 * length, MPDEM_MUTANT=str(number))
             if status != 0:
-                failed = re.findall(r"^(?:FAILED|ERROR) (tests/\S+)", output, re.M) or re.findall(r"^(tests/\S+::.*?) FAILED", output, re.M)
-                started = re.findall(r"^(tests/\S+::\S+)", output, re.M)
+                failed = re.findall(r"^(?:FAILED|ERROR) (\S+::\S+)", output, re.M) or re.findall(r"^(\S+::.*?) FAILED", output, re.M)
+                started = re.findall(r"^(\S+::\S+)", output, re.M)
                 killer = next((t for t in (failed or started[-1:]) if t in chunk), chunk[0])
                 # A busy machine is no bug: the test passes without the mutant.
                 if self.pytest(["-q", killer], 120 + 8 * self.known[killer]["seconds"])[0] == 0:
-                    return killer.replace("tests/", "", 1) + ("" if failed else ", which does not end"), passed
+                    return killer + ("" if failed else ", which does not end"), passed
                 print(f"mutate.py: {killer} fails now and then, without a mutant, too", flush=True)
                 at -= len(chunk) - chunk.index(killer) - 1
                 chunk = chunk[:chunk.index(killer) + 1]
