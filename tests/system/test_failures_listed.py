@@ -88,3 +88,17 @@ def test_eigenvalues_of_events(broken, figures):
         assert abs(float(e["time"]) / (int(e["step"]) * DT) - 1) < 1e-9
     steps = [(int(e["step"]), int(e["point"])) for e in events]
     assert steps == sorted(steps)
+
+
+def test_a_separated_bond_is_noticed_within_five_steps(tmp_path):
+    """Whatever `check` is: paths through the bond are watched, not only looked for now and then."""
+    steps = {}
+    for check in (1, 100000):
+        fixes = cement(CELL, 7e-8, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 interface 0.2 check {check}")
+        text = pair(CELL / 2, cement=RING) + fixes
+        text += ('variable d equal "5e-6*(step/200)^2"\nvariable v equal "5e-6*2*step/200/200/dt"\n'
+                 "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_d NULL NULL v_v\n")
+        t = run(text + thermo(1, ["f_bond[16]", "f_bond[22]"]) + "run 200\n", tmp_path / str(check)).table()
+        assert t["f_bond[22]"][-1] == 1
+        steps[check] = int(t["step"][np.argmax(t["f_bond[22]"] == 1)])
+    assert 10 < steps[1] < 190 and 0 <= steps[100000] - steps[1] <= 5, steps
