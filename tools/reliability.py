@@ -77,7 +77,9 @@ def mutants_table(path):
         "| file, line | what was changed | test that fails, or why nothing changes |", "|---|---|---|"]
     for r in rows:
         by = {"killed": f"`{r['by']}`", "changes nothing": r["by"], "survives": "**survives**", "not run": "**not run**"}[r["outcome"]]
-        text.append("| " + " | ".join(cell.replace("|", "\\|") for cell in (f"{r['file']}:{r['line']}", r["change"], by)) + " |")
+        # A change of a few letters needs its line.
+        change = r["change"] if len(r["change"]) > 50 else f"{r['change']} in `{r['content']}`"
+        text.append("| " + " | ".join(cell.replace("|", "\\|") for cell in (f"{r['file']}:{r['line']}", change, by)) + " |")
     return "\n".join(text)
 
 

@@ -48,7 +48,8 @@ def test_fuzzer_alone(write):
 
 
 def mutant(outcome, by):
-    return {"seed": 3, "outcome": outcome, "by": by, "file": "mpm/a.cpp", "line": 7, "change": "`a || b` becomes `a && b`"}
+    return {"seed": 3, "outcome": outcome, "by": by, "file": "mpm/a.cpp", "line": 7, "change": "`a || b` becomes `a && b`",
+            "content": "if (a || b) return;"}
 
 
 def test_mutants(write):
@@ -58,7 +59,7 @@ def test_mutants(write):
     assert status == 0 and "<!-- table: begin -->\nold\n" in page and "<!-- fuzz: begin -->\nold\n" in page
     table = page.split("<!-- mutants: begin -->\n")[1].split("\n<!-- mutants: end -->")[0].splitlines()
     assert table[0] == "4 mutants of seed 3: 1 fail a test, 1 change nothing, 1 **survive**, 1 **were not run**."
-    assert table[4:] == ["| mpm/a.cpp:7 | `a \\|\\| b` becomes `a && b` | " + by + " |"
+    assert table[4:] == ["| mpm/a.cpp:7 | `a \\|\\| b` becomes `a && b` in `if (a \\|\\| b) return;` | " + by + " |"
                          for by in ("`test_mpm: Grid.A`", "Nobody reads it.", "**survives**", "**not run**")]
 
 
