@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Thin front of CMake: make demo, make test, make fuzz, make stress. See README.md.
+# Thin front of CMake: make demo, make test, make fuzz, make stress, make mutants. See README.md.
 BUILD ?= build
 JOBS  ?= $(shell nproc)
 RANKS ?= 2
@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test fuzz stress bench liggghts-from-source clean
+.PHONY: all demo test fuzz stress mutants bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -54,6 +54,12 @@ fuzz: $(BUILD)/.setup
 stress: test
 	MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures JOBS=$(JOBS) tools/test_files.sh $(BUILD)/stress --long \
 	  tests/stability/test_*.py
+	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
+
+# Bugs planted in a copy of the source, one at a time, and which test fails with each; hours. See tests/mutation/README.md.
+mutants: $(BUILD)/.setup
+	mkdir -p $(BUILD)/figures
+	/usr/bin/python3 -B tests/mutation/mutate.py --folder $(BUILD)/mutation --jobs $(JOBS) --json $(BUILD)/figures/mutants.json
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
 # LIGGGHTS itself from source, with the series of patches/ and the package inside, in

@@ -7,7 +7,8 @@
 
 `make test` and `make stress` leave build/figures/<test file>.json, a list of figures with their limits.
 One row a test: how many cases and figures, and the figure that came nearest to its limit. `make fuzz`
-leaves build/figures/fuzz.json: how many inputs of each scene ended in which way. What stands in the page
+leaves build/figures/fuzz.json: how many inputs of each scene ended in which way. `make mutants` leaves
+build/figures/mutants.json: which test fails with each planted bug. What stands in the page
 between the marks of a table is replaced if it was measured, the rest is left as it is.
 """
 import glob
@@ -15,14 +16,14 @@ import json
 import os
 import sys
 
-FUZZ = "fuzz.json"
+FUZZ, MUTANTS = "fuzz.json", "mutants.json"
 OUTCOMES = {"ok": "ended well", "message": "one message that names its command", "silent": "error without a message",
             "nameless": "message that names no command", "crash": "crash", "hang": "hang", "memory": "too much memory",
             "host": "LIGGGHTS' own crash or hang"}
 
 
 def files(folder):
-    return [p for p in sorted(glob.glob(os.path.join(folder, "*.json"))) if os.path.basename(p) != FUZZ]
+    return [p for p in sorted(glob.glob(os.path.join(folder, "*.json"))) if os.path.basename(p) not in (FUZZ, MUTANTS)]
 
 
 def rows(folder):
@@ -66,6 +67,22 @@ def fuzz_table(path):
     return "\n".join(text + [f"| {r['case']} | " + " | ".join(str(r["counts"][k]) for k in OUTCOMES) + " |" for r in records])
 
 
+def mutants_table(path):
+    """One row a mutant. Code may hold bars, which would end a cell."""
+    with open(path) as f:
+        rows = json.load(f)
+    text = [f"{len(rows)} mutants of seed {rows[0]['seed']}: " + ", ".join(
+        f"{sum(r['outcome'] == o for r in rows)} {words}" for o, words in (("killed", "fail a test"), ("changes nothing", "change nothing"),
+        ("survives", "**survive**"), ("not run", "**were not run**")) if any(r["outcome"] == o for r in rows)) + ".", "",
+        "| file, line | what was changed | test that fails, or why nothing changes |", "|---|---|---|"]
+    for r in rows:
+        by = {"killed": f"`{r['by']}`", "changes nothing": r["by"], "survives": "**survives**", "not run": "**not run**"}[r["outcome"]]
+        # A change of a few letters needs its line.
+        change = r["change"] if len(r["change"]) > 50 else f"{r['change']} in `{r['content']}`"
+        text.append("| " + " | ".join(cell.replace("|", "\\|") for cell in (f"{r['file']}:{r['line']}", change, by)) + " |")
+    return "\n".join(text)
+
+
 def replace(text, mark, new, page):
     """What stands between the two lines of a mark is replaced."""
     begin, end = f"<!-- {mark}: begin -->", f"<!-- {mark}: end -->"
@@ -89,8 +106,12 @@ def main():
     if os.path.exists(fuzz):
         text = replace(text, "fuzz", fuzz_table(fuzz), page)
         written.append("of the fuzzer")
+    mutants = os.path.join(folder, MUTANTS)
+    if os.path.exists(mutants):
+        text = replace(text, "mutants", mutants_table(mutants), page)
+        written.append("of the mutants")
     if not written:
-        sys.exit(f"reliability.py: no figures in {folder}; run `make test`, `make stress` or `make fuzz`")
+        sys.exit(f"reliability.py: no figures in {folder}; run `make test`, `make stress`, `make fuzz` or `make mutants`")
     with open(page, "w") as f:
         f.write(text)
     print(f"reliability.py: {page}: table {' and '.join(written)} written from {folder}")

@@ -265,3 +265,28 @@ def test_overlapping_cement(tmp_path, second):
                 assert word in result.errors()[0]
         else:
             assert result.status == 0 and not result.errors(), result.output[-2000:]
+
+
+def test_points_on_the_faces_of_cells(ring, tmp_path):
+    """Rounding puts points on a face to either side of it: the cells are laid beside them, and each has its own."""
+    columns = only(ring, "x y z volume")
+    off = np.random.default_rng(1).uniform(-1e-9, 1e-9, (3, len(columns["x"]))) * SPACING
+    for i, c in enumerate("xyz"):
+        columns[c] = columns[c] + off[i] + (0.5 * SPACING if c != "z" else 0.0)
+    write(tmp_path / "cement.txt", columns)
+    out = run(from_file() + cement(CELL, 5e-9) + "fix hold grains freeze\nrun 2\n", tmp_path).output
+    assert f"{len(columns['x'])} material points" in out
+    assert "WARNING" not in out, out
+
+
+def test_report(ring, tmp_path, figures):
+    """Volume, content and attached area of cement from a file are those of the cement that was written, and so is the mass
+    that its links add where a grain is free."""
+    body = cement(CELL, 2e-8) + "fix motion grains nve/sphere\nrun 0\n"
+    made = run(pair(SPACING) + body, tmp_path / "made").output
+    write(tmp_path / "file" / "cement.txt", {k: v for k, v in ring.items() if not k.startswith("grain_")})
+    again = run(from_file() + body, tmp_path / "file").output
+    for what in (r"volume ([-0-9.e]+)", r"mass of the grains\) ([-0-9.e]+)", r"attached area ([-0-9.e]+)", r"add to the nodes ([-0-9.e]+)"):
+        a, b = (float(re.search(what, out)[1]) for out in (made, again))
+        assert a > 0
+        figures.below(f"cement from a file, '{what.split(' (')[0]}': change", abs(b / a - 1), 1e-5)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 TOOL = Path(__file__).parents[2] / "tools" / "reliability.py"
-PAGE = "Head\n<!-- table: begin -->\nold\n<!-- table: end -->\nbetween\n<!-- fuzz: begin -->\nold\n<!-- fuzz: end -->\nend\n"
+PAGE = "Head\n<!-- table: begin -->\nold\n<!-- table: end -->\nbetween\n<!-- fuzz: begin -->\nold\n<!-- fuzz: end -->\nend\n<!-- mutants: begin -->\nold\n<!-- mutants: end -->\n"
 COUNTS = {"ok": 3, "message": 4, "silent": 0, "nameless": 0, "crash": 1, "hang": 0, "memory": 0, "host": 2}
 
 
@@ -47,9 +47,25 @@ def test_fuzzer_alone(write):
     assert "10 inputs of seed 7:" in page and "| nothing | 3 | 4 | 0 | 0 | 1 | 0 | 0 | 2 |\n<!-- fuzz: end -->\nend\n" in page
 
 
+def mutant(outcome, by):
+    return {"seed": 3, "outcome": outcome, "by": by, "file": "mpm/a.cpp", "line": 7, "change": "`a || b` becomes `a && b`",
+            "content": "if (a || b) return;"}
+
+
+def test_mutants(write):
+    """Each with what killed it; survivors and what was not run cannot be overlooked, and code with bars stays in its cell."""
+    status, _, page = write(mutants=[mutant("killed", "test_mpm: Grid.A"), mutant("changes nothing", "Nobody reads it."), mutant("survives", ""),
+                                     mutant("not run", "")])
+    assert status == 0 and "<!-- table: begin -->\nold\n" in page and "<!-- fuzz: begin -->\nold\n" in page
+    table = page.split("<!-- mutants: begin -->\n")[1].split("\n<!-- mutants: end -->")[0].splitlines()
+    assert table[0] == "4 mutants of seed 3: 1 fail a test, 1 change nothing, 1 **survive**, 1 **were not run**."
+    assert table[4:] == ["| mpm/a.cpp:7 | `a \\|\\| b` becomes `a && b` in `if (a \\|\\| b) return;` | " + by + " |"
+                         for by in ("`test_mpm: Grid.A`", "Nobody reads it.", "**survives**", "**not run**")]
+
+
 def test_nothing_measured_or_nowhere_to_write(write, tmp_path):
     status, error, page = write()
     assert status == 1 and page == PAGE
-    assert error == f"reliability.py: no figures in {tmp_path / 'figures'}; run `make test`, `make stress` or `make fuzz`\n"
+    assert error == f"reliability.py: no figures in {tmp_path / 'figures'}; run `make test`, `make stress`, `make fuzz` or `make mutants`\n"
     status, error, page = write("no marks\n", test_file=[figure("a", 1.0, 2.0)])
     assert status == 1 and "'<!-- table: begin -->'" in error and page == "no marks\n"

@@ -36,8 +36,9 @@ struct Scene {
   std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
   Random random;
 
-  // parts: of the second body
-  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2) : random(seed) {
+  // parts: of the second body; width: that over which its points lie
+  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15)
+      : random(seed) {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
       Body& body = bodies[b];
@@ -55,7 +56,7 @@ struct Scene {
         r.body = b;
         r.part = b * random.index(parts);
         r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
-        const Vector X = 0.15 * random.vector();
+        const Vector X = width * random.vector();
         copy(X, r.X);
         for (int s = 0; s < 2; ++s) {
           if (random.index(3) == 0) continue;

@@ -136,6 +136,37 @@ TEST_P(Updated, Translation) {
   }
 }
 
+// Every link stays with its point, wherever that goes or is packed to, also in steps in which no linked point changes cell.
+TEST_P(Updated, LinksGoWithTheirPoints) {
+  test::Random random(145);
+  for (int every : {1, 7, 40}) {
+    Lump lump(random, GetParam(), transfer(Transfer::flip));
+    PointStore& points = lump.c.points;
+    int n = 0;
+    lump.for_points([&](int b, int l) {
+      if (n++ % every) return;
+      Link k{};
+      k.slot = kLanes * b + l;
+      k.grain = points.tags[b][l];  // to know the point by
+      points.links.push_back(k);
+      points.meta[b].linked |= static_cast<std::uint8_t>(1u << l);
+    });
+    lump.set_velocity([&](const Vector& x) { return Vector(Vector(2000, -900, 500) + 500 * (x / kCell) + 300 * random.vector()); });
+    int astray = 0, bits = 0;
+    for (int step = 0; step < 40; ++step) {
+      lump.step();
+      for (const Link& k : points.links) {
+        const int b = k.slot / kLanes, l = k.slot % kLanes;
+        astray += points.tags[b][l] != k.grain || !(points.meta[b].occupied >> l & 1) || !(points.meta[b].linked >> l & 1);
+      }
+    }
+    for (const BlockMeta& m : points.meta) bits += __builtin_popcount(m.linked);
+    EXPECT_EQ(astray, 0) << "every " << every;
+    EXPECT_EQ(bits, static_cast<int>(points.links.size()));
+    EXPECT_GT(lump.moved, 200);
+  }
+}
+
 // What points that changed cell give to the nodes is what they give after everything was laid
 // out anew.
 TEST_P(Updated, RelocationKeepsThePass) {

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "geometry/meniscus.h"
 
+#include <array>
 #include <limits>
 
 #include "bodies.h"
@@ -136,6 +137,33 @@ TEST(Meniscus, ClearanceBoxAndArea) {
   }
 }
 
+// Where spheres overlap, what is inside the circle in which they meet has no meniscus, and just outside of it there is one.
+TEST(Meniscus, BeginsWhereOverlappingSpheresMeet) {
+  int overlaps = 0;
+  for (double ratio : {0.5, 1.0, 2.3})
+    for (double overlap : {0.02, 0.1, 0.2})
+      for (double contact : {0.0, 20.0, 45.0}) {
+        const double R1 = 1e-3, R2 = ratio * R1;
+        const GrainPair p{R1, R2, -overlap * std::min(R1, R2), Vector(0, 0, 1)};
+        const double edge = std::asin(p.contact_radius() / R1);
+        const auto error = [&](double b) { return test::shape_error([&] { Meniscus(p, b, contact * test::kDegree, p.contact_radius()); }); };
+        for (double b : {0.3, 0.7, 0.99}) EXPECT_NE(error(b * edge).find("no meniscus"), std::string::npos) << b << " " << ratio << " " << overlap;
+        EXPECT_EQ(error(1.01 * edge), "") << ratio << " " << overlap << " " << contact;
+        ++overlaps;
+      }
+  EXPECT_EQ(overlaps, 27);
+}
+
+// A small second grain: where the outline would have to bulge out to reach it there is none.
+TEST(Meniscus, DoesNotBulge) {
+  for (const auto& [R2, gap, filling, contact] : {std::array<double, 4>{0.2742, 0.077, 33.4925, 42.4596}, {0.5573, -0.006, 50.5722, 34.5115},
+                                                  {0.3386, 0.1983, 39.6063, 37.0614}, {0.4352, 0.0463, 23.0181, 66.403}}) {
+    const GrainPair p{1e-3, 1e-3 * R2, 1e-3 * gap, Vector(0, 0, 1)};
+    const double b = filling * test::kDegree, t = contact * test::kDegree;
+    EXPECT_NE(test::shape_error([&, gap = gap] { Meniscus(p, b, t, p.contact_radius()); }).find("no meniscus"), std::string::npos) << filling;
+  }
+}
+
 TEST(Meniscus, RefusesWhatIsNoBody) {
   const GrainPair p{5e-3, 5e-3, 0.0, Vector(0, 0, 1)}, wide{5e-3, 5e-3, 5e-3, Vector(0, 0, 1)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -146,7 +174,9 @@ TEST(Meniscus, RefusesWhatIsNoBody) {
   for (double bad : {0.0, -10.0, 90.0, nan})
     EXPECT_NE(error(p, bad, 0, 0).find("filling angle"), std::string::npos) << bad;
   for (double bad : {-1.0, 90.0, nan}) EXPECT_NE(error(p, 30, bad, 0).find("contact angle"), std::string::npos) << bad;
-  EXPECT_NE(error(p, 70, 30, 0), "");
+  EXPECT_NE(error(p, 70, 30, 0).find("filling angle 70 degrees must lie between 0 and 60"), std::string::npos) << error(p, 70, 30, 0);
+  EXPECT_NE(error(p, 20, 95, 0).find("contact angle 95 degrees must lie in [0, 90)"), std::string::npos);
+  EXPECT_NE(error(wide, 12, 25, 0).find("filling angle 12 and contact angle 25 degrees spans a gap of 0.005"), std::string::npos) << error(wide, 12, 25, 0);
   EXPECT_NE(error(wide, 10, 0, 0).find("gap"), std::string::npos);
   for (double bad : {-1e-6, 3e-3, nan}) EXPECT_NE(error(p, 30, 0, bad).find("inner radius"), std::string::npos) << bad;
   for (double bad : {0.0, -1e-9, 1.0, nan}) {

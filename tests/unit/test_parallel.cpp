@@ -3,6 +3,9 @@
 //
 // Run on 1, 2 and 3 ranks. What the ranks find out about each other by messages is compared
 // with what one sees who has gathered everything.
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -13,6 +16,7 @@
 #include "coupling/grain_sides.h"
 #include "mpi_ranks.h"
 #include "parallel/halo_sum.h"
+#include "parallel/memory_limit.h"
 #include "parallel/rendezvous.h"
 
 namespace mpdem {
@@ -302,6 +306,26 @@ TEST_F(Ranks, GrainSides) {
         EXPECT_NEAR(s.torque[d], T, 1e-15);
       }
   }
+}
+
+// All ranks of a machine together have no more than the machine, and one that the user limits sets the limit of all.
+TEST(MemoryLimit, IsThatOfTheMachineOrOfTheUser) {
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  rlimit given;
+  ASSERT_EQ(getrlimit(RLIMIT_RSS, &given), 0);
+  const double share = memory_limit(MPI_COMM_WORLD);
+  EXPECT_LE(share, machine / ranks());
+  rlimit address;
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &address), 0);
+  if (given.rlim_cur == RLIM_INFINITY && address.rlim_cur == RLIM_INFINITY) EXPECT_GT(share, 0.999 * machine / ranks());
+
+  constexpr double kSmall = 1 << 28;  // Linux counts it but does not enforce it
+  if (rank() == ranks() - 1) {
+    const rlimit small{1 << 28, given.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_RSS, &small), 0);
+  }
+  EXPECT_EQ(memory_limit(MPI_COMM_WORLD), kSmall);
+  ASSERT_EQ(setrlimit(RLIMIT_RSS, &given), 0);
 }
 
 TEST(RotationOf, Quaternion) {

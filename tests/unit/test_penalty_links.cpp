@@ -251,6 +251,30 @@ TEST_P(Links, LetGo) {
   expect_within(worst, 1e-12, "force of the links that are left");
 }
 
+// Points crowd in one cell, so that blocks of links are full: one link after the other lets go, in whatever lane it is.
+TEST_P(Links, LetGoInEachLane) {
+  Scene s(142, parameters(GetParam()), Basis::quadratic, 1, 0.4 * kH);
+  std::vector<int> linked;
+  for (const Link& k : s.points.links) linked.push_back(k.slot);
+  linked.erase(std::unique(linked.begin(), linked.end()), linked.end());
+  std::sort(linked.begin(), linked.end());
+  ASSERT_GT(linked.size(), 2u * 60 * 3 / 4);
+  s.place_grains(0.2, 0.0);
+  double released = 0.0;
+  const double whole = s.energy();
+  for (int slot : linked) {
+    const double before = s.energy(), gone = released;
+    const auto links = std::count_if(s.points.links.begin(), s.points.links.end(), [&](const Link& k) { return k.slot == slot; });
+    EXPECT_EQ(s.links.let_go(s.points, {slot}, s.grid, s.sides, released), links) << "slot " << slot;
+    for (const Link& k : s.points.links)
+      if (k.slot == slot) EXPECT_FALSE(k.attached);
+    EXPECT_GT(released, gone);
+    test::expect_within(std::fabs(before - s.energy() - (released - gone)) / whole, 1e-14, "energy of the links that let go");
+  }
+  EXPECT_EQ(s.energy(), 0.0);
+  test::expect_within(std::fabs(released / whole - 1.0), 1e-13, "energy of all");
+}
+
 // A spring one node wide, by hand: normal along R q0, not along the present vector.
 TEST_P(Links, DirectionsOfTheSpring) {
   Scene s(138, parameters(GetParam()));

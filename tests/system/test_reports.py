@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a run prints of itself: where its time went, and an error where there is no log."""
+import re
+
+import pytest
+from scenes import cement, launch, pair, run
+
+SCENE = pair(2e-4, cement="inner 1.4e-3 outer 2.2e-3") + cement(4e-4, 1e-8) + "fix hold grains freeze\n"
+PHASES = ["scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"]
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_where_time_goes(ranks, tmp_path):
+    """Two lines: seconds, steps and rates; the phases in per cent, those of the slowest rank each."""
+    out = run(SCENE + "run 200\n", tmp_path, ranks).output
+    number = r"([0-9.e+-]+)"
+    found = re.search(rf"^fix mpm \(id cem\): {number} s in 200 steps, {number} point steps per second, {number} bytes a point\n  (.*)$", out, re.M)
+    assert found, out[-2000:]
+    seconds, rate, size = (float(found[i]) for i in (1, 2, 3))
+    points = int(re.search(r"fix mpm \(id cem\): (\d+) material points", out)[1])
+    assert abs(rate * seconds / (200 * points) - 1) < 1e-4 and 300 < size < 1e5
+    phases = found[4].split("; ")[0].split(", ")
+    assert [re.sub(r" [0-9.]+ %$", "", p) for p in phases] == PHASES
+    share = [float(p.split()[-2]) for p in phases]
+    assert all(0 <= s <= 100 for s in share)
+    if ranks == 1:
+        assert abs(sum(share) - 100) < 0.5
+    else:
+        assert sum(share) > 99.5
+
+
+def test_error_without_a_log(tmp_path):
+    """One line and status 1, as with a log."""
+    result = launch(SCENE + "no_such_command\nrun 1\n", tmp_path, arguments=["-log", "none"])
+    assert result.status == 1, result.output[-1000:]
+    assert len(result.errors()) == 1 and "no_such_command" in result.errors()[0]
+    assert not (tmp_path / "log.liggghts").exists()
+
+
+def test_error_with_a_screen_of_its_own(tmp_path):
+    result = launch(SCENE + "no_such_command\nrun 1\n", tmp_path, arguments=["-screen", "screen.txt"])
+    assert result.status == 1
+    for name in ("screen.txt", "log.liggghts"):
+        errors = [line for line in (tmp_path / name).read_text().splitlines() if line.startswith("ERROR")]
+        assert len(errors) == 1 and "no_such_command" in errors[0], name
