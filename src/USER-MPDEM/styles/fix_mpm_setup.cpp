@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "../geometry/frame_along.h"
+#include "../geometry/radial_axis.h"
 #include "../mpm/scatter.h"
 #include "arguments.h"
 #include "atom.h"
@@ -293,14 +294,12 @@ void FixMpm::set_frames(mpdem::PointStore& points) const {
       } else if (axis_ == kBond) {
         for (int d = 0; d < 3; ++d) a[d] = body.centre[1][d] - body.centre[0][d];
       } else {
-        // growth normal of the nearer surface
-        mpdem::Vector3 from[2];
-        double depth[2];
-        for (int s = 0; s < 2; ++s) {
-          for (int d = 0; d < 3; ++d) from[s][d] = points.blocks[b].X[d][l] - body.centre[s][d];
-          depth[s] = from[s].norm() - body.radius[s];
+        mpdem::Vector3 X, centre[2];
+        for (int d = 0; d < 3; ++d) {
+          X[d] = points.blocks[b].X[d][l];
+          for (int s = 0; s < 2; ++s) centre[s][d] = body.centre[s][d];
         }
-        a = from[depth[1] < depth[0] ? 1 : 0];
+        a = mpdem::radial_axis(X, centre, body.radius, body.spacing);
       }
       const Eigen::Quaterniond q = mpdem::frame_along(a.normalized());
       mpdem::Frame& f = points.blocks[b].q;
