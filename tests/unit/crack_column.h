@@ -5,6 +5,7 @@
 #ifndef MPDEM_TEST_CRACK_COLUMN_H
 #define MPDEM_TEST_CRACK_COLUMN_H
 
+#include <utility>
 #include <vector>
 
 #include "lanes.h"
@@ -30,6 +31,7 @@ inline std::vector<CrackPoint> column(int width = kWidth, int height = kHeight) 
         p.attached[0] = k == 0;
         p.attached[1] = k == height - 1;
         for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
+        p.nearer = k >= height / 2;
         all.push_back(p);
       }
   return all;
@@ -38,6 +40,16 @@ inline std::vector<CrackPoint> column(int width = kWidth, int height = kHeight) 
 inline void fail(CrackPoint& p) {
   p.failed = true;
   p.attached[0] = p.attached[1] = false;
+}
+
+// The same bond with the first grain for the second.
+inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
+  for (CrackPoint& p : points) {
+    std::swap(p.attached[0], p.attached[1]);
+    std::swap(p.link_area[0], p.link_area[1]);
+    p.nearer = 1 - p.nearer;
+  }
+  return points;
 }
 
 inline int level(const CrackPoint& p, int height = kHeight) { return p.cell[2] + height / 2; }

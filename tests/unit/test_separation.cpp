@@ -299,6 +299,61 @@ TEST(Separation, PartsOnlySplit) {
   }
 }
 
+// What is as far from the material of either grain counts half to each, and goes with the grain whose surface is nearer.
+TEST(Separation, PointsHalfWayCountHalfToEach) {
+  // a rim that broke through: in the lower level the first grain let go, in the upper the second
+  for (int at : {2, 7}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points)
+      if (level(p) == at) fail(p);
+    const Separation s = separate(points, kFace);
+    EXPECT_EQ(s.inside, kWidth * kWidth);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (level(points[i]) == at) EXPECT_EQ(s.part[i], at == 7);
+  }
+  // one column of failed points, of the height of the bond, between what holds to the one grain and what holds to the other
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points) {
+    if (p.cell[0] == 0) fail(p);
+    p.attached[p.cell[0] < 0 ? 1 : 0] = false;
+  }
+  const double side_face[3] = {1.0, 0.0, 0.0};
+  const Separation s = separate(points, side_face);
+  EXPECT_TRUE(s.separated);
+  EXPECT_EQ(s.inside, kWidth * kHeight);
+  // all of the grain beyond the column, and half of what is in it
+  EXPECT_NEAR(s.at_grain[0], kLinkArea * kWidth * (kWidth / 2 - 1 + 0.5), 1e-12);
+  EXPECT_NEAR(s.at_grain[1], kLinkArea * kWidth * (kWidth / 2 + 0.5), 1e-12);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i].cell[0] == 0) EXPECT_EQ(s.part[i], level(points[i]) < kHeight / 2 ? 0 : 1);
+}
+
+// With the first grain for the second, areas and parts of the grains swap and the rest stays.
+TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
+  test::Random random(183);
+  const JoinedNodes joined = test::random_joined();
+  int separated = 0, pieces = 0;
+  for (int n = 0; n < 100; ++n) {
+    std::vector<CrackPoint> points = column();
+    test::make_random(points, random, random.uniform(0.1, 0.7), 100, n % 2 == 0 ? 0 : 2);
+    if (n % 5 == 0)  // a slab between two cracks
+      for (CrackPoint& p : points)
+        if (level(p) == 2 || level(p) == 8) fail(p);
+    const Separation a = separate(points, kFace, joined, test::kRandomSupport);
+    const Separation b = separate(test::swapped(points), kFace, joined, test::kRandomSupport);
+    EXPECT_EQ(b.separated, a.separated);
+    EXPECT_EQ(b.inside, a.inside);
+    EXPECT_NEAR(b.debonded_share(), a.debonded_share(), 1e-14);
+    for (int g = 0; g < 2; ++g) EXPECT_NEAR(b.at_grain[g], a.at_grain[1 - g], 1e-12);
+    separated += a.separated;
+    pieces += *std::max_element(a.part.begin(), a.part.end()) > 1;
+    if (!a.separated) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(b.part[i], a.part[i] > 1 ? a.part[i] : 1 - a.part[i]);
+  }
+  EXPECT_GT(separated, 30);
+  EXPECT_GT(pieces, 5);
+}
+
 TEST(Separation, OrderOfThePointsDoesNotMatter) {
   test::Random random(181);
   std::vector<CrackPoint> points = column();

@@ -41,6 +41,29 @@ inline int lattice_cell(const Body& body, int d, double X) {
 
 constexpr int kAxisRules = 3;  // besides 0, see fix mpm
 
+// How much nearer X is to the surface of the first grain than to that of the second.
+inline double nearer_to_first(const Body& body, const double* X) {
+  double distance[2];
+  for (int s = 0; s < 2; ++s) {
+    double r2 = 0.0;
+    for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[s][d]) * (X[d] - body.centre[s][d]);
+    distance[s] = std::sqrt(r2) - body.radius[s];
+  }
+  return distance[1] - distance[0];
+}
+
+// The grain (0, 1) whose surface is nearer. Where neither is, whatever the rounding, it is the grain of smaller x, if they have
+// the same x that of smaller y, else that of smaller z: which of them is the first does not matter.
+inline int nearer_side(const Body& body, double nearer_to_first) {
+  const double rounding = 1e-6 * body.spacing;
+  if (std::fabs(nearer_to_first) > rounding) return nearer_to_first < 0.0;
+  for (int d = 0; d < 3; ++d) {
+    const double ahead = body.centre[1][d] - body.centre[0][d];
+    if (std::fabs(ahead) > rounding) return ahead < 0.0;
+  }
+  return 0;
+}
+
 // Parts of a body have nodes of their own, one field of the grid each. A body that came apart has pieces:
 // 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose
 // ones. A piece is one part or, where the body has a crevice (crevice.h), two, its sheets.

@@ -41,7 +41,7 @@ struct Crevice {
   std::vector<std::array<int, 3>> joined;  // nodes, ascending
 };
 
-// Points with |depth below the one grain's surface - below the other's| of at most this reach are all that matter.
+// Points with |nearer_to_first()| (body.h) of at most this reach are all that matter.
 inline double sheet_reach(Basis basis, double cell) { return 2.0 * support(basis) * cell; }
 
 // Empty space on the way out of the cell of a point, in direction d and upwards (side 1) or downwards (-1), in

@@ -2,7 +2,9 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "ligament.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace mpdem {
@@ -191,10 +193,15 @@ Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes&
   }
   Bond left = bond_of(points, near, [](const CrackPoint& p) { return !p.failed; },
                       [](const CrackPoint& p, int g) { return p.attached[g]; });
-  std::vector<int> cuts[2];
-  for (int g = 0; g < 2; ++g)
-    for (int k : left.flow.cut_near(g)) cuts[g].push_back(left.points[k]);
-  result.cut = cuts[mean_damage(cuts[1], points) > mean_damage(cuts[0], points) + kSameDamage];
+  result.cuts.resize(2);
+  double damage[2];
+  for (int g = 0; g < 2; ++g) {
+    for (int k : left.flow.cut_near(g)) result.cuts[g].push_back(left.points[k]);
+    std::sort(result.cuts[g].begin(), result.cuts[g].end());
+    damage[g] = mean_damage(result.cuts[g], points);
+  }
+  if (std::fabs(damage[1] - damage[0]) > kSameDamage) result.cuts.erase(result.cuts.begin() + (damage[0] > damage[1]));
+  else if (result.cuts[0] == result.cuts[1]) result.cuts.pop_back();
   return result;
 }
 

@@ -9,8 +9,8 @@
 // the cut runs.
 // Several cuts may be least, as the points of a bridge and those that lead to it from either side. Of the one
 // nearest to the first grain and the one nearest to the second, which are unique, the one whose points are more
-// damaged is taken; the first if their mean damage is the same within kSameDamage. Either may bulge from a bridge
-// towards its grain, as long as that takes no more points.
+// damaged is taken; both, to count half each, if their mean damage is the same within kSameDamage. Either may bulge
+// from a bridge towards its grain, as long as that takes no more points.
 // Serial, on all points of one body; the result does not depend on their order.
 #ifndef MPDEM_LIGAMENT_H
 #define MPDEM_LIGAMENT_H
@@ -22,12 +22,13 @@
 namespace mpdem {
 
 struct Ligament {
-  std::vector<int> cut;  // of the points given; none if the bond is separated
-  int whole = 0;         // points of the least cut of the unbroken bond
-  double share() const { return whole > 0 ? static_cast<double>(cut.size()) / whole : 0.0; }
+  std::vector<std::vector<int>> cuts;  // of the points given, one or two of the same size; one of none if the bond is separated
+  int whole = 0;                       // points of the least cut of the unbroken bond
+  int left() const { return static_cast<int>(cuts.front().size()); }
+  double share() const { return whole > 0 ? static_cast<double>(left()) / whole : 0.0; }
 };
 
-// Far above what ranks and compilers change, so that bonds that are alike on both sides have one ligament on all.
+// Far above what ranks and compilers change, so that bonds that are alike on both sides have the same ligaments on all.
 constexpr double kSameDamage = 1e-3;
 
 // joined, support: of Neighbours.

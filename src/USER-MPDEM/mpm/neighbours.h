@@ -23,6 +23,7 @@ struct CrackPoint {
   bool failed;
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
+  int nearer;               // grain, by nearer_side() of body.h
 };
 
 // Ascending.

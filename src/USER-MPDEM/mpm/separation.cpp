@@ -3,7 +3,9 @@
 #include "separation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -18,24 +20,39 @@ struct Piece {
   bool attached[2] = {false, false};
 };
 
-// Spreads the labels (-1: none) from cell to cell, within a part or across, until every point
-// that can be reached has one. Fronts advance together; the lower label wins where two meet.
-void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<int>& label) {
-  std::vector<int> front, next, claim(label.size(), -1);
+// What a point goes with: what holds to the first grain (bit 0), to the second (bit 1), or a loose piece, by its rank.
+struct Goes {
+  int held = 0, loose = kNone;
+  static constexpr int kNone = std::numeric_limits<int>::max();
+  bool anywhere() const { return held != 0 || loose != kNone; }
+  void join(const Goes& other) {
+    held |= other.held;
+    loose = std::min(loose, other.loose);
+  }
+};
+
+// Spreads from cell to cell, within a part or across, until every point that can be reached goes somewhere. Fronts advance
+// together: a point goes with all that is as few steps away as the nearest.
+void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool across, std::vector<Goes>& goes) {
+  std::vector<int> front, next;
+  std::vector<Goes> claim(goes.size());
   for (int i : near.order())
-    if (label[i] >= 0) front.push_back(i);
+    if (goes[i].anywhere()) front.push_back(i);
   while (!front.empty()) {
     next.clear();
     for (int i : front)
       for (int j : near.of(i))
-        if (j >= 0 && label[j] < 0 && (across || points[j].part == points[i].part)) {
-          if (claim[j] < 0) next.push_back(j);
-          claim[j] = claim[j] < 0 ? label[i] : std::min(claim[j], label[i]);
+        if (j >= 0 && !goes[j].anywhere() && (across || points[j].part == points[i].part)) {
+          if (!claim[j].anywhere()) next.push_back(j);
+          claim[j].join(goes[i]);
         }
-    for (int j : next) label[j] = claim[j];
+    for (int j : next) goes[j] = claim[j];
     front.swap(next);
   }
 }
+
+// Share of a point that goes with what holds to the first grain.
+double share_of_first(int held) { return held == 1 ? 1.0 : held == 2 ? 0.0 : 0.5; }
 
 // Least damage up to which points have to be passed to come from the first grain to the second over intact points
 // of a part (Dijkstra's search with the largest damage for the length of a path), if there is a way.
@@ -128,32 +145,43 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   }
   // Parts only ever split, so that their nodes can take over the motion they had together.
   // What is attached keeps its part, but for the first separation, where the second grain's
-  // share becomes part 1. Loose pieces become parts of their own, from 2 on, in the order of their
-  // least tag, unless they are all there is of such a part already: 0 and 1 follow their grains.
+  // share becomes part 1. Loose pieces become parts of their own, from 2 on, the largest first and
+  // of those alike that of the least tag, unless they are all there is of such a part already: 0 and 1 follow their grains.
   int next = 2;
   for (const CrackPoint& p : points) next = std::max(next, p.part + 1);
   std::map<int, int> holders;  // part, pieces that count in it
   const auto counts = [](const Piece& p) { return p.attached[0] || p.attached[1] || p.points >= kLeastLoose; };
   for (const Piece& p : pieces) holders[p.part] += counts(p);
-  std::vector<int> part_of(pieces.size(), -1), by_tag(pieces.size());
-  std::iota(by_tag.begin(), by_tag.end(), 0);
-  std::sort(by_tag.begin(), by_tag.end(), [&](int a, int b) { return pieces[a].least_tag < pieces[b].least_tag; });
-  for (int k : by_tag) {
-    const Piece& p = pieces[k];
-    if (!counts(p)) continue;
-    if (p.attached[0]) part_of[k] = p.part;
-    else if (p.attached[1]) part_of[k] = p.part == 0 ? 1 : p.part;
-    else part_of[k] = p.part < 2 || holders[p.part] > 1 ? next++ : p.part;
+  std::vector<int> ranked(pieces.size());
+  std::iota(ranked.begin(), ranked.end(), 0);
+  std::sort(ranked.begin(), ranked.end(), [&](int a, int b) {
+    return pieces[a].points != pieces[b].points ? pieces[a].points > pieces[b].points : pieces[a].least_tag < pieces[b].least_tag;
+  });
+  const auto part_held = [](int side, int part) { return side == 1 && part == 0 ? 1 : part; };
+  std::vector<Goes> of_piece(pieces.size());
+  std::vector<int> loose_part(pieces.size(), -1);  // by rank
+  for (std::size_t rank = 0; rank < ranked.size(); ++rank) {
+    const Piece& p = pieces[ranked[rank]];
+    Goes& goes = of_piece[ranked[rank]];
+    if (p.attached[0] || p.attached[1]) {
+      goes.held = p.attached[0] ? 1 : 2;
+    } else if (counts(p)) {
+      goes.loose = static_cast<int>(rank);
+      loose_part[rank] = p.part < 2 || holders[p.part] > 1 ? next++ : p.part;
+    }
   }
-  std::vector<int> part(n, -1), side(n, -1);
+  std::vector<Goes> goes(n), side(n);
   for (int i = 0; i < n; ++i)
     if (piece_of[i] >= 0) {
-      part[i] = part_of[piece_of[i]];
-      const Piece& p = pieces[piece_of[i]];
-      if (p.attached[0] || p.attached[1]) side[i] = p.attached[0] ? 0 : 1;
+      goes[i] = of_piece[piece_of[i]];
+      side[i].held = goes[i].held;
     }
-  grow(near, points, false, part);
-  for (int i = 0; i < n; ++i) result.part[i] = part[i] >= 0 ? part[i] : points[i].part;
+  grow(near, points, false, goes);
+  for (int i = 0; i < n; ++i) {
+    const CrackPoint& p = points[i];
+    if (goes[i].held != 0) result.part[i] = part_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.part);
+    else if (goes[i].loose != Goes::kNone) result.part[i] = loose_part[goes[i].loose];
+  }
 
   bool held = false, loose = false;
   for (const Piece& p : pieces) {
@@ -166,11 +194,13 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
 
   grow(near, points, true, side);
   for (int i = 0; i < n; ++i) {
-    if (side[i] < 0) continue;
-    result.at_grain[1 - side[i]] += points[i].link_area[1 - side[i]];
-    for (int f = 0; f < 6; ++f) {
+    if (side[i].held == 0) continue;
+    const double first = share_of_first(side[i].held);
+    result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
+    result.at_grain[1] += first * points[i].link_area[1];
+    for (int f = 1; f < 6; f += 2) {
       const int j = near.of(i)[f];
-      if (j >= 0 && side[i] == 0 && side[j] == 1) result.inside += face_area[f / 2];
+      if (j >= 0 && side[j].held != 0) result.inside += face_area[f / 2] * std::fabs(first - share_of_first(side[j].held));
     }
   }
   return result;

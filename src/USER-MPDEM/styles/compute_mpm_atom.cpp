@@ -115,10 +115,16 @@ void ComputeMpmAtom::compute_peratom() {
       v = vd{};
     }
   }
-  // 1 while attached to a grain, 2 once it has let go; the tag of that grain
+  // 1 while attached to a grain, 2 once it has let go; the tag of that grain. Of two links those of the nearer grain.
   if (quantity_ == kAttached || quantity_ == kGrain)
-    for (const mpdem::Link& k : points.links)
-      value[k.slot / kLanes].v[k.slot % kLanes] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
+    for (const mpdem::Link& k : points.links) {
+      const int b = k.slot / kLanes, l = k.slot % kLanes;
+      const mpdem::Body& body = avec->bodies[points.meta[b].body];
+      double X[3];
+      for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
+      const int nearer = mpdem::nearer_side(body, mpdem::nearer_to_first(body, X));
+      if (value[b].v[l] == 0.0 || k.grain == body.grain[nearer]) value[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
+    }
   for (int i = 0; i < atom->nlocal; ++i)
     vector_atom[i] = avec->slot[i] >= 0 && (atom->mask[i] & groupbit)
                          ? value[avec->slot[i] / kLanes].v[avec->slot[i] % kLanes]

@@ -22,17 +22,6 @@ struct Sent {
   mpdem::SheetPoint point;
 };
 
-// How much deeper below the surface of the first grain than below that of the second.
-double depth_difference(const mpdem::Body& body, const double* X) {
-  double depth[2];
-  for (int g = 0; g < 2; ++g) {
-    double r2 = 0.0;
-    for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[g][d]) * (X[d] - body.centre[g][d]);
-    depth[g] = body.radius[g] - std::sqrt(r2);
-  }
-  return depth[0] - depth[1];
-}
-
 }  // namespace
 
 // But for its sheet.
@@ -66,11 +55,10 @@ void FixMpm::divide_bodies(int first) {
       Sent s;
       s.body = m.body;
       s.point = sheet_point(static_cast<int>(b), l);
-      const double deeper = depth_difference(body, s.point.X);
-      // a plane of points in the very middle stays whole, whatever the rounding
-      s.point.sheet = deeper < -1e-6 * body.spacing;
+      const double nearer = mpdem::nearer_to_first(body, s.point.X);
+      s.point.sheet = mpdem::nearer_side(body, nearer);
       sheet[kLanes * b + l] = static_cast<signed char>(s.point.sheet);
-      if (std::fabs(deeper) <= reach) out[m.body % comm->nprocs].push_back(s);
+      if (std::fabs(nearer) <= reach) out[m.body % comm->nprocs].push_back(s);
     }
   }
   std::vector<std::vector<mpdem::SheetPoint>> whole(bodies);

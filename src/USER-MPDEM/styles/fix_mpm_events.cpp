@@ -38,15 +38,18 @@ void FixMpm::record_events() {
     e.time = update->get_cur_time();
     e.point = points.tags[b][l];
     e.bond = points.meta[b].body + 1;
-    const auto link = std::lower_bound(points.links.begin(), points.links.end(), slot,
-                                       [](const mpdem::Link& k, int s) { return k.slot < s; });
-    if (link != points.links.end() && link->slot == slot) e.grain = link->grain;
+    // of two links that of the nearer grain
+    const double place[3] = {points.created_at(b)[0][l], points.created_at(b)[1][l], points.created_at(b)[2][l]};
+    const int nearer = body.grain[mpdem::nearer_side(body, mpdem::nearer_to_first(body, place))];
+    for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const mpdem::Link& k, int s) { return k.slot < s; });
+         k != points.links.end() && k->slot == slot; ++k)
+      if (e.grain == 0.0 || k->grain == nearer) e.grain = k->grain;
 
     // Polar coordinates about the line of centres, from the coordinate axis most across it.
     mpdem::Vector3 axis, X;
     for (int d = 0; d < 3; ++d) {
       axis[d] = body.centre[1][d] - body.centre[0][d];
-      X[d] = points.created_at(b)[d][l];
+      X[d] = place[d];
     }
     axis.normalize();
     int least = 0;

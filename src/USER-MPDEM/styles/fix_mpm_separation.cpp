@@ -117,11 +117,12 @@ FixMpm::WholeBodies FixMpm::collect_bodies(const std::vector<char>& wanted) {
       s.point.sheet = mpdem::sheet_of(m.part);
       s.point.failed = m.failed >> l & 1;
       s.point.damage = static_cast<float>(std::max(damage[l], 0.0));
+      const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
       for (int d = 0; d < 3; ++d) {
-        s.point.cell[d] = mpdem::lattice_cell(body, d, points.created_at(static_cast<int>(b))[d][l]);
+        s.point.cell[d] = place.cell[d];
         s.point.base[d] = m.base[d];
       }
-      const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
+      s.point.nearer = mpdem::nearer_side(body, mpdem::nearer_to_first(body, place.X));
       for (int n = 0; n < 6; ++n) s.point.space[n] = static_cast<float>(mpdem::space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
       for (int g = 0; g < 2; ++g) {
         s.point.attached[g] = false;
@@ -266,9 +267,12 @@ std::vector<FixMpm::CrackAhead> FixMpm::cracks_ahead(const std::vector<char>& wa
     if (points.empty()) continue;
     const int body = static_cast<int>(b);
     const mpdem::Ligament ligament = mpdem::find_ligament(points, joined_nodes(body), mpdem::support(basis_));
-    const mpdem::Separation s = look_at(body, mpdem::cut_through(ligament.cut, points));
-    const double row[kWords] = {static_cast<double>(ligament.cut.size()), static_cast<double>(ligament.whole),
-                                s.at_grain[0], s.at_grain[1], s.inside};
+    double row[kWords] = {static_cast<double>(ligament.left()), static_cast<double>(ligament.whole)};
+    for (const std::vector<int>& cut : ligament.cuts) {
+      const mpdem::Separation s = look_at(body, mpdem::cut_through(cut, points));
+      const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
+      for (int i = 0; i < 3; ++i) row[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
+    }
     std::copy(row, row + kWords, &found[kWords * b]);
   }
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, world);
