@@ -328,6 +328,27 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
     if (points[i].cell[0] == 0) EXPECT_EQ(s.part[i], level(points[i]) < kHeight / 2 ? 0 : 1);
 }
 
+// What no step from cell to cell leads to goes with the nearer grain, when the bond comes apart and not later.
+TEST(Separation, PointsThatCannotBeReached) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == 6) fail(p);
+  for (int at : {0, 1}) {
+    CrackPoint p{};
+    p.tag = static_cast<int>(points.size()) + 1;
+    p.cell[0] = 20 + 2 * at;
+    p.failed = true;
+    p.nearer = at;
+    points.push_back(p);
+  }
+  Separation s = separate(points, kFace);
+  for (int at : {0, 1}) EXPECT_EQ(s.part[points.size() - 2 + at], at);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = s.part[i];
+  for (CrackPoint& p : points) fail(p);
+  s = separate(points, kFace, {}, 0, true);
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.part[i], points[i].part);
+}
+
 // With the first grain for the second, areas and parts of the grains swap and the rest stays.
 TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
   test::Random random(183);

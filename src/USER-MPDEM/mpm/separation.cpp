@@ -106,7 +106,7 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
 
 }  // namespace
 
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support) {
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again) {
   const int n = static_cast<int>(points.size());
   const Neighbours near(points, joined, support);
   Separation result;
@@ -181,6 +181,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     const CrackPoint& p = points[i];
     if (goes[i].held != 0) result.part[i] = part_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.part);
     else if (goes[i].loose != Goes::kNone) result.part[i] = loose_part[goes[i].loose];
+    else if (!again) result.part[i] = part_held(p.nearer, p.part);  // nothing that it could go with can be reached
   }
 
   bool held = false, loose = false;

@@ -5,12 +5,15 @@
 // together as neighbours.h says. A bond is separated when no such piece is attached to both grains. Then
 // * the cement gets parts that share no nodes: what is attached to the first grain, to the
 //   second, and every loose piece of at least kLeastLoose points. Failed points and smaller
-//   crumbs go with the nearest of these (in steps from cell to cell) of their part;
+//   crumbs go with the nearest of these (in steps from cell to cell) of their part: of a grain's and a loose one as near with the
+//   grain's, of two loose ones with the larger. As near to what is attached to the first grain and to the second, or where no
+//   step leads, they go with the grain whose surface is nearer (nearer_side() of body.h);
 // * the separating surface lies where the material that goes with the first grain meets the
 //   material that goes with the second: inside the cement, or at a grain where that grain's
-//   own links are to material of the other. Where neither grain holds to anything but there is
-//   a loose piece, it is the surface of both. Its areas are projected on the plane across the
+//   own links are to material of the other. Points as near to either count half to each, whichever part they got. Where neither
+//   grain holds to anything but there is a loose piece, it is the surface of both. Its areas are projected on the plane across the
 //   line of centres.
+// Which of the grains is the first does not matter but for what is told of either.
 // While a path of intact points leads from grain to grain the bond holds. The one that is named is one whose most
 // damaged point is the least damaged, since it is expected to hold longest: so there is seldom reason to look again.
 // Serial, on all points of one body; the result does not depend on their order.
@@ -41,8 +44,9 @@ struct Separation {
 constexpr int kLeastLoose = 64;
 
 // face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
-// support: nodes a direction.
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0);
+// support: nodes a direction; again: the bond was separated before, so that points have the parts of a separation.
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
+                    bool again = false);
 
 }  // namespace mpdem
 

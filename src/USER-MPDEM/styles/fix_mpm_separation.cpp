@@ -151,7 +151,7 @@ mpdem::Separation FixMpm::look_at(int body, const std::vector<mpdem::CrackPoint>
   double face[3];
   direction_of_centres(b, face);
   for (double& f : face) f = std::fabs(f) * b.spacing * b.spacing;
-  return mpdem::separate(points, face, joined_nodes(body), mpdem::support(basis_));
+  return mpdem::separate(points, face, joined_nodes(body), mpdem::support(basis_), separation_[body].separated);
 }
 
 // Looks at bodies in which points failed: those whose path is cut, and what has come apart already,
