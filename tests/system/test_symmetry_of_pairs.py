@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Where a bond lies in the box, how it is turned, and which of its grains is the first do not matter.
+
+The lattice of the points and the grid are cubic and lie about the middle of the gap, so a pair that is moved, mirrored at a
+plane of the grid or turned by a quarter about an axis of it is the same pair: forces of it agree to rounding. So do they with
+the IDs of the grains swapped, but for columns that belong to a grain, which swap. With viscosity this holds through failure;
+without it up to the first failure, from where on rounding may grow (test_symmetry.py).
+"""
+import re
+
+import numpy as np
+import pytest
+from scenes import RADIUS, cement, edit, host, NEIGHBOURS, pull, run, thermo
+
+SPACING = 1e-4
+VISCOUS = "viscosity 1e-6"
+FORCES = [f"f_bond[{i}]" for i in range(1, 13)]
+SHARES = ["f_bond[23]", "f_bond[24]"]
+REST = ["f_cem[1]", "f_cem[2]", "f_cem[4]", "f_cem[6]", "f_bond[22]"]
+FLAT = ("flat", "inner 1e-3 outer 1.4e-3", 1e-4)
+MENISCUS = ("meniscus", "neck 1.3e-3 inner 8e-4", 0.0)
+COATING = ("coating", "thickness 2.5e-4 cap 22 inner 8e-4", 0.0)
+
+
+def unit(v):
+    return np.array(v, float) / np.linalg.norm(v)
+
+
+def scene(kind, n, along, steps, damage, place=(0, 0, 0), swapped=False, every=50):
+    """Two grains about `place`, the one at the end of n pulled along `along`; swapped: it is the first."""
+    shape, words, gap = kind
+    text = host() + "region box block -0.03 0.03 -0.03 0.03 -0.03 0.03 units box\ncreate_box 2 box\n"
+    for side in (1, -1) if swapped else (-1, 1):
+        text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in np.array(place) + side * (RADIUS + gap / 2) * unit(n)) + " units box\n"
+    text += (f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+             + f"create_cement calcite pair 1 2 shape {shape} {words} spacing {SPACING}\n")
+    # Dampers, since rounding feeds the fastest vibration of the links, which nothing else would take.
+    fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage}",
+                   couple="kn auto kt auto damping 0.1")
+    if swapped:
+        fixes = edit(edit(fixes, "first id 1", "first id 2"), "second id 2", "second id 1")
+    return text + fixes + pull(12.0, 4e-6, unit(along)) + thermo(every, FORCES + SHARES + REST) + f"run {steps}\n"
+
+
+def forces(done, swapped=False):
+    """Of the held and of the pulled grain: force, moment over radius."""
+    t = done.table()
+    rows = np.column_stack([t[c] for c in FORCES]).reshape(-1, 4, 3)
+    rows[:, 1::2] /= RADIUS
+    return rows[:, [2, 3, 0, 1]] if swapped else rows
+
+
+def moved(rows, R):
+    """Forces are vectors, moments change sign under a mirror."""
+    return rows @ R.T * np.array([1.0, np.linalg.det(R)] * 2)[:, None]
+
+
+def mirror(d):
+    return np.diag([-1.0 if e == d else 1.0 for e in range(3)])
+
+
+def quarter_turn(d):
+    R = np.zeros((3, 3))
+    R[d, d] = R[(d + 2) % 3, (d + 1) % 3] = 1.0
+    R[(d + 1) % 3, (d + 2) % 3] = -1.0
+    return R
+
+
+PLACES = [(0.01, 0, 0.003), (1.1e-3, -2.3e-3, 5.7e-3), (-7.7e-3, 3.1e-3, 9.1e-3), (-0.00944882, 0.00507026, 0.00076287)]
+MOVES = ([(f"at {p}", np.eye(3), p) for p in PLACES]
+         + [(f"mirrored across {'xyz'[d]}", mirror(d), (0, 0, 0)) for d in range(3)]
+         + [(f"turned about {'xyz'[d]}", quarter_turn(d), PLACES[1]) for d in range(3)])
+# Along (1,0,1) points lie in the very middle, as near to the one grain as to the other.
+DIAGONAL, ACROSS = (1, 0, 1), (1, 0.8, 1)
+
+
+def first_failure(done):
+    t = done.table()
+    return int(np.argmax(t["f_cem[2]"] > 0)) if t["f_cem[2]"].max() > 0 else len(t["step"])
+
+
+@pytest.mark.parametrize("damage", [VISCOUS, ""], ids=["viscous", "not"])
+def test_moved_mirrored_and_turned(damage, tmp_path, figures):
+    steps = 700 if damage else 250
+    done = run(scene(FLAT, DIAGONAL, ACROSS, steps, damage), tmp_path)
+    f = forces(done)
+    rows = slice(None) if damage else slice(first_failure(done))
+    assert done.table()["f_cem[2]"][-1] > 100
+    peak = np.linalg.norm(f[:, 2], axis=1).max()
+    if damage:
+        assert np.linalg.norm(f[-1, 2]) < 0.1 * peak, "the bond is not broken"
+    for what, R, place in MOVES:
+        other = run(scene(FLAT, R @ DIAGONAL, R @ ACROSS, steps, damage, place), tmp_path)
+        worst = abs(forces(other) - moved(f, R))[rows].max() / peak
+        figures.below(f"pair along (1,0,1) {what}, {'through failure' if damage else 'to the first failure'}: force over the peak", worst, 1e-9)
+        assert other.table()["f_cem[2]"][-1] == done.table()["f_cem[2]"][-1] or not damage
+
+
+# Shape, line of centres, way of the pull, steps. All come apart within them.
+SWAPPED = {"flat": (FLAT, (0, 0, 1), (0, 0, 1), 450, ""), "flat along (1,0,1)": (FLAT, DIAGONAL, DIAGONAL, 450, ""),
+           "meniscus": (MENISCUS, (0, 0, 1), (0.64, 0, 0.77), 750, VISCOUS), "coating": (COATING, (0, 0, 1), (0, 0, 1), 400, "")}
+
+
+def report(output):
+    return [float(v) for v in re.findall(r"bond 1 of grains 1 and 2:.* surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %", output)[-1]]
+
+
+@pytest.mark.parametrize("name", SWAPPED)
+def test_which_grain_is_the_first(name, tmp_path, figures):
+    kind, n, along, steps, damage = SWAPPED[name]
+    one, other = (run(scene(kind, n, along, steps, damage, swapped=s), tmp_path) for s in (False, True))
+    t, u = one.table(), other.table()
+    f, g = forces(one), forces(other, True)
+    peak = np.linalg.norm(f[:, 2], axis=1).max()
+    assert t["f_bond[22]"][-1] == 1.0, "the bond is not separated"
+    figures.below(f"{name}, IDs swapped, through failure and after it: force over the peak", abs(f - g).max() / peak, 1e-9)
+    for c in REST:
+        figures.below(f"{name}, IDs swapped: {c}", abs(t[c] - u[c]).max() / max(abs(t[c]).max(), 1e-300), 1e-9)
+    for a, b in zip(SHARES, reversed(SHARES)):
+        figures.below(f"{name}, IDs swapped: share {a} against {b}", abs(t[a] - u[b]).max(), 1e-12)
+    first, second, inside = report(one.output)
+    assert report(other.output) == [second, first, inside]
