@@ -79,6 +79,16 @@ def first_failure(done):
     return int(np.argmax(t["f_cem[2]"] > 0)) if t["f_cem[2]"].max() > 0 else len(t["step"])
 
 
+# With a crevice, so that there are sheets.
+def test_points_in_the_middle_are_of_both_sheets(tmp_path, figures):
+    one, other = (run(scene(MENISCUS, R @ DIAGONAL, R @ ACROSS, 200, "", every=25), tmp_path) for R in (np.eye(3), mirror(0)))
+    f = moved(forces(one), mirror(0))
+    rows = slice(first_failure(one) + 1)
+    assert first_failure(one) > 2
+    figures.below("meniscus along (1,0,1) mirrored across x, to the first failure: force over its largest",
+                  abs(forces(other) - f)[rows].max() / abs(f[rows]).max(), 1e-9)
+
+
 @pytest.mark.parametrize("damage", [VISCOUS, ""], ids=["viscous", "not"])
 def test_moved_mirrored_and_turned(damage, tmp_path, figures):
     steps = 700 if damage else 250
@@ -94,6 +104,32 @@ def test_moved_mirrored_and_turned(damage, tmp_path, figures):
         worst = abs(forces(other) - moved(f, R))[rows].max() / peak
         figures.below(f"pair along (1,0,1) {what}, {'through failure' if damage else 'to the first failure'}: force over the peak", worst, 1e-9)
         assert other.table()["f_cem[2]"][-1] == done.table()["f_cem[2]"][-1] or not damage
+
+
+def tetrahedron(place):
+    """Four grains as they touch in fcc, three held and one pulled; the box is periodic."""
+    half = 0.0125
+    box = " ".join(3 * [f"{-half} {half}"])
+    text = host(boundary="p p p") + f"region box block {box} units box\ncreate_box 2 box\n"
+    for corner in ((0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)):
+        x = np.mod(np.array(place) + RADIUS * np.sqrt(2) * np.array(corner) + half, 2 * half) - half
+        text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in x) + " units box\n"
+    text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+    text += f"create_cement calcite contacts grains gap 1e-5 shape {FLAT[0]} {FLAT[1]} spacing {SPACING}\n"
+    fixes = edit(cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {VISCOUS}",
+                        couple="kn auto kt auto damping 0.1"), "second id 2", "second id 4")
+    columns = [f"f_bond[{b}][{c}]" for b in range(1, 7) for c in range(1, 13)]
+    return text + edit(fixes, "first id 1", "first id 1:3") + pull(12.0, 4e-6, unit((1, 2, 3))) + thermo(50, ["f_cem[2]"] + columns) + "run 650\n"
+
+
+def test_across_a_periodic_boundary(tmp_path, figures):
+    rows = []
+    for place in ((-0.003, -0.0041, -0.0033), (0.0092, 0.0071, 0.0083)):
+        t = run(tetrahedron(place), tmp_path).table()
+        rows.append(np.column_stack([t[f"f_bond[{b}][{c}]"] for b in range(1, 7) for c in (1, 2, 3, 7, 8, 9)]))
+        assert t["f_cem[2]"][-1] > 100
+    figures.below("six bonds of fcc, within the box and across its boundaries: force over the peak", abs(rows[0] - rows[1]).max() / abs(rows[0]).max(),
+                  1e-9)
 
 
 # Shape, line of centres, way of the pull, steps. All come apart within them.

@@ -117,6 +117,34 @@ TEST(Crevice, DoesNotDependOnTheOrder) {
   }
 }
 
+// Points in the very middle belong to either sheet as much as to the other: which of them has them does not matter.
+TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
+  const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 4.0, Vector::UnitY()));
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
+    std::vector<SheetPoint> one = layers(turn, Vector::Zero(), wedge), other;
+    for (SheetPoint& p : one) p.middle = std::fabs((turn * Vector(p.X[0], p.X[1], p.X[2]))[2]) < 1e-6;
+    other = one;
+    for (SheetPoint& p : other) p.sheet = p.sheet || p.middle;
+    const Crevice c = look(one, basis);
+    EXPECT_TRUE(c.found);
+    EXPECT_EQ(c.joined, look(other, basis).joined);
+    EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
+    EXPECT_EQ(std::adjacent_find(c.joined.begin(), c.joined.end()), c.joined.end());
+    int middle = 0, missing = 0;
+    for (const SheetPoint& p : one) {
+      if (!p.middle) continue;
+      ++middle;
+      int base[3];
+      for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d], 1.0 / kCell, cell_shift(basis));
+      for (int n = 0, S = support(basis); n < S * S * S; ++n)
+        missing += !std::binary_search(c.joined.begin(), c.joined.end(), std::array<int, 3>{base[0] + n % S, base[1] + n / S % S, base[2] + n / S / S});
+    }
+    EXPECT_GT(middle, 50);
+    EXPECT_EQ(missing, 0);
+  }
+}
+
 // All coordinates shifted by whole cells of the grid, and the lattice with them.
 TEST(Crevice, LatticeOffTheOrigin) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };

@@ -52,14 +52,17 @@ inline double nearer_to_first(const Body& body, const double* X) {
   return distance[1] - distance[0];
 }
 
-// The grain (0, 1) whose surface is nearer. Where neither is, whatever the rounding, it is the grain of smaller x, if they have
-// the same x that of smaller y, else that of smaller z: which of them is the first does not matter.
+inline double rounding_of_places(const Body& body) { return 1e-6 * body.spacing; }
+// Is neither surface nearer, whatever the rounding?
+inline bool in_the_middle(const Body& body, double nearer_to_first) { return std::fabs(nearer_to_first) <= rounding_of_places(body); }
+
+// The grain (0, 1) whose surface is nearer. In the middle it is the grain of smaller x, if they have the same x that of
+// smaller y, else that of smaller z: which of them is the first does not matter.
 inline int nearer_side(const Body& body, double nearer_to_first) {
-  const double rounding = 1e-6 * body.spacing;
-  if (std::fabs(nearer_to_first) > rounding) return nearer_to_first < 0.0;
+  if (!in_the_middle(body, nearer_to_first)) return nearer_to_first < 0.0;
   for (int d = 0; d < 3; ++d) {
     const double ahead = body.centre[1][d] - body.centre[0][d];
-    if (std::fabs(ahead) > rounding) return ahead < 0.0;
+    if (std::fabs(ahead) > rounding_of_places(body)) return ahead < 0.0;
   }
   return 0;
 }

@@ -97,8 +97,17 @@ Crevice find_crevice(std::vector<SheetPoint>& points, const Body& body, Basis ba
     });
     for (const auto& n : table)
       if (n.second.bridge >= (kShareJoined - 1e-6) * (n.second.bridge + n.second.gap)) result.joined.push_back(n.first);
+    for (const SheetPoint& p : points) {
+      if (!p.middle) continue;
+      int base[3];
+      for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d], 1.0 / cell, Type::kShift);
+      for (int i = 0; i < Type::kSupport; ++i)
+        for (int j = 0; j < Type::kSupport; ++j)
+          for (int k = 0; k < Type::kSupport; ++k) result.joined.push_back({base[0] + i, base[1] + j, base[2] + k});
+    }
   });
   std::sort(result.joined.begin(), result.joined.end());
+  result.joined.erase(std::unique(result.joined.begin(), result.joined.end()), result.joined.end());
   result.found = result.found && !result.joined.empty();
   return result;
 }

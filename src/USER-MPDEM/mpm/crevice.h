@@ -16,6 +16,8 @@
 // are the nodes for which bridges make up at least an eighth then: of the jump of a crack the splines begin
 // to open half their support before the first node that is its own, so that node lies beyond the end.
 // (With a half the coatings of test_bond_stiffness.py are 3 to 5 % too soft; a tenth does as an eighth.)
+// Joined are also all nodes that points in the very middle of the bond have: their material is of both sheets, so it must not
+// matter which of them holds it.
 // Halves that meet nowhere are not a bond with a crevice but points that are no lattice, and stay one.
 // Serial, on all points of a body that lie near the middle; the result does not depend on their order.
 #ifndef MPDEM_CREVICE_H
@@ -34,6 +36,7 @@ struct SheetPoint {
   int cell[3];   // of the lattice
   int sheet;     // 0 or 1
   double share;  // of the cell that is filled
+  bool middle = false;  // in_the_middle() of body.h
 };
 
 struct Crevice {

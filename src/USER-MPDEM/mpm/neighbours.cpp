@@ -41,7 +41,9 @@ Neighbours::Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& join
       while (at < cells.size() && cells[at].first < across) ++at;
       if (at == cells.size() || cells[at].first != across) continue;
       const int j = cells[at].second;
-      if (p[i].sheet == p[j].sheet || (touches(p[i].space[f] + p[j].space[f ^ 1]) && meet(p[i], p[j], joined, support))) face_[i][f] = j;
+      if (p[i].sheet == p[j].sheet || p[i].middle || p[j].middle ||
+          (touches(p[i].space[f] + p[j].space[f ^ 1]) && meet(p[i], p[j], joined, support)))
+        face_[i][f] = j;
     }
   }
 }

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Which points of a bond hold together if they are intact: those whose lattice cells share a face and, if they are
-// of different sheets (crevice.h), whose material touches there and in whose supports there is a node at which the
-// sheets are joined. What the separation (separation.h) and the ligament (ligament.h) of a bond go by.
+// of different sheets (crevice.h) and none of them in the middle, whose material touches there and in whose supports there is a
+// node at which the sheets are joined. What the separation (separation.h) and the ligament (ligament.h) of a bond go by.
 #ifndef MPDEM_NEIGHBOURS_H
 #define MPDEM_NEIGHBOURS_H
 
@@ -24,6 +24,7 @@ struct CrackPoint {
   bool attached[2];         // holds to this grain
   double link_area[2];      // projected area of its links, let go or not
   int nearer;               // grain, by nearer_side() of body.h
+  bool middle;              // of both sheets, in_the_middle() of body.h
 };
 
 // Ascending.

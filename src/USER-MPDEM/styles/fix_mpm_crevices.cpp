@@ -57,6 +57,7 @@ void FixMpm::divide_bodies(int first) {
       s.point = sheet_point(static_cast<int>(b), l);
       const double nearer = mpdem::nearer_to_first(body, s.point.X);
       s.point.sheet = mpdem::nearer_side(body, nearer);
+      s.point.middle = mpdem::in_the_middle(body, nearer);
       sheet[kLanes * b + l] = static_cast<signed char>(s.point.sheet);
       if (std::fabs(nearer) <= reach) out[m.body % comm->nprocs].push_back(s);
     }

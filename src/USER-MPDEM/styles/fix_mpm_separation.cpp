@@ -122,7 +122,9 @@ FixMpm::WholeBodies FixMpm::collect_bodies(const std::vector<char>& wanted) {
         s.point.cell[d] = place.cell[d];
         s.point.base[d] = m.base[d];
       }
-      s.point.nearer = mpdem::nearer_side(body, mpdem::nearer_to_first(body, place.X));
+      const double nearer = mpdem::nearer_to_first(body, place.X);
+      s.point.nearer = mpdem::nearer_side(body, nearer);
+      s.point.middle = mpdem::in_the_middle(body, nearer);
       for (int n = 0; n < 6; ++n) s.point.space[n] = static_cast<float>(mpdem::space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
       for (int g = 0; g < 2; ++g) {
         s.point.attached[g] = false;
