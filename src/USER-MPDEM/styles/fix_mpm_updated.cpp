@@ -24,7 +24,9 @@ using mpdem::vd;
 // The kinetic energy that a projection leaves out counts as damped: that at the step, where
 // velocity is half a kick ahead of what is stored.
 void FixMpm::reproject() {
-  const auto energy = [this] { return kinetic_energy(0.5 * dt_last_) + (coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0); };
+  const auto energy = [this] {
+    return kinetic_energy(0.5 * dt_last_) + (coupled_ ? links_.inertial_energy_ahead(grid_, sides_, 0.5 * (dt_last_ + update->dt), bodies_started_) : 0.0);
+  };
   const double before = energy();
   mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, 0.5 * (dt_last_ + update->dt), jump_);
   damped_ += before - energy();
@@ -44,6 +46,7 @@ double FixMpm::half_kick_of_jump() const {
 
 void FixMpm::step_updated(double dt) {
   mpdem::PointStore& points = avec_->points;
+  const double dt_v = 0.5 * (dt_last_ + dt);
   timer_.start(StepTimer::kLayout);
   int stale = updated_pass_.layout_is_stale(), any;
   MPI_Allreduce(&stale, &any, 1, MPI_INT, MPI_MAX, world);
@@ -51,20 +54,19 @@ void FixMpm::step_updated(double dt) {
     // Blocks fill badly when points went through many cells.
     int sparse = points.blocks.size() > blocks_when_arranged_ + blocks_when_arranged_ / 3;
     MPI_Allreduce(MPI_IN_PLACE, &sparse, 1, MPI_INT, MPI_MAX, world);
-    const double before = links_.inertial_energy(grid_, sides_);
+    const auto energy = [&] { return links_.inertial_energy_ahead(grid_, sides_, dt_v, bodies_started_); };
+    const double before = energy();
     if (sparse) {
       sync_slots();
       rebuild();
     } else {
       lay_out_grid();
     }
-    damped_ += before - links_.inertial_energy(grid_, sides_);
-  } else {
-    distribute_grains();
+    damped_ += before - energy();
   }
 
   timer_.start(StepTimer::kNodes);
-  const double dt_v = 0.5 * (dt_last_ + dt);
+  if (coupled_) follow_jumps();
   grid_.drift(dt_v, 0.0);
   const double before = kinetic_energy(0.0), inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
   jump_.assign(grid_.velocity.size(), 0.0);
