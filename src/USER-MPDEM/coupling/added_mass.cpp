@@ -239,8 +239,20 @@ double PenaltyLinks::inertial_energy_ahead(const Grid& grid, const GrainSides& s
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
-    if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s);
+    if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s.transfer_force, s.transfer_force + 3);
   });
+}
+
+double PenaltyLinks::work_of_reaction(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const {
+  double work = 0.0;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
+    if (!counts[node]) return;
+    double of_grain[3];
+    rigid_at(s.v, s.omega, r, of_grain);
+    for (int d = 0; d < 3; ++d) work += mass * field[3 * node + d] * of_grain[d];
+  });
+  return work;
 }
 
 double PenaltyLinks::inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const {

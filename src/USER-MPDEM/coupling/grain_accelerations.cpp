@@ -60,8 +60,8 @@ void GrainAccelerations::add_up(const PenaltyLinks& links, const Grid& grid, Gra
   for (std::size_t i = 0; i < sides.sides.size(); ++i) {
     const GrainSide& s = sides.sides[i];
     for (int d = 0; d < 3; ++d) {
-      sum_[kWidth * i + d] = s.force[d] + s.jump_force[d];
-      sum_[kWidth * i + 3 + d] = s.torque[d] + s.jump_force[3 + d];
+      sum_[kWidth * i + d] = s.force[d] + s.jump_force[d] + s.transfer_force[d];
+      sum_[kWidth * i + 3 + d] = s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
     }
   }
   for (const PenaltyLinks::AddedMass& a : links.added_masses()) {

@@ -113,15 +113,22 @@ void GrainSides::clear_forces() {
     for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
 }
 
-void GrainSides::clear_jump_forces() {
-  for (GrainSide& s : sides) std::fill(s.jump_force, s.jump_force + 6, 0.0);
+void GrainSides::clear_sudden_forces() {
+  for (GrainSide& s : sides)
+    for (int d = 0; d < 6; ++d) s.jump_force[d] = s.transfer_force[d] = 0.0;
 }
 
-void GrainSides::sum_jump_forces() {
-  buffer_.resize(6 * sides.size());
-  for (std::size_t i = 0; i < sides.size(); ++i) std::copy(sides[i].jump_force, sides[i].jump_force + 6, &buffer_[6 * i]);
-  halo_.sum(buffer_.data(), 6);
-  for (std::size_t i = 0; i < sides.size(); ++i) std::copy(&buffer_[6 * i], &buffer_[6 * i] + 6, sides[i].jump_force);
+void GrainSides::sum_sudden_forces() {
+  buffer_.resize(12 * sides.size());
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    std::copy(sides[i].jump_force, sides[i].jump_force + 6, &buffer_[12 * i]);
+    std::copy(sides[i].transfer_force, sides[i].transfer_force + 6, &buffer_[12 * i + 6]);
+  }
+  halo_.sum(buffer_.data(), 12);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    std::copy(&buffer_[12 * i], &buffer_[12 * i] + 6, sides[i].jump_force);
+    std::copy(&buffer_[12 * i + 6], &buffer_[12 * i] + 12, sides[i].transfer_force);
+  }
 }
 
 void GrainSides::sum_forces() {

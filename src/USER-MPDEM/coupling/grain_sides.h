@@ -28,7 +28,9 @@ struct GrainSide {
   Mat3<double> R;  // body frame of the grain to global
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
-  double jump_force[6];  // force and moment of added mass that follows a jump, see PenaltyLinks::follow_jumps()
+  // force and moment of added mass whose nodes change their velocity at once, see PenaltyLinks: that of jumps of grains, that
+  // of transfers
+  double jump_force[6], transfer_force[6];
 };
 
 class GrainSides {
@@ -56,10 +58,10 @@ class GrainSides {
   void set_jumps(const std::vector<std::array<double, 6>>& jump);
 
   void clear_forces();
-  void clear_jump_forces();
+  void clear_sudden_forces();
   // Collective. Sums force and torque over the holders.
   void sum_forces();
-  void sum_jump_forces();
+  void sum_sudden_forces();  // of jumps and transfers
   // Collective. Sums over the holders of each side, width doubles each.
   void sum(double* values, int width) { halo_.sum(values, width); }
   // Place in `sides` of each owned key.

@@ -114,8 +114,10 @@ class PenaltyLinks {
   // The same as forces on nodes and grains, of bodies from first_body on; `at_start`: of added mass that moves with the
   // nodes so far, whose jump is the velocity of the grains less that of the nodes.
   void add_jumps(Grid& grid, GrainSides& sides, int first_body, bool at_start) const;
-  // Reaction of the added mass to the acceleration scale * field of the nodes.
+  // Reaction of the added mass to a transfer that changes the velocity of nodes, by the acceleration scale * field.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
+  // Work of that reaction on the grains for a change `field` of the velocity of the nodes, over its scale.
+  double work_of_reaction(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
   // Power of the acceleration of the added mass relative to the grains on the velocity `field` of the nodes.
   double inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
 

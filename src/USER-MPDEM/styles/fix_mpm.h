@@ -279,7 +279,7 @@ class FixMpm : public Fix {
   mpdem::Relaxation relaxation_;
   mpdem::GrainAccelerations accelerations_;
   std::vector<mpdem::GrainAccelerations::Grain> bonded_;  // of this rank
-  bool jump_forces_are_due_ = false;
+  bool sudden_forces_are_due_ = false;
   bool jump_told_ = false;
   double jump_limit_ = 0.0;  // of velocity
   std::string worst_jump_;   // of prescribed velocity, seen by this rank in this run

@@ -82,29 +82,29 @@ void FixMpm::keep_velocities() {
 
 // Before nodes drift, with the added mass that they have.
 void FixMpm::follow_jumps() {
-  sides_.clear_jump_forces();
+  sides_.clear_sudden_forces();
   if (!any_added_mass_) return;
   links_.follow_jumps(grid_, sides_, 2.0 / (dt_last_ + update->dt), 1.0 / update->dt);
-  jump_forces_are_due_ = true;
+  sudden_forces_are_due_ = true;
 }
 
-// Collective. The reaction of added mass that followed jumps, and its work.
+// Collective. The reaction of added mass that followed jumps, or whose nodes changed their velocity by transfer, and its work.
 void FixMpm::react_to_jumps() {
-  if (!jump_forces_are_due_) return;
-  jump_forces_are_due_ = false;
-  sides_.sum_jump_forces();
+  if (!sudden_forces_are_due_) return;
+  sudden_forces_are_due_ = false;
+  sides_.sum_sudden_forces();
   for (mpdem::GrainSide& s : sides_.sides)
     for (int d = 0; d < 3; ++d) {
-      s.force[d] += s.jump_force[d];
-      s.torque[d] += s.jump_force[3 + d];
+      s.force[d] += s.jump_force[d] + s.transfer_force[d];
+      s.torque[d] += s.jump_force[3 + d] + s.transfer_force[3 + d];
     }
   for (const OwnedSide& o : owned_) {
-    const double* f = sides_.sides[o.at].jump_force;
+    const mpdem::GrainSide& s = sides_.sides[o.at];
     const AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);
     double power = 0.0;
     for (int d = 0; d < 6; ++d) {
-      (d < 3 ? atom->f[o.atom][d] : atom->torque[o.atom][d - 3]) += f[d];
-      power += f[d] * 0.5 * (g.before[d] + g.v[d]);
+      (d < 3 ? atom->f[o.atom][d] : atom->torque[o.atom][d - 3]) += s.jump_force[d] + s.transfer_force[d];
+      power += s.jump_force[d] * 0.5 * (g.before[d] + g.v[d]) + s.transfer_force[d] * g.v[d];
     }
     work_ -= update->dt * power;
   }
@@ -117,7 +117,7 @@ void FixMpm::exchange_momentum(const std::vector<std::array<double, 6>>& jump, i
   sides_.set_accelerations(std::vector<std::array<double, 6>>(owned_.size(), std::array<double, 6>{}));
   grid_.clear_force();
   sides_.clear_forces();
-  sides_.clear_jump_forces();
+  sides_.clear_sudden_forces();
   links_.add_jumps(grid_, sides_, first_body, at_start);
   if (any_free_grain_) {
     for (mpdem::GrainAccelerations::Grain& g : bonded_) g.load.setZero();

@@ -189,7 +189,7 @@ void FixMpm::distribute_grains() {
 }
 
 // Work of grains and gravity on the cement of bodies from first_body on, in a step with the forces of
-// this time: with the velocities of this time, and with those of half a step before. That of jumps has been counted.
+// this time: with the velocities of this time, and with those of half a step before. That of jumps and transfers has been counted.
 FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
   const double half = 0.5 * dt_last_;
   StepWork power{0.0, 0.0};
@@ -198,7 +198,7 @@ FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
     const mpdem::GrainSide& s = sides_.sides[o.at];
     const AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);
     for (int d = 0; d < 6; ++d) {
-      const double f = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d];
+      const double f = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
       power.now -= f * g.ended[d];
       power.before -= f * g.v[d];
     }
@@ -292,8 +292,8 @@ void FixMpm::setup(int) {
     mpdem::add_internal_force(avec_->points, grid_, *law_);
   }
   sides_.clear_forces();
-  sides_.clear_jump_forces();
-  jump_forces_are_due_ = false;
+  sides_.clear_sudden_forces();
+  sudden_forces_are_due_ = false;
   add_forces(false);
   react_on_grains();
   start_bodies();
@@ -320,6 +320,7 @@ void FixMpm::start_bodies() {
   if (coupled_)
     mine += links_.spring_energy(grid_, sides_, bodies_started_) +
             links_.inertial_energy(grid_, sides_, 0.0, dt_last_, bodies_started_);
+  if (updated_) mpdem::UpdatedPass::start(avec_->points, grid_, bodies_started_);
   const StepWork work = work_of_step(bodies_started_);
   work_ += work.now - 0.5 * work.before;
   work_ahead_ += work.now - 0.5 * work.before;

@@ -30,6 +30,7 @@ void FixMpm::reproject() {
   const double before = energy();
   mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, 0.5 * (dt_last_ + update->dt), jump_);
   damped_ += before - energy();
+  if (coupled_) damped_ -= links_.work_of_reaction(grid_, sides_, jump_);  // which goes to the grains
 }
 
 // The same for a transfer in the course of the step, whose acceleration is known only now.
@@ -112,6 +113,7 @@ void FixMpm::step_updated(double dt) {
   if (coupled_) {
     timer_.start(StepTimer::kCoupling);
     links_.add_reaction(grid_, jump_, shared * shared / dt, sides_);
+    damped_ -= shared * shared * links_.work_of_reaction(grid_, sides_, jump_);  // which goes to the grains
     if (links_.move_places(points)) move_links();
     links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
     links_.drop_inertia(points);
