@@ -180,7 +180,8 @@ class FixMpm : public Fix {
   void take_new_reference();
   void move_links();
   void sort_links();
-  double half_kick_of_jump() const;
+  double half_kick_of_jump(const std::vector<double>& jump) const;
+  double gravity_power(const std::vector<double>& velocity) const;
   double damping_work(double later, int first_body = 0) const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
@@ -341,6 +342,7 @@ class FixMpm : public Fix {
   double start_energy_ = 0.0;  // of the cement when it was set in motion
   double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_ahead_ = 0.0;
   mpdem::AdvanceResult advance_;
+  std::vector<double> filtered_;     // that of the part before the nodes move, xpic only
   std::vector<double> transferred_;  // change of the nodal velocity by the transfer of this step, `updated` only
   std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty
 

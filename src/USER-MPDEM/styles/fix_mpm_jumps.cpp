@@ -64,7 +64,8 @@ void FixMpm::find_rates() {
       g.v[d] = free || d >= 3 ? velocity_of(i, d) : moved_[3 * n + d] / dt;
       const double change = g.v[d] - g.before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
-      work_ -= 0.5 * dt * g.load[d] * g.jump[d];  // in the second half of the last step, beyond what was expected
+      // in the second half of the last step, beyond what was expected
+      if (!free) work_ -= 0.5 * dt * g.load[d] * (change - 2.0 * (g.ended[d] - g.before[d]));
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (atom->v[i][d] - g.v[d]) / dt);
     }
     watch_jump(n);

@@ -88,7 +88,12 @@ void FixMpm::setup_pre_neighbor() {
   count_points();
   divide_bodies(static_cast<int>(has_sheets_.size()));
   remember_axis();
+  // another time step, other added mass
+  const bool changes = built_ && coupled_ && update->dt != dt_last_;
+  const auto energy = [&] { return changes ? links_.inertial_energy_ahead(grid_, sides_, 0.0, bodies_started_) : 0.0; };
+  const double before = energy();
   rebuild();
+  released_ += before - energy();
   // New bodies may be cracked. Others, which after read_restart may have come apart since they were
   // looked at, wait for the step of the next look, so that a run in parts is the run as a whole.
   const std::size_t bodies = avec_->bodies.size();

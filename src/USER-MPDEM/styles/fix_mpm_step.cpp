@@ -84,7 +84,10 @@ void FixMpm::post_force(int) {
   }
   add_forces();
   damped_ += damping_work(0.5 * dt_last_);
-  if (updated_) damped_ += half_kick_of_jump();
+  if (updated_) {
+    damped_ += half_kick_of_jump(transferred_);
+    work_ -= 0.5 * dt_last_ * gravity_power(transferred_);  // nodes came here without that
+  }
   react_on_grains();
   watch_late_forces(false);
   timer_.stop();
