@@ -69,6 +69,7 @@ void FixMpm::find_rates() {
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (atom->v[i][d] - g.v[d]) / dt);
     }
     watch_jump(n);
+    g.seen = 1.0;
   }
 }
 
@@ -216,6 +217,7 @@ void FixMpm::start_added_mass() {
 
 // Grains that were not seen before go back to the middle of the step before, like the nodes of new bodies.
 void FixMpm::go_back_half_a_step() {
+  if (!coupled_) return;
   std::vector<std::array<double, 6>> rates(owned_.size());
   for (std::size_t k = 0; k < owned_.size(); ++k) {
     const mpdem::GrainSide& s = sides_.sides[owned_[k].at];
@@ -228,7 +230,6 @@ void FixMpm::go_back_half_a_step() {
     g.seen = 1.0;
     for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last_ * rates[bonded_[n].sides.front()][d];
   }
-  if (!coupled_) return;
   distribute_grains();
   sides_.set_accelerations(rates);
 }
@@ -247,7 +248,7 @@ void FixMpm::find_limit_of_jumps() {
 }
 
 void FixMpm::watch_jump(std::size_t n) {
-  if (jump_told_ || !worst_jump_.empty()) return;
+  if (jump_told_ || !worst_jump_.empty() || !coupled_) return;
   const int i = grains_here_[n];
   const AtomVecMpdem::GrainState& g = *avec_->grain(i);
   double change[6] = {};
