@@ -221,6 +221,64 @@ TEST_P(AddedMass, ExertsNothingWhereNodesMoveWithTheGrain) {
   expect_within(grain, 1e-11, "force and moment on grains, over what carries the mass of a node");
 }
 
+// Grains that jump take nodes along: momentum is kept, energy changes by the work of the reaction at the mean velocity of each
+// grain, and added mass has the energy before the jump until its nodes follow.
+TEST_P(AddedMass, FollowsJumps) {
+  Scene s = scene(157);
+  s.place_grains(0.1, 1.0);
+  set_added_mass(s);
+  std::vector<double>& change = s.grid.acceleration;
+  std::fill(change.begin(), change.end(), 0.0);
+  const auto energy = [&] {
+    double cement = 0.0;
+    for (std::size_t i = 0; i < change.size(); ++i) cement += 0.5 * s.grid.mass[i / 3] * s.grid.velocity[i] * s.grid.velocity[i];
+    return cement + s.links.inertial_energy(s.grid, s.sides);
+  };
+  const double before = energy(), inertial = s.links.inertial_energy(s.grid, s.sides);
+  for (GrainSides::Motion& m : s.motion) {
+    copy(s.random.vector(), m.jump);
+    copy(s.random.vector(), m.jump + 3);
+    for (int d = 0; d < 3; ++d) {
+      m.v[d] += m.jump[d];
+      m.omega[d] += m.jump[3 + d];
+    }
+  }
+  s.sides.distribute(s.bodies, s.motion);
+  EXPECT_NEAR(s.links.inertial_energy_ahead(s.grid, s.sides, 0.0, 2), inertial, 1e-12 * inertial);
+  EXPECT_GT(std::fabs(s.links.inertial_energy(s.grid, s.sides) - inertial), 0.1 * inertial);
+  s.sides.clear_forces();
+  s.sides.clear_sudden_forces();
+  s.links.follow_jumps(s.grid, s.sides, 1.0, 1.0);
+  std::vector<double> momentum(change);
+  double work = 0.0;
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    s.grid.velocity[i] += change[i];
+    momentum[i] *= s.grid.mass[i / 3];
+  }
+  for (GrainSide& g : s.sides.sides)
+    for (int d = 0; d < 3; ++d) {
+      g.force[d] = g.jump_force[d];
+      g.torque[d] = g.jump_force[3 + d];
+      work -= g.jump_force[d] * (g.v[d] - 0.5 * g.jump[d]) + g.jump_force[3 + d] * (g.omega[d] - 0.5 * g.jump[3 + d]);
+    }
+  s.expect_balanced(momentum, 1e-13, "momentum");
+  EXPECT_NEAR(energy() - before, work, 1e-11 * before);
+
+  // The same by forces, which is how momentum is exchanged at once.
+  const std::vector<double> followed(change);
+  s.grid.clear_force();
+  s.sides.clear_forces();
+  s.links.add_jumps(s.grid, s.sides, 0, false);
+  s.links.carry_added_mass(s.grid, s.sides);
+  s.grid.update_acceleration();
+  test::Worst node, grain;
+  for (std::size_t i = 0; i < change.size(); ++i) node.add(std::fabs(change[i] - followed[i]));
+  for (const GrainSide& g : s.sides.sides)
+    for (int d = 0; d < 3; ++d) grain.add(std::max(std::fabs(g.force[d] - g.jump_force[d]), std::fabs(g.torque[d] - g.jump_force[3 + d])));
+  expect_within(node, 1e-13, "change of velocity");
+  expect_within(grain, 1e-13, "momentum of the grains");
+}
+
 // (1 + t) times the stiffness, t the mass ratio of the grain.
 TEST_P(AddedMass, LinksOfFreeGrainsCountMore) {
   Scene s = scene(156);

@@ -121,20 +121,29 @@ void PenaltyLinks::share_added_mass(const Grid& grid, const GrainSides& sides) {
 
 namespace {
 
-// Acceleration of the grain at r from its centre.
-void acceleration_at(const GrainSide& s, const double* r, double* a) {
+// Velocity or acceleration at r from the centre of a grain.
+void rigid_at(const double* linear, const double* angular, const double* r, double* at) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
-    a[d] = s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e];
+    at[d] = linear[d] + angular[e] * r[g] - angular[g] * r[e];
   }
 }
 
-void add_to_grain(const double* r, const double* f, double scale, GrainSide& s) {
+void acceleration_at(const GrainSide& s, const double* r, double* a) { rigid_at(s.a, s.alpha, r, a); }
+void jump_at(const GrainSide& s, const double* r, double* v) { rigid_at(s.jump, s.jump + 3, r, v); }
+
+void add_to_grain(const double* r, const double* f, double scale, double* force, double* torque) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
-    s.force[d] += scale * f[d];
-    s.torque[d] += scale * (r[e] * f[g] - r[g] * f[e]);
+    force[d] += scale * f[d];
+    torque[d] += scale * (r[e] * f[g] - r[g] * f[e]);
   }
+}
+
+void add_to_grain(const double* r, const double* f, double scale, GrainSide& s) { add_to_grain(r, f, scale, s.force, s.torque); }
+
+bool jumps(const GrainSide& s) {
+  return std::any_of(s.jump, s.jump + 6, [](double j) { return j != 0.0; });
 }
 
 // Calls f(node, mass, side, place from its centre) for all added mass.
@@ -172,11 +181,78 @@ void PenaltyLinks::carry_added_mass(Grid& grid, GrainSides& sides) const {
   }
 }
 
+void PenaltyLinks::follow_jumps(Grid& grid, GrainSides& sides, double rate, double grain_rate) const {
+  const std::vector<char>& counts = grid.halo.counts_here();
+  bool any = false;
+  for (const AddedMass& a : shares_) {
+    GrainSide* s[2] = {&sides.sides[a.at[0]], &sides.sides[a.at[1]]};
+    if (!jumps(*s[0]) && !jumps(*s[1])) continue;
+    any = true;
+    const double inverse = 1.0 / (grid.mass[a.node] + grid.added_mass[a.node]);
+    double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
+    for (int side = 0; side < 2; ++side) {
+      a.lever_arm(grid, *s[side], r[side]);
+      jump_at(*s[side], r[side], of_grain[side]);
+      for (int d = 0; d < 3; ++d) of_node[d] += inverse * a.mass[side] * of_grain[side][d];
+    }
+    for (int d = 0; d < 3; ++d) grid.acceleration[3 * a.node + d] += rate * of_node[d];
+    if (!counts[a.node]) continue;
+    for (int side = 0; side < 2; ++side) {
+      double relative[3];
+      for (int d = 0; d < 3; ++d) relative[d] = of_node[d] - of_grain[side][d];
+      add_to_grain(r[side], relative, grain_rate * a.mass[side], s[side]->jump_force, s[side]->jump_force + 3);
+    }
+  }
+  if (any) grid.ties.extend(grid.acceleration.data());
+}
+
+void PenaltyLinks::add_jumps(Grid& grid, GrainSides& sides, int first_body, bool at_start) const {
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
+    if (s.body < first_body) return;
+    double jump[3];
+    jump_at(s, r, jump);
+    for (int d = 0; d < 3; ++d) {
+      if (at_start) jump[d] -= grid.velocity[3 * node + d];
+      grid.force[3 * node + d] += mass * jump[d];
+    }
+    if (counts[node]) add_to_grain(r, jump, -mass, s);
+  });
+}
+
+double PenaltyLinks::inertial_energy_ahead(const Grid& grid, const GrainSides& sides, double later, int end_body) const {
+  double energy = 0.0;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
+    if (s.body >= end_body || !counts[node]) return;
+    double of_grain[3], jump[3];
+    rigid_at(s.v, s.omega, r, of_grain);
+    jump_at(s, r, jump);
+    for (int d = 0; d < 3; ++d) {
+      const double v = grid.velocity[3 * node + d] + later * grid.acceleration[3 * node + d] - (of_grain[d] - jump[d]);
+      energy += 0.5 * mass * v * v;
+    }
+  });
+  return energy;
+}
+
 void PenaltyLinks::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for_each(shares_, grid, sides, [&](int node, double mass, GrainSide& s, const double* r) {
-    if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s);
+    if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s.transfer_force, s.transfer_force + 3);
   });
+}
+
+double PenaltyLinks::work_of_reaction(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const {
+  double work = 0.0;
+  const std::vector<char>& counts = grid.halo.counts_here();
+  for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
+    if (!counts[node]) return;
+    double of_grain[3];
+    rigid_at(s.v, s.omega, r, of_grain);
+    for (int d = 0; d < 3; ++d) work += mass * field[3 * node + d] * of_grain[d];
+  });
+  return work;
 }
 
 double PenaltyLinks::inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const {
@@ -197,11 +273,11 @@ double PenaltyLinks::inertial_energy(const Grid& grid, const GrainSides& sides, 
   const std::vector<char>& counts = grid.halo.counts_here();
   for_each(shares_, grid, sides, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (s.body < first_body || !counts[node]) return;
-    double rate[3];
+    double rate[3], of_grain[3];
     acceleration_at(s, r, rate);
+    rigid_at(s.v, s.omega, r, of_grain);
     for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      const double v = grid.velocity[3 * node + d] - s.v[d] - (s.omega[e] * r[g] - s.omega[g] * r[e]);
+      const double v = grid.velocity[3 * node + d] - of_grain[d];
       const double a = grid.acceleration[3 * node + d] - rate[d];
       energy += 0.5 * mass * (v + early * a) * (v + late * a);
     }

@@ -58,8 +58,11 @@ void GrainAccelerations::add_up(const PenaltyLinks& links, const Grid& grid, Gra
   const std::vector<char>& counts = grid.halo.counts_here();
   sum_.assign(kWidth * sides.sides.size(), 0.0);
   for (std::size_t i = 0; i < sides.sides.size(); ++i) {
-    std::copy(sides.sides[i].force, sides.sides[i].force + 3, &sum_[kWidth * i]);
-    std::copy(sides.sides[i].torque, sides.sides[i].torque + 3, &sum_[kWidth * i + 3]);
+    const GrainSide& s = sides.sides[i];
+    for (int d = 0; d < 3; ++d) {
+      sum_[kWidth * i + d] = s.force[d] + s.jump_force[d] + s.transfer_force[d];
+      sum_[kWidth * i + 3 + d] = s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
+    }
   }
   for (const PenaltyLinks::AddedMass& a : links.added_masses()) {
     if (!counts[a.node]) continue;

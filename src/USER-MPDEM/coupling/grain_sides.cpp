@@ -7,7 +7,7 @@
 namespace mpdem {
 
 namespace {
-constexpr int kMotion = 21;  // present, x, v, omega, q, a, alpha, mass_ratio
+constexpr int kMotion = 27;  // present, x, v, omega, q, a, alpha, mass_ratio, jump
 }
 
 Mat3<double> rotation_of(const double* q) {
@@ -67,6 +67,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       b[17 + d] = m.alpha[d];
     }
     b[20] = m.mass_ratio;
+    std::copy(m.jump, m.jump + 6, b + 21);
   }
   // All but the owner contribute zero, so the sum is the owner's word, exactly.
   halo_.sum(buffer_.data(), kMotion);
@@ -83,15 +84,24 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
       s.alpha[d] = b[17 + d];
     }
     s.mass_ratio = b[20];
+    std::copy(b + 21, b + 27, s.jump);
     s.R = rotation_of(b + 10);
   }
 }
 
-void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acceleration) {
+void GrainSides::hand_out(const std::vector<std::array<double, 6>>& values) {
   buffer_.assign(6 * sides.size(), 0.0);
-  for (std::size_t i = 0; i < owned_at_.size(); ++i)
-    std::copy(acceleration[i].begin(), acceleration[i].end(), &buffer_[6 * owned_at_[i]]);
+  for (std::size_t i = 0; i < owned_at_.size(); ++i) std::copy(values[i].begin(), values[i].end(), &buffer_[6 * owned_at_[i]]);
   halo_.sum(buffer_.data(), 6);
+}
+
+void GrainSides::set_jumps(const std::vector<std::array<double, 6>>& jump) {
+  hand_out(jump);
+  for (std::size_t i = 0; i < sides.size(); ++i) std::copy(&buffer_[6 * i], &buffer_[6 * i] + 6, sides[i].jump);
+}
+
+void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acceleration) {
+  hand_out(acceleration);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     std::copy(&buffer_[6 * i], &buffer_[6 * i] + 3, sides[i].a);
     std::copy(&buffer_[6 * i] + 3, &buffer_[6 * i] + 6, sides[i].alpha);
@@ -101,6 +111,24 @@ void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acc
 void GrainSides::clear_forces() {
   for (GrainSide& s : sides)
     for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
+}
+
+void GrainSides::clear_sudden_forces() {
+  for (GrainSide& s : sides)
+    for (int d = 0; d < 6; ++d) s.jump_force[d] = s.transfer_force[d] = 0.0;
+}
+
+void GrainSides::sum_sudden_forces() {
+  buffer_.resize(12 * sides.size());
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    std::copy(sides[i].jump_force, sides[i].jump_force + 6, &buffer_[12 * i]);
+    std::copy(sides[i].transfer_force, sides[i].transfer_force + 6, &buffer_[12 * i + 6]);
+  }
+  halo_.sum(buffer_.data(), 12);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    std::copy(&buffer_[12 * i], &buffer_[12 * i] + 6, sides[i].jump_force);
+    std::copy(&buffer_[12 * i + 6], &buffer_[12 * i] + 12, sides[i].transfer_force);
+  }
 }
 
 void GrainSides::sum_forces() {

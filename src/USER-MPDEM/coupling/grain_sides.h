@@ -23,10 +23,14 @@ struct GrainSide {
   // motion, lengths from the body's origin
   double x[3], v[3], omega[3];
   double a[3], alpha[3];  // rates of v and omega: what distribute() says until set_accelerations()
+  double jump[6];         // change of v and omega in the last step that a and alpha did not foretell
   double mass_ratio;      // see PenaltyLinks; 0 if prescribed
   Mat3<double> R;  // body frame of the grain to global
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
+  // force and moment of added mass whose nodes change their velocity at once, see PenaltyLinks: that of jumps of grains, that
+  // of transfers
+  double jump_force[6], transfer_force[6];
 };
 
 class GrainSides {
@@ -41,7 +45,8 @@ class GrainSides {
 
   // Motion of a grain this rank owns; x unwrapped and global, q the unit quaternion.
   struct Motion {
-    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, mass_ratio = 0;
+    double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, mass_ratio = 0,
+           jump[6] = {0, 0, 0, 0, 0, 0};
   };
 
   // Collective. motion[i] belongs to owned key i.
@@ -49,10 +54,14 @@ class GrainSides {
 
   // Collective. a and alpha of owned key i.
   void set_accelerations(const std::vector<std::array<double, 6>>& acceleration);
+  // Collective. jump of owned key i.
+  void set_jumps(const std::vector<std::array<double, 6>>& jump);
 
   void clear_forces();
+  void clear_sudden_forces();
   // Collective. Sums force and torque over the holders.
   void sum_forces();
+  void sum_sudden_forces();  // of jumps and transfers
   // Collective. Sums over the holders of each side, width doubles each.
   void sum(double* values, int width) { halo_.sum(values, width); }
   // Place in `sides` of each owned key.
@@ -62,6 +71,8 @@ class GrainSides {
   int orphan() const { return orphan_; }
 
  private:
+  void hand_out(const std::vector<std::array<double, 6>>& values);  // into the buffer, for all holders
+
   std::vector<int> owned_at_;
   std::vector<double> buffer_;
   HaloSum halo_;

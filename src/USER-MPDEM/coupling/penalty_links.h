@@ -107,8 +107,17 @@ class PenaltyLinks {
   // Added mass moves with its grain: force on nodes, after their sum over ranks, that takes it along, and its reaction on
   // the grains, before theirs, with the acceleration that nodes will have by Grid::update_acceleration().
   void carry_added_mass(Grid& grid, GrainSides& sides) const;
-  // Reaction of the added mass to the acceleration scale * field of the nodes.
+  // Added mass follows the jumps of its grains, as it follows their accelerations: c of a node of mass m takes it along with
+  // c / (m + c) of them, rate times which is added to the accelerations. grain_rate times the reaction is added to the
+  // forces of jumps on the grains.
+  void follow_jumps(Grid& grid, GrainSides& sides, double rate, double grain_rate) const;
+  // The same as forces on nodes and grains, of bodies from first_body on; `at_start`: of added mass that moves with the
+  // nodes so far, whose jump is the velocity of the grains less that of the nodes.
+  void add_jumps(Grid& grid, GrainSides& sides, int first_body, bool at_start) const;
+  // Reaction of the added mass to a transfer that changes the velocity of nodes, by the acceleration scale * field.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
+  // Work of that reaction on the grains for a change `field` of the velocity of the nodes, over its scale.
+  double work_of_reaction(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
   // Power of the acceleration of the added mass relative to the grains on the velocity `field` of the nodes.
   double inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
 
@@ -123,6 +132,9 @@ class PenaltyLinks {
   // velocity after the times `early` and `late` of the acceleration.
   double inertial_energy(const Grid& grid, const GrainSides& sides, double early = 0.0, double late = 0.0,
                          int first_body = 0) const;
+  // Kinetic energy of the added mass relative to the grains before their jumps, with nodes after the time `later` of their
+  // acceleration: what it is at the end of a drift whose grains have moved already. Of bodies before end_body.
+  double inertial_energy_ahead(const Grid& grid, const GrainSides& sides, double later, int end_body) const;
   // That mass by side, of the nodes that count on this rank.
   std::vector<double> added_mass(const Grid& grid, const GrainSides& sides) const;
 

@@ -37,12 +37,16 @@ class AtomVecMpdem : public AtomVecSphere {
   int* slot = nullptr;
   mpdem::PointStore points;
   std::vector<mpdem::Body> bodies;
-  // What LIGGGHTS does not keep of a bonded grain: orientation; velocities when forces were computed last,
-  // once they have been (`seen`, else 0), and the rates of prescribed ones; unwrapped position at that
-  // time, before it when cement was made (`placed`); force and torque that fixes after fix mpm added in the last step.
+  // What LIGGGHTS does not keep of a bonded grain: orientation; once a run began (`seen`, else 0) the velocities with which
+  // it came to the present position, v and then omega, those of the step before, what of the change was a jump, the
+  // velocities at the end of the step, and the acceleration that is expected of a prescribed v; force and moment of the
+  // cement on it; unwrapped position when forces were computed last, before it when cement was made (`placed`); force and
+  // torque that fixes after fix mpm added in the last step.
   struct GrainState {
     double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
-    double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0}, a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0};
+    double v[6] = {0, 0, 0, 0, 0, 0}, before[6] = {0, 0, 0, 0, 0, 0}, jump[6] = {0, 0, 0, 0, 0, 0};
+    double ended[6] = {0, 0, 0, 0, 0, 0}, a[3] = {0, 0, 0};
+    double load[6] = {0, 0, 0, 0, 0, 0};
     double placed = 0.0, x[3] = {0, 0, 0};
     double late[6] = {0, 0, 0, 0, 0, 0};
   };

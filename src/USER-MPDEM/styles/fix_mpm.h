@@ -13,6 +13,7 @@ FixStyle(mpm,FixMpm)
 #ifndef MPDEM_FIX_MPM_H
 #define MPDEM_FIX_MPM_H
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
@@ -56,6 +57,7 @@ class FixMpm : public Fix {
   void setup_pre_exchange() override;
   void setup_pre_neighbor() override;
   void setup(int vflag) override;
+  void pre_initial_integrate() override;
   void post_integrate() override;
   void pre_exchange() override;
   void pre_neighbor() override;
@@ -178,11 +180,24 @@ class FixMpm : public Fix {
   void take_new_reference();
   void move_links();
   void sort_links();
-  double half_kick_of_jump() const;
+  double half_kick_of_jump(const std::vector<double>& jump) const;
+  double gravity_power(const std::vector<double>& velocity) const;
   double damping_work(double later, int first_body = 0) const;
   double kinetic_energy(double kick) const;  // of this rank's nodes, at the half step, after kick times a
   void distribute_grains();
   void find_rates();
+  bool follows_forces(std::size_t n, int d) const;
+  double& velocity_of(int i, int d) const;
+  void follow_jumps();
+  void react_to_jumps();
+  void exchange_momentum(const std::vector<std::array<double, 6>>& jump, int first_body, bool at_start);
+  void start_added_mass();
+  void expect_gravity(int i);
+  void go_back_half_a_step();
+  void find_limit_of_jumps();
+  void keep_velocities();
+  void watch_jump(std::size_t n);
+  void report_jump();
   void add_forces(bool in_step = true);
   void react_on_grains();
   bool separate_bodies(bool debris);
@@ -265,6 +280,10 @@ class FixMpm : public Fix {
   mpdem::Relaxation relaxation_;
   mpdem::GrainAccelerations accelerations_;
   std::vector<mpdem::GrainAccelerations::Grain> bonded_;  // of this rank
+  bool sudden_forces_are_due_ = false;
+  bool jump_told_ = false;
+  double jump_limit_ = 0.0;  // of velocity
+  std::string worst_jump_;   // of prescribed velocity, seen by this rank in this run
   bool any_free_grain_ = false, any_added_mass_ = false, fresh_added_mass_ = false;  // on any rank; since it was used
   mpdem::Resting resting_;
   mpdem::RestingLinks resting_links_;
@@ -279,6 +298,7 @@ class FixMpm : public Fix {
   std::size_t laid_out_blocks_ = 0;
   std::vector<int> grains_here_;  // atoms of this rank with an orientation to advance
   std::vector<mpdem::PrescribedMotion> prescribed_;  // of these
+  std::vector<double> moved_;     // of these, in this step, x y z
   std::string grain_trouble_;     // found on this rank, told at the next report
   double density_ = 0.0;   // of the calcite
   double inertia_ = 0.0;   // density with the mass scale
@@ -322,6 +342,7 @@ class FixMpm : public Fix {
   double start_energy_ = 0.0;  // of the cement when it was set in motion
   double dissipated_ = 0.0, released_ = 0.0, damped_ = 0.0, work_ = 0.0, work_ahead_ = 0.0;
   mpdem::AdvanceResult advance_;
+  std::vector<double> filtered_;     // that of the part before the nodes move, xpic only
   std::vector<double> transferred_;  // change of the nodal velocity by the transfer of this step, `updated` only
   std::vector<double> jump_;  // of the nodal velocity by re-projection in this step, or empty
 

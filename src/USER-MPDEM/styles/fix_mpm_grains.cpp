@@ -141,9 +141,11 @@ void FixMpm::check_grains_stayed() {
 // In each step, before the velocities of the last one are forgotten: a grain goes where its velocity takes
 // it. Any smooth motion stays well within twice the larger of the two velocities.
 void FixMpm::follow_grains() {
-  for (int i : grains_here_) {
+  moved_.resize(3 * grains_here_.size());
+  for (std::size_t n = 0; n < grains_here_.size(); ++n) {
+    const int i = grains_here_[n];
     AtomVecMpdem::GrainState& g = *avec_->grain(i);
-    double x[3], moved[3], jump[3];
+    double x[3], *moved = &moved_[3 * n], jump[3];
     domain->unmap(atom->x[i], atom->image[i], x);
     for (int d = 0; d < 3; ++d) {
       moved[d] = x[d] - g.x[d];

@@ -89,7 +89,12 @@ void FixMpm::setup_pre_neighbor() {
   count_points();
   divide_bodies(static_cast<int>(has_sheets_.size()));
   remember_axis();
+  // another time step, other added mass
+  const bool changes = built_ && coupled_ && update->dt != dt_last_;
+  const auto energy = [&] { return changes ? links_.inertial_energy_ahead(grid_, sides_, 0.0, bodies_started_) : 0.0; };
+  const double before = energy();
   rebuild();
+  released_ += before - energy();
   // New bodies may be cracked. Others, which after read_restart may have come apart since they were
   // looked at, wait for the step of the next look, so that a run in parts is the run as a whole.
   const std::size_t bodies = avec_->bodies.size();
@@ -238,8 +243,9 @@ void FixMpm::drop_added_mass() {
 // With the eigenvalue as it is known now. Bodies that were not in motion yet start with what they have then.
 void FixMpm::take_up_added_mass(bool drop_inert) {
   if (!coupled_) return;
-  const auto energy = [this] {
-    return links_.inertial_energy(grid_, sides_) - links_.inertial_energy(grid_, sides_, 0.0, 0.0, bodies_started_);
+  const double later = drop_inert ? 0.5 * (dt_last_ + update->dt) : 0.0;
+  const auto energy = [this, later] {
+    return bodies_started_ > 0 ? links_.inertial_energy_ahead(grid_, sides_, later, bodies_started_) : 0.0;
   };
   const double before = energy();
   if (drop_inert) links_.drop_inertia(avec_->points);

@@ -50,11 +50,12 @@ void FixMpm::post_force(int) {
   totals_at_ = bonds_at_ = -1;  // who asked earlier in this step was told of the last one
   follow_grains();
   find_rates();
+  timer_.start(mpdem::StepTimer::kCoupling);
+  distribute_grains();
   // After a check; not in it, where the forces of the step are still to be shown, and which may
   // be the step of a restart file.
   if ((update->ntimestep - 1) % check_every_ == 0) {
     timer_.start(mpdem::StepTimer::kLayout);
-    distribute_grains();  // a new layout in this step did, and the energy of added mass is not to depend on that
     drop_added_mass();
     if (separate_bodies(true)) rebuild_parts();
   } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
@@ -77,12 +78,16 @@ void FixMpm::post_force(int) {
   released_ += advance_.released;
   // Last, since it gives the points that failed other places in the store.
   if (!updated_ && reproject_distortion_ > 0.0 && update->ntimestep % check_every_ == 0 && distorted()) {
+    react_to_jumps();
     take_new_reference();
     sides_.clear_forces();
   }
   add_forces();
   damped_ += damping_work(0.5 * dt_last_);
-  if (updated_) damped_ += half_kick_of_jump();
+  if (updated_) {
+    damped_ += half_kick_of_jump(transferred_);
+    work_ -= 0.5 * dt_last_ * gravity_power(transferred_);  // nodes came here without that
+  }
   react_on_grains();
   watch_late_forces(false);
   timer_.stop();
@@ -91,9 +96,8 @@ void FixMpm::post_force(int) {
 void FixMpm::step_total(double dt) {
   timer_.start(mpdem::StepTimer::kNodes);
   if (reproject_every_ > 0 && update->ntimestep % reproject_every_ == 0) reproject();
+  if (coupled_) follow_jumps();
   grid_.drift(0.5 * (dt_last_ + dt), dt);
-  timer_.start(mpdem::StepTimer::kCoupling);
-  distribute_grains();
   timer_.start(mpdem::StepTimer::kPoints);
   grid_.clear_force();
   resting_.advance(avec_->points, grid_, *law_, dt, skip_, advance_);
@@ -153,29 +157,21 @@ void FixMpm::react_on_grains() {
   if (!coupled_) return;
   timer_.start(mpdem::StepTimer::kCoupling);
   sides_.sum_forces();
-  for (const OwnedSide& o : owned_)
-    for (int d = 0; d < 3; ++d) {
-      atom->f[o.atom][d] += sides_.sides[o.at].force[d];
-      atom->torque[o.atom][d] += sides_.sides[o.at].torque[d];
-    }
-}
-
-// Of velocities that are prescribed, over the step; once a step, before the grains are distributed. Those
-// of grains that LIGGGHTS integrates would be late by half a step, which feeds energy into them; these are found
-// in the course of the step.
-void FixMpm::find_rates() {
-  for (std::size_t n = 0; n < grains_here_.size(); ++n) {
-    const int i = grains_here_[n];
+  for (int i : grains_here_) {
     AtomVecMpdem::GrainState& g = *avec_->grain(i);
-    const double rate = g.seen / update->dt;
-    for (int d = 0; d < 3; ++d) {
-      g.a[d] = prescribed_[n].translation[d] ? rate * (atom->v[i][d] - g.v[d]) : 0.0;
-      g.alpha[d] = prescribed_[n].rotation ? rate * (atom->omega[i][d] - g.omega[d]) : 0.0;
-      g.v[d] = atom->v[i][d];
-      g.omega[d] = atom->omega[i][d];
-    }
-    g.seen = 1.0;
+    std::fill(g.load, g.load + 6, 0.0);
   }
+  for (const OwnedSide& o : owned_) {
+    const mpdem::GrainSide& s = sides_.sides[o.at];
+    AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);
+    for (int d = 0; d < 3; ++d) {
+      atom->f[o.atom][d] += s.force[d];
+      atom->torque[o.atom][d] += s.torque[d];
+      g.load[d] += s.force[d];
+      g.load[3 + d] += s.torque[d];
+    }
+  }
+  react_to_jumps();
 }
 
 void FixMpm::distribute_grains() {
@@ -184,31 +180,30 @@ void FixMpm::distribute_grains() {
   for (std::size_t k = 0; k < owned_.size(); ++k) {
     const int i = owned_[k].atom;
     domain->unmap(atom->x[i], atom->image[i], motion[k].x);
-    for (int d = 0; d < 3; ++d) {
-      motion[k].v[d] = atom->v[i][d];
-      motion[k].omega[d] = atom->omega[i][d];
-    }
     const AtomVecMpdem::GrainState& g = *avec_->grain(i);
+    std::copy(g.v, g.v + 3, motion[k].v);
+    std::copy(g.v + 3, g.v + 6, motion[k].omega);
     std::copy(g.q, g.q + 4, motion[k].q);
     std::copy(g.a, g.a + 3, motion[k].a);
-    std::copy(g.alpha, g.alpha + 3, motion[k].alpha);
+    std::copy(g.jump, g.jump + 6, motion[k].jump);
     motion[k].mass_ratio = owned_[k].mass_ratio;
   }
   sides_.distribute(avec_->bodies, motion);
 }
 
 // Work of grains and gravity on the cement of bodies from first_body on, in a step with the forces of
-// this time: with the velocities of this time, and with those of half a step before.
+// this time: with the velocities of this time, and with those of half a step before. That of jumps and transfers has been counted.
 FixMpm::StepWork FixMpm::work_of_step(int first_body) const {
   const double half = 0.5 * dt_last_;
   StepWork power{0.0, 0.0};
   for (const OwnedSide& o : owned_) {
     if (!coupled_ || o.body < first_body) continue;
     const mpdem::GrainSide& s = sides_.sides[o.at];
-    const AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);  // its rates are those of prescribed velocities
-    for (int d = 0; d < 3; ++d) {
-      power.now -= s.force[d] * atom->v[o.atom][d] + s.torque[d] * atom->omega[o.atom][d];
-      power.before -= s.force[d] * (s.v[d] - half * g.a[d]) + s.torque[d] * (s.omega[d] - half * g.alpha[d]);
+    const AtomVecMpdem::GrainState& g = *avec_->grain(o.atom);
+    for (int d = 0; d < 6; ++d) {
+      const double f = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
+      power.now -= f * g.ended[d];
+      power.before -= f * g.v[d];
     }
   }
   if (gravity_) {
@@ -231,6 +226,8 @@ void FixMpm::end_of_step() {
   watch_late_forces(true);
   const bool output_due = update->ntimestep == output->next;
   report_grain_trouble(output_due);
+  keep_velocities();
+  if (output_due || update->ntimestep % check_every_ == 0 || update->ntimestep == update->firststep + 1) report_jump();
   totals_at_ = bonds_at_ = -1;  // the same, before the work of this step was counted
   // Each half step has the work of its velocity on the force at its end, so that central differences
   // keep the energy; the second half of this step is work ahead.
@@ -254,6 +251,7 @@ void FixMpm::end_of_step() {
 }
 
 void FixMpm::post_run() {
+  report_jump();
   fill_atoms();
   write_events();
   report_modes();
@@ -283,9 +281,11 @@ void FixMpm::setup(int) {
   all_in_motion_ = false;  // bodies may be new
   report_parameters();
   write_events();
+  find_limit_of_jumps();
   distribute_grains();
   check_state();
   if (!updated_) take_up_added_mass(false);
+  start_added_mass();
   report_added_mass();
   if (updated_) {
     mpdem::UpdatedPass::project(avec_->points, grid_, *law_, inertia_, transfer_);
@@ -295,6 +295,8 @@ void FixMpm::setup(int) {
     mpdem::add_internal_force(avec_->points, grid_, *law_);
   }
   sides_.clear_forces();
+  sides_.clear_sudden_forces();
+  sudden_forces_are_due_ = false;
   add_forces(false);
   react_on_grains();
   start_bodies();
@@ -302,11 +304,12 @@ void FixMpm::setup(int) {
 }
 
 // Velocities of bodies that were not in motion yet go back half a step. What they have of energy counts
-// from here, and the work of the first half step.
+// from here, and the work of the first half step, which is ahead.
 void FixMpm::start_bodies() {
   const int bodies = static_cast<int>(avec_->bodies.size());
   if (bodies_started_ == bodies) return;
   damped_ += 0.5 * damping_work(0.0, bodies_started_);
+  go_back_half_a_step();
   double mine = 0.0, energy;
   for (int i = 0; i < grid_.size(); ++i) {
     if (mpdem::body_of(grid_.keys[i][0]) < bodies_started_) continue;
@@ -320,7 +323,10 @@ void FixMpm::start_bodies() {
   if (coupled_)
     mine += links_.spring_energy(grid_, sides_, bodies_started_) +
             links_.inertial_energy(grid_, sides_, 0.0, dt_last_, bodies_started_);
-  work_ += 0.5 * work_of_step(bodies_started_).now;
+  if (updated_) mpdem::UpdatedPass::start(avec_->points, grid_, bodies_started_);
+  const StepWork work = work_of_step(bodies_started_);
+  work_ += work.now - 0.5 * work.before;
+  work_ahead_ += work.now - 0.5 * work.before;
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, world);
   start_energy_ += energy;
   bodies_started_ = bodies;

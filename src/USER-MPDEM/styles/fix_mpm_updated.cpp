@@ -11,6 +11,7 @@
 #include "../mpm/reproject.h"
 #include "arguments.h"
 #include "atom.h"
+#include "fix_gravity.h"
 #include "fix_mpm.h"
 #include "update.h"
 
@@ -24,26 +25,45 @@ using mpdem::vd;
 // The kinetic energy that a projection leaves out counts as damped: that at the step, where
 // velocity is half a kick ahead of what is stored.
 void FixMpm::reproject() {
-  const auto energy = [this] { return kinetic_energy(0.5 * dt_last_) + (coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0); };
+  const auto energy = [this] {
+    return kinetic_energy(0.5 * dt_last_) + (coupled_ ? links_.inertial_energy_ahead(grid_, sides_, 0.5 * (dt_last_ + update->dt), bodies_started_) : 0.0);
+  };
   const double before = energy();
   mpdem::reproject_velocity(avec_->points, grid_, inertia_, transfer_, 0.5 * (dt_last_ + update->dt), jump_);
   damped_ += before - energy();
+  if (coupled_)  // the energy of added mass, too, is that at the step; the reaction goes to the grains
+    damped_ += 0.5 * dt_last_ * links_.inertial_power(grid_, sides_, jump_) - links_.work_of_reaction(grid_, sides_, jump_);
+  work_ += 0.5 * dt_last_ * gravity_power(jump_);
 }
 
-// The same for a transfer in the course of the step, whose acceleration is known only now.
-double FixMpm::half_kick_of_jump() const {
-  if (transferred_.empty()) return 0.0;
+// What a change of velocity takes of the energy that central differences keep, beyond that of the stored velocity: it meets
+// the acceleration, too.
+double FixMpm::half_kick_of_jump(const std::vector<double>& jump) const {
+  if (jump.empty()) return 0.0;
   double power[3] = {};  // of each component: their sums do not wait for each other
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
-    for (int d = 0; d < 3; ++d) power[d] += grid_.mass[i] * grid_.acceleration[3 * i + d] * transferred_[3 * i + d];
+    for (int d = 0; d < 3; ++d) power[d] += grid_.mass[i] * grid_.acceleration[3 * i + d] * jump[3 * i + d];
   }
-  const double of_links = coupled_ ? links_.inertial_power(grid_, sides_, transferred_) : 0.0;
+  const double of_links = coupled_ ? links_.inertial_power(grid_, sides_, jump) : 0.0;
   return -0.5 * dt_last_ * (power[0] + power[1] + power[2] + of_links);
+}
+
+// Of the weight of this rank's nodes on a velocity.
+double FixMpm::gravity_power(const std::vector<double>& velocity) const {
+  if (!gravity_ || velocity.empty()) return 0.0;
+  double g[3], power = 0.0;
+  gravity_->get_gravity(g);
+  for (int i = 0; i < grid_.size(); ++i) {
+    if (!grid_.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power += grid_.mass[i] / mass_scale_ * g[d] * velocity[3 * i + d];
+  }
+  return power;
 }
 
 void FixMpm::step_updated(double dt) {
   mpdem::PointStore& points = avec_->points;
+  const double dt_v = 0.5 * (dt_last_ + dt);
   timer_.start(StepTimer::kLayout);
   int stale = updated_pass_.layout_is_stale(), any;
   MPI_Allreduce(&stale, &any, 1, MPI_INT, MPI_MAX, world);
@@ -51,20 +71,19 @@ void FixMpm::step_updated(double dt) {
     // Blocks fill badly when points went through many cells.
     int sparse = points.blocks.size() > blocks_when_arranged_ + blocks_when_arranged_ / 3;
     MPI_Allreduce(MPI_IN_PLACE, &sparse, 1, MPI_INT, MPI_MAX, world);
-    const double before = links_.inertial_energy(grid_, sides_);
+    const auto energy = [&] { return links_.inertial_energy_ahead(grid_, sides_, dt_v, bodies_started_); };
+    const double before = energy();
     if (sparse) {
       sync_slots();
       rebuild();
     } else {
       lay_out_grid();
     }
-    damped_ += before - links_.inertial_energy(grid_, sides_);
-  } else {
-    distribute_grains();
+    damped_ += before - energy();
   }
 
   timer_.start(StepTimer::kNodes);
-  const double dt_v = 0.5 * (dt_last_ + dt);
+  if (coupled_) follow_jumps();
   grid_.drift(dt_v, 0.0);
   const double before = kinetic_energy(0.0), inertial = coupled_ ? links_.inertial_energy(grid_, sides_) : 0.0;
   jump_.assign(grid_.velocity.size(), 0.0);
@@ -76,6 +95,10 @@ void FixMpm::step_updated(double dt) {
       grid_.velocity[i] += dt_v * grid_.acceleration[i];
       jump_[i] = grid_.velocity[i] - kicked[i];
     }
+    // before the nodes move, unlike the transfer
+    damped_ -= half_kick_of_jump(jump_);
+    work_ += 0.5 * dt_last_ * gravity_power(jump_);
+    filtered_ = jump_;
   }
   timer_.start(StepTimer::kCoupling);
   if (coupled_) links_.find_moves(grid_, dt);
@@ -110,6 +133,7 @@ void FixMpm::step_updated(double dt) {
   if (coupled_) {
     timer_.start(StepTimer::kCoupling);
     links_.add_reaction(grid_, jump_, shared * shared / dt, sides_);
+    damped_ -= shared * shared * links_.work_of_reaction(grid_, sides_, jump_);  // which goes to the grains
     if (links_.move_places(points)) move_links();
     links_.let_go(points, advance_.failed, grid_, sides_, advance_.released);
     links_.drop_inertia(points);
@@ -117,6 +141,8 @@ void FixMpm::step_updated(double dt) {
     damped_ += inertial - links_.inertial_energy(grid_, sides_);
   }
   transferred_.swap(jump_);
+  for (std::size_t i = 0; i < filtered_.size(); ++i) transferred_[i] -= filtered_[i];
+  filtered_.clear();
   jump_.clear();
 }
 

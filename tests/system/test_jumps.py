@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Velocities that jump where links add mass: the balance of the energy, and the energy itself, which is that of a small step."""
+import numpy as np
+import pytest
+from scenes import CALCITE, CONTACT, MOMENTA, MOMENTUM_COLUMNS, cement, edit, pair, pull, restarted, run, thermo
+
+CELL = 2.5e-4
+HALF, SMALL = 1e-8, 2e-9  # half of the stable step; a step with which links add no mass
+ENERGIES = [f"f_cem[{i}]" for i in (5, 6, 7, 12)]
+HOLD = "fix hold first move linear 0 0 0\n"
+MOTIONS = {
+    "wiggle": HOLD + "fix pull second move wiggle 0 0 1e-8 4e-6\n",
+    "linear": HOLD + "fix pull second move linear 0 0 0.01\n",
+    "gravity": "fix g all gravity 9.81 vector 0 0 -1\n" + HOLD + "fix pull second move linear 0 0 0\n",
+    # by a fix that comes later in the step than fix mpm, and on a grain that follows it
+    "gravity on a free grain": HOLD + "fix free second nve/sphere\nfix g all gravity 9.81 vector 0 0 -1\n",
+}
+CHANGES = {  # of the motion after 30 steps
+    "stop": (MOTIONS["linear"], "unfix pull\nfix then second move linear 0 0 0\n"),
+    "turn round": (MOTIONS["linear"], "unfix pull\nfix then second move linear 0.01 0 -0.01\n"),
+    "let go": (MOTIONS["linear"], "unfix pull\nfix then second nve/sphere\n"),
+    "catch": (HOLD + "fix pull second nve/sphere\nvelocity second set 0 0 0.01\n", "unfix pull\nfix then second move linear 0 0 0\n"),
+    "turn": ("fix hold grains move linear 0 0 0\n", "set group second omegay 5\n"),
+    "kick": ("fix free grains nve/sphere\nvelocity second set 0 0 0.01\n", "velocity second set 0.02 0 -0.03\n"),
+    "spin": ("fix free grains nve/sphere\nvelocity second set 0 0 0.01\n", "set group first omegaz 5\n"),
+}
+WARNING = "the prescribed velocity of bonded grain"
+
+
+def bond(timestep, words="", **options):
+    return (pair(CELL / 2, cement="content 0.01", **options) + CONTACT
+            + edit(cement(CELL, timestep, elastic=CALCITE, axis="radial"), f"cell {CELL}", f"cell {CELL} {words}"))
+
+
+def energy(table):
+    return sum(table[c] for c in ENERGIES[:3])
+
+
+@pytest.mark.parametrize("words", ["", "kinematics updated"])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_start(tmp_path, figures, motion, words):
+    """From rest, of the first step on. Waves are resolved after some 1e-7 s: until then a surface that is jerked differs."""
+    tables = {}
+    for timestep in (HALF, SMALL):
+        every = round(2e-8 / timestep) if timestep == SMALL else 1
+        script = bond(timestep, words) + MOTIONS[motion] + thermo(every, ENERGIES) + f"run {round(7.2e-7 / timestep)}\n"
+        result = run(script, tmp_path / str(timestep))
+        tables[timestep] = result.table()
+        assert result.output.count(WARNING) == ("gravity" not in motion), "one warning of a jump, and none without"
+    figures.below(f"{motion}, {words or 'total'}: imbalance of the energy at half of the stable step",
+                  max(abs(t["f_cem[12]"]).max() for t in tables.values()), 1e-4)
+    if motion in ("wiggle", "linear"):
+        late, small = energy(tables[HALF])[::2][10:], energy(tables[SMALL])[10:]
+        figures.below(f"{motion}, {words or 'total'}: mean energy against that of a small step", abs(late.mean() / small.mean() - 1), 0.04)
+
+
+@pytest.mark.parametrize("words", ["", "kinematics updated"])
+@pytest.mark.parametrize("change", CHANGES)
+def test_change(tmp_path, figures, change, words):
+    """Another motion from one run to the next, or a command that changes a velocity: the same on two ranks."""
+    first, second = CHANGES[change]
+    tables = [run(bond(1.2e-8, words, processors="1 1 *") + first + thermo(1, ENERGIES + ["f_bond[14]"]) + f"run 30\n{second}run 30\n",
+                  tmp_path / str(ranks), ranks).table() for ranks in (1, 2)]
+    one, two = (energy(t) for t in tables)
+    assert one[-1] > 1e-10
+    figures.below(f"{change}, {words or 'total'}: imbalance of the energy", max(abs(t["f_cem[12]"]).max() for t in tables),
+                  0.01 if change in ("let go", "catch") else 1e-5)
+    figures.below(f"{change}, {words or 'total'}: energy, 2 ranks against 1", abs(two - one).max() / one.max(), 1e-9)
+
+
+def test_momentum(tmp_path, figures):
+    """A free pair whose velocities a command changes has the momentum that this gives it, from that step on."""
+    script = (bond(1.2e-8, half_box=(15e-3, 15e-3, 15e-3)) + "fix free grains nve/sphere\nvelocity second set 0.02 0 0.01\n" + MOMENTA
+              + thermo(1, MOMENTUM_COLUMNS) + "run 10\nvelocity second set 0.02 0.01 -0.03\nset group first omegaz 5\nrun 10\n")
+    table = run(script, tmp_path).table()
+    P = np.array([table[c] for c in MOMENTUM_COLUMNS])
+    for what, p in (("momentum", P[:3]), ("angular momentum", P[3:])):
+        for part in (p[:, :11], p[:, 11:]):
+            drift = np.linalg.norm(part - part[:, -1:], axis=0).max() / np.linalg.norm(part[:, -1])
+            figures.below(f"velocities changed by a command: drift of {what}", drift, 1e-10)
+        assert np.linalg.norm(p[:, -1] - p[:, 0]) > 0.1 * np.linalg.norm(p[:, 0])
+
+
+@pytest.mark.parametrize("change", ["turn round", "kick"])
+def test_restart(tmp_path, change):
+    """A change of motion after read_restart is that between two runs, to the bit."""
+    first, second = CHANGES[change]
+    columns = thermo(1, ENERGIES + ["f_bond[14]"])
+    whole = run(bond(1.2e-8) + first + "run 30\nwrite_restart middle.restart\n" + second + columns + "run 10\n", tmp_path).table()
+    fixes = bond(1.2e-8).split("create_cement", 1)[1].split("\n", 1)[1]
+    again = restarted("middle.restart") + "group grains type 1\n" + fixes + first.replace("velocity second set 0 0 0.01\n", "")
+    parts = run(again + second + columns + "run 10\n", tmp_path).table()
+    assert parts["step"][-1] == 40
+    for c in whole:
+        assert (whole[c][1:] == parts[c][1:]).all(), c
+
+
+def test_warning(tmp_path):
+    """Once a run, with the grain, the step and the cure; a smooth pull needs none, however fast it is in the end."""
+    jump = bond(1.2e-8) + MOTIONS["linear"] + "run 10\nunfix pull\nfix then second move linear 0 0 -0.01\nrun 10\nrun 10\n"
+    for ranks in (1, 2):
+        output = run(jump, tmp_path / str(ranks), ranks).output
+        told = [line for line in output.splitlines() if WARNING in line]
+        assert len(told) == 2 and "grain 2 jumps by 0.01 in step 1," in told[0] and "grain 2 jumps by 0.02 in step 11," in told[1], told
+        assert all("smoothly" in line for line in told)
+    damage = edit(bond(1.2e-8), "axis radial ", "axis radial damage tensor B0 9.6e3 ")
+    for motion, warnings in ((pull(0.1265, 4e-6), 0), (HOLD + "fix pull second move linear 0 0 0.1265\n", 1),
+                             (HOLD + "fix pull second move linear 0 0 1e-4\n", 0)):
+        assert run(damage + motion + "run 10\n", tmp_path / "damage").output.count(WARNING) == warnings
