@@ -162,3 +162,23 @@ def test_which_grain_is_the_first(name, tmp_path, figures):
         figures.below(f"{name}, IDs swapped: share {a} against {b}", abs(t[a] - u[b]).max(), 1e-12)
     first, second, inside = report(one.output)
     assert report(other.output) == [second, first, inside]
+
+
+# The same loads, ended while the bond holds.
+HOLDING = {"meniscus": 560, "meniscus, nearly apart": 620, "coating": 220, "coating, nearly apart": 260}
+
+
+def ahead(output):
+    """Share and points of the weakest section that is left, of how many, mode of a crack through it, its shares."""
+    found = re.findall(r"bond 1 of grains 1 and 2: intact, .*; (\S+) % of its weakest section is left \((\d+) of (\d+) points\), and a crack "
+                       r"through that would be (\w+); of the separating surface (\S+) % at the first grain, (\S+) % at the second, (\S+) %", output)
+    return list(found[-1])
+
+
+@pytest.mark.parametrize("name", HOLDING)
+def test_what_is_left_of_a_bond_that_holds(name, tmp_path):
+    kind, n, along, _, damage = SWAPPED[name.split(",")[0]]
+    one, other = (ahead(run(scene(kind, n, along, HOLDING[name], damage, swapped=s), tmp_path).output) for s in (False, True))
+    first, second = one[4:6]
+    assert other == [*one[:4], second, first, one[6]]
+    assert int(one[1]) < int(one[2])
