@@ -200,7 +200,7 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     at = whole.index(b"MPDEMrst") + 8
     bare = whole[:-BYTES_OF_SEAL]
     result = read_in(tmp_path, bare[:at] + (2).to_bytes(4, "little") + bare[at + 4:])
-    assert result.status != 0 and "version 2, this program reads version 8" in result.errors()[0]
+    assert result.status != 0 and "version 2, this program reads version 9" in result.errors()[0]
     result = read_in(tmp_path, bare[:at + 12] + bytes(4) + bare[at + 16:])
     assert result.status == 0, result.output[-1000:]
     for bonds, needed in (((1 << 20) + 1, "1048577 bonds, this program takes 1048576 at most"), (1 << 20, "truncated")):
