@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The step of the damage. D = D_n + Delta N, with the direction N of the drive at the middle of the
-// step, and Delta the first root of Yeq - B at its end. The middle is half the strain of the step and
-// half the growth that the tangent at (strain at the end, D_n) gives along the drive there.
-// D is of second order in the step with that; with N at D_n, or solved for at the end of the step, it is of
-// first order, see bench/law.cpp. On the surface it ends with any N.
+// The step of the damage: D = D_n + Delta N, Delta the first root of Yeq - B at the end of the step.
+//
+// Near the surface N is the direction of the drive at the middle of the step: half its strain, half the growth that
+// the tangent at (strain at the end, D_n) gives along the drive there. D is of second order in the step
+// with that; with N at D_n, or solved for at the end of the step, it is of first order at the
+// same cost, see bench/law.cpp. On the surface it ends with any N.
+// A jump far beyond the surface has no such middle: N is the direction at D_n, then twice that at the D it led to. So
+// it is with literal Y, whose roots are not single anywhere.
 //
 // No lane's arithmetic depends on its neighbours: lanes stop and branch by masks.
 #include <cmath>
@@ -22,12 +25,16 @@ constexpr int kMostSteps = 8;
 // Two values nearer than this give no slope.
 constexpr double kLeastSecant = 1e-10;
 constexpr int kMarchSteps = 16;
+// With a threshold that falls, Yeq - B may dip below zero for a short while only.
+constexpr double kNearMarch = 1.1;
 // A trial state this close to the surface has a single root along Y (checked on 1200
 // states); further out the march to the first root of the full range is needed.
 constexpr double kNearSurface = 1.2;
 // cos of the largest angle between the drives at the middle and at the trial state. A step that turns more
 // than that says nothing of what happens within: the trial state counts.
 constexpr double kLargestTurn = 0.5;
+constexpr int kMostDirections = 3;
+constexpr double kSameDirection = 1e-10;
 // With viscosity D only comes near the cut-off; a lane whose growth aims at the cut-off has
 // failed when its largest eigenvalue is this share of it. From D = 0 that takes 4.6 relaxation
 // times. The rest of the way is gone in that step.
@@ -57,10 +64,11 @@ struct TensorDamage::Place {
 
 // Where the search ended.
 struct TensorDamage::Found {
-  Sym3<vd> D, stress;
+  Sym3<vd> D, stress, drive;
   void take(vmask lanes, const Place& x) {
     D = blend(lanes, x.D, D);
     stress = blend(lanes, x.state.stress, stress);
+    drive = blend(lanes, x.drive, drive);
   }
 };
 
@@ -150,15 +158,15 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
 }
 
 // First Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached: in constant factors
-// from a millionth of the range, for the lanes `near` with a single root at its end at once; then Newton's
-// method within the bracket, with bisection where it leaves that. Returns the lanes that stay
-// above the surface: they get the end of the range.
-vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vmask near, vmask lanes, Found& found) const {
+// from a millionth of the range, in small ones from `start` where that is given; then Newton's method within
+// the bracket, with bisection where it leaves that. Returns the lanes that stay above the
+// surface: they get the end of the range.
+vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const {
   const vd limit = largest_growth(s.damage, N);
-  const double factor = std::pow(10.0, 6.0 / kMarchSteps);
+  const vd factor = select(start > 0.0, splat(kNearMarch), splat(std::pow(10.0, 6.0 / kMarchSteps)));
   vd low{}, high = limit, delta = limit;
   vmask open = lanes, missing = splat_mask(false);
-  for (vd t = select(near, limit, 1e-6 * limit); any(open); t *= factor) {
+  for (vd t = max(start, 1e-6 * limit); any(open); t *= factor) {
     t = min(t, limit);
     const Place x = look_at(s, s.damage + t * N);
     const vmask below = open & (x.excess <= 0.0), ended = open & ~below & (t >= limit);
@@ -185,6 +193,27 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vmask near, vmask l
   return missing;
 }
 
+// Both return the lanes that fail.
+vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const {
+  const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
+  const vd along = contract(G, N);
+  const vmask unsure = near_root(s, x.excess, along, N, lanes, found);
+  if (!any(unsure)) return splat_mask(false);
+  return first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), unsure, found);
+}
+
+vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
+  vmask failed = splat_mask(false);
+  Sym3<vd> N = unit(found.drive);
+  for (int k = 0; k < kMostDirections && any(lanes); ++k) {
+    failed |= first_root(s, N, vd{}, lanes, found);
+    const Sym3<vd> there = unit(found.drive), change = there - N;
+    lanes &= ~failed & (contract(change, change) > kSameDirection * kSameDirection);
+    N = there;
+  }
+  return failed;
+}
+
 TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
                                           Sym3<vd>& damage, vmask active, vd strength,
                                           double growth) const {
@@ -203,12 +232,10 @@ TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sy
   u.evaluations = s.evaluations;
   if (!any(u.grown)) return u;
 
-  const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, u.grown);
-  Found found{damage, x.state.stress};
-  const vmask near = p_.monotone ? u.grown & (x.Yeq < kNearSurface * B) : splat_mask(false);
-  vmask far = u.grown & ~near;
-  if (any(near)) far |= near_root(s, x.excess, contract(G, N), N, near, found);
-  if (any(far)) u.failed = first_root(s, N, near, far, found);
+  Found found{damage, x.state.stress, x.drive};
+  const vmask near = p_.monotone ? u.grown & (x.Yeq < kNearSurface * B) : splat_mask(false), far = u.grown & ~near;
+  if (any(near)) u.failed = small_step(s, strain_start, x, near, found);
+  if (any(far)) u.failed |= jump(s, far, found);
   if (growth < 1.0) {
     const Sym3<vd> part = damage + splat(growth) * (found.D - damage);
     u.failed = u.grown & (u.failed | at_cutoff(found.D)) & at_cutoff(part, kViscousFailure);

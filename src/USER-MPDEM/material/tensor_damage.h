@@ -8,8 +8,7 @@
 //   stress            sigma = M^-1 : sigma_e,   M : s = sym(phi s),  phi = (1 - D)^-1
 //   conjugate force   Y = -d(rho psi)/dD = phi sym(sigma eps_e) phi
 //   surface           F = s Yeq - B(D),  Yeq = sqrt(Y:Y/2),  B = B0 (1 - max eig D)^-m
-//   growth            dD along Y (its positive part <Y>_+ with evolution `monotone`), in a step
-//                     along that at its middle
+//   growth            dD along Y (its positive part <Y>_+ with evolution `monotone`)
 //   failure           max eig D reaches the cut-off Dcut (with viscosity: it aims at Dcut and
 //                     has reached 0.99 Dcut; the rest is added then): stress zero from then on
 //
@@ -137,8 +136,10 @@ class TensorDamage {
   Place look_at(Search& s, const Sym3<vd>& D) const;
   Sym3<vd> gradient(Search& s, const Place& x) const;
   Sym3<vd> direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G, vmask lanes) const;
+  vmask small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const;
+  vmask jump(Search& s, vmask lanes, Found& found) const;
   vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
-  vmask first_root(Search& s, const Sym3<vd>& N, vmask near, vmask lanes, Found& found) const;
+  vmask first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const;
 
   VtiElasticity elasticity_;
   DamageParameters p_;
