@@ -5,9 +5,9 @@
 // phi = A^-1, A = 1 - D. In the principal axes of D it multiplies e_ij by the harmonic mean of
 // 1 - D_i and 1 - D_j. It needs no axes: the symmetric part of phi x is e, so that
 //   phi x = e + W,   x = A (e + W),   A W + W A = e A - A e
-// with a skew W, whose axial vector is K axial(e A - A e), K = (tr A 1 - A)^-1 (Scheidler,
-// J. Elasticity 36 (1994) 117). K has eigenvalues 1/(A_i + A_j): the map is as accurate as A
-// for every D, and without damage it leaves every bit of e.
+// with a skew W. The axial vector of A W + W A is (tr A 1 - A) that of W, so that of W is
+// K axial(e A - A e), K = (tr A 1 - A)^-1. K has eigenvalues 1/(A_i + A_j): the map is as
+// accurate as A for every D, and without damage it leaves every bit of e.
 #ifndef MPDEM_EFFECTIVE_STRAIN_H
 #define MPDEM_EFFECTIVE_STRAIN_H
 
