@@ -7,7 +7,7 @@
 
 NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all of
 them, which takes 15 to 25 minutes. Writes results.json, rates.csv,
-accuracy.csv and a PNG a diagram to DIR, by default BUILD/bench/results.
+accuracy.csv, law.csv and a PNG a diagram to DIR, by default BUILD/bench/results.
 """
 import argparse
 import csv
@@ -32,7 +32,7 @@ ERRORS = {"bar": "vibrating bar: error of the displacement (–)", "cube": "stre
           "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
           "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
 PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
-QUICK = ["skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+QUICK = ["law", "skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
 
@@ -75,6 +75,11 @@ def accuracy(program, names, quick):
     text = output(program, *(["--quick"] if quick else []), *(f"^{n}$" for n in names))
     rows = list(csv.DictReader(io.StringIO(text)))
     return [{k: v if k in ("problem", "method") else float(v) for k, v in r.items()} for r in rows]
+
+
+def law(program, names, quick):
+    text = output(program, *(["--quick"] if quick else []), *(f"^{n}$" for n in names))
+    return [{k: v if k == "law" else float(v) for k, v in r.items()} for r in csv.DictReader(io.StringIO(text))]
 
 
 def curves(rows, problem):
@@ -180,6 +185,10 @@ def report(result):
     for r in result["accuracy"]:
         if r["problem"] == "ranks":
             lines.append(f"\none rank {r['one']:.2f} s, two ranks {r['two']:.2f} s: {r['speedup']:.2f} times as fast")
+    for name in dict.fromkeys(r["law"] for r in result["law"]):
+        lines += ["", f"{name:34} {'evaluations':>11} {'ns':>6} {'D':>9} {'9 of 10':>9} {'stress':>9} {'9 of 10':>9} {'energy':>9} {'9 of 10':>9}"]
+        lines += [f"  step {r['step']:<27g} {r['evaluations']:11.1f} {r['ns']:6.0f} {r['D']:9.1e} {r['D_90']:9.1e} {r['stress']:9.1e} "
+                  f"{r['stress_90']:9.1e} {r['energy']:9.1e} {r['energy_90']:9.1e}" for r in result["law"] if r["law"] == name]
     for r in result["packings"]:
         lines.append(f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
                      f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}")
@@ -207,8 +216,8 @@ def write_csv(rows, file):
 
 def main():
     args = arguments()
-    step, precise = args.build / "bench" / "bench_step", args.build / "bench" / "accuracy"
-    for program in (step, precise):
+    step, precise, damage = (args.build / "bench" / name for name in ("bench_step", "accuracy", "law"))
+    for program in (step, precise, damage):
         if not program.exists():
             sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
     os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
@@ -216,6 +225,7 @@ def main():
     import packings
     import skips
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
+             "law": output(damage, "--list").split(),
              "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
@@ -226,7 +236,7 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "skips": [], "packings": []}
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
@@ -234,6 +244,10 @@ def main():
     if names["accuracy"]:
         tell(f"{len(names['accuracy'])} methods on problems with a known solution ...")
         result["accuracy"] = accuracy(precise, names["accuracy"], args.quick)
+    if names["law"]:
+        tell(f"{len(names['law'])} kinds of paths of the law of damage ...")
+        result["law"] = law(damage, names["law"], args.quick)
+        write_csv(result["law"], out / "law.csv")
     runs = out / "runs"
     runs.mkdir(exist_ok=True)
     if names["bonds"]:

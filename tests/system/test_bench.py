@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The benchmarks in their short form: they run, and the default has its order."""
 import json
+import math
 import os
 import subprocess
 import sys
@@ -31,6 +32,10 @@ def test_short_run(tmp_path, figures):
         assert order >= 1.9
         assert (tmp_path / f"{problem}.png").stat().st_size > 5000
     assert result["orders"]["vortex/updated/quadratic/apic"] > 1.0
+    law = {r["step"]: r for r in result["law"] if r["law"] == "law/turning/crackband"}
+    order = math.log(law[0.025]["D"] / law[0.01]["D"]) / math.log(2.5)
+    figures.note("order of the step of the damage", f"{order:.2f}")
+    assert order >= 1.6 and law[0.01]["evaluations"] < 7
     steps = {r["name"]: r for r in result["rates"]}
     assert steps["step/total/quadratic/none/elastic"]["bytes/point"] < 400
     # a tenth damages, in every step

@@ -30,7 +30,7 @@ void expect_law_at_every_point(const TensorDamage& law) {
   for (BlockMeta& m : c.points.meta) m.linked = static_cast<std::uint8_t>(m.occupied & random.bits());
   const DamageParameters& p = law.parameters();
   const double growth = kDt / (p.viscosity + kDt);
-  test::Worst damage, energy;
+  test::Worst energy;
   std::size_t failures = 0;
   for (int step = 0; step < 8; ++step) {
     const PointStore before = c.points;
@@ -46,7 +46,8 @@ void expect_law_at_every_point(const TensorDamage& law) {
         const auto u = law.update(test::on_all_lanes(test::tensor(before.blocks[b].strain, l)),
                                   test::on_all_lanes(test::tensor(c.points.blocks[b].strain, l)), D, test::only_lane(0),
                                   splat(strength), growth);
-        damage.add(test::tensor(c.points.damage[b].D, l) - test::tensor(D, 0), 1.0);
+        // Points whose damage grows travel in vectors with others: not a bit may tell.
+        EXPECT_EQ(test::tensor(c.points.damage[b].D, l), test::tensor(D, 0));
         dissipated += u.dissipated[0] * c.points.blocks[b].volume[l];
         released += u.released[0] * c.points.blocks[b].volume[l];
         if (u.failed[0]) failed.push_back(static_cast<int>(kLanes * b) + l);
@@ -61,7 +62,6 @@ void expect_law_at_every_point(const TensorDamage& law) {
   if (p.viscosity == 0.0) {
     EXPECT_GT(failures, 5u);
   }
-  expect_within(damage, 1e-13, "damage");
   expect_within(energy, 1e-12, "energies");
 }
 

@@ -38,7 +38,9 @@ TEST(Tensor3, AgreesWithMatrixAlgebra) {
     worst.add(tensor(sym_product(sym3(a), sym3(b))) - test::symmetric(a * b), 1.0, "sym_product");
     worst.add(tensor(rotate(mat3(q), sym3(a))) - q * a * q.transpose(), 1.0, "rotate");
     worst.add(tensor(rotate_back(mat3(q), sym3(a))) - q.transpose() * a * q, 1.0, "rotate_back");
-    worst.add(tensor(sandwich(sym3(a), sym3(b))) - a * b * a, 1.0, "sandwich");
+    worst.add(tensor(sym_product_transposed(mat3(g), mat3(f))) - test::symmetric(g * f.transpose()), 10.0, "sym_product_transposed");
+    worst.add(matrix(product(sym3(a), mat3(f))) - a * f, 1.0, "product with a symmetric tensor");
+    worst.add(tensor(upper(mat3(a))) - a, 1.0, "upper");
     worst.add(matrix(product(mat3(g), mat3(f))) - g * f, 10.0, "product");
     worst.add(std::fabs(determinant(mat3(g)) - g.determinant()), "determinant");
     worst.add(matrix(cofactor(mat3(g))) - g.determinant() * g.inverse().transpose(), 10.0, "cofactor");

@@ -109,7 +109,9 @@ std::string path_name(const ::testing::TestParamInfo<int>& info) {
 }
 
 // Uniform steps to 1.02 times the failure strain, another number of steps in every lane.
-// Lanes that are done stay inactive.
+// Lanes that are done stay inactive. In uniaxial stress the strain across is not straight over a step: with an
+// exponent the middle of the step in which damage begins has a little stress there, and D is of second order in the steps,
+// where it is exact otherwise.
 void expect_closed_form(const Path& path, double exponent) {
   DamageParameters parameters;
   parameters.B0 = kB0;
@@ -119,6 +121,7 @@ void expect_closed_form(const Path& path, double exponent) {
   const double peak = path.modulus * e0;
   const int counts[kLanes] = {12, 23, 37, 61, 97, 151, 233, 379};
   test::Worst stress_error, damage_error, poisson_error;
+  const bool exact = exponent == 0.0 || path.free.empty();
   int failures = 0;
 
   Sym3<vd> strain{}, before{}, damage{};
@@ -151,15 +154,18 @@ void expect_closed_form(const Path& path, double exponent) {
       const double scale = exponent == 0.0 ? peak : std::max(peak, path.modulus * e[l]);
       const Matrix s = test::tensor(u.stress, l), strain_l = test::tensor(strain, l);
       stress_error.add(s - stress * path.stress - intact * e[l] * path.held, scale, where);
-      damage_error.add(test::tensor(damage, l) - (1.0 - intact) * path.damage, 1.0, where);
+      const double unit = exact ? 1.0 : std::pow(1.02 * ef / (e0 * counts[l]), 2);
+      damage_error.add(test::tensor(damage, l) - (1.0 - intact) * path.damage, unit, where);
       for (std::size_t i = 0; i < path.free.size(); ++i)
-        poisson_error.add(std::fabs(-strain_l(path.free[i], path.free[i]) / e[l] - path.poisson[i] * intact), where);
+        poisson_error.add(std::fabs(-strain_l(path.free[i], path.free[i]) / e[l] - path.poisson[i] * intact) / unit, where);
     }
   }
   EXPECT_EQ(failures, kLanes);
-  expect_within(stress_error, 1e-12, "stress over peak");
-  expect_within(damage_error, 1e-12, "1 - D");
-  if (!path.free.empty()) expect_within(poisson_error, 1e-12, "apparent Poisson ratio");
+  expect_within(stress_error, test::kRootTolerance, "stress over peak");
+  const double tolerance = exact ? test::kRootTolerance : 0.05;
+  const std::string times = exact ? "" : " over the square of the step in onset strains";
+  expect_within(damage_error, tolerance, "1 - D" + times);
+  if (!path.free.empty()) expect_within(poisson_error, tolerance, "apparent Poisson ratio" + times);
 }
 
 TEST_P(ClosedForm, StressDamageAndFailureStrain) { expect_closed_form(path_, 0.0); }

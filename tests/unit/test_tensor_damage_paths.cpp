@@ -87,10 +87,10 @@ struct Deviations {
   test::Worst damage, stress, drive, dissipation, bookkeeping;
 
   void expect() const {
-    expect_within(damage, 1e-12, "D");
-    expect_within(stress, 1e-12, "stress over C0:eps");
-    expect_within(drive, 1e-12, "Yeq");
-    expect_within(dissipation, 1e-12, "dissipation over undamaged energy");
+    expect_within(damage, test::kRootTolerance, "D");
+    expect_within(stress, test::kRootTolerance, "stress over C0:eps");
+    expect_within(drive, test::kRootTolerance, "Yeq");
+    expect_within(dissipation, test::kRootTolerance, "dissipation over undamaged energy");
     expect_within(bookkeeping, 1e-12, "energy of the step over undamaged energy");
   }
 };

@@ -2,10 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The map M^-1 of energy equivalence: x = M^-1 : e solves phi x + x phi = 2 e with
-// phi = (1 - D)^-1. In the principal axes of D it multiplies e_ij by the harmonic mean of
-// 1 - D_i and 1 - D_j; written with invariants of phi, as Hoger & Carlson (J. Elasticity 14
-// (1984) 329) solve S x + x S = t, it needs no axes. Relative error below 1e-13 for eigenvalues of D up to
-// 0.9 (measured on 20 000 tensors).
+// phi = A^-1, A = 1 - D. In the principal axes of D it multiplies e_ij by the harmonic mean of
+// 1 - D_i and 1 - D_j. It needs no axes: the symmetric part of phi x is e, so that
+//   phi x = e + W,   x = A (e + W),   A W + W A = e A - A e
+// with a skew W. The axial vector of A W + W A is (tr A 1 - A) that of W, so that of W is
+// K axial(e A - A e), K = (tr A 1 - A)^-1. K has eigenvalues 1/(A_i + A_j): the map is as
+// accurate as A for every D, and without damage it leaves every bit of e.
 #ifndef MPDEM_EFFECTIVE_STRAIN_H
 #define MPDEM_EFFECTIVE_STRAIN_H
 
@@ -13,10 +15,47 @@
 
 namespace mpdem {
 
-// b e b of symmetric tensors
+// A skew tensor W_ij = -eps_ijk w_k by its axial vector.
 template <class T>
-inline Sym3<T> sandwich(const Sym3<T>& b, const Sym3<T>& e) {
-  return rotate(Mat3<T>{{{b.xx, b.xy, b.xz}, {b.xy, b.yy, b.yz}, {b.xz, b.yz, b.zz}}}, e);
+struct Axial {
+  T x, y, z;
+};
+
+template <class T>
+inline Mat3<T> plus(const Sym3<T>& s, const Axial<T>& w) {
+  return {{{s.xx, s.xy - w.z, s.xz + w.y}, {s.xy + w.z, s.yy, s.yz - w.x}, {s.xz - w.y, s.yz + w.x, s.zz}}};
+}
+
+template <class T>
+inline Axial<T> operator*(const Sym3<T>& k, const Axial<T>& w) {
+  return {k.xx * w.x + k.xy * w.y + k.xz * w.z, k.xy * w.x + k.yy * w.y + k.yz * w.z, k.xz * w.x + k.yz * w.y + k.zz * w.z};
+}
+
+template <class T>
+inline Axial<T> operator+(const Axial<T>& a, const Axial<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+// Axial vector of m - m^T.
+template <class T>
+inline Axial<T> twice_axial(const Mat3<T>& m) {
+  return {m.a[2][1] - m.a[1][2], m.a[0][2] - m.a[2][0], m.a[1][0] - m.a[0][1]};
+}
+
+// Axial vector of e a - a e.
+template <class T>
+inline Axial<T> commutator(const Sym3<T>& e, const Sym3<T>& a) {
+  return {e.xz * a.xy - a.xz * e.xy + e.yz * (a.yy - a.zz) + a.yz * (e.zz - e.yy),
+          e.xy * a.yz - a.xy * e.yz + e.xz * (a.zz - a.xx) + a.xz * (e.xx - e.zz),
+          e.yz * a.xz - a.yz * e.xz + e.xy * (a.xx - a.yy) + a.xy * (e.yy - e.xx)};
+}
+
+// s m, symmetric because its factors are: upper triangle.
+template <class T>
+inline Sym3<T> symmetric_product(const Sym3<T>& s, const Mat3<T>& m) {
+  return {s.xx * m.a[0][0] + s.xy * m.a[1][0] + s.xz * m.a[2][0], s.xy * m.a[0][1] + s.yy * m.a[1][1] + s.yz * m.a[2][1],
+          s.xz * m.a[0][2] + s.yz * m.a[1][2] + s.zz * m.a[2][2], s.xy * m.a[0][2] + s.yy * m.a[1][2] + s.yz * m.a[2][2],
+          s.xx * m.a[0][2] + s.xy * m.a[1][2] + s.xz * m.a[2][2], s.xx * m.a[0][1] + s.xy * m.a[1][1] + s.xz * m.a[2][1]};
 }
 
 template <class T>
@@ -30,32 +69,22 @@ inline Sym3<T> inverse(const Sym3<T>& m) {
 template <class T>
 class EffectiveStrain {
  public:
-  explicit EffectiveStrain(const Sym3<T>& damage) {
-    phi_ = inverse(Sym3<T>{1.0 - damage.xx, 1.0 - damage.yy, 1.0 - damage.zz, -damage.yz, -damage.xz, -damage.xy});
-    phi2_ = sym_product(phi_, phi_);
-    I1_ = trace(phi_);
-    const T I2 = 0.5 * (I1_ * I1_ - trace(phi2_));
-    const T I3 = determinant(phi_);
-    delta_ = I1_ * I2 - I3;
-    scale_ = 1.0 / (I3 * delta_);
-    c_one_ = I1_ * I1_ * I3 + I2 * delta_;
-    c_phi_ = I1_ * I1_ * I2;
-    c_both_ = I1_ * I1_ * I1_ + I3;
-  }
+  explicit EffectiveStrain(const Sym3<T>& damage)
+      : A_{1.0 - damage.xx, 1.0 - damage.yy, 1.0 - damage.zz, -damage.yz, -damage.xz, -damage.xy},
+        K_(inverse(Sym3<T>{A_.yy + A_.zz, A_.xx + A_.zz, A_.xx + A_.yy, -A_.yz, -A_.xz, -A_.xy})) {}
 
-  const Sym3<T>& phi() const { return phi_; }
+  const Sym3<T>& A() const { return A_; }
+  const Sym3<T>& K() const { return K_; }
 
-  Sym3<T> operator()(const Sym3<T>& e) const {
-    const Sym3<T> s = sandwich(phi_, e);
-    const Sym3<T> sum = c_one_ * e + c_both_ * s + I1_ * sandwich(phi_, s) +
-                        (2.0 * delta_) * sym_product(phi2_, e) - (2.0 * c_phi_) * sym_product(phi_, e) -
-                        (2.0 * I1_ * I1_) * sym_product(phi_, s);
-    return scale_ * sum;
-  }
+  // phi x = e + W for x = M^-1 : e
+  Mat3<T> amplified(const Sym3<T>& e) const { return plus(e, K_ * commutator(e, A_)); }
+  // x of that
+  Sym3<T> reduced(const Mat3<T>& e_plus_W) const { return symmetric_product(A_, e_plus_W); }
+
+  Sym3<T> operator()(const Sym3<T>& e) const { return reduced(amplified(e)); }
 
  private:
-  Sym3<T> phi_, phi2_;
-  T I1_, delta_, scale_, c_one_, c_phi_, c_both_;
+  Sym3<T> A_, K_;
 };
 
 }  // namespace mpdem

@@ -2,9 +2,9 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Spectral decomposition of eight symmetric 3x3 tensors at once by cyclic Jacobi
-// rotations (Golub & Van Loan, Matrix Computations, sec. 8.5): every lane does the
-// same work, the loop ends when all lanes have converged. Backward stable, exact for
-// diagonal input, no branch on repeated eigenvalues.
+// rotations (Golub & Van Loan, Matrix Computations, sec. 8.5). A lane that has converged is
+// turned no further, so that its result does not depend on the others. Backward stable,
+// exact for diagonal input, no branch on repeated eigenvalues.
 #ifndef MPDEM_EIGEN3_H
 #define MPDEM_EIGEN3_H
 
@@ -18,10 +18,10 @@ struct Spectral {
   Mat3<vd> axes;  // column i belongs to value[i]
 };
 
-// One rotation in the plane (p,q) with the third axis r.
-inline void jacobi_rotation(vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp, vd* vq) {
+// One rotation in the plane (p,q) with the third axis r, in the lanes `open`.
+inline void jacobi_rotation(vmask open, vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp, vd* vq) {
   const vd diff = aqq - app;
-  const vd twice = apq + apq;
+  const vd twice = select(open, apq + apq, vd{});
   // t = tan of the smaller angle; written without a division by apq so that a zero
   // off-diagonal gives the identity.
   const vd root = sqrt(diff * diff + twice * twice);
@@ -33,7 +33,7 @@ inline void jacobi_rotation(vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp,
   const vd s = t * c;
   app -= t * apq;
   aqq += t * apq;
-  apq = vd{};
+  apq = select(open, vd{}, apq);
   const vd rp = arp;
   arp = c * rp - s * arq;
   arq = s * rp + c * arq;
@@ -51,10 +51,11 @@ inline Spectral eigen(const Sym3<vd>& m) {
   const vd scale = a * a + b * b + c * c + 2.0 * (bc * bc + ac * ac + ab * ab);
   const vd tolerance = 1e-32 * scale;
   for (int sweep = 0; sweep < 12; ++sweep) {
-    if (!any(bc * bc + ac * ac + ab * ab > tolerance)) break;
-    jacobi_rotation(a, b, ab, ac, bc, v[0], v[1]);
-    jacobi_rotation(a, c, ac, ab, bc, v[0], v[2]);
-    jacobi_rotation(b, c, bc, ab, ac, v[1], v[2]);
+    const vmask open = bc * bc + ac * ac + ab * ab > tolerance;
+    if (!any(open)) break;
+    jacobi_rotation(open, a, b, ab, ac, bc, v[0], v[1]);
+    jacobi_rotation(open, a, c, ac, ab, bc, v[0], v[2]);
+    jacobi_rotation(open, b, c, bc, ab, ac, v[1], v[2]);
   }
   Spectral s;
   s.value[0] = a;
@@ -75,24 +76,14 @@ inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
   return {c(0, 0), c(1, 1), c(2, 2), c(1, 2), c(0, 2), c(0, 1)};
 }
 
-// Positive part <m>_+ by its one eigenvalue of the rarer sign: with one negative value,
-// m less that eigenspace; with two, the positive eigenspace alone. The value is a simple
-// root of the characteristic polynomial, its eigenspace adj(m - l 1)/tr adj(m - l 1). Lanes
-// whose root is nearly double or whose signs are in doubt go through the Jacobi rotations.
-inline Sym3<vd> positive_part(const Sym3<vd>& m) {
-  // Sylvester: all leading minors positive means there is nothing to cut.
-  const vd m2 = m.xx * m.yy - m.xy * m.xy;
-  const vd det = determinant(m);
-  // Next to a rank-one tensor the sign of the determinant is rounding.
-  const vd size2 = contract(m, m);
-  const vd noise = 1e-13 * size2 * sqrt(size2);
-  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
-  if (!any(~definite)) return m;
-  const vmask negative = (m.xx < 0.0) & (m2 > 0.0) & (det < -noise);
-  const vmask two = det >= 0.0;  // where neither definite nor negative definite
+// The largest eigenvalue of m where sign is 1, the smallest where it is -1, as a simple root of the
+// characteristic polynomial. `gap` goes to zero as that root becomes double: below 1e-5 it is not accurate.
+struct Extreme {
+  vd value, gap, radius;
+};
 
+inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
   // Roots of u^3 - 3 u - 2 r = 0, l = mean + u sqrt(J2/3); the largest of +-m.
-  const vd sign = select(two, splat(1.0), splat(-1.0));
   const vd mean = (1.0 / 3.0) * trace(m);
   const Sym3<vd> dev{m.xx - mean, m.yy - mean, m.zz - mean, m.yz, m.xz, m.xy};
   const vd radius = sqrt(contract(dev, dev) * (1.0 / 6.0));
@@ -106,30 +97,78 @@ inline Sym3<vd> positive_part(const Sym3<vd>& m) {
     const vd slope = 3.0 * (u * u - 1.0);
     u -= (u * (u * u - 3.0) - 2.0 * r) / max(slope, tiny);
   }
-  const vd value = mean + sign * radius * u;
-  const vmask open = ~definite & ~negative;
-  const vmask unsafe = open & ((r < -1.0 + 1e-5) | (abs(det) <= noise) | (radius < 1e-100));
+  return {mean + sign * radius * u, 1.0 + r, radius};
+}
 
+// adj(m - value 1), a multiple of the projection on the eigenspace of a simple eigenvalue.
+inline Sym3<vd> adjugate(const Sym3<vd>& m, vd value) {
   const vd xx = m.xx - value, yy = m.yy - value, zz = m.zz - value;
-  Sym3<vd> adj{yy * zz - m.yz * m.yz, xx * zz - m.xz * m.xz, xx * yy - m.xy * m.xy,
-               m.xz * m.xy - xx * m.yz, m.xy * m.yz - yy * m.xz, m.xz * m.yz - zz * m.xy};
-  const vd weight = value / max(trace(adj), splat(1e-300));
-  Sym3<vd> p = weight * adj;
-  p = {select(two, p.xx, m.xx - p.xx), select(two, p.yy, m.yy - p.yy), select(two, p.zz, m.zz - p.zz),
-       select(two, p.yz, m.yz - p.yz), select(two, p.xz, m.xz - p.xz), select(two, p.xy, m.xy - p.xy)};
+  return {yy * zz - m.yz * m.yz, xx * zz - m.xz * m.xz, xx * yy - m.xy * m.xy,
+          m.xz * m.xy - xx * m.yz, m.xy * m.yz - yy * m.xz, m.xz * m.yz - zz * m.xy};
+}
+
+inline Sym3<vd> blend(vmask m, const Sym3<vd>& a, const Sym3<vd>& b) {
+  return {select(m, a.xx, b.xx), select(m, a.yy, b.yy), select(m, a.zz, b.zz),
+          select(m, a.yz, b.yz), select(m, a.xz, b.xz), select(m, a.xy, b.xy)};
+}
+
+struct LargestEigenvalue {
+  vd value;
+  Sym3<vd> slope;  // along m: projection on an eigenspace, any of them if there are several
+};
+
+inline vd largest_eigenvalue(const Sym3<vd>& m) {
+  const Extreme e = extreme_eigenvalue(m, splat(1.0));
+  const vmask unsafe = (e.gap < 1e-5) & (e.radius > 1e-100);
+  return any(unsafe) ? select(unsafe, largest(eigen(m)), e.value) : e.value;
+}
+
+inline LargestEigenvalue largest_eigenvalue_and_slope(const Sym3<vd>& m) {
+  const Extreme e = extreme_eigenvalue(m, splat(1.0));
+  LargestEigenvalue l{e.value, adjugate(m, e.value)};
+  l.slope = (1.0 / max(trace(l.slope), splat(1e-300))) * l.slope;
+  const vmask unsafe = (e.gap < 1e-5) | (e.radius < 1e-100);
+  if (any(unsafe)) {
+    const Spectral s = eigen(m);
+    const vd top = largest(s);
+    vd f[3], sum{};
+    for (int i = 0; i < 3; ++i) {
+      f[i] = select(s.value[i] >= top - 1e-9 * abs(top), splat(1.0), vd{});
+      sum += f[i];
+    }
+    for (int i = 0; i < 3; ++i) f[i] /= sum;
+    l.value = select(unsafe, top, l.value);
+    l.slope = blend(unsafe, compose(s.axes, f), l.slope);
+  }
+  return l;
+}
+
+// Positive part <m>_+ by its one eigenvalue of the rarer sign: with one negative value,
+// m less that eigenspace; with two, the positive eigenspace alone. Lanes whose root is nearly
+// double or whose signs are in doubt go through the Jacobi rotations.
+inline Sym3<vd> positive_part(const Sym3<vd>& m) {
+  // Sylvester: all leading minors positive means there is nothing to cut.
+  const vd m2 = m.xx * m.yy - m.xy * m.xy;
+  const vd det = determinant(m);
+  // Next to a rank-one tensor the sign of the determinant is rounding.
+  const vd size2 = contract(m, m);
+  const vd noise = 1e-13 * size2 * sqrt(size2);
+  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
+  if (!any(~definite)) return m;
+  const vmask negative = (m.xx < 0.0) & (m2 > 0.0) & (det < -noise);
+  const vmask two = det >= 0.0;  // where neither definite nor negative definite
+  const Extreme e = extreme_eigenvalue(m, select(two, splat(1.0), splat(-1.0)));
+  const vmask unsafe = ~definite & ~negative & ((e.gap < 1e-5) | (abs(det) <= noise) | (e.radius < 1e-100));
+  const Sym3<vd> adj = adjugate(m, e.value);
+  Sym3<vd> p = (e.value / max(trace(adj), splat(1e-300))) * adj;
+  p = blend(two, p, m - p);
   if (any(unsafe)) {
     const Spectral s = eigen(m);
     vd f[3];
     for (int i = 0; i < 3; ++i) f[i] = max(s.value[i], vd{});
-    const Sym3<vd> c = compose(s.axes, f);
-    p = {select(unsafe, c.xx, p.xx), select(unsafe, c.yy, p.yy), select(unsafe, c.zz, p.zz),
-         select(unsafe, c.yz, p.yz), select(unsafe, c.xz, p.xz), select(unsafe, c.xy, p.xy)};
+    p = blend(unsafe, compose(s.axes, f), p);
   }
-  const vd zero{};
-  p = {select(negative, zero, p.xx), select(negative, zero, p.yy), select(negative, zero, p.zz),
-       select(negative, zero, p.yz), select(negative, zero, p.xz), select(negative, zero, p.xy)};
-  return {select(definite, m.xx, p.xx), select(definite, m.yy, p.yy), select(definite, m.zz, p.zz),
-          select(definite, m.yz, p.yz), select(definite, m.xz, p.xz), select(definite, m.xy, p.xy)};
+  return blend(definite, m, blend(negative, Sym3<vd>{}, p));
 }
 
 }  // namespace mpdem

@@ -99,6 +99,25 @@ inline Mat3<T> product(const Mat3<T>& a, const Mat3<T>& b) {
   return c;
 }
 
+// s m
+template <class T>
+inline Mat3<T> product(const Sym3<T>& s, const Mat3<T>& m) {
+  return product(Mat3<T>{{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}}, m);
+}
+
+// Upper triangle of m, for one that is symmetric.
+template <class T>
+inline Sym3<T> upper(const Mat3<T>& m) {
+  return {m.a[0][0], m.a[1][1], m.a[2][2], m.a[1][2], m.a[0][2], m.a[0][1]};
+}
+
+// sym(a b^T)
+template <class T>
+inline Sym3<T> sym_product_transposed(const Mat3<T>& a, const Mat3<T>& b) {
+  const auto dot = [&](int i, int j) { return a.a[i][0] * b.a[j][0] + a.a[i][1] * b.a[j][1] + a.a[i][2] * b.a[j][2]; };
+  return {dot(0, 0), dot(1, 1), dot(2, 2), 0.5 * (dot(1, 2) + dot(2, 1)), 0.5 * (dot(0, 2) + dot(2, 0)), 0.5 * (dot(0, 1) + dot(1, 0))};
+}
+
 // Cofactor matrix: det(m) m^-T
 template <class T>
 inline Mat3<T> cofactor(const Mat3<T>& m) {

@@ -20,6 +20,7 @@
 #define MPDEM_TENSOR_DAMAGE_H
 
 #include "../mpm/simd.h"
+#include "effective_strain.h"
 #include "eigen3.h"
 #include "tensor3.h"
 #include "vti_elasticity.h"
@@ -79,21 +80,31 @@ class TensorDamage {
   // be anything with eigenvalues below one.
   Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
+  // The same, and the lanes of `active` whose damage may grow: those where a bound of Yeq is above a bound of B.
+  // All others keep their damage.
+  struct Trial {
+    Sym3<vd> stress;
+    vmask may_grow;
+  };
+  Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vmask active, vd strength = splat(1.0)) const;
+
   struct Update {
     Sym3<vd> stress;
     vd dissipated;  // energy per volume spent in this step by growth of D
     vd released;    // energy per volume given up by lanes that fail now
     vmask grown, failed;
+    int evaluations;  // of Y, or of its derivative, for eight points each
   };
 
-  // Implicit update of `damage` for the strain at the end of the step. Lanes outside
-  // `active` (already failed, or empty) keep their damage and return zero stress.
+  // Step of `damage` from strain_start to strain: on the surface at its end, along the drive at its middle, see
+  // return_map.cpp. Lanes outside `active` (already failed, or empty) keep their damage and
+  // return zero stress. The result of a lane depends on no other, to the bit.
   // The energies are what is left of the trapezoidal work of the step when the change of
   // stored energy is taken away, eps_n : (C(D_n) - C(D_n+1)) : eps_n+1 / 2, so that a sum
   // over the steps balances to the order of the step, squared.
   // strength: factor on B0 of each lane. growth: share of the growth that the step allows,
   // dt/(viscosity + dt), 1 without viscosity.
-  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain_end, Sym3<vd>& damage, vmask active,
+  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active,
                 vd strength = splat(1.0), double growth = 1.0) const;
 
   // Driving force s Yeq at the given state, and B(D): for output and tests.
@@ -104,22 +115,31 @@ class TensorDamage {
 
  private:
   struct State {
-    Sym3<vd> stress, stress_e, Y;  // Y complete, see drive_by()
+    EffectiveStrain<vd> effective;
+    Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma
+    Sym3<vd> stress_e, stress, Y;  // Y complete, see drive_by()
   };
-  State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  __attribute__((noinline)) State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  // Derivative of Y along N.
+  Sym3<vd> slope(const State& s, const Sym3<vd>& N) const;
   // Turns Y into what drives (its positive part if monotone) and returns its Yeq.
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
   vd threshold(const Sym3<vd>& damage) const;
+  vd least_threshold(const Sym3<vd>& damage) const;
   vmask at_cutoff(const Sym3<vd>& damage, double share = 1.0) const;
   vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
-  struct Root {
-    vd delta;
-    Sym3<vd> stress, Y;  // at D + delta N, Y as it drives
-    vmask missing;       // lanes that stay above the surface up to the cut-off
-  };
-  Root first_root(const Sym3<vd>& strain, const Sym3<vd>& damage, const Sym3<vd>& direction, vd g0, vd B_scale,
-                  vd guess, vmask near, vmask lanes) const;
+
+  struct Search;
+  struct Place;
+  struct Found;
+  Place look_at(Search& s, const Sym3<vd>& D) const;
+  Sym3<vd> gradient(Search& s, const Place& x) const;
+  Sym3<vd> direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G, vmask lanes) const;
+  vmask small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const;
+  vmask jump(Search& s, vmask lanes, Found& found) const;
+  vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
+  vmask first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const;
 
   VtiElasticity elasticity_;
   DamageParameters p_;

@@ -18,6 +18,11 @@ void advance(PointStore& points, int first, int last, Grid& grid, const TensorDa
   double* force = grid.force.data();
   PointStress stress_at_end(points, law, dt, options, result);
   PassClock clock(result.ticks);
+  const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
+    const PointBlock& p = points.blocks[b];
+    const BlockMeta& m = points.meta[b];
+    scatter_gradient(force, m.column, Weights<Type>(p.X, m.base, inverse_h), weighted_piola(p.F, p.q, stress, p.volume));
+  };
   for (int b = first; b < last; ++b) {
     BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied && options.skip_failed) continue;
@@ -35,11 +40,17 @@ void advance(PointStore& points, int first, int last, Grid& grid, const TensorDa
     advance_strain(p.F, dF, p.q, p.strain);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];
-    const Sym3<vd> stress = stress_at_end(b, strain_start);
-    clock.stressed();
-    scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
-    clock.scattered();
+    Sym3<vd> stress;
+    if (stress_at_end(b, strain_start, stress)) {
+      clock.stressed();
+      scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
+      clock.scattered();
+    } else {
+      clock.stressed();
+      if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
+    }
   }
+  stress_at_end.settle(clock, scatter_waiting);
 }
 
 }  // namespace

@@ -28,10 +28,17 @@ struct AdvanceOptions {
   bool skip_resting = true;    // nor in bodies all of whose nodes are at rest, see resting.h
 };
 
+// How much there was to do for the damage.
+struct DamageWork {
+  long damaged_blocks = 0, growing_blocks = 0, growing_points = 0;
+  long evaluations = 0;  // of the law in steps of growing points, see TensorDamage::Update
+};
+
 struct AdvanceResult {
   double dissipated = 0.0, released = 0.0;  // energy of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
   PassTicks ticks;
+  DamageWork work;
 };
 
 // Advances the points of the blocks [first, last) by dt with the nodal velocity and adds the

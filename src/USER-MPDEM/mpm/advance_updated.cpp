@@ -135,6 +135,17 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const TensorDamage& law, 
   const double* velocity = grid.velocity.data();
   PointStress stress_at_end(points, law, dt, options, result);
   PassClock clock(result.ticks);
+  // The lanes that stayed in their cell, of the blocks that wait.
+  std::uint8_t stayed[PointStress::kMost];
+  int waiting = 0, given = 0;
+  const auto give_waiting = [&](int b, const Sym3<vd>& stress) {
+    give<Type>(points, b, lanes(stayed[given++]), stress, grid, density, transfer);
+  };
+  const auto settle = [&] {
+    given = 0;
+    stress_at_end.settle(clock, give_waiting);
+    waiting = 0;
+  };
   const double keep_share = transfer.method == Transfer::flip ? transfer.flip_share : 0.0;
   const int n = static_cast<int>(points.blocks.size());
   for (int b = 0; b < n; ++b) {
@@ -161,7 +172,8 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const TensorDamage& law, 
     const Sym3<vd> strain_start = p.strain;
     if (m.failed) dL = keep(lanes(m.failed), Mat3<vd>{}, dL);
     advance_strain(unit(), dL, p.q, p.strain);
-    const Sym3<vd> stress = stress_at_end(b, strain_start);
+    Sym3<vd> stress;
+    const bool known = stress_at_end(b, strain_start, stress);
     clock.stressed();
 
     const vmask here = lanes(m.occupied);
@@ -175,9 +187,15 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const TensorDamage& law, 
     if (gone)
       for (int l = 0; l < kLanes; ++l)
         if (gone >> l & 1) moves_.push_back({kLanes * b + l, -1});
-    give<Type>(points, b, staying, stress, grid, density, transfer);
+    if (known) {
+      give<Type>(points, b, staying, stress, grid, density, transfer);
+    } else {
+      stayed[waiting++] = bits(staying);
+      if (stress_at_end.full()) settle();
+    }
     clock.scattered();
   }
+  settle();
 }
 
 // If the points of a cell fit into one block less, those of the emptiest go to the others. True if one of

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Stress of one block of points at the end of a step, for the passes of advance_points.cpp and
+// Stress of blocks of points at the end of a step, for the passes of advance_points.cpp and
 // advance_updated.cpp. Damage is kept out of line: most steps of most blocks never come there.
 #ifndef MPDEM_POINT_STRESS_H
 #define MPDEM_POINT_STRESS_H
@@ -41,48 +41,106 @@ inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   return r;
 }
 
+// Points whose damage may grow are few in their blocks, 3 of 8 where a crack opens. They wait, with their
+// blocks, until there are vectors full of them: a lane's step of the damage does not depend on the others.
 class PointStress {
  public:
+  static constexpr int kMost = 8 * kLanes;  // blocks that can wait
+
   PointStress(PointStore& points, const TensorDamage& law, double dt, const AdvanceOptions& options,
               AdvanceResult& result)
       : points_(points), law_(law), result_(result), B0_(law.parameters().B0),
         weakest_(B0_ * std::min(1.0, law.parameters().interface)), growth_(dt / (law.parameters().viscosity + dt)),
         always_(!options.skip_undamaged && B0_ > 0.0) {}
 
-  // Stress of block b in its material frame, zero in failed lanes. strain_start is that before
-  // the step.
-  Sym3<vd> operator()(int b, const Sym3<vd>& strain_start) {
+  // Stress of block b in its material frame, zero in failed lanes; false: the block waits for
+  // settle(). strain_start is that before the step.
+  bool operator()(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
-    if (m.damaged || always_) return damaged(b, strain_start);
-    const Sym3<vd> stress = law_.elasticity().stress(p.strain);
+    if (m.damaged || always_) return damaged(b, strain_start, stress);
+    stress = law_.elasticity().stress(p.strain);
     if (B0_ > 0.0) {
       const double B = m.linked ? weakest_ : B0_;
-      if (any(TensorDamage::bound_undamaged(stress, p.strain) > B * B)) return damaged(b, strain_start);
+      if (any(TensorDamage::bound_undamaged(stress, p.strain) > B * B)) return damaged(b, strain_start, stress);
     }
-    return stress;
+    return true;
+  }
+
+  bool full() const { return points_waiting_ >= kMost; }
+
+  // Damage of the points that wait, then then(block, stress) for their blocks, in the order they came.
+  template <class Then>
+  void settle(PassClock& clock, Then&& then) {
+    if (blocks_waiting_ == 0) return;
+    clock.start_settling();
+    for (int first = 0; first < points_waiting_; first += kLanes) grow(first);
+    clock.settled();
+    for (int i = 0; i < blocks_waiting_; ++i) then(waiting_[i].block, waiting_[i].stress);
+    clock.settled_scattered();
+    blocks_waiting_ = points_waiting_ = 0;
   }
 
  private:
-  __attribute__((noinline)) Sym3<vd> damaged(int b, const Sym3<vd>& strain_start) {
+  static constexpr int kVectors = kMost / kLanes + 1;
+
+  __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
-    BlockMeta& m = points_.meta[b];
+    const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
     const vd strength = select(lanes(m.linked), splat(law_.parameters().interface), splat(1.0));
-    const TensorDamage::Update u = law_.update(strain_start, p.strain, points_.damage[b].D, active, strength, growth_);
-    const std::uint8_t grown = bits(u.grown);
-    if (grown) {
-      m.damaged = true;
-      result_.dissipated += sum_lanes(u.dissipated * p.volume);
-      const std::uint8_t failed = bits(u.failed);
-      if (failed) {
-        result_.released += sum_lanes(u.released * p.volume);
-        m.failed |= failed;
-        for (int l = 0; l < kLanes; ++l)
-          if (failed >> l & 1) result_.failed.push_back(kLanes * b + l);
-      }
+    const TensorDamage::Trial t = law_.trial(p.strain, points_.damage[b].D, active, strength);
+    stress = blend(active, t.stress, Sym3<vd>{});
+    ++result_.work.damaged_blocks;
+    const std::uint8_t growing = bits(t.may_grow);
+    if (growing == 0) return true;
+    ++result_.work.growing_blocks;
+    waiting_[blocks_waiting_] = {b, stress};
+    for (int l = 0; l < kLanes; ++l)
+      if (growing >> l & 1) wait(kLanes * blocks_waiting_ + l, strain_start, strength);
+    ++blocks_waiting_;
+    return false;
+  }
+
+  static double* lane(Sym3<vd>& s, int l) { return reinterpret_cast<double*>(&s) + l; }
+  static const double* lane(const Sym3<vd>& s, int l) { return reinterpret_cast<const double*>(&s) + l; }
+  static void copy(Sym3<vd>& to, int l, const Sym3<vd>& from, int k) {
+    for (int i = 0; i < 6; ++i) lane(to, l)[kLanes * i] = lane(from, k)[kLanes * i];
+  }
+
+  // place: eight times the place of the block in waiting_ plus the lane.
+  void wait(int place, const Sym3<vd>& strain_start, vd strength) {
+    const int l = place % kLanes, b = waiting_[place / kLanes].block, to = points_waiting_ % kLanes;
+    Points& v = vectors_[points_waiting_ / kLanes];
+    if (to == 0) v = Points{};
+    copy(v.strain_start, to, strain_start, l);
+    copy(v.strain, to, points_.blocks[b].strain, l);
+    copy(v.D, to, points_.damage[b].D, l);
+    v.strength[to] = strength[l];
+    place_[points_waiting_++] = place;
+  }
+
+  void grow(int first) {
+    const int count = std::min(kLanes, points_waiting_ - first);
+    Points& v = vectors_[first / kLanes];
+    const TensorDamage::Update u =
+        law_.update(v.strain_start, v.strain, v.D, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_);
+    result_.work.evaluations += u.evaluations;
+    for (int k = 0; k < count; ++k) {
+      if (!u.grown[k]) continue;
+      ++result_.work.growing_points;
+      Waiting& w = waiting_[place_[first + k] / kLanes];
+      const int b = w.block, l = place_[first + k] % kLanes;
+      const double volume = points_.blocks[b].volume[l];
+      copy(w.stress, l, u.stress, k);
+      copy(points_.damage[b].D, l, v.D, k);
+      points_.meta[b].damaged = true;
+      result_.dissipated += u.dissipated[k] * volume;
+      if (!u.failed[k]) continue;
+      result_.released += u.released[k] * volume;
+      points_.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
+      result_.failed.push_back(kLanes * b + l);
     }
-    return u.stress;
   }
 
   PointStore& points_;
@@ -90,6 +148,19 @@ class PointStress {
   AdvanceResult& result_;
   double B0_, weakest_, growth_;
   bool always_;
+
+  struct Waiting {
+    int block;
+    Sym3<vd> stress;
+  };
+  struct Points {
+    Sym3<vd> strain_start, strain, D;
+    vd strength;
+  };
+  int blocks_waiting_ = 0, points_waiting_ = 0;
+  Waiting waiting_[kMost];
+  Points vectors_[kVectors];
+  int place_[kVectors * kLanes];
 };
 
 // Stress of a block in its present state, changing nothing.
@@ -97,10 +168,7 @@ inline Sym3<vd> stress_of(const PointStore& points, int b, const TensorDamage& l
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const Sym3<vd> s = m.damaged ? law.stress(p.strain, points.damage[b].D) : law.elasticity().stress(p.strain);
-  const vmask dead = lanes(m.failed);
-  const vd zero{};
-  return {select(dead, zero, s.xx), select(dead, zero, s.yy), select(dead, zero, s.zz),
-          select(dead, zero, s.yz), select(dead, zero, s.xz), select(dead, zero, s.xy)};
+  return blend(lanes(m.failed), Sym3<vd>{}, s);
 }
 
 }  // namespace mpdem

@@ -17,12 +17,20 @@ Law (SI units, co-rotated material frame, axis of the material = local 3)
   B(D)     = B0 / s * (1 - maxeig D)^(-m)
   s        = r + (1 - r) zeta^2, r = sum <sigma_e,i> / sum |sigma_e,i| at
              (eps_{n+1}, D_n), constant during the step
-Step: D_{n+1} = D_n + Delta N, N = drive/|drive|, Delta = first root of Yeq - B.
+Step: D_{n+1} = D_n + Delta N, Delta = first root of Yeq - B at eps_{n+1}.
   - no damage if Yeq(eps_{n+1}, D_n) <= B(D_n) (1 + 1e-14)
   - Dmax: largest Delta with maxeig(D_n + Delta N) <= Dcut
   - the root is bracketed at Dmax 10^(-6 + 6 k/16), k = 0..16, then bisected to
     a relative width of 1e-15; the end with Yeq <= B is taken
   - no sign change up to Dmax: the point fails, with D = D_n + Dmax N
+  With evolution monotone and Yeq < 1.2 B at the trial state:
+  - N is the direction of the drive at the middle of the step: strain
+    (eps_n + eps_{n+1})/2, damage D_n + Delta_t N_t/2 with N_t the direction at
+    (eps_{n+1}, D_n) and Delta_t where the tangent of Yeq - B along it there
+    comes down to zero, no further than the cut-off (and there if the tangent
+    does not fall). If N and N_t differ by more than 60 degrees, N = N_t
+  - the root is bracketed at Dmax k/400
+  Otherwise:
   - N is evaluated at the trial state first, then at the new D, until it moves
     by no more than 1e-10 in the Frobenius norm, with at most 3 root searches
 
@@ -51,8 +59,10 @@ import numpy as np
 SEED = 20240611
 INDEX = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 NAMES = ("xx", "yy", "zz", "yz", "xz", "xy")
+NEAR = 1.2
 MAX_DIRECTIONS = 3
 DIRECTION_TOL = 1e-10
+LARGEST_TURN = 0.5  # cosine
 MARCH = 16
 MARCH_DECADES = 6.0
 ROOT_TOL = 1e-15
@@ -155,41 +165,90 @@ class Material:
             else:
                 low = middle
 
-    def update(self, eps, Dn):
+    def update(self, eps_start, eps, Dn):
         """D_{n+1}, failed"""
         s = self.weight(eps, Dn)
         drive = self.drive(eps, Dn)
         if yeq(drive) <= self.threshold(Dn, s) * (1.0 + ONSET_SLACK):
             return Dn.copy(), False
+        decades = 10.0 ** (MARCH_DECADES * (np.arange(MARCH + 1) / MARCH - 1.0))
+        if self.monotone and yeq(drive) < NEAR * self.threshold(Dn, s):
+            N = self.direction(eps_start, eps, Dn, drive, s)
+            return self.along(eps, Dn, N, s, np.arange(1, 401) / 400.0)
         N = drive / np.linalg.norm(drive)
         for _ in range(MAX_DIRECTIONS):
-            def outside(x):
-                D = Dn + x * N
-                return yeq(self.drive(eps, D)) > self.threshold(D, s)
-            top = self.largest_step(Dn, N)
-            low, high = 0.0, None
-            for k in range(MARCH + 1):
-                x = min(top, top * 10.0 ** (MARCH_DECADES * (k / MARCH - 1.0)))
-                if not outside(x):
-                    high = x
-                    break
-                low = x
-            if high is None:
-                return Dn + top * N, True
-            while high - low > ROOT_TOL * high:
-                middle = 0.5 * (low + high)
-                if middle <= low or middle >= high:
-                    break
-                if outside(middle):
-                    low = middle
-                else:
-                    high = middle
-            D = Dn + high * N
+            D, failed = self.along(eps, Dn, N, s, decades)
+            if failed:
+                return D, True
             drive = self.drive(eps, D)
             previous, N = N, drive / np.linalg.norm(drive)
             if np.linalg.norm(N - previous) <= DIRECTION_TOL:
                 break
         return D, False
+
+    def along(self, eps, Dn, N, s, places):
+        """First root along N, bracketed at `places` of the range: D, failed"""
+        def outside(x):
+            D = Dn + x * N
+            return yeq(self.drive(eps, D)) > self.threshold(D, s)
+        top = self.largest_step(Dn, N)
+        low, high = 0.0, None
+        for x in top * np.minimum(places, 1.0):
+            if not outside(x):
+                high = x
+                break
+            low = x
+        if high is None:
+            return Dn + top * N, True
+        while high - low > ROOT_TOL * high:
+            middle = 0.5 * (low + high)
+            if middle <= low or middle >= high:
+                break
+            if outside(middle):
+                low = middle
+            else:
+                high = middle
+        return Dn + high * N, False
+
+    def direction(self, eps_start, eps, Dn, drive, s):
+        N = drive / np.linalg.norm(drive)
+        tangent = (np.sum(drive * self.slope_of_force(eps, Dn, N)) / (2.0 * yeq(drive))
+                   - self.slope_of_threshold(Dn, N, s))
+        delta = self.largest_step(Dn, N)
+        if tangent < 0.0:
+            delta = min(delta, (self.threshold(Dn, s) - yeq(drive)) / tangent)
+        middle = self.drive(0.5 * (eps_start + eps), Dn + 0.5 * delta * N)
+        size = np.linalg.norm(middle)
+        if size == 0.0 or np.sum(middle * N) <= LARGEST_TURN * size:
+            return N
+        return middle / size
+
+    def slope_of_force(self, eps, D, N):
+        """dY along D + t N, from phi Z + Z phi = 2 X and its derivative, in nine unknowns"""
+        phi = np.linalg.inv(EYE - D)
+        rate = phi @ N @ phi
+        system = np.kron(phi, EYE) + np.kron(EYE, phi)
+
+        def reduced(X):
+            return symmetric(np.linalg.solve(system, 2.0 * X.ravel()).reshape(3, 3))
+
+        def slope(Z, dX):
+            return reduced(dX - symmetric(rate @ Z))
+        e = reduced(eps)
+        de = slope(e, np.zeros((3, 3)))
+        sigma = reduced(self.elastic(e))
+        dsigma = slope(sigma, self.elastic(de))
+        inner = symmetric(sigma @ e)
+        return (phi @ symmetric(dsigma @ e + sigma @ de) @ phi
+                + 2.0 * symmetric(rate @ inner @ phi))
+
+    def slope_of_threshold(self, D, N, s):
+        if self.m == 0.0:
+            return 0.0
+        w, v = np.linalg.eigh(D)
+        top = w >= w[-1] - 1e-9 * abs(w[-1])
+        rate = np.mean([v[:, i] @ N @ v[:, i] for i in range(3) if top[i]])
+        return self.m / (1.0 - w[-1]) * rate * self.threshold(D, s)
 
 
 def yeq(drive):
@@ -200,15 +259,16 @@ def run(material, strains):
     """Rows (strain, damage, stress, Yeq/B0, failed, dissipation) of one path"""
     rows = []
     D = np.zeros((3, 3))
+    start = np.zeros((3, 3))
     for strain in strains:
         eps = tensor(strain)
-        new, failed = material.update(eps, D)
+        new, failed = material.update(start, eps, D)
         before = material.state(eps, D)[3]
         _, _, sigma, after, _ = material.state(eps, new)
         rows.append((strain, six(new), np.zeros(6) if failed else six(sigma),
                      yeq(material.drive(eps, new)) / material.B0, failed,
                      before - after))
-        D = new
+        D, start = new, eps
         if failed:
             break
     return rows
@@ -266,7 +326,7 @@ def several_roots(material, factor, rng):
         outside = [yeq(material.drive(eps, x * N)) > material.threshold(x * N, s)
                    for x in np.linspace(0.0, top, 60)]
         changes = np.count_nonzero(np.diff(np.array(outside, dtype=int)))
-        if changes > 1 and not material.update(eps, zero)[1]:
+        if changes > 1 and not material.update(zero, eps, zero)[1]:
             return strain
     raise RuntimeError("no such strain found")
 

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The step of the damage: D = D_n + Delta N, Delta the first root of Yeq - B at the end of the step.
+//
+// Near the surface N is the direction of the drive at the middle of the step: half its strain, half the growth that
+// the tangent at (strain at the end, D_n) gives along the drive there. D is of second order in the step
+// with that; with N at D_n, or solved for at the end of the step, it is of first order at the
+// same cost, see bench/law.cpp. On the surface it ends with any N.
+// A jump far beyond the surface has no such middle: N is the direction at D_n, then twice that at the D it led to. So
+// it is with literal Y, whose roots are not single anywhere.
+//
+// No lane's arithmetic depends on its neighbours: lanes stop and branch by masks.
+#include <cmath>
+
+#include "tensor_damage.h"
+
+namespace mpdem {
+
+namespace {
+
+// Of D: where the next step towards the root would be less, the root is found.
+constexpr double kTolerance = 1e-11;
+constexpr int kMostSteps = 8;
+// Two values nearer than this give no slope.
+constexpr double kLeastSecant = 1e-10;
+constexpr int kMarchSteps = 16;
+// With a threshold that falls, Yeq - B may dip below zero for a short while only.
+constexpr double kNearMarch = 1.1;
+// A trial state this close to the surface has a single root along Y (checked on 1200
+// states); further out the march to the first root of the full range is needed.
+constexpr double kNearSurface = 1.2;
+// cos of the largest angle between the drives at the middle and at the trial state. A step that turns more
+// than that says nothing of what happens within: the trial state counts.
+constexpr double kLargestTurn = 0.5;
+constexpr int kMostDirections = 3;
+constexpr double kSameDirection = 1e-10;
+// With viscosity D only comes near the cut-off; a lane whose growth aims at the cut-off has
+// failed when its largest eigenvalue is this share of it. From D = 0 that takes 4.6 relaxation
+// times. The rest of the way is gone in that step.
+constexpr double kViscousFailure = 0.99;
+
+Sym3<vd> scaled(const Sym3<vd>& h, const Sym3<vd>& x) {
+  return {h.xx * x.xx, h.yy * x.yy, h.zz * x.zz, h.yz * x.yz, h.xz * x.xz, h.xy * x.xy};
+}
+
+Sym3<vd> unit(const Sym3<vd>& Y) { return (1.0 / max(sqrt(contract(Y, Y)), splat(1e-300))) * Y; }
+
+}  // namespace
+
+// What the search for the new D starts from.
+struct TensorDamage::Search {
+  Sym3<vd> strain, damage;  // at the end, at the start of the step
+  vd B_scale;
+  int evaluations = 0;
+};
+
+// A state D at the strain of the end.
+struct TensorDamage::Place {
+  State state;
+  Sym3<vd> D, drive;
+  vd Yeq, excess;  // excess: Yeq - B
+};
+
+// Where the search ended.
+struct TensorDamage::Found {
+  Sym3<vd> D, stress, drive;
+  void take(vmask lanes, const Place& x) {
+    D = blend(lanes, x.D, D);
+    stress = blend(lanes, x.state.stress, stress);
+    drive = blend(lanes, x.drive, drive);
+  }
+};
+
+TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
+  ++s.evaluations;
+  Place x{evaluate(s.strain, D), D, {}, {}, {}};
+  x.drive = x.state.Y;
+  x.Yeq = drive_by(x.drive);
+  x.excess = x.Yeq - s.B_scale * threshold(D);
+  return x;
+}
+
+// Derivative of the excess in D. That of Y is symmetric, as a second derivative of the energy, and that of
+// <Y>_+:<Y>_+/2 is <Y>_+: one derivative of Y, along the drive, gives Yeq in all directions.
+Sym3<vd> TensorDamage::gradient(Search& s, const Place& x) const {
+  ++s.evaluations;
+  const Sym3<vd> G = splat(std::sqrt(0.5)) * slope(x.state, unit(x.drive));
+  if (p_.exponent == 0.0) return G;
+  const LargestEigenvalue top = largest_eigenvalue_and_slope(x.D);
+  return G - ((x.Yeq - x.excess) * p_.exponent / (1.0 - top.value)) * top.slope;
+}
+
+// Largest Delta with max eig(D + Delta N) <= Dcut. With A = Dcut 1 - D positive
+// definite, A - Delta N stays so up to Delta = 1 / max eig(A^-1/2 N A^-1/2).
+vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const {
+  const Spectral d = eigen(damage);
+  vd r[3];
+  for (int i = 0; i < 3; ++i) r[i] = 1.0 / sqrt(max(p_.Dcut - d.value[i], splat(1e-16)));
+  const Sym3<vd> n = rotate_back(d.axes, direction);
+  const Spectral m = eigen(scaled(
+      {r[0] * r[0], r[1] * r[1], r[2] * r[2], r[1] * r[2], r[0] * r[2], r[0] * r[1]}, n));
+  // Only with literal Y can the largest eigenvalue be so small: nothing grows towards
+  // the cut-off, ten units of Delta leave every surface behind.
+  return 1.0 / max(largest(m), splat(0.1));
+}
+
+// Is the largest eigenvalue of D at `share` of the cut-off? (1 - tiny) share Dcut 1 - D loses
+// definiteness.
+vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
+  const double c = share * p_.Dcut * (1.0 - 1e-12);
+  const vd xx = c - D.xx, yy = c - D.yy;
+  const Sym3<vd> m{xx, yy, c - D.zz, -D.yz, -D.xz, -D.xy};
+  return ~((xx > 0.0) & (xx * yy - D.xy * D.xy > 0.0) & (determinant(m) > 0.0));
+}
+
+// N, for the trial state x and the derivative G of its excess.
+Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G,
+                                 vmask lanes) const {
+  const Sym3<vd> N = unit(x.drive);
+  const vd along = contract(G, N);
+  vd delta = -x.excess / along;
+  const vmask beyond = lanes & (~(along < 0.0) | at_cutoff(s.damage + delta * N));
+  if (any(beyond)) {
+    const vd limit = largest_growth(s.damage, N);
+    delta = select(beyond, select(along < 0.0, min(delta, limit), limit), delta);
+  }
+  ++s.evaluations;
+  Sym3<vd> drive = evaluate(splat(0.5) * (strain_start + s.strain), s.damage + (0.5 * delta) * N).Y;
+  drive_by(drive);
+  const Sym3<vd> middle = unit(drive);
+  return blend(contract(middle, N) > kLargestTurn, middle, N);
+}
+
+// Root along N. Newton's first step from the trial state, then one on the parabola through value and slope there and the
+// value it led to, then secants: their slopes are as good as the derivative, for a value less each.
+// A lane ends where the next step would be below the tolerance. Returns the lanes that are not
+// sure of their root.
+vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const {
+  vd delta = -excess / slope, step = delta;
+  vmask open = lanes & (slope < 0.0) & ~at_cutoff(s.damage + delta * N), done = splat_mask(false);
+  for (int k = 0; any(open) && k < kMostSteps; ++k) {
+    const Place x = look_at(s, s.damage + delta * N);
+    const vd secant = (x.excess - excess) / step;
+    const vd slope_here = k == 0 ? 2.0 * secant - slope : select(abs(step) > kLeastSecant, secant, slope);
+    const vd next = -x.excess / slope_here;
+    const vmask settled = open & (abs(next) <= kTolerance);
+    found.take(settled, x);
+    done |= settled;
+    open &= ~settled & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) &
+            ~at_cutoff(s.damage + (delta + next) * N);
+    excess = x.excess;
+    slope = slope_here;
+    step = next;
+    delta = select(open, delta + next, delta);
+  }
+  return lanes & ~done;
+}
+
+// First Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached: in constant factors
+// from a millionth of the range, in small ones from `start` where that is given; then Newton's method within
+// the bracket, with bisection where it leaves that. Returns the lanes that stay above the
+// surface: they get the end of the range.
+vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const {
+  const vd limit = largest_growth(s.damage, N);
+  const vd factor = select(start > 0.0, splat(kNearMarch), splat(std::pow(10.0, 6.0 / kMarchSteps)));
+  vd low{}, high = limit, delta = limit;
+  vmask open = lanes, missing = splat_mask(false);
+  for (vd t = max(start, 1e-6 * limit); any(open); t *= factor) {
+    t = min(t, limit);
+    const Place x = look_at(s, s.damage + t * N);
+    const vmask below = open & (x.excess <= 0.0), ended = open & ~below & (t >= limit);
+    low = select(open & ~below, t, low);
+    high = select(below, t, high);
+    delta = select(below, t, delta);
+    missing |= ended;
+    open &= ~below & ~ended;
+  }
+  for (int k = 0; k < 100; ++k) {
+    const Place x = look_at(s, s.damage + delta * N);
+    const vmask above = x.excess > 0.0;
+    low = select(above, delta, low);
+    high = select(above, high, delta);
+    const vd slope = contract(gradient(s, x), N), newton = delta - x.excess / slope;
+    const vmask good = (slope < 0.0) & (newton >= low) & (newton <= high) & splat_mask(k < 20);
+    const vd next = select(good, newton, 0.5 * (low + high));
+    const vmask settled = lanes & (missing | (abs(next - delta) <= kTolerance));
+    found.take(settled, x);
+    lanes &= ~settled;
+    if (!any(lanes)) break;
+    delta = select(lanes, next, delta);
+  }
+  return missing;
+}
+
+// Both return the lanes that fail.
+vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const {
+  const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
+  const vd along = contract(G, N);
+  const vmask unsure = near_root(s, x.excess, along, N, lanes, found);
+  if (!any(unsure)) return splat_mask(false);
+  return first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), unsure, found);
+}
+
+vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
+  vmask failed = splat_mask(false);
+  Sym3<vd> N = unit(found.drive);
+  for (int k = 0; k < kMostDirections && any(lanes); ++k) {
+    failed |= first_root(s, N, vd{}, lanes, found);
+    const Sym3<vd> there = unit(found.drive), change = there - N;
+    lanes &= ~failed & (contract(change, change) > kSameDirection * kSameDirection);
+    N = there;
+  }
+  return failed;
+}
+
+TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
+                                          Sym3<vd>& damage, vmask active, vd strength,
+                                          double growth) const {
+  Place x{evaluate(strain, damage), damage, {}, {}, {}};
+  Search s{strain, damage, strength / max(tension_weight(x.state.stress_e), splat(1e-300)), 1};
+  const vd B = s.B_scale * threshold(damage);
+  x.drive = x.state.Y;
+  x.Yeq = drive_by(x.drive);
+  x.excess = x.Yeq - B;
+
+  Update u;
+  u.failed = splat_mask(false);
+  u.dissipated = u.released = vd{};
+  u.stress = blend(active, x.state.stress, Sym3<vd>{});
+  u.grown = active & (x.Yeq > B * (1.0 + 1e-14));
+  u.evaluations = s.evaluations;
+  if (!any(u.grown)) return u;
+
+  Found found{damage, x.state.stress, x.drive};
+  const vmask near = p_.monotone ? u.grown & (x.Yeq < kNearSurface * B) : splat_mask(false), far = u.grown & ~near;
+  if (any(near)) u.failed = small_step(s, strain_start, x, near, found);
+  if (any(far)) u.failed |= jump(s, far, found);
+  if (growth < 1.0) {
+    const Sym3<vd> part = damage + splat(growth) * (found.D - damage);
+    u.failed = u.grown & (u.failed | at_cutoff(found.D)) & at_cutoff(part, kViscousFailure);
+    found.D = blend(u.failed, found.D, part);
+    ++s.evaluations;
+    found.stress = evaluate(strain, found.D).stress;
+  }
+  u.failed |= u.grown & at_cutoff(found.D);
+  u.evaluations = s.evaluations;
+  damage = blend(u.grown, found.D, damage);
+  const vd kept = 0.5 * contract(found.stress, strain_start);
+  u.dissipated = select(u.grown, 0.5 * contract(x.state.stress, strain_start) - kept, vd{});
+  u.released = select(u.failed, kept, vd{});
+  u.stress = blend(active & ~u.failed, found.stress, Sym3<vd>{});
+  return u;
+}
+
+}  // namespace mpdem
