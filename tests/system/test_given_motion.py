@@ -42,7 +42,7 @@ def test_a_grain_without_links_is_free(tmp_path, figures):
     last = int(t["step"][np.argmax(t["f_bond[16]"] == 0)])
     assert 0 < last < steps - 3 * check
     held = np.abs([t[f] for f in forces])
-    assert held[:, last].max() > 1.0, "no added mass is left to be dropped"
+    assert held[:, last].max() > 0.1, "no added mass is left to be dropped"
     assert not held[:, last + check + 1:].any()
 
 
@@ -59,9 +59,10 @@ def test_spin_up(tmp_path, figures):
     t = {k: v[each] for k, v in t.items()}
     torque, momentum = -t["f_bond[6]"] - t["f_bond[12]"], t["f_cem[18]"]
     inertia = momentum[-1] / rate
-    expected = inertia * rate / (steps * dt) * (1 - np.cos(2 * np.pi * t["step"] / steps))
+    # The change of omega to a step is at the middle of that step; the force that answers it is told in the next.
+    expected = inertia * rate / (steps * dt) * (1 - np.cos(2 * np.pi * (t["step"] - 1.5) / steps))
     figures.below("spin-up: torque against inertia times angular acceleration, over the largest",
-                  abs(torque - expected).max() / expected.max(), 0.015)
+                  abs(torque - expected).max() / expected.max(), 0.004)
     figures.below("spin-up: elastic energy over the kinetic energy at the end", t["f_cem[6]"].max() / (0.5 * inertia * rate**2), 2e-3)
 
 

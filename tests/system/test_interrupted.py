@@ -19,6 +19,8 @@ FIXES = cement(2e-4, 3e-9, axis="radial", damage=DAMAGE, couple="kn auto kt auto
 MOVING = pull(4.0, 4e-6)
 BEGIN = pair(1e-4) + FIXES + MOVING + "thermo 50\nthermo_modify flush yes\n"
 WHOLE = BEGIN + f"run {STEPS} upto\n"
+# The same, not done before a signal has come through mpirun.
+SLOWED = edit(WHOLE, "thermo 50\n", "dump slow all custom 1 /dev/null id type mass x y z vx vy vz fx fy fz\nthermo 50\n")
 
 
 def continued(file, **options):
@@ -61,7 +63,7 @@ def same_tables(whole, directory, figures, what):
 @pytest.mark.parametrize("ranks, sent", [(1, signal.SIGTERM), (1, signal.SIGINT), (2, signal.SIGTERM), (2, signal.SIGINT)])
 def test_asked_to_end(ranks, sent, whole, tmp_path, figures):
     """SIGTERM and SIGINT: a restart file at the same step on all ranks, and the end, with nothing in the script for it."""
-    process, output = begin(WHOLE, tmp_path, ranks, 700)
+    process, output = begin(SLOWED, tmp_path, ranks, 700)
     process.send_signal(sent)
     process.wait(60 * PATIENCE)
     files = list(tmp_path.glob("restart_forced_liggghts_*.data"))
@@ -74,7 +76,7 @@ def test_asked_to_end(ranks, sent, whole, tmp_path, figures):
 
 def test_asked_for_a_restart_file(whole, tmp_path, figures):
     """SIGUSR1: a restart file, and on."""
-    process, output = begin(WHOLE, tmp_path, 2, 700)
+    process, output = begin(SLOWED, tmp_path, 2, 700)
     process.send_signal(signal.SIGUSR1)
     assert process.wait(120 * PATIENCE) == 0, output.read_text()[-2000:]
     assert len(list(tmp_path.glob("restart_forced_liggghts_*.data"))) == 1
