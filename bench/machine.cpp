@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "machine.h"
 
-#include "mpm/simd.h"
+#include "numerics/simd.h"
 
 namespace mpdem::bench {
 

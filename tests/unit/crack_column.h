@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "lanes.h"
-#include "mpm/neighbours.h"
+#include "fracture/neighbours.h"
 
 namespace mpdem::test {
 

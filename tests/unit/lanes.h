@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "material/tensor3.h"
-#include "mpm/simd.h"
+#include "numerics/tensor3.h"
+#include "numerics/simd.h"
 
 namespace mpdem::test {
 

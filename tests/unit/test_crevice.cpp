@@ -3,7 +3,7 @@
 //
 // Layers about the plane z = 0 of a frame that may be turned, cut by a lattice as create_cement does. Between them
 // is nothing, or a wedge that opens from a line x = tip on.
-#include "mpm/crevice.h"
+#include "fracture/crevice.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

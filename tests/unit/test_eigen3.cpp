@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "material/eigen3.h"
+#include "numerics/eigen3.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "mpm/ligament.h"
+#include "fracture/ligament.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "crack_column.h"
-#include "mpm/separation.h"
+#include "fracture/separation.h"
 
 namespace mpdem {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "mpm/separation.h"
+#include "fracture/separation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "mpm/simd.h"
+#include "numerics/simd.h"
 
 #include "lanes.h"
 #include "mpm/point_store.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "material/tensor3.h"
+#include "numerics/tensor3.h"
 
 #include "lanes.h"
 #include "material/effective_strain.h"

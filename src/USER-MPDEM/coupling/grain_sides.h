@@ -11,8 +11,8 @@
 #include <array>
 #include <vector>
 
-#include "../material/tensor3.h"
 #include "../mpm/body.h"
+#include "../numerics/tensor3.h"
 #include "../parallel/halo_sum.h"
 
 namespace mpdem {

@@ -9,8 +9,8 @@
 #ifndef MPDEM_COROTATIONAL_H
 #define MPDEM_COROTATIONAL_H
 
-#include "../mpm/simd.h"
-#include "tensor3.h"
+#include "../numerics/simd.h"
+#include "../numerics/tensor3.h"
 
 namespace mpdem {
 

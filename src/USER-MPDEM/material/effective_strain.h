@@ -11,7 +11,7 @@
 #ifndef MPDEM_EFFECTIVE_STRAIN_H
 #define MPDEM_EFFECTIVE_STRAIN_H
 
-#include "tensor3.h"
+#include "../numerics/tensor3.h"
 
 namespace mpdem {
 

@@ -19,10 +19,10 @@
 #ifndef MPDEM_TENSOR_DAMAGE_H
 #define MPDEM_TENSOR_DAMAGE_H
 
-#include "../mpm/simd.h"
+#include "../numerics/eigen3.h"
+#include "../numerics/simd.h"
+#include "../numerics/tensor3.h"
 #include "effective_strain.h"
-#include "eigen3.h"
-#include "tensor3.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {

@@ -12,7 +12,7 @@
 
 #include <string>
 
-#include "tensor3.h"
+#include "../numerics/tensor3.h"
 
 namespace mpdem {
 

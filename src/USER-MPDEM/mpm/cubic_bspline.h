@@ -5,7 +5,7 @@
 #ifndef MPDEM_CUBIC_BSPLINE_H
 #define MPDEM_CUBIC_BSPLINE_H
 
-#include "simd.h"
+#include "../numerics/simd.h"
 
 namespace mpdem {
 

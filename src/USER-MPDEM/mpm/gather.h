@@ -7,7 +7,7 @@
 #ifndef MPDEM_GATHER_H
 #define MPDEM_GATHER_H
 
-#include "../material/tensor3.h"
+#include "../numerics/tensor3.h"
 #include "basis.h"
 
 namespace mpdem {

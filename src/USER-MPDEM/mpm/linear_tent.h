@@ -8,7 +8,7 @@
 #ifndef MPDEM_LINEAR_TENT_H
 #define MPDEM_LINEAR_TENT_H
 
-#include "simd.h"
+#include "../numerics/simd.h"
 
 namespace mpdem {
 

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "../material/corotational.h"
-#include "../material/tensor3.h"
+#include "../numerics/tensor3.h"
 #include "basis.h"
 #include "body.h"
 

@@ -7,7 +7,7 @@
 #ifndef MPDEM_QUADRATIC_BSPLINE_H
 #define MPDEM_QUADRATIC_BSPLINE_H
 
-#include "simd.h"
+#include "../numerics/simd.h"
 
 namespace mpdem {
 

@@ -6,7 +6,7 @@
 #ifndef MPDEM_SCATTER_H
 #define MPDEM_SCATTER_H
 
-#include "../material/tensor3.h"
+#include "../numerics/tensor3.h"
 #include "basis.h"
 
 namespace mpdem {

@@ -19,18 +19,18 @@ FixStyle(mpm,FixMpm)
 #include <string>
 #include <vector>
 
-#include "../coupling/grain_sides.h"
 #include "../coupling/grain_accelerations.h"
+#include "../coupling/grain_sides.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
 #include "../coupling/resting_links.h"
+#include "../fracture/crevice.h"
+#include "../fracture/separation.h"
 #include "../geometry/shape.h"
 #include "../material/tensor_damage.h"
 #include "../mpm/advance_updated.h"
 #include "../mpm/grid.h"
 #include "../mpm/resting.h"
-#include "../mpm/crevice.h"
-#include "../mpm/separation.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
 #include "prescribed_motion.h"
@@ -321,7 +321,7 @@ class FixMpm : public Fix {
   // bonds that came apart
   std::vector<mpdem::Separation> separation_;
   std::vector<double> failed_seen_;    // of each body, when it was looked at
-  std::vector<std::vector<int>> path_; // of each body, see mpm/separation.h; empty: not known
+  std::vector<std::vector<int>> path_; // of each body, see fracture/separation.h; empty: not known
   std::vector<int> path_cut_;          // of each body, on this rank
   bool any_path_cut_ = false;
   std::map<int, int> new_part_;        // slot, part; consumed by rebuild()

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bodies with a crevice get two sheets (mpm/crevice.h). What lies near the middle of a body goes to
+// Bodies with a crevice get two sheets (fracture/crevice.h). What lies near the middle of a body goes to
 // one rank, which looks at it as a whole and keeps the nodes where the sheets are joined.
 #include <algorithm>
 #include <cmath>
 
-#include "../mpm/crevice.h"
+#include "../fracture/crevice.h"
 #include "../parallel/all_to_all.h"
 #include "comm.h"
 #include "fix_mpm.h"

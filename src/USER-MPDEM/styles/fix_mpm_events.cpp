@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../material/eigen3.h"
+#include "../numerics/eigen3.h"
 #include "arguments.h"
 #include "comm.h"
 #include "files_in_use.h"

@@ -2,10 +2,10 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Bonds that come apart: bodies in which points failed are looked at as a whole, each by one rank, and
-// their parts get nodes of their own (mpm/separation.h). What is left of a shared node across a crack
+// their parts get nodes of their own (fracture/separation.h). What is left of a shared node across a crack
 // pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
 // soon as one of them fails; what has come apart, at the checks of fix mpm. Of bonds that hold, the end of a run
-// tells how much of them is left (mpm/ligament.h).
+// tells how much of them is left (fracture/ligament.h).
 #include <mpi.h>
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 #include <cstdio>
 #include <map>
 
-#include "../mpm/ligament.h"
-#include "../mpm/separation.h"
+#include "../fracture/ligament.h"
+#include "../fracture/separation.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
 #include "atom.h"

@@ -26,8 +26,8 @@
 #include <array>
 #include <vector>
 
-#include "basis.h"
-#include "body.h"
+#include "../mpm/basis.h"
+#include "../mpm/body.h"
 
 namespace mpdem {
 

@@ -8,7 +8,7 @@
 #ifndef MPDEM_EIGEN3_H
 #define MPDEM_EIGEN3_H
 
-#include "../mpm/simd.h"
+#include "simd.h"
 #include "tensor3.h"
 
 namespace mpdem {
