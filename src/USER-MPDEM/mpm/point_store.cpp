@@ -140,6 +140,7 @@ void PointStore::clear() {
   tags.clear();
   links.clear();
   settled_ = 0;
+  changed_ = false;
 }
 
 void PointStore::set(int slot, const PointRecord& r, int tag) {
@@ -176,8 +177,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
 
 int PointStore::add(const PointRecord& r, int tag) {
   // The tail keeps one body a block, as everywhere.
-  const bool fresh = blocks.size() == settled_ || meta.back().occupied == 0xff || meta.back().body != r.body ||
-                     meta.back().part != r.part;
+  const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().body != r.body || meta.back().part != r.part;
   if (fresh) {
     blocks.push_back(empty_block());
     damage.emplace_back();
@@ -187,15 +187,16 @@ int PointStore::add(const PointRecord& r, int tag) {
     meta.back().part = r.part;
     tags.emplace_back();
     tags.back().fill(0);
+    tail_lanes_ = 0;
   }
-  int l = 0;
-  while (meta.back().occupied >> l & 1) ++l;
+  const int l = tail_lanes_++;  // never that of a point that left, whose links are still there
   const int slot = kLanes * (static_cast<int>(blocks.size()) - 1) + l;
   set(slot, r, tag);
   for (int i = 0; i < r.links; ++i) {
     links.push_back(r.link[i]);
     links.back().slot = slot;
   }
+  changed_ = true;
   return slot;
 }
 
@@ -231,21 +232,36 @@ PointRecord PointStore::record(int slot) const {
   return r;
 }
 
-void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-                         std::vector<int>& new_slot, const std::vector<int>& new_part, Basis basis) {
+void PointStore::release(int slot) {
+  const std::uint8_t others = static_cast<std::uint8_t>(~(1u << slot % kLanes));
+  BlockMeta& m = meta[slot / kLanes];
+  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.framed, &m.linked}) *bits &= others;
+  blocks[slot / kLanes].volume[slot % kLanes] = 0.0;
+  changed_ = true;
+}
+
+int PointStore::size() const {
+  int n = 0;
+  for (const BlockMeta& m : meta) n += __builtin_popcount(m.occupied);
+  return n;
+}
+
+std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part) {
   struct Item {
-    int body, part, base[3], tag, index;
+    int body, part, base[3], tag, slot;
   };
   const double inverse_h = 1.0 / cell, shift = cell_shift(basis);
-  std::vector<Item> items(live.size());
-  for (std::size_t i = 0; i < live.size(); ++i) {
-    const int b = live[i] / kLanes, l = live[i] % kLanes;
-    Item& it = items[i];
-    it.body = meta[b].body;
-    it.part = new_part.empty() ? meta[b].part : new_part[i];
+  std::vector<Item> items;
+  items.reserve(kLanes * blocks.size());
+  auto moved = new_part.begin();
+  for (int slot = 0; slot < kLanes * static_cast<int>(blocks.size()); ++slot) {
+    const int b = slot / kLanes, l = slot % kLanes;
+    if (!(meta[b].occupied >> l & 1)) continue;
+    Item it{meta[b].body, meta[b].part, {}, tags[b][l], slot};
+    while (moved != new_part.end() && moved->first < slot) ++moved;
+    if (moved != new_part.end() && moved->first == slot) it.part = moved->second;
     for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h, shift);
-    it.tag = live_tags[i];
-    it.index = static_cast<int>(i);
+    items.push_back(it);
   }
   const auto same_cell = [](const Item& a, const Item& b) {
     return a.body == b.body && a.part == b.part && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
@@ -270,23 +286,24 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
   next.meta.reserve(count);
   next.tags.reserve(count);
   if (!motion.empty()) next.motion.reserve(count);
-  new_slot.assign(live.size(), -1);
+  std::vector<int> new_slot(kLanes * blocks.size(), -1);
   for (std::size_t i = 0; i < items.size();) {
     next.add_block(items[i].body, items[i].part, items[i].base, cell, basis);
     if (!motion.empty()) next.let_move();
     const std::size_t first = i;
     for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l, ++i) {
       const int slot = kLanes * (static_cast<int>(next.blocks.size()) - 1) + l;
-      const PointRecord r = record(live[items[i].index]);
+      const PointRecord r = record(items[i].slot);
       next.set(slot, r, items[i].tag);
       for (int k = 0; k < r.links; ++k) {
         next.links.push_back(r.link[k]);
         next.links.back().slot = slot;
       }
-      new_slot[items[i].index] = slot;
+      new_slot[items[i].slot] = slot;
     }
   }
   *this = std::move(next);
+  return new_slot;
 }
 
 void PointStore::let_move() {

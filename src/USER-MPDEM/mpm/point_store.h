@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -121,12 +122,16 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Keeps the points in `live` (slots, with their tags) and drops all others, in the order
-  // body, part, cell, tag; new_slot[i] is where live[i] went. Order and blocks depend on the
-  // points alone, not on how they came here. Link positions follow. new_part[i], if there are
-  // any, is the part that live[i] goes to.
-  void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-               std::vector<int>& new_slot, const std::vector<int>& new_part = {}, Basis basis = Basis::quadratic);
+  // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
+  // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
+  // new_part: of the points of these slots, ascending, that go to another part.
+  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {});
+
+  // A point that left for another rank. Its links go with the next arrange().
+  void release(int slot);
+  // Did points come or leave since arrange()?
+  bool changed() const { return changed_; }
+  int size() const;  // points
 
   // Gives the points a motion, at rest, if they have none.
   void let_move();
@@ -147,6 +152,8 @@ class PointStore {
 
  private:
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
+  int tail_lanes_ = 0;       // used in the last block of the tail
+  bool changed_ = false;
   void set(int slot, const PointRecord& r, int tag);
 };
 
