@@ -243,7 +243,7 @@ class FixMpm : public Fix {
   // words of the script
   double cell_ = 0.0;
   enum { kRadial = 1, kBond, kGlobal } axis_ = kRadial;  // values are in restart files
-  static_assert(kGlobal == mpdem::kAxisRules);
+  static_assert(kGlobal == static_cast<int>(mpdem::AxisRule::global));
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
