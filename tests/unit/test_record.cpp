@@ -14,6 +14,7 @@
 #include "coupling/cement_restart.h"
 #include "coupling/grain_state.h"
 #include "lanes.h"
+#include "mpm/point_row.h"
 #include "mpm/point_store.h"
 
 namespace mpdem {
@@ -110,6 +111,8 @@ class Filler : public record_detail::Visitor<Filler> {
   int length(const char*, T& field, int most) {
     return field = full_ ? most : random_.index(most + 1);
   }
+  void left_out(int&) {}
+  void left_out(bool& v) { v = full_; }
 
  private:
   test::Random& random_;
@@ -282,6 +285,18 @@ TEST(Record, AFieldThatIsLeftOutIsFound) {
   EXPECT_FALSE(described_whole<Small>());
   EXPECT_EQ(numbers_declared<Nested>(), 19);
   EXPECT_TRUE(described_whole<Nested>());
+}
+
+TEST(PointRow, ColumnsAreThoseOfThePage) {
+  EXPECT_TRUE(described_whole<PointRow>());
+  for (bool has_axis : {false, true}) {
+    PointRow row;
+    row.has_axis = has_axis;
+    std::string names;
+    for (const Described& n : listed(row).numbers) names += n.name + " ";
+    EXPECT_EQ(names, std::string("grain_i grain_j x y z volume ") + (has_axis ? "ax ay az " : "") + "dxx dyy dzz dyz dxz dxy failed "
+                     "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j ");
+  }
 }
 
 TEST(Record, VersionsAreRefusedByName) {
