@@ -59,7 +59,7 @@ struct CementHead {
     visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
     visit("the step of 'timestep auto'", h.auto_step, kNotNegative);
     visit.part(h.links);
-    visit("the number of bonds", h.bodies, from(h.bodies_started, kMaxBodies));
+    visit("the number of bonds", h.bodies, from(0, kMaxBodies));
     visit("the number of nodes", h.nodes, kCount);
   }
 };

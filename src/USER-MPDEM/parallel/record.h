@@ -25,6 +25,7 @@
 #include <limits>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace mpdem {
 
@@ -194,6 +195,12 @@ const double* unpack(const double* from, R& record) {
   record_detail::Unpacker in(from);
   R::describe(record, in);
   return in.next;
+}
+
+template <class R>
+void append(const R& record, std::vector<double>& to) {
+  to.resize(to.size() + numbers_of(record));
+  pack(record, to.data() + to.size() - numbers_of(record));
 }
 
 // Takes records from numbers of a file. The first number that is not in its range, or is missing, is told in trouble();
