@@ -172,16 +172,16 @@ void Cement::refresh_added_mass(const std::vector<int>& rows) {
 // Of bodies some of whose points have no frame yet.
 void Cement::remember_axis() {
   std::vector<Body>& table = bonds_.table;
-  if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis[0] != 0.0; })) return;
+  if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis_rule != AxisRule::none; })) return;
   std::vector<int> open(table.size(), 0);
   for (const Bond& b : bonds_)
     for (const BlockMeta& m : b.points.meta)
       if (m.framed != m.occupied) open[b.body] = 1;
   MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, comm_);
   for (std::size_t b = 0; b < table.size(); ++b) {
-    if (!open[b] || table[b].axis[0] != 0.0) continue;
-    table[b].axis[0] = static_cast<double>(options_.axis);
-    std::copy(options_.axis_direction, options_.axis_direction + 3, table[b].axis + 1);
+    if (!open[b] || table[b].axis_rule != AxisRule::none) continue;
+    table[b].axis_rule = options_.axis;
+    std::copy(options_.axis_direction, options_.axis_direction + 3, table[b].axis);
   }
 }
 

@@ -115,7 +115,7 @@ void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
     watch_jump(grain);
-    g.seen = 1.0;
+    g.seen = true;
   }
 }
 
@@ -247,7 +247,7 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
 void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books) {
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
-    for (int d = 0; d < 6 && g.seen == 0.0; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
+    for (int d = 0; d < 6 && !g.seen; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
   }
   if (any_added_mass) {
     std::vector<Six> jump(owned_.size());
@@ -279,8 +279,8 @@ void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
   }
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
-    if (g.seen != 0.0) continue;
-    g.seen = 1.0;
+    if (g.seen) continue;
+    g.seen = true;
     for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last * rates[grain.sides.front()][d];
   }
   distribute(bonds);

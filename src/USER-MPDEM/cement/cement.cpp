@@ -179,7 +179,7 @@ void Cement::end_step() {
   grains_.watch_late_loads(true);
   grains_.keep_velocities(dt_last_);
   books_.end_step(work_of_step(0));
-  for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && b->in_motion == 0.0; ++b) b->in_motion = 1.0;
+  for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && !b->in_motion; ++b) b->in_motion = true;
 }
 
 void Cement::check_state() {

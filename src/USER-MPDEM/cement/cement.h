@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "../coupling/cement_restart.h"
 #include "../material/tensor_damage.h"
 #include "../mpm/largest_eigenvalue.h"
 #include "../parallel/halo_sum.h"
@@ -31,8 +31,6 @@
 #include "step_timer.h"
 
 namespace mpdem {
-
-class CheckedNumbers;
 
 // What the engine asks of its host, seldom.
 class CementHost {
@@ -141,12 +139,10 @@ class Cement {
   void clear_ticks() { advance_.ticks = PassTicks(); }
   std::size_t memory_usage() const { return bonds_.memory_usage(); }
 
-  // Restart: numbers on rank 0, `of_host` among them.
-  std::vector<double> packed_state(double time, const std::vector<double>& of_host);
-  // The same numbers on every rank: those before `of_host`, whence the time, and those after, whence what is wrong with them or nothing.
-  // Throws BadState if the state is that of other options.
-  double restore_head(CheckedNumbers& in);
-  std::string restore_rows(CheckedNumbers& in, std::size_t numbers_left);
+  // Restart. Numbers of all ranks, complete on rank 0; the head has what the host keeps. The same numbers come back on every rank,
+  // the head as it was read. Throws BadState if it is that of other options.
+  std::vector<double> packed_state(CementHead head);
+  void restore(const CementHead& head, RecordReader& in);
   bool restored() const { return restored_; }
 
  private:
@@ -166,6 +162,7 @@ class Cement {
   void sort_links(Bond& b);
   void lay_out_parts(Cracks::Found found);
   void remember_axis();
+  void check_restored(const CementHead& head) const;
   void check_step_after(const std::vector<int>& rows, const char* event);
   double added_energy_ahead(const std::vector<int>& rows, double later);
   double limiting_eigenvalue(double dt, const std::vector<int>& rows);

@@ -14,14 +14,10 @@
 
 namespace mpdem {
 
-// By what rule new points get the axis of their elasticity. The values are in restart files.
-enum class AxisRule { none = 0, radial = 1, bond = 2, global = 3 };
-static_assert(static_cast<int>(AxisRule::global) == kAxisRules);
-
 struct CementOptions {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
-  AxisRule axis = AxisRule::radial;
+  AxisRule axis = AxisRule::radial;      // of new points
   double axis_direction[3] = {0, 0, 1};  // a unit vector, of `global`
   bool updated = false;                  // kinematics: the reference is the present
   bool tied = true;                      // nodes at the edge of the cement, see mpm/edge_ties.h

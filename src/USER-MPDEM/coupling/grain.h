@@ -1,30 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bonded grain: a rigid sphere. What its cement needs to know of it in a step, and what is kept of it from
-// step to step. Six numbers are three of translation and three of rotation about the centre.
+// A bonded grain: a rigid sphere. What its cement needs to know of it in a step. Six numbers are three of translation and three of rotation about the centre.
 #ifndef MPDEM_GRAIN_H
 #define MPDEM_GRAIN_H
 
 #include <algorithm>
 #include <vector>
 
-namespace mpdem {
+#include "grain_state.h"
 
-// What is kept of a grain beside what its host keeps; it goes where the grain goes, to other ranks and into restart files.
-struct GrainState {
-  double q[4] = {1.0, 0.0, 0.0, 0.0};  // orientation, a unit quaternion
-  double seen = 0.0;                   // 1 once a run began: the velocities below are known
-  double v[6] = {0, 0, 0, 0, 0, 0};       // with which it came to the present position
-  double before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
-  double jump[6] = {0, 0, 0, 0, 0, 0};    // what of the change from the one to the other was a jump
-  double ended[6] = {0, 0, 0, 0, 0, 0};   // at the end of the step
-  double a[3] = {0, 0, 0};                // expected acceleration of a prescribed translation
-  double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement on it
-  double placed = 0.0;                    // 1 once x is known
-  double x[3] = {0, 0, 0};                // unwrapped, when forces were computed last or when its cement was made
-  double late[6] = {0, 0, 0, 0, 0, 0};    // load that the host added after the cement in the last step
-};
+namespace mpdem {
 
 // A bonded grain that this rank owns. All but `state`, which is the host's, is written by the host before the engine is
 // called; the engine adds to `force` and `velocity`.

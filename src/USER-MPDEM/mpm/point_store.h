@@ -18,59 +18,16 @@
 #include <array>
 #include <cstdint>
 #include <map>
-#include <string>
 #include <vector>
 
 #include "../material/corotational.h"
 #include "../numerics/tensor3.h"
 #include "basis.h"
-#include "body.h"
+#include "point_record.h"
 
 namespace mpdem {
 
-// Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
-// the body was created; the cement there has its reference at foot + moved.
-struct Link {
-  int slot;
-  int grain;        // tag
-  double foot[3];
-  double area;      // of the grain's surface
-  int attached;     // 0 once it has let go
-  double moved[3] = {0, 0, 0};
-  bool inert = false;  // has let go, but its added mass still counts, see coupling/penalty_links.h
-};
-
-// One point, for transfer between ranks, restart files and creation.
-struct PointRecord {
-  static constexpr int kMaxLinks = 2;
-  int body = 0, part = 0;
-  bool failed = false;
-  bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
-  double X[3] = {0, 0, 0};
-  double volume = 0;
-  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double q[4] = {1, 0, 0, 0};
-  double strain[6] = {0, 0, 0, 0, 0, 0};
-  double damage[6] = {0, 0, 0, 0, 0, 0};
-  bool moving = false;  // has the next three
-  double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-  int links = 0;
-  Link link[kMaxLinks];
-
-  // Numbers that pack() gives, moving or not.
-  static constexpr int kPacked = 5 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 9;
-  static constexpr int kPackedMoving = kPacked + 15;
-  int pack(double* buf) const;
-  int unpack(const double* buf);
-  static bool packed_moving(const double* buf) { return buf[4] != 0.0; }
-  // Of a record from a file, as long as `packed_moving` says; what is wrong with it, empty if nothing is.
-  std::string unpack_checked(const double* buf, const std::vector<Body>& bodies);
-
- private:
-  template <class Numbers>
-  void take(Numbers& in);
-};
-
+// As in a PointRecord, with the same order of components.
 struct PointBlock {
   vd X[3];
   vd volume;
@@ -79,7 +36,7 @@ struct PointBlock {
   Sym3<vd> strain;
 };
 
-// Of points whose reference moves: where they were created, velocity and its affine part.
+// Of points whose reference moves: where they were created, velocity and its affine part, as in a PointRecord.
 struct PointMotion {
   vd X0[3], v[3];
   Mat3<vd> C;
@@ -151,6 +108,15 @@ class PointStore {
   std::size_t memory_usage() const;
 
  private:
+  template <class Self, class F>
+  static void each_array(Self& s, F f) {
+    f(s.blocks);
+    f(s.damage);
+    f(s.motion);
+    f(s.meta);
+    f(s.tags);
+    f(s.links);
+  }
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   int tail_lanes_ = 0;       // used in the last block of the tail
   bool changed_ = false;

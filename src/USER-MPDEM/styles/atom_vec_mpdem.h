@@ -19,6 +19,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include <string>
 #include <vector>
 
+#include "../coupling/grain_state.h"
 #include "../mpm/body.h"
 #include "../mpm/point_store.h"
 #include "atom_vec_sphere.h"
@@ -37,19 +38,7 @@ class AtomVecMpdem : public AtomVecSphere {
   int* slot = nullptr;
   mpdem::PointStore points;
   std::vector<mpdem::Body> bodies;
-  // What LIGGGHTS does not keep of a bonded grain: orientation; once a run began (`seen`, else 0) the velocities with which
-  // it came to the present position, v and then omega, those of the step before, what of the change was a jump, the
-  // velocities at the end of the step, and the acceleration that is expected of a prescribed v; force and moment of the
-  // cement on it; unwrapped position when forces were computed last, before it when cement was made (`placed`); force and
-  // torque that fixes after fix mpm added in the last step.
-  struct GrainState {
-    double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
-    double v[6] = {0, 0, 0, 0, 0, 0}, before[6] = {0, 0, 0, 0, 0, 0}, jump[6] = {0, 0, 0, 0, 0, 0};
-    double ended[6] = {0, 0, 0, 0, 0, 0}, a[3] = {0, 0, 0};
-    double load[6] = {0, 0, 0, 0, 0, 0};
-    double placed = 0.0, x[3] = {0, 0, 0};
-    double late[6] = {0, 0, 0, 0, 0, 0};
-  };
+  using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
   // After read_restart, of points made before the first run.
   WaitingState waiting;
@@ -60,11 +49,11 @@ class AtomVecMpdem : public AtomVecSphere {
   // Gives a grain a state, of orientation the identity, if it has none.
   void track_orientation(int i);
 
-  // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
-  // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
+  // Of the head of this style's data in a restart file: bytes to know it by, its version, the numbers of a
+  // body, how many bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
   // again after the bodies.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 9, kRestartHead = 4;
+  static constexpr int kRestartVersion = 10, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
@@ -88,6 +77,9 @@ class AtomVecMpdem : public AtomVecSphere {
   void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
+  int size_of_state(int i) const;
+  std::vector<double> packed_bodies() const;
+  std::string read_bodies(FILE* fp);
   std::string trouble_in_atom(const double* buf, int total, int own) const;
 };
 

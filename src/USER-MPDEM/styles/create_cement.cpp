@@ -330,7 +330,7 @@ CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem:
     body.box[c] = domain->periodicity[c] ? domain->prd[c] : 0.0;
   }
   body.spacing = spacing_;
-  body.points = static_cast<double>(fill.size());
+  body.points = static_cast<int>(fill.size());
   const std::string overlap = overlap_of(fill, body, overlap_ == "trim" ? first : avec->bodies.size());
   if (!overlap.empty()) {
     if (overlap_ == "skip") return {};
@@ -356,7 +356,7 @@ CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem:
                              "the film there is too soft and will not break; use 'inner auto' or a larger 'inner'")
                          .c_str());
   }
-  return {body.points, body.volume, body.volume * density_};
+  return {static_cast<double>(body.points), body.volume, body.volume * density_};
 }
 
 // Volume and attached areas as the points have them, for bodies that neighbours have cut.

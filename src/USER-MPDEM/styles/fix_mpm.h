@@ -19,6 +19,7 @@ FixStyle(mpm,FixMpm)
 #include <string>
 #include <vector>
 
+#include "../coupling/cement_restart.h"
 #include "../coupling/grain_accelerations.h"
 #include "../coupling/grain_sides.h"
 #include "../coupling/penalty_links.h"
@@ -39,10 +40,6 @@ FixStyle(mpm,FixMpm)
 
 namespace mpdem {
 class Arguments;
-}
-
-namespace mpdem {
-class CheckedNumbers;
 }
 
 namespace LAMMPS_NS {
@@ -118,7 +115,8 @@ class FixMpm : public Fix {
   double stable_step();
 
  private:
-  void restore_nodes(std::size_t n, mpdem::CheckedNumbers& in);
+  void take_up(const mpdem::CementHead& head);
+  void restore_nodes(std::size_t n, mpdem::RecordReader& in);
   void parse(int narg, char** arg);
   void parse_damage(mpdem::Arguments& args, mpdem::DamageParameters& damage);
   void parse_transfer(mpdem::Arguments& args);
@@ -243,7 +241,7 @@ class FixMpm : public Fix {
   // words of the script
   double cell_ = 0.0;
   enum { kRadial = 1, kBond, kGlobal } axis_ = kRadial;  // values are in restart files
-  static_assert(kGlobal == mpdem::kAxisRules);
+  static_assert(kGlobal == static_cast<int>(mpdem::AxisRule::global));
   double axis_direction_[3] = {0, 0, 1};
   double fracture_energy_ = 0.0;  // of the crack band, 0: no regularization
   int check_every_ = 100;
@@ -265,12 +263,7 @@ class FixMpm : public Fix {
   bool coupled_ = false;
   std::string coupling_id_;
   mpdem::PenaltyParameters penalty_;
-  // Of the steps so far; part of restart files.
-  struct CouplingOfSteps {
-    enum { kNoSteps, kLinks, kNone } coupling = kNoSteps;
-    double kn = 0.0, kt = 0.0;
-    bool at_surface = true;
-  } ran_;
+  mpdem::LinksSoFar ran_;
   bool warned_of_no_coupling_ = false;
 
   AtomVecMpdem* avec_ = nullptr;

@@ -24,11 +24,11 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   const std::string who = text_of("fix mpm/couple (id ", coupling->id, "): ");
   if (coupled_ && coupling->id != coupling_id_)
     mpdem::stop_all(lmp, who + text_of("cement '", id, "' is coupled by fix '", coupling_id_, "' already; unfix one of them"));
-  if (ran_.coupling == CouplingOfSteps::kNone)
+  if (ran_.kind == mpdem::LinksSoFar::kNone)
     mpdem::stop_all(lmp, who + text_of("cement '", id, "' made steps without a fix mpm/couple, in which the grains went elsewhere, and its links "
                                        "would tear; keep one fix mpm/couple from the first step on, or create the cement anew in a new scene "
                                        "(write_cement, create_cement ... file)"));
-  if (ran_.coupling == CouplingOfSteps::kLinks) {
+  if (ran_.kind == mpdem::LinksSoFar::kLinks) {
     constexpr double kAsPrinted = 1e-5;
     const auto differ = [](double a, double b) { return std::fabs(a - b) > kAsPrinted * b; };
     if (p.at_surface != ran_.at_surface)
@@ -47,7 +47,7 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
 
 // In the first step of a run.
 void FixMpm::remember_coupling() {
-  ran_.coupling = coupled_ ? CouplingOfSteps::kLinks : CouplingOfSteps::kNone;
+  ran_.kind = coupled_ ? mpdem::LinksSoFar::kLinks : mpdem::LinksSoFar::kNone;
   if (!coupled_) return;
   ran_.kn = penalty_.kn;
   ran_.kt = penalty_.kt;
@@ -64,7 +64,7 @@ bool FixMpm::coupling_follows() {
   if (!warned_of_no_coupling_ && comm->me == 0)
     error->warning("fix mpm", 0,
                    text_of("fix mpm (id ", id, "): there is no fix mpm/couple, so that the cement bonds nothing",
-                           ran_.coupling == CouplingOfSteps::kLinks ? " any more, and cannot be bonded again once it has made a step so" : "",
+                           ran_.kind == mpdem::LinksSoFar::kLinks ? " any more, and cannot be bonded again once it has made a step so" : "",
                            "; define one before the run", continued() ? ", after read_restart too" : "")
                        .c_str());
   warned_of_no_coupling_ = true;

@@ -8,11 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <utility>
+#include <string>
 
-#include "../mpm/checked_numbers.h"
 #include "arguments.h"
 #include "atom.h"
 #include "comm.h"
@@ -27,15 +25,27 @@ using mpdem::sum_lanes;
 using mpdem::vd;
 
 namespace {
-constexpr double kRestartVersion = 5.0;
-constexpr std::size_t kRestartHead = 21, kBondRow = 6;
-constexpr int kNodeRow = 4 + mpdem::NodeKinematics::kWidth;
-
 void global_sum(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_SUM, comm);
 }
 void global_max(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+
+// Of all ranks in their order, on the first.
+std::vector<double> gather(const std::vector<double>& mine, MPI_Comm comm) {
+  int me, ranks, n = static_cast<int>(mine.size());
+  MPI_Comm_rank(comm, &me);
+  MPI_Comm_size(comm, &ranks);
+  std::vector<int> counts(ranks), at(ranks, 0);
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  std::vector<double> all;
+  if (me == 0) {
+    for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
+    all.resize(at.back() + counts.back());
+  }
+  MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
+  return all;
 }
 }  // namespace
 
@@ -227,46 +237,55 @@ void FixMpm::write_restart(FILE* fp) {
   std::vector<double> mine;
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
-    for (int k : grid_.keys[i]) mine.push_back(k);
-    for (int d = 0; d < 3; ++d) mine.push_back(grid_.velocity[3 * i + d]);
-    for (int d = 0; d < 3; ++d) mine.push_back(grid_.displacement[3 * i + d]);
-    for (int d = 0; d < 3; ++d) mine.push_back(grid_.acceleration[3 * i + d]);
+    mpdem::NodeRow row;
+    row.field = grid_.keys[i][0];
+    for (int d = 0; d < 3; ++d) {
+      row.place[d] = grid_.keys[i][1 + d];
+      row.velocity[d] = grid_.velocity[3 * i + d];
+      row.displacement[d] = grid_.displacement[3 * i + d];
+      row.acceleration[d] = grid_.acceleration[3 * i + d];
+    }
+    mpdem::append(row, mine);
   }
-  std::vector<int> counts(comm->nprocs), at(comm->nprocs, 0);
-  int n = static_cast<int>(mine.size());
-  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, world);
-  std::vector<double> all;
-  if (comm->me == 0) {
-    for (int r = 1; r < comm->nprocs; ++r) at[r] = at[r - 1] + counts[r - 1];
-    all.resize(at.back() + counts.back());
-  }
-  MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, world);
+  const std::vector<double> rows = gather(mine, world);
   if (comm->me != 0) return;
-  std::vector<double> head = {kRestartVersion, cell_, static_cast<double>(basis_), 1.0 * updated_ + 2.0 * tied_, dt_last_,
-                              static_cast<double>(bodies_started_), start_energy_};
-  head.insert(head.end(), sums.begin(), sums.end());
-  head.push_back(update->get_cur_time());
-  head.push_back(eigenvalue_);
-  head.push_back(auto_step_);
-  head.insert(head.end(), {static_cast<double>(ran_.coupling), ran_.kn, ran_.kt, 1.0 * ran_.at_surface});
-  const std::size_t bodies = avec_->bodies.size();
-  head.push_back(static_cast<double>(bodies));
-  head.push_back(static_cast<double>(all.size() / kNodeRow));
+  const std::size_t bodies = avec_->bodies.size(), nodes = rows.size() / mpdem::kMostNumbers<mpdem::NodeRow>;
+  mpdem::CementHead head;
+  head.cell = cell_;
+  head.basis = basis_;
+  head.updated = updated_;
+  head.tied = tied_;
+  head.step = dt_last_;
+  head.bodies_started = bodies_started_;
+  head.start_energy = start_energy_;
+  head.dissipated = sums[0];
+  head.released = sums[1];
+  head.damped = sums[2];
+  head.work = sums[3];
+  head.work_ahead = sums[4];
+  head.time = update->get_cur_time();
+  head.eigenvalue = eigenvalue_;
+  head.auto_step = auto_step_;
+  head.links = ran_;
+  head.bodies = static_cast<int>(bodies);
+  head.nodes = static_cast<int>(nodes);
+  std::vector<double> front = {mpdem::CementHead::kVersion};
+  mpdem::append(head, front);
   failed_seen_.resize(bodies, 0.0);
   separation_.resize(bodies);
   bonds_.resize(bodies);
   for (std::size_t b = 0; b < bodies; ++b) {
     const mpdem::Separation& s = separation_[b];
-    head.insert(head.end(), {failed_seen_[b], static_cast<double>(s.separated), s.at_grain[0], s.at_grain[1], s.inside, bonds_[b].peak});
+    mpdem::append(mpdem::BondRow{failed_seen_[b], s.separated, {s.at_grain[0], s.at_grain[1]}, s.inside, bonds_[b].peak}, front);
   }
-  const std::size_t bytes = (head.size() + all.size()) * sizeof(double);
+  const std::size_t bytes = (front.size() + rows.size()) * sizeof(double);
   const int size = static_cast<int>(bytes);  // LIGGGHTS' format
   if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    mpdem::stop_one(lmp, mpdem::text_of("fix mpm (id ", id, "): the motion of ", all.size() / kNodeRow, " nodes does not fit into the 2 GiB that a restart "
+    mpdem::stop_one(lmp, mpdem::text_of("fix mpm (id ", id, "): the motion of ", nodes, " nodes does not fit into the 2 GiB that a restart "
                                  "file of LIGGGHTS has for a fix; use a larger 'cell', or several scenes"));
   fwrite(&size, sizeof(int), 1, fp);
-  fwrite(head.data(), sizeof(double), head.size(), fp);
-  if (!all.empty()) fwrite(all.data(), sizeof(double), all.size(), fp);
+  fwrite(front.data(), sizeof(double), front.size(), fp);
+  if (!rows.empty()) fwrite(rows.data(), sizeof(double), rows.size(), fp);
 }
 
 // The same numbers on every rank.
@@ -277,76 +296,74 @@ void FixMpm::restart(char* buf) {
   // LIGGGHTS does not tell how long its copy is.
   const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
   const double* v = reinterpret_cast<const double*>(buf);
-  if (numbers < kRestartHead) damaged(mpdem::text_of("they end after ", numbers, " numbers"));
-  if (v[0] != kRestartVersion)
-    mpdem::stop_all(lmp, mpdem::text_of("fix mpm (id ", id, "): restart data of version ", v[0], ", this program reads version ",
-                                        kRestartVersion));
-  mpdem::CheckedNumbers in(v + 1);
-  restored_cell_ = in.positive("cell");
-  restored_basis_ = static_cast<mpdem::Basis>(in.integer("the number of the basis", 0, static_cast<int>(mpdem::Basis::cubic)));
-  const int kinematics = in.integer("the number of the kinematics", 0, 3);
-  restored_updated_ = kinematics & 1;
-  restored_tied_ = kinematics & 2;
-  dt_last_ = in.not_negative("the time step");
-  bodies_started_ = in.integer("the number of bonds that have moved", 0, static_cast<double>(avec_->bodies.size()));
-  start_energy_ = in.finite("an energy");
-  double sums[5];
-  in.finite("an energy", sums);
-  if (comm->me == 0) {
-    dissipated_ = sums[0];
-    released_ = sums[1];
-    damped_ = sums[2];
-    work_ = sums[3];
-    work_ahead_ = sums[4];
-  }
-  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
-  update->atime = in.finite("the time");
-  update->atimestep = update->ntimestep;
-  eigenvalue_ = in.not_negative("the largest eigenvalue");
-  auto_step_ = in.not_negative("the step of 'timestep auto'");
-  using Coupling = decltype(ran_.coupling);
-  ran_.coupling = static_cast<Coupling>(in.integer("the kind of coupling", CouplingOfSteps::kNoSteps, CouplingOfSteps::kNone));
-  ran_.kn = in.finite("kn of the coupling");
-  ran_.kt = in.finite("kt of the coupling");
-  ran_.at_surface = in.flag("'at surface' of the coupling");
+  if (numbers == 0) damaged("there are none");
+  const std::string other = mpdem::trouble_with_version(mpdem::text_of("fix mpm (id ", id, "): restart data"), v[0], mpdem::CementHead::kVersion);
+  if (!other.empty()) mpdem::stop_all(lmp, other);
+  mpdem::RecordReader in(v + 1, v + numbers);
+  mpdem::CementHead head;
+  in.read(head);
   // Cement may have been made since.
-  const std::size_t bodies = in.integer("the number of bonds", bodies_started_, static_cast<double>(avec_->bodies.size()));
-  const std::size_t n = in.integer("the number of nodes", 0, std::numeric_limits<int>::max());
+  const double most = static_cast<double>(avec_->bodies.size());
+  in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
+  in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
   if (!in.trouble().empty()) damaged(in.trouble());
-  const std::size_t expected = kRestartHead + kBondRow * bodies + kNodeRow * n;
-  if (expected > numbers) damaged(mpdem::text_of(bodies, " bonds and ", n, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
+  const std::size_t bodies = head.bodies, nodes = head.nodes;
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::kMostNumbers<mpdem::BondRow> * bodies +
+                               mpdem::kMostNumbers<mpdem::NodeRow> * nodes;
+  if (expected > numbers) damaged(mpdem::text_of(bodies, " bonds and ", nodes, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
+  take_up(head);
   failed_seen_.resize(bodies);
   separation_.resize(bodies);
   bonds_.resize(bodies);
   for (std::size_t b = 0; b < bodies; ++b) {
-    failed_seen_[b] = in.not_negative("the number of failed points of a bond");
-    separation_[b].separated = in.flag("'is separated' of a bond");
-    separation_[b].at_grain[0] = in.not_negative("the area of separation at a grain");
-    separation_[b].at_grain[1] = in.not_negative("the area of separation at a grain");
-    separation_[b].inside = in.not_negative("the area of separation inside");
-    bonds_[b].peak = in.finite("the largest tension of a bond");
+    mpdem::BondRow row;
+    in.read(row);
+    failed_seen_[b] = row.failed_seen;
+    separation_[b].separated = row.separated;
+    std::copy(row.at_grain, row.at_grain + 2, separation_[b].at_grain);
+    separation_[b].inside = row.inside;
+    bonds_[b].peak = row.peak;
   }
-  restore_nodes(n, in);
+  restore_nodes(nodes, in);
   if (!in.trouble().empty()) damaged(in.trouble());
 }
 
-// Rows of nodes in the order of the keys.
-void FixMpm::restore_nodes(std::size_t n, mpdem::CheckedNumbers& in) {
-  const double bodies = static_cast<double>(avec_->bodies.size()), most = 1 << 30;
-  const double* rows = in.next();
-  std::vector<std::pair<mpdem::Key, const double*>> nodes;
-  for (std::size_t i = 0; i < n; ++i) {
-    const int field = in.integer("the bond of a node", 0, most);
-    in.check("the bond of a node", mpdem::body_of(field), 0, bodies - 1);
-    mpdem::Key key{field, 0, 0, 0};
-    for (int d = 1; d < 4; ++d) key[d] = in.integer("the place of a node", -most, most);
-    for (int d = 0; d < mpdem::NodeKinematics::kWidth; ++d) in.finite("the motion of a node");
-    nodes.emplace_back(key, rows + kNodeRow * i + 4);
+void FixMpm::take_up(const mpdem::CementHead& head) {
+  restored_cell_ = head.cell;
+  restored_basis_ = head.basis;
+  restored_updated_ = head.updated;
+  restored_tied_ = head.tied;
+  dt_last_ = head.step;
+  bodies_started_ = head.bodies_started;
+  start_energy_ = head.start_energy;
+  if (comm->me == 0) {
+    dissipated_ = head.dissipated;
+    released_ = head.released;
+    damped_ = head.damped;
+    work_ = head.work;
+    work_ahead_ = head.work_ahead;
   }
-  std::sort(nodes.begin(), nodes.end());
-  for (const auto& [key, values] : nodes) {
-    restored_.keys.push_back(key);
-    restored_.values.insert(restored_.values.end(), values, values + mpdem::NodeKinematics::kWidth);
+  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
+  update->atime = head.time;
+  update->atimestep = update->ntimestep;
+  eigenvalue_ = head.eigenvalue;
+  auto_step_ = head.auto_step;
+  ran_ = head.links;
+}
+
+// In the order of the keys.
+void FixMpm::restore_nodes(std::size_t n, mpdem::RecordReader& in) {
+  std::vector<mpdem::NodeRow> rows(n);
+  for (mpdem::NodeRow& row : rows) {
+    in.read(row);
+    in.check_whole("the bond of a node", mpdem::body_of(row.field), mpdem::from(0, static_cast<double>(avec_->bodies.size()) - 1.0));
+  }
+  const auto key_of = [](const mpdem::NodeRow& r) { return mpdem::Key{r.field, r.place[0], r.place[1], r.place[2]}; };
+  std::sort(rows.begin(), rows.end(), [&](const mpdem::NodeRow& a, const mpdem::NodeRow& b) { return key_of(a) < key_of(b); });
+  for (const mpdem::NodeRow& row : rows) {
+    restored_.keys.push_back(key_of(row));
+    for (const double* part : {row.velocity, row.displacement, row.acceleration})
+      restored_.values.insert(restored_.values.end(), part, part + 3);
   }
 }
 

@@ -262,11 +262,11 @@ std::string FixMpm::axis_name(int rule, const double* direction) const {
 void FixMpm::check_axis() const {
   for (const mpdem::Body& b : avec_->bodies) {
     double along = 0.0;
-    for (int d = 0; d < 3; ++d) along += b.axis[1 + d] * axis_direction_[d];
-    const int rule = static_cast<int>(b.axis[0]);
+    for (int d = 0; d < 3; ++d) along += b.axis[d] * axis_direction_[d];
+    const int rule = static_cast<int>(b.axis_rule);
     if (rule == 0 || (rule == axis_ && (rule != kGlobal || std::fabs(along) > 1.0 - 1e-12))) continue;
     mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'axis ", axis_name(axis_, axis_direction_), "' but the axes of the cement of grains ",
-                                 b.grain[0], " and ", b.grain[1], " were set in its first run, by 'axis ", axis_name(rule, b.axis + 1),
+                                 b.grain[0], " and ", b.grain[1], " were set in its first run, by 'axis ", axis_name(rule, b.axis),
                                  "'; use that, or create the cement anew"));
   }
 }
@@ -274,15 +274,15 @@ void FixMpm::check_axis() const {
 // Of bodies some of whose points have no frame yet. Collective.
 void FixMpm::remember_axis() {
   std::vector<mpdem::Body>& bodies = avec_->bodies;
-  if (std::all_of(bodies.begin(), bodies.end(), [](const mpdem::Body& b) { return b.axis[0] != 0.0; })) return;
+  if (std::all_of(bodies.begin(), bodies.end(), [](const mpdem::Body& b) { return b.axis_rule != mpdem::AxisRule::none; })) return;
   std::vector<int> open(bodies.size(), 0);
   for (const mpdem::BlockMeta& m : avec_->points.meta)
     if (m.framed != m.occupied) open[m.body] = 1;
   MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, world);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (!open[b] || bodies[b].axis[0] != 0.0) continue;
-    bodies[b].axis[0] = axis_;
-    std::copy(axis_direction_, axis_direction_ + 3, bodies[b].axis + 1);
+    if (!open[b] || bodies[b].axis_rule != mpdem::AxisRule::none) continue;
+    bodies[b].axis_rule = static_cast<mpdem::AxisRule>(axis_);
+    std::copy(axis_direction_, axis_direction_ + 3, bodies[b].axis);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <map>
 #include <vector>
 
+#include "../mpm/point_row.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
 #include "atom.h"
@@ -41,6 +42,30 @@ struct PointNow {
 };
 
 Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}; }
+
+// Line of the names of the columns, or of the numbers of a row.
+class TextLine : public mpdem::record_detail::Visitor<TextLine> {
+ public:
+  TextLine(std::FILE* file, bool of_names) : file_(file), of_names_(of_names) {}
+  template <class T>
+  void put(const char* name, const T& number, mpdem::Range) {
+    if (!first_) std::fputc(' ', file_);
+    first_ = false;
+    if (of_names_) std::fputs(name, file_);
+    else if constexpr (mpdem::record_detail::kWhole<T>) std::fprintf(file_, "%d", static_cast<int>(number));
+    else std::fprintf(file_, "%.17g", number);
+  }
+
+ private:
+  std::FILE* file_;
+  bool of_names_, first_ = true;
+};
+
+void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
+  TextLine line(file, of_names);
+  mpdem::PointRow::describe(row, line);
+  std::fputc('\n', file);
+}
 
 }  // namespace
 
@@ -109,37 +134,43 @@ void WriteCement::command(int narg, char** arg) {
     for (std::size_t b = 0; b < chosen.size(); ++b)
       if (chosen[b])
         std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bodies[b].grain[0], avec->bodies[b].grain[1], avec->bodies[b].spacing);
-    std::fprintf(f, "grain_i grain_j x y z volume %sdxx dyy dzz dyz dxz dxy failed "
-                    "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j\n", axes ? "ax ay az " : "");
+    mpdem::PointRow names;
+    names.has_axis = axes;
+    write_line(f, names, true);
     for (const PointNow& p : mine) {
       const mpdem::PointRecord& r = p.record;
       const mpdem::Body& body = avec->bodies[r.body];
-      std::fprintf(f, "%d %d %.17g %.17g %.17g %.17g", body.grain[0], body.grain[1], p.x[0], p.x[1], p.x[2], r.volume);
+      mpdem::PointRow row;
+      std::copy(body.grain, body.grain + 2, row.grain);
+      std::copy(p.x, p.x + 3, row.x);
+      row.volume = r.volume;
+      row.has_axis = axes;
+      row.failed = r.failed;
       const double* D = r.damage;
       Eigen::Matrix3d m;
       m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
       if (axes) {
         const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
         m = R * m * R.transpose();
-        std::fprintf(f, " %.17g %.17g %.17g", R(0, 2), R(1, 2), R(2, 2));
+        for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
       }
-      std::fprintf(f, " %.17g %.17g %.17g %.17g %.17g %.17g %d", m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1), r.failed);
+      const double turned[6] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
+      std::copy(turned, turned + 6, row.damage);
       for (int s = 0; s < 2; ++s) {
         const mpdem::Link* link = nullptr;
         for (int k = 0; k < r.links; ++k)
           if (r.link[k].grain == body.grain[s]) link = &r.link[k];
-        if (!link) {
-          std::fprintf(f, " 0 0 0 0 0");
-          continue;
-        }
+        if (!link) continue;
         // The foot point turns with its grain.
         const GrainNow& g = grain[body.grain[s]];
         const Vector3 from = Vector3(link->foot[0], link->foot[1], link->foot[2]) -
                              Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
         const Vector3 foot = Vector3(g.x[0], g.x[1], g.x[2]) + quaternion(g.q) * (quaternion(body.orientation[s]).conjugate() * from);
-        std::fprintf(f, " %.17g %.17g %.17g %.17g %d", link->area, foot[0], foot[1], foot[2], link->attached);
+        row.side[s].area = link->area;
+        std::copy(foot.data(), foot.data() + 3, row.side[s].foot);
+        row.side[s].attached = link->attached;
       }
-      std::fprintf(f, "\n");
+      write_line(f, row, false);
     }
     const bool bad = std::ferror(f) != 0;
     if (std::fclose(f) != 0 || bad) trouble = text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));
