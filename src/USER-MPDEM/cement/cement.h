@@ -46,7 +46,7 @@ class CementHost {
 
 // When, and what acts everywhere.
 struct StepInput {
-  std::int64_t number = 0, first = 0;  // of this step and of the first of the run
+  std::int64_t number = 0;  // of this step
   double dt = 0;
   double gravity[3] = {0, 0, 0};
 };

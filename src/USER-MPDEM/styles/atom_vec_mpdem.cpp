@@ -38,7 +38,10 @@ AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
     if (f) std::fprintf(f, "USER-MPDEM %s\n", mpdem::kVersion);
 }
 
-AtomVecMpdem::~AtomVecMpdem() { memory->destroy(slot); }
+AtomVecMpdem::~AtomVecMpdem() {
+  memory->destroy(slot);
+  memory->destroy(bond);
+}
 
 AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>(lmp->atom->avec); }
 
@@ -66,11 +69,11 @@ void AtomVecMpdem::drop_grains_that_left() {
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   waiting.finish(lmp);
-  if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
+  if (update->whichflag == 0 || update->nsteps == 0 || bonds.table.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which it was
   for (int k = 0; k < modify->nfix; ++k)
     if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
-  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bodies[0].grain[0], " and ", bodies[0].grain[1],
+  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
                                       " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
                                       "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
 }
@@ -78,10 +81,12 @@ void AtomVecMpdem::init() {
 void AtomVecMpdem::grow(int n) {
   AtomVecSphere::grow(n);
   memory->grow(slot, nmax, "atom:mpdem_slot");
+  memory->grow(bond, nmax, "atom:mpdem_bond");
 }
 
 void AtomVecMpdem::copy(int i, int j, int delflag) {
   slot[j] = slot[i];
+  bond[j] = bond[i];
   AtomVecSphere::copy(i, j, delflag);
 }
 
@@ -89,7 +94,7 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
   int m = 0;
   if (slot[i] >= 0) {
     buf[m++] = kPoint;
-    m = static_cast<int>(mpdem::pack(points.record(slot[i]), &buf[m]) - buf);
+    m = static_cast<int>(mpdem::pack(points_of(i).record(slot[i]), &buf[m]) - buf);
   } else if (slot[i] <= -2) {
     buf[m++] = kGrain;
     m = static_cast<int>(mpdem::pack(grains[-2 - slot[i]], &buf[m]) - buf);
@@ -106,7 +111,7 @@ int AtomVecMpdem::unpack_state(int i, const double* buf) {
   if (kind == kPoint) {
     mpdem::PointRecord r;
     end = mpdem::unpack(end, r);
-    slot[i] = points.add(r, atom->tag[i]);
+    add_point(i, r, atom->tag[i]);
   } else if (kind == kGrain) {
     track_orientation(i);
     end = mpdem::unpack(end, grains.back());
@@ -118,6 +123,7 @@ int AtomVecMpdem::pack_exchange(int i, double* buf) {
   int m = AtomVecSphere::pack_exchange(i, buf);
   m += pack_state(i, &buf[m]);
   buf[0] = m;
+  if (is_point(i)) bonds.find(bond[i])->points.release(slot[i]);
   return m;
 }
 
@@ -128,7 +134,7 @@ int AtomVecMpdem::unpack_exchange(double* buf) {
 }
 
 int AtomVecMpdem::size_of_state(int i) const {
-  if (slot[i] >= 0) return 1 + mpdem::numbers_of(points.record(slot[i]));
+  if (slot[i] >= 0) return 1 + mpdem::numbers_of(points_of(i).record(slot[i]));
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
@@ -172,7 +178,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
   mpdem::PointRecord point;
   if (state[0] == kPoint) {
     in.read(point);
-    if (in.trouble().empty()) in.tell(trouble_of(point, bodies));
+    if (in.trouble().empty()) in.tell(trouble_of(point, bonds.table));
   } else if (state[0] == kGrain) {
     GrainState grain;
     in.read(grain);
@@ -203,20 +209,20 @@ int AtomVecMpdem::unpack_restart(double* buf) {
 void AtomVecMpdem::write_restart_settings(FILE* fp) {
   const std::vector<double> numbers = packed_bodies();
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bodies.size()), restart_is_sealed};
+  const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bonds.table.size()), restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
   fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
 std::vector<double> AtomVecMpdem::packed_bodies() const {
-  std::vector<double> numbers(kBodyNumbers * bodies.size());
+  std::vector<double> numbers(kBodyNumbers * bonds.table.size());
   double* to = numbers.data();
-  for (const mpdem::Body& body : bodies) to = mpdem::pack(body, to);
+  for (const mpdem::Body& body : bonds.table) to = mpdem::pack(body, to);
   return numbers;
 }
 
-// What is wrong with this style's data in a file, empty if nothing is; else the bodies are those of the file.
+// What is wrong with this style's data in a file, empty if nothing is; else the table of bonds is that of the file.
 std::string AtomVecMpdem::read_bodies(FILE* fp) {
   const std::string cure = "; use another restart file", truncated = "the file is truncated in the data of atom_style mpdem" + cure;
   char magic[sizeof kRestartMagic];
@@ -233,9 +239,9 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
   if (fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
-  bodies.resize(count);
+  bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
-  for (mpdem::Body& body : bodies) {
+  for (mpdem::Body& body : bonds.table) {
     in.read(body);
     if (!in.trouble().empty())
       return mpdem::text_of("the file is damaged in the data of the bond of grains ", body.grain[0], " and ", body.grain[1], ": ", in.trouble(), cure);
@@ -248,13 +254,13 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   std::string trouble;
   if (comm->me == 0) trouble = read_bodies(fp);
   mpdem::stop_if_any(lmp, trouble.empty() ? trouble : "read_restart: " + trouble);
-  int count = static_cast<int>(bodies.size());
+  int count = static_cast<int>(bonds.table.size());
   MPI_Bcast(&count, 1, MPI_INT, 0, world);
-  bodies.resize(count);
+  bonds.table.resize(count);
   std::vector<double> numbers = packed_bodies();
   MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, world);
   const double* from = numbers.data();
-  for (mpdem::Body& body : bodies) from = mpdem::unpack(from, body);
+  for (mpdem::Body& body : bonds.table) from = mpdem::unpack(from, body);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {
@@ -268,7 +274,7 @@ void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
 }
 
 bigint AtomVecMpdem::memory_usage() {
-  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage() +
+  return AtomVecSphere::memory_usage() + 2 * memory->usage(slot, nmax) + static_cast<bigint>(bonds.memory_usage()) +
          static_cast<bigint>(grains.capacity() * sizeof(GrainState));
 }
 

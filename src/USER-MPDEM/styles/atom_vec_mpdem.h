@@ -3,7 +3,7 @@
 //
 // atom_style mpdem: spheres as in atom_style sphere, plus the state of material points
 // and the orientation of bonded grains. That state is kept once, in the layout of the
-// MPM kernels (mpm/point_store.h); an atom only holds the number of its slot there, which
+// MPM kernels (cement/bond.h); an atom only holds its bond and the number of its slot there, which
 // is all that moves when LIGGGHTS reorders atoms. It is packed when an atom changes rank
 // or is written to a restart file.
 #ifdef ATOM_CLASS
@@ -20,8 +20,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include <vector>
 
 #include "../coupling/grain_state.h"
-#include "../mpm/body.h"
-#include "../mpm/point_store.h"
+#include "../cement/bond.h"
 #include "atom_vec_sphere.h"
 #include "waiting_state.h"
 
@@ -32,18 +31,22 @@ class AtomVecMpdem : public AtomVecSphere {
   explicit AtomVecMpdem(LAMMPS* lmp);
   ~AtomVecMpdem() override;
 
-  // slot[i] of atom i: a point's place in `points`; kPlain for any other atom; for a
+  // slot[i] of atom i: a point's place in the points of bond[i]; kPlain for any other atom; for a
   // bonded grain -2 - index into `grains`.
   static constexpr int kPlain = -1;
-  int* slot = nullptr;
-  mpdem::PointStore points;
-  std::vector<mpdem::Body> bodies;
+  int *slot = nullptr, *bond = nullptr;
+  mpdem::Bonds bonds;
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
   // After read_restart, of points made before the first run.
   WaitingState waiting;
 
   bool is_point(int i) const { return slot[i] >= 0; }
+  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i is one of them
+  void add_point(int i, const mpdem::PointRecord& r, int tag) {
+    bond[i] = r.body;
+    slot[i] = bonds.add(r, tag);
+  }
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
   // Gives a grain a state, of orientation the identity, if it has none.

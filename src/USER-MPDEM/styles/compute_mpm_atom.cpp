@@ -75,18 +75,29 @@ void ComputeMpmAtom::compute_peratom() {
     memory->create(vector_atom, size_, "mpm/atom:vector_atom");
   }
   const AtomVecMpdem* avec = cement_->cement();
-  const mpdem::PointStore& points = avec->points;
+  for (int i = 0; i < atom->nlocal; ++i) vector_atom[i] = 0.0;
+  for (const mpdem::Bond& bond : avec->bonds) {
+    find_values(bond, avec->bonds.body(bond));
+    for (std::size_t b = 0; b < bond.points.blocks.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(bond.points.meta[b].occupied >> l & 1)) continue;
+        const int i = atom->map(bond.points.tags[b][l]);
+        if (i >= 0 && i < atom->nlocal && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
+      }
+  }
+}
+
+// Of the points of a bond, by blocks.
+void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
+  const mpdem::PointStore& points = bond.points;
   const mpdem::TensorDamage& law = cement_->law();
-  struct Row {
-    vd v;
-  };
-  std::vector<Row> value(points.blocks.size());
+  value_.resize(points.blocks.size());
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const mpdem::PointBlock& p = points.blocks[b];
     const mpdem::BlockMeta& m = points.meta[b];
     const Sym3<vd>& D = points.damage[b].D;
     const mpdem::Mat3<vd> R = mpdem::rotation_matrix(p.q);
-    vd& v = value[b].v;
+    vd& v = value_[b].v;
     if (quantity_ == kDamage) {
       v = mpdem::largest(mpdem::eigen(D));
     } else if (quantity_ < kDrive) {
@@ -119,16 +130,11 @@ void ComputeMpmAtom::compute_peratom() {
   if (quantity_ == kAttached || quantity_ == kGrain)
     for (const mpdem::Link& k : points.links) {
       const int b = k.slot / kLanes, l = k.slot % kLanes;
-      const mpdem::Body& body = avec->bodies[points.meta[b].body];
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
       const int nearer = mpdem::nearer_side(body, mpdem::nearer_to_first(body, X));
-      if (value[b].v[l] == 0.0 || k.grain == body.grain[nearer]) value[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
+      if (value_[b].v[l] == 0.0 || k.grain == body.grain[nearer]) value_[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
     }
-  for (int i = 0; i < atom->nlocal; ++i)
-    vector_atom[i] = avec->slot[i] >= 0 && (atom->mask[i] & groupbit)
-                         ? value[avec->slot[i] / kLanes].v[avec->slot[i] % kLanes]
-                         : 0.0;
 }
 
 double ComputeMpmAtom::memory_usage() { return static_cast<double>(size_) * sizeof(double); }

@@ -237,12 +237,12 @@ void CreateCement::command(int narg, char** arg) {
   const Bond bond = plan(tags, args);
   if (overlap_ == "trim")
     args.complain("'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of these grains");
-  if (make(bond, {}, AtomVecMpdem::of(lmp)->bodies.size(), args).points == 0.0) report_skipped({{tags[0], tags[1]}});
+  if (make(bond, {}, AtomVecMpdem::of(lmp)->bonds.table.size(), args).points == 0.0) report_skipped({{tags[0], tags[1]}});
 }
 
 CreateCement::Bond CreateCement::plan(const int* tags, Arguments& args) {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  for (const Body& b : avec->bodies)
+  for (const Body& b : avec->bonds.table)
     if (b.grain[0] == tags[0] && b.grain[1] == tags[1])
       args.complain(text_of("grains ", tags[0], " and ", tags[1], " have cement already; it would overlap"));
   Bond bond;
@@ -279,7 +279,7 @@ CreateCement::Bond CreateCement::plan(const int* tags, Arguments& args) {
 // Bodies from `first` on are shared out among each other, by `neighbours`.
 CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem::Neighbour>& neighbours, std::size_t first, Arguments& args) {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  if (avec->bodies.size() == mpdem::kMaxBodies) args.complain(text_of("there are ", mpdem::kMaxBodies, " bonds, which is the most"));
+  if (avec->bonds.table.size() == mpdem::kMaxBodies) args.complain(text_of("there are ", mpdem::kMaxBodies, " bonds, which is the most"));
   const int* tags = bond.tags;
   const Grain &g0 = bond.grain[0], &g1 = bond.grain[1];
   const mpdem::GrainPair& pair = bond.pair;
@@ -331,7 +331,7 @@ CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem:
   }
   body.spacing = spacing_;
   body.points = static_cast<int>(fill.size());
-  const std::string overlap = overlap_of(fill, body, overlap_ == "trim" ? first : avec->bodies.size());
+  const std::string overlap = overlap_of(fill, body, overlap_ == "trim" ? first : avec->bonds.table.size());
   if (!overlap.empty()) {
     if (overlap_ == "skip") return {};
     args.complain(overlap + (overlap_ == "trim" ? ", which is of an earlier command and stays as it is; use 'overlap skip'"
@@ -339,8 +339,8 @@ CreateCement::Sums CreateCement::make(const Bond& bond, const std::vector<mpdem:
                                                   "share out the bonds of a 'contacts' by 'overlap trim'"));
   }
   check_other_grains(fill, body);
-  avec->bodies.push_back(body);
-  add_points(fill, body, static_cast<int>(avec->bodies.size()) - 1, args);
+  avec->bonds.table.push_back(body);
+  add_points(fill, body, static_cast<int>(avec->bonds.table.size()) - 1, args);
 
   if (comm->me == 0) {
     const double content = body.volume * density_ / (g0.mass + g1.mass);
@@ -423,7 +423,7 @@ void CreateCement::add_points(const std::vector<FillPoint>& fill, const Body& bo
     r.failed = p.failed;
     std::copy(p.damage, p.damage + 6, r.damage);
     if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
-    avec->slot[i] = avec->points.add(r, atom->tag[i]);
+    avec->add_point(i, r, atom->tag[i]);
   }
 
   bigint local = atom->nlocal - before, created;

@@ -137,7 +137,7 @@ void CreateCement::cement_contacts(char** arg, int narg, int words, Arguments& a
   if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
   args.choice("gap", {"gap"});
   const double gap = args.not_negative("gap");
-  const std::vector<mpdem::Body>& bodies = AtomVecMpdem::of(lmp)->bodies;
+  const std::vector<mpdem::Body>& bodies = AtomVecMpdem::of(lmp)->bonds.table;
   const std::size_t before = bodies.size();
   std::set<std::pair<int, int>> cemented;
   for (const mpdem::Body& b : bodies) cemented.insert({b.grain[0], b.grain[1]});

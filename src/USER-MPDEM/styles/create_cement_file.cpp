@@ -133,11 +133,10 @@ void CreateCement::set_frame(const FillPoint& p, mpdem::PointRecord& r) const {
 // none. Collective.
 std::string CreateCement::overlap_of(const std::vector<FillPoint>& fill, const mpdem::Body& body, std::size_t bodies) const {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  const mpdem::PointStore& points = avec->points;
   if (bodies == 0) return "";
   // New points by cells as wide as the coarsest lattice.
   double width = spacing_;
-  for (const mpdem::Body& b : avec->bodies) width = std::max(width, b.spacing);
+  for (const mpdem::Body& b : avec->bonds.table) width = std::max(width, b.spacing);
   const auto key = [](long i, long j, long k) { return (i * 73856093L) ^ (j * 19349663L) ^ (k * 83492791L); };
   const auto cell = [width](double x) { return static_cast<long>(std::floor(x / width)); };
   std::unordered_multimap<long, int> near;
@@ -148,14 +147,14 @@ std::string CreateCement::overlap_of(const std::vector<FillPoint>& fill, const m
     low = low.cwiseMin(fill[n].X);
     high = high.cwiseMax(fill[n].X);
   }
-  std::vector<double> inside(avec->bodies.size(), 0.0), full;
-  for (const mpdem::Body& b : avec->bodies) full.push_back(0.95 * std::pow(b.spacing, 3));
+  std::vector<double> inside(avec->bonds.table.size(), 0.0), full;
+  for (const mpdem::Body& b : avec->bonds.table) full.push_back(0.95 * std::pow(b.spacing, 3));
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
     const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
-    const int body_of_point = points.meta[b].body;
-    if (body_of_point >= static_cast<int>(bodies) || points.blocks[b].volume[l] < full[body_of_point]) continue;
-    const double half = 0.5 * avec->bodies[body_of_point].spacing * (1.0 - 1e-6);
+    const int body_of_point = avec->bond[i];
+    if (body_of_point >= static_cast<int>(bodies) || avec->points_of(i).blocks[b].volume[l] < full[body_of_point]) continue;
+    const double half = 0.5 * avec->bonds.table[body_of_point].spacing * (1.0 - 1e-6);
     // From the middle of the new cement, so that the nearest periodic image is meant.
     Vector3 middle = 0.5 * (low + high);
     double d[3];
@@ -174,7 +173,7 @@ std::string CreateCement::overlap_of(const std::vector<FillPoint>& fill, const m
   for (std::size_t b = 0; b < inside.size(); ++b)
     if (inside[b] > 0.0)
       return text_of("the cement of grains ", body.grain[0], " and ", body.grain[1], " overlaps that of grains ",
-                     avec->bodies[b].grain[0], " and ", avec->bodies[b].grain[1], ", in a volume of ", inside[b], " of ", body.volume);
+                     avec->bonds.table[b].grain[0], " and ", avec->bonds.table[b].grain[1], ", in a volume of ", inside[b], " of ", body.volume);
   return "";
 }
 

@@ -82,7 +82,7 @@ void WriteCement::command(int narg, char** arg) {
     std::sort(wanted, wanted + 2);
   }
   std::vector<char> chosen;
-  for (const mpdem::Body& b : avec->bodies)
+  for (const mpdem::Body& b : avec->bonds.table)
     chosen.push_back(wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1]));
   if (std::count(chosen.begin(), chosen.end(), 1) == 0)
     args.complain(wanted[0] == 0 ? std::string("there is no cement; use create_cement before")
@@ -97,7 +97,7 @@ void WriteCement::command(int narg, char** arg) {
       PointNow p;
       p.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, p.x);
-      p.record = avec->points.record(avec->slot[i]);
+      p.record = avec->points_of(i).record(avec->slot[i]);
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
       points[0].push_back(p);
@@ -122,7 +122,7 @@ void WriteCement::command(int narg, char** arg) {
   std::FILE* f = nullptr;
   if (comm->me == 0) {
     for (std::size_t b = 0; b < chosen.size() && trouble.empty(); ++b)
-      for (int t : avec->bodies[b].grain)
+      for (int t : avec->bonds.table[b].grain)
         if (chosen[b] && !grain.count(t)) trouble = text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
     const std::string other = mpdem::writer_of(lmp, name, nullptr);
     if (trouble.empty() && !other.empty()) trouble = text_of("write_cement: file '", name, "' is written by ", other, "; name another");
@@ -133,13 +133,13 @@ void WriteCement::command(int narg, char** arg) {
     std::fprintf(f, "# cement of USER-MPDEM at step %lld, to be read by create_cement ... file\n", static_cast<long long>(update->ntimestep));
     for (std::size_t b = 0; b < chosen.size(); ++b)
       if (chosen[b])
-        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bodies[b].grain[0], avec->bodies[b].grain[1], avec->bodies[b].spacing);
+        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bonds.table[b].grain[0], avec->bonds.table[b].grain[1], avec->bonds.table[b].spacing);
     mpdem::PointRow names;
     names.has_axis = axes;
     write_line(f, names, true);
     for (const PointNow& p : mine) {
       const mpdem::PointRecord& r = p.record;
-      const mpdem::Body& body = avec->bodies[r.body];
+      const mpdem::Body& body = avec->bonds.table[r.body];
       mpdem::PointRow row;
       std::copy(body.grain, body.grain + 2, row.grain);
       std::copy(p.x, p.x + 3, row.x);
