@@ -8,13 +8,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
 #include <vector>
 
-#include "../geometry/coating.h"
 #include "../geometry/composite.h"
-#include "../geometry/flat.h"
-#include "../geometry/meniscus.h"
+#include "../geometry/shape_styles.h"
 #include "../parallel/memory_limit.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
@@ -36,9 +33,30 @@ using mpdem::FillPoint;
 using mpdem::text_of;
 
 namespace {
-const std::vector<std::string> kKeywords = {"shape",   "outer", "filling", "neck",    "contact", "thickness",
-                                            "cap",     "content", "file",  "attach",  "inner",   "spacing",
-                                            "density", "type",    "grid",  "overlap"};
+// All keywords, those of shapes once each.
+std::vector<std::string> keywords() {
+  std::vector<std::string> all = {"shape"};
+  for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
+    for (const mpdem::ShapeWord& w : s.words)
+      if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
+  all.insert(all.end(), {"content", "file", "attach", "inner", "spacing", "density", "type", "grid", "overlap"});
+  return all;
+}
+
+std::string joined(const std::vector<std::string>& parts, const std::string& between) {
+  std::string text;
+  for (const std::string& p : parts) text += (text.empty() ? "" : between) + p;
+  return text;
+}
+
+// Names of all shapes, or of those that have this word.
+std::vector<std::string> shapes_with(const std::string& word) {
+  std::vector<std::string> names;
+  for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
+    if (word.empty() || s.word(word)) names.push_back(s.name);
+  return names;
+}
+
 constexpr double kRounding = 1e-9;  // of lengths that a script computed
 }
 
@@ -94,64 +112,28 @@ CreateCement::Grain CreateCement::find_grain(int tag, const Arguments& args) con
   return g;
 }
 
-std::unique_ptr<mpdem::Shape> CreateCement::make_shape(const ShapeWords& w, const mpdem::GrainPair& pair,
-                                                       double grain_mass, double inner, const Arguments& args) const {
-  const double volume = w.content * grain_mass / density_;
-  const auto one_of = [&](std::initializer_list<std::pair<const char*, double>> given) {
-    std::string list;
-    int count = 0;
-    for (const auto& g : given) {
-      list += (list.empty() ? "'" : " or '") + std::string(g.first) + "'";
-      count += g.second > 0.0;
-    }
-    if (count != 1) args.complain("'shape " + w.style + "' needs one of " + list + " to give its size");
-  };
-  constexpr double kDegree = M_PI / 180.0;
-  if (w.style == "flat") {
-    one_of({{"outer", w.outer}, {"content", w.content}});
-    const double outer = w.outer > 0.0 ? w.outer : mpdem::Flat::outer_for_volume(pair, volume, inner);
-    return std::make_unique<mpdem::Flat>(pair, outer, inner);
-  }
-  if (w.style == "meniscus") {
-    one_of({{"filling", w.filling}, {"neck", w.neck}, {"content", w.content}});
-    const double contact = w.contact * kDegree;
-    double filling = w.filling * kDegree;
-    if (w.content > 0.0) filling = mpdem::Meniscus::filling_for_volume(pair, volume, contact, inner);
-    if (w.neck > 0.0) filling = mpdem::Meniscus::filling_for_neck(pair, w.neck, contact, inner);
-    return std::make_unique<mpdem::Meniscus>(pair, filling, contact, inner);
-  }
-  one_of({{"thickness", w.thickness}, {"content", w.content}});
-  const double cap = w.cap == 180.0 ? M_PI : w.cap * kDegree;
-  const double thickness =
-      w.thickness > 0.0 ? w.thickness : mpdem::Coating::thickness_for_volume(pair, volume, cap, inner);
-  return std::make_unique<mpdem::Coating>(pair, thickness, cap, inner);
-}
-
 // Words up to the end of the command: shapes, each with its own, and what holds for all.
 std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& pair, double grain_mass,
                                                         Arguments& args) {
   double inner = -1.0;
   bool has_inner = false;
-  std::vector<ShapeWords> shapes;
-  const std::map<std::string, std::pair<double ShapeWords::*, const char*>> own = {
-      {"outer", {&ShapeWords::outer, "flat"}},          {"filling", {&ShapeWords::filling, "meniscus"}},
-      {"neck", {&ShapeWords::neck, "meniscus"}},        {"contact", {&ShapeWords::contact, "meniscus"}},
-      {"thickness", {&ShapeWords::thickness, "coating"}}, {"cap", {&ShapeWords::cap, "coating"}},
-      {"content", {&ShapeWords::content, ""}}};
+  std::vector<mpdem::ShapeWords> shapes;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    const auto word = own.find(key);
+    const bool any_shape = key == "content", of_shape = any_shape || !shapes_with(key).empty();
     // words of a shape once for each
-    if (key != "shape") args.once(key, word == own.end() || shapes.empty() ? "" : text_of("shape number ", shapes.size()));
+    if (key != "shape") args.once(key, !of_shape || shapes.empty() ? "" : text_of("shape number ", shapes.size()));
     if (key == "shape") {
       shapes.emplace_back();
-      shapes.back().style = args.choice(key, {"flat", "meniscus", "coating"});
-    } else if (word != own.end()) {
+      shapes.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
+    } else if (of_shape) {
       if (shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
-      const std::string style = word->second.second;
-      if (!style.empty() && style != shapes.back().style)
-        args.complain("'" + key + "' belongs to 'shape " + style + "', not to 'shape " + shapes.back().style + "'");
-      shapes.back().*(word->second.first) = key == "contact" ? args.not_negative(key) : args.positive(key);
+      const mpdem::ShapeStyle& style = *shapes.back().style;
+      const mpdem::ShapeWord* word = style.word(key);
+      if (!any_shape && !word)
+        args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
+      const bool zero = word && word->range == mpdem::ShapeWord::not_negative;
+      shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
     } else if (key == "file") {
       file_ = args.word("a file name for 'file'");
     } else if (key == "attach") {
@@ -170,7 +152,7 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
     } else if (key == "type") {
       type_ = args.integer(key, 1);
     } else {
-      args.unknown(key, kKeywords);
+      args.unknown(key, keywords());
     }
   }
   if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
@@ -183,13 +165,17 @@ std::unique_ptr<mpdem::Shape> CreateCement::read_shapes(const mpdem::GrainPair& 
   }
   if (attach_ > 0.0) args.complain(text_of("'attach ", attach_, "' belongs to 'file'; shapes know what is attached"));
   if (shapes.empty())
-    args.complain("keyword 'shape' is missing; use 'shape flat', 'shape meniscus', 'shape coating', or 'file' and a name");
+    args.complain("keyword 'shape' is missing; use 'shape " + joined(shapes_with(""), "', 'shape ") + "', or 'file' and a name");
   try {
     // Where the grains come closer than a cell no grid can resolve the film between them
     // (and between rigid touching spheres its stiffness has no bound).
     if (inner < 0.0) inner = pair.radius_of_thickness(2.0 * spacing_);
     std::vector<std::unique_ptr<mpdem::Shape>> made;
-    for (const ShapeWords& w : shapes) made.push_back(make_shape(w, pair, grain_mass, inner, args));
+    for (const mpdem::ShapeWords& w : shapes) {
+      const auto content = w.given.find("content");
+      const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / density_;
+      made.push_back(mpdem::make_shape(w, pair, volume, inner));
+    }
     if (made.size() == 1) return std::move(made.front());
     return std::make_unique<mpdem::Composite>(std::move(made));
   } catch (const mpdem::ShapeError& e) {

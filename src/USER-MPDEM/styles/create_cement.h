@@ -57,14 +57,7 @@ class CreateCement : protected Pointers {
   Grain find_grain(int tag, const mpdem::Arguments& args) const;
   void check_grains_of_file(const std::map<int, int>& line, const mpdem::Arguments& args) const;
   void check_place(const Grain& a, const Grain& b, double length, const mpdem::Arguments& args) const;
-  // Dimensions of one shape, as far as they were given.
-  struct ShapeWords {
-    std::string style;
-    double outer = -1.0, filling = -1.0, neck = -1.0, contact = 0.0, thickness = -1.0, cap = 180.0, content = -1.0;
-  };
   std::unique_ptr<mpdem::Shape> read_shapes(const mpdem::GrainPair& pair, double grain_mass, mpdem::Arguments& args);
-  std::unique_ptr<mpdem::Shape> make_shape(const ShapeWords& w, const mpdem::GrainPair& pair, double grain_mass,
-                                           double inner, const mpdem::Arguments& args) const;
   void check_scene(const mpdem::Arguments& args) const;
   void add_points(const std::vector<mpdem::FillPoint>& fill, const mpdem::Body& body, int body_index,
                   const mpdem::Arguments& args);
