@@ -33,9 +33,9 @@ TEST(ShapeStyles, NamesAndWordsAreThereOnce) {
 // Whatever is in the table: of a content it has that volume, it names itself, and its volume is that of its outline.
 TEST(ShapeStyles, EveryShapeIsMadeOfItsContent) {
   for (const ShapeStyle& s : shape_styles())
-    for (double inner : {0.0, 1e-3}) {
-      const double volume = test::volume_of_content(0.1, 5e-3);
-      const std::unique_ptr<Shape> shape = make_shape({&s, {{"content", 0.1}}}, kBeads, volume, inner);
+    for (double inner : {0.0, 5e-4}) {
+      const double volume = test::volume_of_content(0.04, 5e-3);
+      const std::unique_ptr<Shape> shape = make_shape({&s, {{"content", 0.04}}}, kBeads, volume, inner);
       EXPECT_NEAR(shape->volume() / volume, 1.0, 1e-10) << s.name;
       EXPECT_NEAR(volume_by_quadrature(*shape) / volume, 1.0, 1e-10) << s.name;
       EXPECT_EQ(shape->describe().rfind(s.name, 0), 0u) << shape->describe();

@@ -8,7 +8,8 @@
 #define MPDEM_SHAPES(shape) \
   shape(flat)               \
   shape(meniscus)           \
-  shape(coating)
+  shape(coating)            \
+  shape(hourglass)
 
 namespace mpdem {
 
