@@ -14,7 +14,8 @@ BELOW = {
     "mpm": {"material", "numerics", "parallel"},
     "fracture": {"mpm", "material", "numerics", "parallel"},
     "coupling": {"mpm", "material", "numerics", "parallel"},
-    "styles": {"coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
+    "cement": {"coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
+    "styles": {"cement", "coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
     "host": {"styles"},
 }
 KNOW_LIGGGHTS = {"styles", "host"}
