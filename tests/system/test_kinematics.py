@@ -91,7 +91,7 @@ def skips_all(tmp_path_factory):
     return with_skip("skip all yes", tmp_path_factory.mktemp("skips_all"))
 
 
-@pytest.mark.parametrize("word, limit", [("failed", 0.0), ("detached", 0.0), ("resting", 0.0), ("undamaged", 1e-9)])
+@pytest.mark.parametrize("word, limit", [("failed", 0.0), ("resting", 0.0), ("undamaged", 1e-9)])
 def test_skip(word, limit, skips_all, tmp_path, figures):
     on, off = skips_all, with_skip(f"skip {word} no", tmp_path)
     assert on["f_bond[18]"][-1] > 500

@@ -6,6 +6,7 @@
 #define MPDEM_CEMENT_WORDS_H
 
 #include <string>
+#include <vector>
 
 #include "../cement/options.h"
 #include "../material/tensor_damage.h"
@@ -22,6 +23,8 @@ struct CementWords {
   double step_fraction = 0.0;    // of the limit, 0: the script sets the time step
   std::string events;            // file, or empty
   bool tied_given = false, transfer_given = false;
+  std::vector<std::string> notes;  // words that have no effect any more
+  std::string warning;             // of a combination that is known to be poor, or empty
 };
 
 // Complains of words that are unknown, missing, out of range or do not go together.
