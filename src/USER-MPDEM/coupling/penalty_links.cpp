@@ -11,6 +11,11 @@
 
 namespace mpdem {
 
+namespace {
+// Of the links that the bits name, zero elsewhere.
+vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
+}  // namespace
+
 // Where the link was when its body was created.
 double PenaltyLinks::created(const PointStore& points, const Link& k, int d) const {
   const int b = k.slot / kLanes, l = k.slot % kLanes;
@@ -49,6 +54,12 @@ void PenaltyLinks::fill_blocks(const PointStore& points, const Body& body, std::
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
     return a.place != b.place ? a.place < b.place : a.tag < b.tag;
   });
+  std::size_t count = 0;
+  for (std::size_t i = 0, lane = 0; i < items.size(); ++i) {
+    lane = i > 0 && items[i].place == items[i - 1].place ? (lane + 1) % kLanes : 0;
+    count += lane == 0;
+  }
+  blocks.reserve(blocks.size() + count);
 
   for (std::size_t i = 0; i < items.size();) {
     LinkBlock b{};
@@ -68,13 +79,9 @@ void PenaltyLinks::fill_blocks(const PointStore& points, const Body& body, std::
       b.link[l] = items[i].link;
       b.inert |= static_cast<std::uint8_t>(1u << l);
       const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-      b.inert_area[l] = k.area;
-      b.inert_damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
-      if (k.attached) {
-        b.attached |= static_cast<std::uint8_t>(1u << l);
-        b.area[l] = b.inert_area[l];
-        b.damper[l] = b.inert_damper[l];
-      }
+      b.area[l] = k.area;
+      b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+      if (k.attached) b.attached |= static_cast<std::uint8_t>(1u << l);
       double q[3];
       for (int d = 0; d < 3; ++d) {
         b.X[d][l] = acts_at(points, k, d);
@@ -98,9 +105,11 @@ bool PenaltyLinks::find_columns(const Grid& grid) {
 
 void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   with_basis(basis_, [&](auto type) {
+    moves_.resize(blocks_.size());
+    auto move = moves_.begin();
     for (LinkBlock& b : blocks_) {
-      gather_value(grid.velocity.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), b.move);
-      for (vd& m : b.move) m *= dt;
+      gather_value(grid.velocity.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), move->X);
+      for (vd& m : (move++)->X) m *= dt;
     }
   });
 }
@@ -109,14 +118,16 @@ bool PenaltyLinks::move_places(PointStore& points) {
   const double shift = cell_shift(basis_);
   concerned_.clear();
   bool left = false;
+  auto move = moves_.begin();
   for (LinkBlock& b : blocks_) {
+    const vd* moved = (move++)->X;
     bool changed = false;
     for (int l = 0; l < kLanes; ++l) {
       if (b.link[l] < 0) continue;
       Link& k = points.links[b.link[l]];
       Place to = place_of(b);
       for (int d = 0; d < 3; ++d) {
-        k.moved[d] += b.move[d][l];
+        k.moved[d] += moved[d][l];
         b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of build(), to the bit
         to[1 + d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, shift);
       }
@@ -199,7 +210,8 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
   v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  for (int d = 0; d < 3; ++d) f[d] = -b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
+  const vd g = of(b.attached, b.damper);
+  for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
 double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, double later) const {
@@ -232,8 +244,8 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
       GrainSide& s = side[b.side];
       vd q[3], delta[3], n[3], f[3];
       place<Type>(b, grid, s, q, delta, n);
-      const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
-      for (int d = 0; d < 3; ++d) f[d] = -b.area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
+      const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], area = of(b.attached, b.area);
+      for (int d = 0; d < 3; ++d) f[d] = -area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       if (p_.damping > 0.0) {
         vd v[3], by_damper[3];
@@ -256,7 +268,7 @@ vd PenaltyLinks::energy(const LinkBlock& b, const Grid& grid, const GrainSide& s
   with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, s, q, delta, n); });
   const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
   const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
-  return 0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
+  return 0.5 * of(b.attached, b.area) * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
 }
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
@@ -277,8 +289,6 @@ void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, co
       released += U[l];
       points.links[b.link[l]].attached = 0;
       points.links[b.link[l]].inert = true;
-      b.area[l] = 0.0;
-      b.damper[l] = 0.0;
     }
     b.attached &= static_cast<std::uint8_t>(~freed);
   }
@@ -358,8 +368,6 @@ void PenaltyLinks::find_masters(const Grid& grid) {
 void PenaltyLinks::drop_inertia(PointStore& points) {
   for (LinkBlock& b : blocks_) {
     if (b.inert == b.attached) continue;
-    b.inert_area = b.area;
-    b.inert_damper = b.damper;
     b.inert = b.attached;
     for (int l = 0; l < kLanes; ++l)
       if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
@@ -371,7 +379,7 @@ void PenaltyLinks::add_stiffness(const GrainSide* side, double dt, double* penal
   with_basis(basis_, [&](auto type) {
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
-      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * b.inert_area + damper * b.inert_damper);
+      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * of(b.inert, b.area) + damper * of(b.inert, b.damper));
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       const vd row = inertia * row_sum(b, w);
       for_each_free_node(b, w, [&](long node, vd weight) { penalty[2 * node + b.side] += sum_lanes(row * abs(weight)); });

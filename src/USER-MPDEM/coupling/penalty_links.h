@@ -91,15 +91,17 @@ class PenaltyLinks {
   struct LinkBlock {
     vd X[3];    // where the link acts, reference; maybe outside the cell, which is the point's
     vd q0[3];   // in the grain's frame
-    vd area;    // zero in empty lanes and once let go
+    vd area;    // zero in empty lanes
     vd damper;  // damping coefficient over sqrt(k)
-    vd inert_area, inert_damper;  // the same, with links that let go and still have added mass
-    vd move[3]; // of X in this step, `updated` only
     int part, side;
     int reduced;               // index into reduced_; -1: reads no tied node
     int base[3], column[kMostColumns];
     int link[kLanes];
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
+  };
+
+  struct Move {
+    vd X[3];
   };
 
   // Of a block: part, first node, side; blocks ascend in it.
@@ -143,6 +145,7 @@ class PenaltyLinks {
   double inverse_h_ = 0, density_ = 0;
   int body_ = 0;
   std::vector<LinkBlock> blocks_;
+  std::vector<Move> moves_;  // of the places of each block in this step, `updated` only
   std::vector<Reduced> reduced_;
   std::vector<Place> concerned_;  // by the last move_places()
 };
