@@ -12,7 +12,7 @@
 
 #include <mpi.h>
 
-#include "../material/tensor_damage.h"
+#include "../material/law.h"
 #include "grid.h"
 #include "point_store.h"
 
@@ -25,7 +25,7 @@ struct EigenvalueEstimate {
 };
 
 // Collective. Stops when the residual is below tolerance times the value.
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const TensorDamage& law,
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
                                       double tolerance = 1e-3);
 
 // Upper bound for any place of the points, 0 if the basis has none. With row-sum lumping the

@@ -41,6 +41,8 @@ PointBlock empty_block() {
 
 }  // namespace
 
+const vd PointStore::kNoState[kMostStateFields] = {};
+
 int PointRecord::pack(double* buf) const {
   int m = 0;
   buf[m++] = body;
@@ -134,7 +136,7 @@ std::string PointRecord::unpack_checked(const double* buf, const std::vector<Bod
 
 void PointStore::clear() {
   blocks.clear();
-  damage.clear();
+  state_.clear();
   motion.clear();
   meta.clear();
   tags.clear();
@@ -153,7 +155,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   p.q.y[l] = r.q[2];
   p.q.z[l] = r.q[3];
   set_lane(p.strain, l, r.strain);
-  set_lane(damage[b].D, l, r.damage);
+  set_state(slot, r.damage);
   if (r.moving) let_move();
   if (!motion.empty()) {
     PointMotion& u = motion[b];
@@ -174,13 +176,42 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   tags[b][l] = tag;
 }
 
+vd* PointStore::change_state(int b) {
+  if (state_.empty()) state_.resize(blocks.size() * state_fields_);
+  return &state_[state_fields_ * static_cast<std::size_t>(b)];
+}
+
+void PointStore::set_law(const std::shared_ptr<const Law>& law) {
+  set_state_fields(law->fields());
+  law_ = law;
+}
+
+void PointStore::set_state_fields(int fields) {
+  if (!state_.empty() && fields != state_fields_) {
+    std::vector<vd> next(fields * blocks.size());
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      std::copy_n(&state_[state_fields_ * b], std::min(fields, state_fields_), &next[fields * b]);
+    state_.swap(next);
+  }
+  state_fields_ = fields;
+}
+
+void PointStore::set_state(int slot, const double* numbers) {
+  int used = kMostStateFields;
+  while (used > 0 && numbers[used - 1] == 0.0) --used;
+  if (used == 0 && state_.empty()) return;
+  if (used > state_fields_) set_state_fields(kMostStateFields);
+  vd* s = change_state(slot / kLanes);
+  for (int i = 0; i < state_fields_; ++i) s[i][slot % kLanes] = numbers[i];
+}
+
 int PointStore::add(const PointRecord& r, int tag) {
   // The tail keeps one body a block, as everywhere.
   const bool fresh = blocks.size() == settled_ || meta.back().occupied == 0xff || meta.back().body != r.body ||
                      meta.back().part != r.part;
   if (fresh) {
     blocks.push_back(empty_block());
-    damage.emplace_back();
+    if (!state_.empty()) state_.resize(blocks.size() * state_fields_);
     if (!motion.empty()) motion.emplace_back(PointMotion{});
     meta.emplace_back();
     meta.back().body = r.body;
@@ -215,7 +246,7 @@ PointRecord PointStore::record(int slot) const {
   r.q[2] = p.q.y[l];
   r.q[3] = p.q.z[l];
   get_lane(p.strain, l, r.strain);
-  get_lane(damage[b].D, l, r.damage);
+  for (int i = 0; i < state_fields_; ++i) r.damage[i] = state(b)[i][l];
   if (!motion.empty()) {
     const PointMotion& u = motion[b];
     r.moving = true;
@@ -266,7 +297,9 @@ void PointStore::arrange(const std::vector<int>& live, const std::vector<int>& l
   PointStore next;
   next.links.reserve(links.size());
   next.blocks.reserve(count);
-  next.damage.reserve(count);
+  next.state_fields_ = state_fields_;
+  next.law_ = law_;
+  if (!state_.empty()) next.state_.reserve(count * state_fields_);
   next.meta.reserve(count);
   next.tags.reserve(count);
   if (!motion.empty()) next.motion.reserve(count);
@@ -298,7 +331,7 @@ void PointStore::let_move() {
 
 int PointStore::add_block(int body, int part, const int* base, double cell, Basis basis) {
   blocks.push_back(empty_block());
-  damage.emplace_back();
+  if (!state_.empty()) state_.resize(blocks.size() * state_fields_);
   if (!motion.empty()) motion.emplace_back(PointMotion{});
   meta.emplace_back();
   tags.emplace_back();
@@ -325,7 +358,13 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
     for (std::size_t i = 0; i < sizeof source / sizeof(double); i += kLanes) t[i + lane] = s[i + l];
   };
   copy(blocks[to], from.blocks[b]);
-  copy(damage[to], from.damage[b]);
+  double numbers[kMostStateFields] = {};
+  bool damaged = false;
+  for (int i = 0; i < from.state_fields_; ++i) {
+    numbers[i] = from.state(b)[i][l];
+    damaged |= numbers[i] != 0.0;
+  }
+  set_state(new_slot, numbers);
   if (!motion.empty()) copy(motion[to], from.motion[b]);
   tags[to][lane] = from.tags[b][l];
   const BlockMeta& m = from.meta[b];
@@ -337,9 +376,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   hand_over(n.failed, m.failed);
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
-  const Sym3<vd>& D = damage[to].D;
-  n.damaged = n.damaged || (n.failed >> lane & 1) || D.xx[lane] != 0.0 || D.yy[lane] != 0.0 || D.zz[lane] != 0.0 ||
-              D.yz[lane] != 0.0 || D.xz[lane] != 0.0 || D.xy[lane] != 0.0;
+  n.damaged = n.damaged || (n.failed >> lane & 1) || damaged;
 }
 
 void PointStore::empty_lane(int slot, double cell, Basis basis) {
@@ -369,7 +406,7 @@ std::vector<int> PointStore::sort_links() {
 }
 
 std::size_t PointStore::memory_usage() const {
-  return motion.capacity() * sizeof(PointMotion) + blocks.capacity() * sizeof(PointBlock) + damage.capacity() * sizeof(Damage) +
+  return motion.capacity() * sizeof(PointMotion) + blocks.capacity() * sizeof(PointBlock) + state_.capacity() * sizeof(vd) +
          meta.capacity() * sizeof(BlockMeta) + tags.capacity() * sizeof(tags[0]) +
          links.capacity() * sizeof(Link);
 }

@@ -17,15 +17,20 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "../material/corotational.h"
+#include "../material/law.h"
 #include "../numerics/tensor3.h"
 #include "basis.h"
 #include "body.h"
 
 namespace mpdem {
+
+// Numbers that a law of damage may keep for a point.
+constexpr int kMostStateFields = Law::kMostFields;
 
 // Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
 // the body was created; the cement there has its reference at foot + moved.
@@ -50,7 +55,7 @@ struct PointRecord {
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
-  double damage[6] = {0, 0, 0, 0, 0, 0};
+  double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};  // state of the law of damage, see material/law.h
   bool moving = false;  // has the next three
   double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
@@ -90,7 +95,7 @@ struct BlockMeta {
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t linked = 0;  // had a link to a grain when it was made
-  bool damaged = false;     // some lane has D != 0
+  bool damaged = false;     // some lane has a state of the law that is not 0
 };
 
 // Bit mask to lanes.
@@ -106,12 +111,7 @@ inline std::uint8_t bits(vmask m) {
 
 class PointStore {
  public:
-  struct Damage {
-    Sym3<vd> D;
-  };
-
   std::vector<PointBlock> blocks;
-  std::vector<Damage> damage;
   std::vector<PointMotion> motion;  // empty while the first reference stands
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
@@ -127,6 +127,21 @@ class PointStore {
   // any, is the part that live[i] goes to.
   void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
                std::vector<int>& new_slot, const std::vector<int>& new_part = {}, Basis basis = Basis::quadratic);
+
+  // State of the law: state_fields() vectors a block. It takes no memory until some point has damage.
+  const vd* state(int b) const { return state_.empty() ? kNoState : &state_[state_fields_ * static_cast<std::size_t>(b)]; }
+  vd* change_state(int b);
+  // Of all blocks, one after the other; empty while they are all 0.
+  const std::vector<vd>& states() const { return state_; }
+  // As many numbers as the law of the points has. Until it is set, and where a point arrives that has more, there are
+  // kMostStateFields of them: the damage tensor that a file gave, see Law::state_from_tensor.
+  int state_fields() const { return state_fields_; }
+  // That law, nullptr until it is set. It stays when the command that made it is gone: the numbers are of no other.
+  const Law* law() const { return law_.get(); }
+  // Numbers above the count of the law must be 0.
+  void set_law(const std::shared_ptr<const Law>& law);
+  // The state of one point.
+  void set_state(int slot, const double* numbers);
 
   // Gives the points a motion, at rest, if they have none.
   void let_move();
@@ -146,8 +161,13 @@ class PointStore {
   std::size_t memory_usage() const;
 
  private:
+  static const vd kNoState[kMostStateFields];
+  std::vector<vd> state_;
+  int state_fields_ = kMostStateFields;
+  std::shared_ptr<const Law> law_;
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   void set(int slot, const PointRecord& r, int tag);
+  void set_state_fields(int fields);
 };
 
 }  // namespace mpdem

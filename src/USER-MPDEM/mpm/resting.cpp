@@ -30,17 +30,20 @@ bool Resting::moves(const Field& f, const Grid& grid) const {
   return false;
 }
 
-bool Resting::settle(const Field& f, PointStore& points, Grid& grid, const TensorDamage& law, double dt,
+bool Resting::settle(const Field& f, PointStore& points, Grid& grid, const Law& law, double dt,
                      const AdvanceOptions& options, AdvanceResult& result) {
   const std::size_t n = f.last_block - f.first_block;
   blocks_before_.assign(points.blocks.begin() + f.first_block, points.blocks.begin() + f.last_block);
-  damage_before_.assign(points.damage.begin() + f.first_block, points.damage.begin() + f.last_block);
+  const bool had_state = !points.states().empty();
+  const std::size_t numbers = had_state ? n * points.state_fields() : 0;
+  state_before_.assign(points.state(f.first_block), points.state(f.first_block) + numbers);
   advance_points(points, f.first_block, f.last_block, grid, law, dt, options, result);
   return std::memcmp(blocks_before_.data(), &points.blocks[f.first_block], n * sizeof(PointBlock)) == 0 &&
-         std::memcmp(damage_before_.data(), &points.damage[f.first_block], n * sizeof(PointStore::Damage)) == 0;
+         had_state == !points.states().empty() &&
+         (numbers == 0 || std::memcmp(state_before_.data(), points.state(f.first_block), numbers * sizeof(vd)) == 0);
 }
 
-void Resting::advance(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options,
+void Resting::advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                       AdvanceResult& result) {
   asleep_ = 0;
   for (Field& f : fields_) {

@@ -21,7 +21,7 @@ class Resting {
   void bind(const PointStore& points, const Grid& grid);
 
   // advance_points() for all points, sleepers left out.
-  void advance(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options,
+  void advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                AdvanceResult& result);
 
   struct Field {
@@ -35,13 +35,13 @@ class Resting {
  private:
   bool moves(const Field& f, const Grid& grid) const;
   // Passes over the field and tells whether nothing changed.
-  bool settle(const Field& f, PointStore& points, Grid& grid, const TensorDamage& law, double dt,
+  bool settle(const Field& f, PointStore& points, Grid& grid, const Law& law, double dt,
               const AdvanceOptions& options, AdvanceResult& result);
 
   std::vector<Field> fields_;
   std::vector<double> force_;  // of the sleepers
   std::vector<PointBlock> blocks_before_;
-  std::vector<PointStore::Damage> damage_before_;
+  std::vector<vd> state_before_;
   int asleep_ = 0;
 };
 

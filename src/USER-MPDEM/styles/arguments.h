@@ -8,10 +8,10 @@
 #define MPDEM_ARGUMENTS_H
 
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "../numerics/text_of.h"
 #include "error.h"
 #include "lammps.h"
 
@@ -53,13 +53,6 @@ class Arguments {
   int next_;
   std::set<std::string> given_;
 };
-
-template <class... T>
-std::string text_of(const T&... parts) {
-  std::ostringstream s;
-  (s << ... << parts);
-  return s.str();
-}
 
 // Error::all with the streams flushed, which survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);

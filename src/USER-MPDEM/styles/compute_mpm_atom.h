@@ -31,7 +31,10 @@ class ComputeMpmAtom : public Compute {
  private:
   FixMpm* find_cement() const;
 
-  std::string cement_id_;
+  template <class L>
+  mpdem::vd value_of(const mpdem::PointStore& points, int block, const L& law) const;
+
+  std::string cement_id_, name_;
   FixMpm* cement_ = nullptr;
   int quantity_ = 0;
   int size_ = 0;

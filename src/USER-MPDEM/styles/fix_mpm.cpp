@@ -169,27 +169,10 @@ void FixMpm::check_cell() const {
                        .c_str());
 }
 
-// Cement from a file may come damaged; the cut-off is not known there.
+// Cement from a file may come damaged; law and cut-off are not known there.
 void FixMpm::check_initial_damage() {
-  const mpdem::PointStore& points = avec_->points;
-  const mpdem::DamageParameters& p = law_->parameters();
-  std::string trouble;
-  for (std::size_t b = 0; b < points.blocks.size() && trouble.empty(); ++b) {
-    const mpdem::BlockMeta& m = points.meta[b];
-    if (!m.damaged) continue;
-    const mpdem::vd most = mpdem::largest(mpdem::eigen(points.damage[b].D));
-    for (int l = 0; l < mpdem::kLanes && trouble.empty(); ++l) {
-      const bool failed = m.failed >> l & 1;
-      if (!(m.occupied >> l & 1)) continue;
-      const std::string who = text_of("fix mpm (id ", id, "): material point ", points.tags[b][l], " has ");
-      if (p.B0 == 0.0 && (failed || most[l] > 0.0))
-        trouble = who + text_of("damage ", most[l], failed ? ", and has failed" : "", ", which needs 'damage tensor'");
-      else if (!failed && most[l] > p.Dcut * (1.0 + 1e-9))
-        trouble = who + text_of("damage ", most[l], ", above the cut-off ", p.Dcut,
-                                "; raise 'cutoff' or mark such points as failed in the file of create_cement");
-    }
-  }
-  mpdem::stop_if_any(lmp, trouble);
+  const std::string trouble = mpdem::take_up_states(avec_->points, law_);
+  mpdem::stop_if_any(lmp, trouble.empty() ? trouble : text_of("fix mpm (id ", id, "): ", trouble));
 }
 
 // Gravity acts on the cement as on the grains. Any other force on material points would be

@@ -27,9 +27,10 @@ FixStyle(mpm,FixMpm)
 #include "../fracture/crevice.h"
 #include "../fracture/separation.h"
 #include "../geometry/shape.h"
-#include "../material/tensor_damage.h"
+#include "../material/laws.h"
 #include "../mpm/advance_updated.h"
 #include "../mpm/grid.h"
+#include "../mpm/point_state.h"
 #include "../mpm/resting.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
@@ -104,7 +105,7 @@ class FixMpm : public Fix {
   // What fix mpm/couple hands over; one coupling at most.
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
 
-  const mpdem::TensorDamage& law() const { return *law_; }
+  const mpdem::Law& law() const { return *law_; }
   double cell() const { return cell_; }
   AtomVecMpdem* cement() const { return avec_; }
   // Slots of the atoms, which fall behind while points change cells; before they are read.
@@ -120,7 +121,6 @@ class FixMpm : public Fix {
  private:
   void restore_nodes(std::size_t n, mpdem::CheckedNumbers& in);
   void parse(int narg, char** arg);
-  void parse_damage(mpdem::Arguments& args, mpdem::DamageParameters& damage);
   void parse_transfer(mpdem::Arguments& args);
   void parse_skip(mpdem::Arguments& args);
   void check_words(mpdem::Arguments& args);
@@ -260,7 +260,7 @@ class FixMpm : public Fix {
   bool skip_detached_ = true;
   double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step
   double mass_scale_ = 1.0, relax_ = 0.0;  // quasistatic
-  std::unique_ptr<mpdem::TensorDamage> law_;
+  std::shared_ptr<const mpdem::Law> law_;
   mpdem::VtiConstants constants_;
   bool coupled_ = false;
   std::string coupling_id_;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../numerics/eigen3.h"
 #include "arguments.h"
 #include "comm.h"
 #include "files_in_use.h"
@@ -60,20 +59,9 @@ void FixMpm::record_events() {
     e.r = (X - e.z * axis).norm();
     e.theta = std::atan2(X.dot(e2), X.dot(e1));
 
-    const mpdem::Spectral s =
-        mpdem::eigen(mpdem::rotate(mpdem::rotation_matrix(points.blocks[b].q), points.damage[b].D));
-    int order[3] = {0, 1, 2};
-    std::sort(order, order + 3, [&](int i, int j) { return s.value[i][l] > s.value[j][l]; });
-    for (int i = 0; i < 3; ++i) {
-      e.damage[i] = s.value[order[i]][l];
-      e.direction[i] = s.axes.a[i][order[0]][l];
-    }
-    // A direction has no sign: the largest component is positive.
-    int most = 0;
-    for (int i = 1; i < 3; ++i)
-      if (std::fabs(e.direction[i]) > std::fabs(e.direction[most]) + 1e-9) most = i;
-    if (e.direction[most] < 0.0)
-      for (double& c : e.direction) c = -c;
+    const mpdem::CrackOfPoint crack = mpdem::crack_of(points, slot, *law_);
+    std::copy(crack.damage, crack.damage + 3, e.damage);
+    std::copy(crack.normal, crack.normal + 3, e.direction);
     events_.push_back(e);
   }
 }

@@ -237,12 +237,11 @@ void FixMpm::go_back_half_a_step() {
 // A jump that matters: it is no small part of the velocity, and the stress of the wave that it sends through the cement
 // is 1 % of the strength, or where there is no damage its strain is 1e-6.
 void FixMpm::find_limit_of_jumps() {
-  const mpdem::DamageParameters& p = law_->parameters();
   const double speed = law_->elasticity().fastest_wave(inertia_);
   jump_limit_ = 1e-6 * speed;
-  if (p.B0 > 0.0)
-    jump_limit_ = 0.01 / (inertia_ * speed) * std::min(mpdem::implied_strength(p, constants_.Ez).tensile_strength,
-                                                     mpdem::implied_strength(p, constants_.Ep).tensile_strength);
+  if (!law_->inert())
+    jump_limit_ = 0.01 / (inertia_ * speed) * std::min(law_->implied_strength(constants_.Ez).tensile_strength,
+                                                     law_->implied_strength(constants_.Ep).tensile_strength);
   jump_told_ = false;
   worst_jump_.clear();
 }

@@ -51,23 +51,24 @@ const FixMpm::Totals& FixMpm::totals() {
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::PointBlock& p = points.blocks[b];
-    const mpdem::BlockMeta& m = points.meta[b];
-    sum[kPoints] += __builtin_popcount(m.occupied);
-    sum[kFailed] += __builtin_popcount(m.failed);
-    sum[kVolume] += sum_lanes(p.volume);
-    const vd alive = mpdem::select(mpdem::lanes(m.failed), vd{}, p.volume);
-    const mpdem::Sym3<vd> s =
-        m.damaged ? law_->stress(p.strain, points.damage[b].D) : law_->elasticity().stress(p.strain);
-    sum[kElastic] += sum_lanes(0.5 * alive * mpdem::contract(s, p.strain));
-    if (m.damaged) {
-      const vd d = mpdem::largest(mpdem::eigen(points.damage[b].D));
-      sum[kDamaged] += sum_lanes(p.volume * d);
-      for (int l = 0; l < kLanes; ++l)
-        if (m.occupied >> l & 1) most[0] = std::max(most[0], d[l]);
+  mpdem::with_law(*law_, [&](const auto& law) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const mpdem::PointBlock& p = points.blocks[b];
+      const mpdem::BlockMeta& m = points.meta[b];
+      sum[kPoints] += __builtin_popcount(m.occupied);
+      sum[kFailed] += __builtin_popcount(m.failed);
+      sum[kVolume] += sum_lanes(p.volume);
+      const vd alive = mpdem::select(mpdem::lanes(m.failed), vd{}, p.volume);
+      const mpdem::Sym3<vd> s = mpdem::stress_of(points, static_cast<int>(b), law);
+      sum[kElastic] += sum_lanes(0.5 * alive * mpdem::contract(s, p.strain));
+      if (m.damaged) {
+        const vd d = mpdem::largest_damage_of(points, static_cast<int>(b), law);
+        sum[kDamaged] += sum_lanes(p.volume * d);
+        for (int l = 0; l < kLanes; ++l)
+          if (m.occupied >> l & 1) most[0] = std::max(most[0], d[l]);
+      }
     }
-  }
+  });
   for (int i = 0; i < grid_.size(); ++i) {
     if (!grid_.halo.counts_here()[i]) continue;
     const mpdem::Body& body = avec_->bodies[mpdem::body_of(grid_.keys[i][0])];
@@ -152,19 +153,21 @@ const std::vector<FixMpm::BondState>& FixMpm::bonds() {
       row[6 + d] = s.x[d];
     }
   }
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::BlockMeta& m = points.meta[b];
-    double* row = &sum[kRow * m.body + 2 * kSide];
-    row[0] += __builtin_popcount(m.occupied);
-    row[1] += __builtin_popcount(m.failed);
-    row[2] += sum_lanes(points.blocks[b].volume);
-    if (m.damaged) {
-      const vd d = mpdem::largest(mpdem::eigen(points.damage[b].D));
-      row[3] += sum_lanes(points.blocks[b].volume * d);
-      for (int l = 0; l < kLanes; ++l)
-        if (m.occupied >> l & 1) most[m.body] = std::max(most[m.body], d[l]);
+  mpdem::with_law(*law_, [&](const auto& law) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const mpdem::BlockMeta& m = points.meta[b];
+      double* row = &sum[kRow * m.body + 2 * kSide];
+      row[0] += __builtin_popcount(m.occupied);
+      row[1] += __builtin_popcount(m.failed);
+      row[2] += sum_lanes(points.blocks[b].volume);
+      if (m.damaged) {
+        const vd d = mpdem::largest_damage_of(points, static_cast<int>(b), law);
+        row[3] += sum_lanes(points.blocks[b].volume * d);
+        for (int l = 0; l < kLanes; ++l)
+          if (m.occupied >> l & 1) most[m.body] = std::max(most[m.body], d[l]);
+      }
     }
-  }
+  });
   for (const mpdem::Link& k : points.links)
     sum[kRow * points.meta[k.slot / kLanes].body + 2 * kSide + (k.attached ? 4 : 5)] += 1.0;
   global_sum(sum, world);

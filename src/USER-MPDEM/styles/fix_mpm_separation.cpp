@@ -100,13 +100,13 @@ FixMpm::WholeBodies FixMpm::collect_bodies(const std::vector<char>& wanted) {
   std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
   for (const mpdem::Link& k : points.links) ++first_link[k.slot + 1];
   for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+  const std::vector<vd> damage = mpdem::largest_damages(points, *law_, wanted);
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const mpdem::BlockMeta& m = points.meta[b];
     if (!wanted[m.body]) continue;
     const mpdem::Body& body = avec_->bodies[m.body];
     double axis[3];
     direction_of_centres(body, axis);
-    const vd damage = m.damaged ? mpdem::largest(mpdem::eigen(points.damage[b].D)) : vd{};
     for (int l = 0; l < kLanes; ++l) {
       if (!(m.occupied >> l & 1)) continue;
       Sent s;
@@ -116,7 +116,7 @@ FixMpm::WholeBodies FixMpm::collect_bodies(const std::vector<char>& wanted) {
       s.point.part = mpdem::piece_of(m.part);
       s.point.sheet = mpdem::sheet_of(m.part);
       s.point.failed = m.failed >> l & 1;
-      s.point.damage = static_cast<float>(std::max(damage[l], 0.0));
+      s.point.damage = static_cast<float>(std::max(damage[b][l], 0.0));
       const mpdem::SheetPoint place = sheet_point(static_cast<int>(b), l);
       for (int d = 0; d < 3; ++d) {
         s.point.cell[d] = place.cell[d];
@@ -159,7 +159,7 @@ mpdem::Separation FixMpm::look_at(int body, const std::vector<mpdem::CrackPoint>
 // Looks at bodies in which points failed: those whose path is cut, and what has come apart already,
 // if debris. Collective. True if a part changed, or a body came apart that has ties or damping.
 bool FixMpm::separate_bodies(bool debris) {
-  if (law_->parameters().B0 == 0.0 || !coupled_) return false;
+  if (law_->inert() || !coupled_) return false;
   mpdem::PointStore& points = avec_->points;
   const int bodies = static_cast<int>(avec_->bodies.size());
   std::vector<double> failed(bodies, 0.0);

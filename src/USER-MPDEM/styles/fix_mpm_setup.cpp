@@ -237,7 +237,7 @@ void FixMpm::refresh_added_mass() {
 
 // The same in the course of a run, where links that let go give up their added mass.
 void FixMpm::drop_added_mass() {
-  if (coupled_ && law_->parameters().B0 != 0.0) take_up_added_mass(true);
+  if (coupled_ && !law_->inert()) take_up_added_mass(true);
 }
 
 // With the eigenvalue as it is known now. Bodies that were not in motion yet start with what they have then.
@@ -313,12 +313,10 @@ void FixMpm::set_frames(mpdem::PointStore& points) const {
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
-      if (m.damaged) {  // given in the axes of the box
-        const mpdem::Sym3<vd> turned = mpdem::rotate_back(mpdem::rotation_matrix(f), points.damage[b].D);
-        mpdem::Sym3<vd>& D = points.damage[b].D;
-        for (vd mpdem::Sym3<vd>::*c : {&mpdem::Sym3<vd>::xx, &mpdem::Sym3<vd>::yy, &mpdem::Sym3<vd>::zz, &mpdem::Sym3<vd>::yz,
-                                       &mpdem::Sym3<vd>::xz, &mpdem::Sym3<vd>::xy})
-          (D.*c)[l] = (turned.*c)[l];
+      if (m.damaged && law_->state_is_tensor()) {  // given in the axes of the box
+        const mpdem::Sym3<vd> D = mpdem::rotate_back(mpdem::rotation_matrix(f), mpdem::state_of<mpdem::TensorDamage>(points, static_cast<int>(b)));
+        const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
+        points.set_state(kLanes * static_cast<int>(b) + l, numbers);
       }
       m.framed |= static_cast<std::uint8_t>(1u << l);
     }

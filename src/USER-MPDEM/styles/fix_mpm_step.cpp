@@ -58,7 +58,7 @@ void FixMpm::post_force(int) {
     timer_.start(mpdem::StepTimer::kLayout);
     drop_added_mass();
     if (separate_bodies(true)) rebuild_parts();
-  } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && law_->parameters().B0 != 0.0 && some_path_is_cut()) {
+  } else if ((update->ntimestep - 1) % kWatchEvery == 0 && coupled_ && !law_->inert() && some_path_is_cut()) {
     timer_.start(mpdem::StepTimer::kLayout);
     if (separate_bodies(false)) rebuild_parts();
   }

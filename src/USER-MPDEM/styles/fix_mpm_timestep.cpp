@@ -179,29 +179,11 @@ void FixMpm::report_parameters() {
   const DampedStep damped = damped_step(limiting_eigenvalue(update->dt));
   const double limit = damped.step;
   if (comm->me == 0 && !reported_) {
-    const auto& p = law_->parameters();
     std::string text = text_of(
         "fix mpm (id ", id, "): ", points_expected_, " material points, ", avec_->bodies.size(), " bodies, cell ", cell_,
         "\n  elastic   Ep ", constants_.Ep, ", Ez ", constants_.Ez, ", nu_p ", constants_.nu_p, ", nu_zp ", constants_.nu_zp,
         ", Gzp ", constants_.Gzp, ", C33 ", law_->elasticity().C33, "\n  axis      ", axis_name(axis_, axis_direction_), "\n");
-    if (p.B0 > 0.0) {
-      text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full",
-                      ", zeta ", p.zeta, ", interface ", p.interface, ", viscosity ", p.viscosity, ", crack band exponent ", p.exponent, "\n");
-      const char* names[2] = {"along the axis", "in the plane  "};
-      const double E[2] = {constants_.Ez, constants_.Ep};
-      for (int i = 0; i < 2; ++i) {
-        const mpdem::ImpliedStrength s = mpdem::implied_strength(p, E[i]);
-        text += text_of("  implies   ", names[i], ": tensile strength ", s.tensile_strength, ", strain at onset ", s.onset_strain,
-                        ", at failure ", s.failure_strain, "\n");
-      }
-      const mpdem::ImpliedStrength s = mpdem::implied_strength(p, constants_.Ez);
-      const double band = mpdem::localisation_cells(p);
-      text += text_of("  implies   energy per crack area ", s.work_per_volume * band * cell_, " for a crack ", band,
-                      fracture_energy_ > 0.0 ? " cells wide\n"
-                                             : " cells wide: without regularization it is proportional to the cell\n");
-    } else {
-      text += "  damage    none\n";
-    }
+    text += law_->report(cell_);
     if (mass_scale_ > 1.0 || relax_ > 0.0)
       text += text_of("  quasistatic: inertia ", mass_scale_, " times that of the calcite, damping ", relax_, " of critical\n");
     text += text_of("  time step ", update->dt, ", stable up to ", limit, eigenvalue_ > 0.0 ? "" : " at least", "\n");
@@ -232,14 +214,11 @@ void FixMpm::tell_of_damping() {
 
 // Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
 void FixMpm::warn_of_parameters() const {
-  const mpdem::DamageParameters& p = law_->parameters();
-  if (p.B0 == 0.0) return;
-  const double strain = mpdem::implied_strength(p, std::min(constants_.Ez, constants_.Ep)).failure_strain;
+  if (law_->inert()) return;
+  const double strain = law_->implied_strength(std::min(constants_.Ez, constants_.Ep)).failure_strain;
   if (strain > 1.0)
     error->warning("fix mpm", 0,
-                   text_of("fix mpm (id ", id, "): cement fails at a strain of ", strain, ", with B0 ", p.B0, " and moduli ", constants_.Ez, " and ",
-                           constants_.Ep, ": check the units, which are those of pressure for all of them (Pa, not GPa, with 'units si')")
-                       .c_str());
+                   text_of("fix mpm (id ", id, "): cement fails at a strain of ", strain, ", ", law_->advice_on_strain()).c_str());
 }
 
 // The last line of the report: it takes the eigenvalue, which is found for the others.

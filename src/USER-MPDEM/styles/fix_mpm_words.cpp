@@ -8,6 +8,7 @@
 #include "arguments.h"
 #include "atom.h"
 #include "fix_mpm.h"
+#include "law_words.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -17,9 +18,7 @@ using mpdem::text_of;
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "timestep", "quasistatic", "skip", "check", "events",
-                                            "and after 'damage tensor' B0, cutoff, evolution, zeta, interface, viscosity"};
-const std::vector<std::string> kDamageKeywords = {"B0", "cutoff", "evolution", "zeta", "interface", "viscosity"};
+                                            "regularization", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 }  // namespace
@@ -29,12 +28,10 @@ void FixMpm::parse(int narg, char** arg) {
   if (!avec_)
     args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   bool has_elastic = false;
-  mpdem::DamageParameters damage;
+  mpdem::LawChoice damage;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    if (is_one_of(key, kDamageKeywords))
-      args.complain("'" + key + "' belongs to the words of 'damage tensor', with no other keyword between; write it there: "
-                    "'damage tensor B0 ... " + (key == "B0" ? "" : key + " ...") + "'");
+    mpdem::check_misplaced(args, key, damage);
     // one `skip` for each thing that may be skipped; `reproject` in two ways has a message of its own
     if (is_one_of(key, kKeywords) && key != "skip" && key != "reproject") args.once(key);
     if (key == "cell") {
@@ -78,7 +75,7 @@ void FixMpm::parse(int narg, char** arg) {
         for (double& a : axis_direction_) a /= length;
       }
     } else if (key == "damage") {
-      parse_damage(args, damage);
+      damage = mpdem::read_law(args);
     } else if (key == "regularization") {
       fracture_energy_ = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
@@ -104,54 +101,24 @@ void FixMpm::parse(int narg, char** arg) {
     } else if (key == "check") {
       check_every_ = args.integer(key, 1);
     } else {
-      args.unknown(key, kKeywords);
+      std::vector<std::string> known = kKeywords;
+      for (const std::string& w : mpdem::law_words()) known.push_back(w);
+      args.unknown(key, known);
     }
   }
   if (cell_ == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
+  std::shared_ptr<mpdem::Law> law = damage.make(mpdem::VtiElasticity(constants_));
   if (fracture_energy_ > 0.0) {
-    if (damage.B0 == 0.0) args.complain("'regularization crackband' needs 'damage tensor'");
+    if (!law->has_crack_energy()) args.complain("'regularization crackband' needs 'damage tensor'");
     try {
-      damage.exponent = mpdem::crack_cell_exponent(damage, fracture_energy_, cell_);
+      law->set_crack_energy(fracture_energy_, cell_);
     } catch (const std::domain_error& e) {
       args.complain(text_of("'regularization crackband': ", e.what()));
     }
   }
+  law_ = law;
   check_words(args);
-  law_ = std::make_unique<mpdem::TensorDamage>(mpdem::VtiElasticity(constants_), damage);
-}
-
-void FixMpm::parse_damage(Arguments& args, mpdem::DamageParameters& damage) {
-  if (args.choice("damage", {"none", "tensor"}) == "none") {
-    damage.B0 = 0.0;
-    return;
-  }
-  const auto next = [&args](const char* keyword) {
-    if (!args.accept(keyword)) return false;
-    args.once(keyword, "damage tensor");
-    return true;
-  };
-  while (true) {
-    if (next("B0")) damage.B0 = args.positive("damage tensor B0");
-    else if (next("cutoff")) {
-      damage.Dcut = args.number("damage tensor cutoff");
-      if (!(damage.Dcut > 0.0 && damage.Dcut < 1.0))
-        args.complain(text_of("'damage tensor cutoff ", damage.Dcut, "': must lie between 0 and 1, both excluded"));
-    } else if (next("evolution")) {
-      damage.monotone = args.choice("damage tensor evolution", {"monotone", "full"}) == "monotone";
-    } else if (next("zeta")) {
-      damage.zeta = args.number("damage tensor zeta");
-      if (!(damage.zeta > 0.0 && damage.zeta <= 1.0))
-        args.complain(text_of("'damage tensor zeta ", damage.zeta, "': tensile over compressive strength, must lie in (0, 1]"));
-    } else if (next("interface")) {
-      damage.interface = args.positive("damage tensor interface");
-    } else if (next("viscosity")) {
-      damage.viscosity = args.positive("damage tensor viscosity");
-    } else {
-      break;
-    }
-  }
-  if (damage.B0 == 0.0) args.complain("'damage tensor' needs 'B0', the energy per volume at which damage starts");
 }
 
 void FixMpm::parse_transfer(Arguments& args) {

@@ -6,12 +6,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <map>
 #include <vector>
 
+#include "../mpm/point_state.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
 #include "atom.h"
@@ -73,6 +75,8 @@ void WriteCement::command(int narg, char** arg) {
       p.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, p.x);
       p.record = avec->points.record(avec->slot[i]);
+      const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points, avec->slot[i]);
+      std::copy(damage.begin(), damage.end(), p.record.damage);
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
       points[0].push_back(p);
