@@ -9,6 +9,7 @@
 #include <memory>
 #include <typeinfo>
 
+#include "mazars_damage.h"
 #include "no_damage.h"
 #include "tensor_damage.h"
 
@@ -17,7 +18,7 @@ namespace mpdem {
 template <class... L>
 struct LawList {};
 
-using Laws = LawList<NoDamage, TensorDamage>;
+using Laws = LawList<NoDamage, TensorDamage, MazarsDamage>;
 
 template <class L, class... Rest, class F>
 decltype(auto) pick_law(LawList<L, Rest...>, const Law& law, F& f) {
