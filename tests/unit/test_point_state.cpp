@@ -80,11 +80,10 @@ TEST(PointState, OfAFileIsTakenUpByTheLaw) {
   const auto none = std::make_shared<NoDamage>(elasticity);
   const auto with = [](double d, bool failed) {
     PointStore s = intact(3);
-    PointRecord r;
-    r.volume = 1.0;
-    r.failed = failed;
-    r.damage[1] = d;
-    s.add(r, 77);
+    const double numbers[6] = {0.0, d, 0.0, 0.0, 0.0, 0.0};
+    s.set_state(2, numbers);
+    s.meta[0].damaged = d != 0.0 || failed;
+    s.meta[0].failed = failed ? 4 : 0;
     return s;
   };
   PointStore good = with(0.5, false), over = with(0.8, false), gone = with(0.8, true), whole = intact(3), failed = with(0.0, true);
@@ -92,10 +91,10 @@ TEST(PointState, OfAFileIsTakenUpByTheLaw) {
   EXPECT_STREQ(good.law()->name(), "tensor");
   EXPECT_EQ(take_up_states(gone, law), "");
   EXPECT_EQ(take_up_states(whole, none), "");
-  EXPECT_NE(take_up_states(over, law).find("point 77 has damage 0.8, above the cut-off 0.7; raise 'cutoff'"), std::string::npos);
+  EXPECT_NE(take_up_states(over, law).find("point 3 has damage 0.8, above the cut-off 0.7; raise 'cutoff'"), std::string::npos);
   over = with(0.8, false);
-  EXPECT_EQ(take_up_states(over, none), "material point 77 has damage 0.8, which needs 'damage tensor'");
-  EXPECT_EQ(take_up_states(failed, none), "material point 77 has damage 0, and has failed, which needs 'damage tensor'");
+  EXPECT_EQ(take_up_states(over, none), "material point 3 has damage 0.8, which needs 'damage tensor'");
+  EXPECT_EQ(take_up_states(failed, none), "material point 3 has damage 0, and has failed, which needs 'damage tensor'");
   const std::string other = take_up_states(good, none);
   EXPECT_NE(other.find("has a state of 'damage tensor', from which 'damage none' cannot go on"), std::string::npos) << other;
 }
