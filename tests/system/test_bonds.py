@@ -199,6 +199,20 @@ def test_packing(tmp_path, figures):
     figures.below("packing, two ranks against one: force, over the peak", abs(one["c_force"] - two["c_force"]).max() / peak, 1e-3)
 
 
+def test_equal_bonds(tmp_path):
+    """54 contacts of a cubic packing, points of equal ones made once: the same on any number of ranks as pair by pair; 20 are listed."""
+    centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2 * RADIUS * k) for k in range(3) for j in range(3) for i in range(3)]
+    scene = grains(centres, "-0.0051 0.0251 " * 3)
+    words, end = "shape flat outer 2.5e-3 spacing 4e-4 grid 1e-4 0 0", "write_cement cement.txt\n"
+    pairs = sorted((a + 1, b + 1) for a in range(27) for b in range(a + 1, 27) if np.linalg.norm(np.subtract(centres[a], centres[b])) < 2.01 * RADIUS)
+    one = run(scene + "".join(f"create_cement calcite pair {a} {b} {words}\n" for a, b in pairs) + end, tmp_path / "pairs")
+    assert len(pairs) == 54 and one.output.count("Cement between grains") == 54
+    for ranks in (1, 2, 3):
+        all_ = run(scene + f"create_cement calcite contacts grains gap 1e-6 {words}\n" + end, tmp_path / str(ranks), ranks)
+        assert all_.output.count("Cement between grains") == 20 and "  ... and 34 more bonds\n" in all_.output
+        assert (one.directory / "cement.txt").read_text() == (all_.directory / "cement.txt").read_text()
+
+
 def test_fix_before_its_cement(tmp_path):
     script = pair(CELL / 2) + cement(CELL, 1e-8)
     line = CREATE % (1, 2)

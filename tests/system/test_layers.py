@@ -8,13 +8,14 @@ PACKAGE = Path(__file__).resolve().parents[2] / "src" / "USER-MPDEM"
 # What each room may include besides itself.
 BELOW = {
     "numerics": set(),
-    "parallel": set(),
+    "parallel": {"numerics"},
     "geometry": {"numerics"},
     "material": {"numerics"},
     "mpm": {"material", "numerics", "parallel"},
     "fracture": {"mpm", "material", "numerics", "parallel"},
     "coupling": {"mpm", "material", "numerics", "parallel"},
-    "styles": {"coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
+    "cement": {"coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
+    "styles": {"cement", "coupling", "fracture", "geometry", "mpm", "material", "numerics", "parallel"},
     "host": {"styles"},
 }
 KNOW_LIGGGHTS = {"styles", "host"}

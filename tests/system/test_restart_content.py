@@ -10,14 +10,18 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, FIX_NODE = 21, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
-# Offsets of numbers in the data of a bond, after the IDs of its grains.
-BOND = {"origin": 8, "centre": 32, "orientation": 80, "radius": 144, "shift": 160, "box": 208, "axis": 232, "in motion": 264, "volume": 272,
-        "area": 280, "spacing": 296, "lattice": 304, "regular": 328, "thickness": 336, "points": 344}
-FIX = {"version": 0, "cell": 1, "basis": 2, "kinematics": 3, "step": 4, "started": 5, "energy": 6, "time": 12, "coupling": 15, "kn": 16, "bonds": 19, "nodes": 20}
+FIX_HEAD, FIX_BOND, FIX_NODE = 22, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+# Of the numbers of a bond.
+BOND = {"first": 0, "second": 1, "origin": 2, "radius": 5, "centre": 7, "orientation": 13, "shift": 21, "area": 27, "box": 29, "axis": 32,
+        "in motion": 36, "volume": 37, "spacing": 38, "lattice": 39, "regular": 42, "thickness": 43, "points": 44}
+BOND_NUMBERS = 45
+FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 13, "coupling": 16, "kn": 17, "bonds": 20,
+       "nodes": 21}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
-POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "framed": 21, "moving": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
-         "strain": 40, "damage": 46, "links": 52, "grain": 53, "foot": 54, "area": 57, "state": 58}
+POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "framed": 21, "place": 22, "volume": 25, "deformation": 26, "frame": 35,
+         "strain": 39, "damage": 45, "moving": 51, "links": 52, "grain": 53, "foot": 54, "area": 57, "attached": 58, "way": 59, "inert": 62}
+# The same of a grain.
+GRAIN = {"orientation": 18, "seen": 22, "velocity": 23, "placed": 56}
 NAN, HUGE = float("nan"), 1e300
 
 
@@ -37,9 +41,9 @@ class File:
     def __init__(self, data):
         self.data = data
         end = len(data) - (SEAL if data[-SEAL:-SEAL + 8] == b"MPDEMend" else 0)
-        self.head = data.index(b"MPDEMrst") + 8  # version, bytes of a bond, bonds, whether there is a seal
+        self.head = data.index(b"MPDEMrst") + 8  # version, numbers of a bond, bonds, whether there is a seal
         size, bonds = self.integer(self.head + 4), self.integer(self.head + 8)
-        assert size == BOND["points"] + 8 and bonds == 1
+        assert size == BOND_NUMBERS and bonds == 1
         self.bond = self.head + 16
         name = b"cem\0\x04\0\0\0mpm\0"
         self.fix = data.index(name) + len(name) + 4
@@ -108,42 +112,51 @@ def test_unchanged(tmp_path, files):
 
 
 @pytest.mark.parametrize("part, name, value, needed", [
-    ("head", "size", 345, "345 bytes"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
+    ("head", "size", 44, "44 numbers"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
     ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
-    ("IDs", 0, -7, "IDs of its grains are -7 and 2"), ("IDs", 4, 1, "1 and 1"),
-    ("bond", "orientation", 7.0, "orientation"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "origin", NAN, "origin"),
+    ("bond", "first", -7.0, "first grain is -7"), ("bond", "first", 0.5, "first grain is 0.5"), ("bond", "second", 1.0, "from 2"), ("bond", "second", NAN, "second grain"),
+    ("bond", "orientation", 7.0, "orientation"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
     ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"),
     ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
-    ("fix", "kinematics", 1e9, "kinematics"), ("fix", "started", 2.0, "bonds that have moved"),
+    ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
     ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "nodes take"), ("fix", "nodes", NAN, "number of nodes is nan"),
-    ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "motion of a node"),
-    ("point", "kind", 2.0, "state is of kind 2"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
-    ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "not as long"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
+    ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 4, NAN, "velocity of a node"), ("node", 12, NAN, "acceleration of a node"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
+    ("point", "kind", 3.0, "state is of kind 3"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
+    ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "ends before its velocity gradient"), ("point", "links", 0.0, "longer than it can be"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
     ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage"), ("point", "links", 3.0, "links"),
-    ("point", "grain", 3.0, "grain of a link"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
+    ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'has been seen' of a bonded grain is 2"),
+    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'has a place'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
 def test_named(tmp_path, files, part, name, value, needed):
     """A number out of its range is named, with its value."""
     f = files["total"]
     linked = next(n for n in range(len(f.atoms) - 2) if f.number(f.point(n, "links")) == 1)
-    if part in ("head", "IDs"):
-        at = f.bond + name if part == "IDs" else f.head + {"size": 4, "bonds": 8}[name]
-        data = f.with_integer(at, value)
+    if part == "head":
+        data = f.with_integer(f.head + {"size": 4, "bonds": 8}[name], value)
     else:
-        at = {"bond": lambda: f.bond + BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "node": lambda: f.nodes + 8 * (5 * FIX_NODE + name),
-              "point": lambda: f.point(linked, name), "atom": lambda: f.atoms[1] + 8 * name}[part]()
+        at = {"bond": lambda: f.bond + 8 * BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "bond row": lambda: f.fix + 8 * (FIX_HEAD + name), "node": lambda: f.nodes + 8 * (5 * FIX_NODE + name),
+              "point": lambda: f.point(linked, name), "atom": lambda: f.atoms[1] + 8 * name, "grain": lambda: f.atoms[1] + 8 * GRAIN[name]}[part]()
         data = f.with_number(at, value)
     error = attempt(tmp_path, data)
-    who = "fix mpm (id cem)" if part in ("fix", "node") else "read_restart"
+    who = "fix mpm (id cem)" if part in ("fix", "node", "bond row") else "read_restart"
     assert who in error and needed in error, error
     assert "use another restart file" in error or "truncated" in error, error
+
+
+@pytest.mark.parametrize("version", [5, 7])
+def test_other_version(tmp_path, files, version):
+    """Of the data of fix mpm: named, with the cure."""
+    f = files["total"]
+    error = attempt(tmp_path, f.with_number(f.fix, float(version)))
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 6", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+        assert words in error
 
 
 @pytest.mark.parametrize("kinematics, changes", [("total", 16), ("updated", 8)])
 def test_anywhere(tmp_path, files, kinematics, changes):
     """Numbers anywhere in the records, the same in every run."""
     f, draw = files[kinematics], random.Random(f"{kinematics} 7")
-    places = [f.bond + at for at in range(8, BOND["points"] + 8, 8)]
+    places = [f.bond + 8 * n for n in range(BOND_NUMBERS)]
     places += [f.fix + 8 * n for n in range(1, FIX_HEAD + FIX_BOND)] + [f.nodes + 8 * n for n in range(2 * FIX_NODE)]
     for n in (0, 1, 2, len(f.atoms) // 2, len(f.atoms) - 1):
         places += [f.atoms[n] + 8 * k for k in range(int(f.number(f.atoms[n])))]
@@ -156,5 +169,5 @@ def test_anywhere(tmp_path, files, kinematics, changes):
 def test_on_two_ranks(tmp_path, files):
     """Whether all ranks see it or one does."""
     f = files["total"]
-    for at, needed in ((f.fix + 8 * FIX["nodes"], "number of nodes"), (f.bond + BOND["spacing"], "spacing"), (f.point(0, "volume"), "volume")):
+    for at, needed in ((f.fix + 8 * FIX["nodes"], "number of nodes"), (f.bond + 8 * BOND["spacing"], "spacing"), (f.point(0, "volume"), "volume")):
         assert needed in attempt(tmp_path, f.with_number(at, -1.0), 2)

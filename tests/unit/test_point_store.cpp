@@ -45,8 +45,8 @@ PointRecord random_record(test::Random& random) {
 }
 
 std::vector<double> packed(const PointRecord& r) {
-  std::vector<double> buf(PointRecord::kPacked, -1.0);
-  EXPECT_EQ(r.pack(buf.data()), PointRecord::kPacked);
+  std::vector<double> buf(numbers_of(r), -1.0);
+  pack(r, buf.data());
   return buf;
 }
 
@@ -66,34 +66,6 @@ std::vector<double> content(const PointStore& s) {
   }
   for (const Link& k : s.links) all.insert(all.end(), {double(k.slot), double(k.grain), k.foot[0], k.area});
   return all;
-}
-
-TEST(PointRecord, PackAndUnpack) {
-  test::Random random(81);
-  for (int n = 0; n < 200; ++n) {
-    const PointRecord r = random_record(random);
-    const std::vector<double> buf = packed(r);
-    PointRecord back;
-    EXPECT_EQ(back.unpack(buf.data()), PointRecord::kPacked);
-    EXPECT_EQ(packed(back), buf);
-    EXPECT_EQ(back.body, r.body);
-    EXPECT_EQ(back.part, r.part);
-    EXPECT_EQ(back.failed, r.failed);
-    EXPECT_EQ(back.has_frame, r.has_frame);
-    EXPECT_EQ(back.links, r.links);
-    EXPECT_TRUE(std::equal(r.X, r.X + 3, back.X));
-    EXPECT_EQ(back.volume, r.volume);
-    EXPECT_TRUE(std::equal(r.F, r.F + 9, back.F));
-    EXPECT_TRUE(std::equal(r.q, r.q + 4, back.q));
-    EXPECT_TRUE(std::equal(r.strain, r.strain + 6, back.strain));
-    EXPECT_TRUE(std::equal(r.damage, r.damage + 6, back.damage));
-    for (int i = 0; i < r.links; ++i) {
-      EXPECT_EQ(back.link[i].grain, r.link[i].grain);
-      EXPECT_TRUE(std::equal(r.link[i].foot, r.link[i].foot + 3, back.link[i].foot));
-      EXPECT_EQ(back.link[i].area, r.link[i].area);
-      EXPECT_EQ(back.link[i].attached, r.link[i].attached);
-    }
-  }
 }
 
 struct Filled {

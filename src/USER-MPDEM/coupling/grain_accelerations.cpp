@@ -54,8 +54,7 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
 }
 
 // Of the nodes that count on this rank.
-void GrainAccelerations::add_up(const PenaltyLinks& links, const Grid& grid, GrainSides& sides) {
-  const std::vector<char>& counts = grid.halo.counts_here();
+void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& sides) {
   sum_.assign(kWidth * sides.sides.size(), 0.0);
   for (std::size_t i = 0; i < sides.sides.size(); ++i) {
     const GrainSide& s = sides.sides[i];
@@ -64,30 +63,34 @@ void GrainAccelerations::add_up(const PenaltyLinks& links, const Grid& grid, Gra
       sum_[kWidth * i + 3 + d] = s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
     }
   }
-  for (const PenaltyLinks::AddedMass& a : links.added_masses()) {
-    if (!counts[a.node]) continue;
-    const double N = grid.mass[a.node] + grid.added_mass[a.node], *f = &grid.force[3 * a.node];
-    for (int s = 0; s < 2; ++s) {
-      const double c = a.mass[s], share = c / N;
-      if (c == 0.0) continue;
-      double r[3];
-      a.lever_arm(grid, sides.sides[a.at[s]], r);
-      double* to = &sum_[kWidth * a.at[s]];
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        to[d] += share * f[d];
-        to[3 + d] += share * (r[e] * f[g] - r[g] * f[e]);
+  for (const OfBond& bond : bonds) {
+    const Grid& grid = *bond.grid;
+    const std::vector<char>& counts = grid.halo.counts_here();
+    for (const AddedMass::Share& a : bond.added->shares()) {
+      if (!counts[a.node]) continue;
+      const double N = grid.mass[a.node] + bond.added->of_nodes()[a.node], *f = &grid.force[3 * a.node];
+      for (int s = 0; s < 2; ++s) {
+        const double c = a.mass[s], share = c / N;
+        if (c == 0.0) continue;
+        double r[3];
+        a.lever_arm(grid, sides.sides[bond.side + s], r);
+        double* to = &sum_[kWidth * (bond.side + s)];
+        for (int d = 0; d < 3; ++d) {
+          const int e = (d + 1) % 3, g = (d + 2) % 3;
+          to[d] += share * f[d];
+          to[3 + d] += share * (r[e] * f[g] - r[g] * f[e]);
+        }
+        MassMoments::add(c * (1.0 - share), r, to + 6);
+        MassMoments::add(share * a.mass[1 - s], r, to + 6 + MassMoments::kSize);
       }
-      MassMoments::add(c * (1.0 - share), r, to + 6);
-      MassMoments::add(share * a.mass[1 - s], r, to + 6 + MassMoments::kSize);
     }
   }
   sides.sum(sum_.data(), kWidth);
 }
 
-void GrainAccelerations::find(MPI_Comm comm, const PenaltyLinks& links, const Grid& grid, const std::vector<Grain>& grains,
-                              GrainSides& sides, bool fresh) {
-  add_up(links, grid, sides);
+void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains,
+                              const std::vector<Vector6>& load, GrainSides& sides, bool fresh) {
+  add_up(bonds, sides);
   const std::vector<int>& owned = sides.owned();
   unknowns_.resize(grains.size());
   couplings_.clear();
@@ -102,7 +105,7 @@ void GrainAccelerations::find(MPI_Comm comm, const PenaltyLinks& links, const Gr
       D(i, i) = i < 3 ? grain.mass : grain.inertia;
       u.given[i] = grain.free[i] ? 0.0 : u.now[i];
     }
-    u.load = grain.load;
+    u.load = load[g];
     for (int k : grain.sides) {
       const int at = owned[k];
       const double* of = &sum_[kWidth * at];

@@ -12,7 +12,7 @@
 //
 // A node with links to both grains, c = c0 + c1, couples these by -P0^T (c0 c1/N) P1. The mass matrix is
 // symmetric and positive definite, whence the energy is kept and the bound of the time step is rigorous
-// (penalty_links.h). Grains are solved for one by one, 6 by 6; the coupling is taken in by Chebyshev's
+// (added_mass.h). Grains are solved for one by one, 6 by 6; the coupling is taken in by Chebyshev's
 // acceleration of block Jacobi (Golub & Varga, Numer. Math. 3 (1961) 147), in as many sweeps as a bound of its
 // spectral radius asks for: 2 R0.B R1 <= R0.W0 R0 + R1.W1 R1, W the matrix of c0 c1/N about either grain.
 // Whatever accelerations come out, the links take from grains what they give to nodes.
@@ -29,8 +29,9 @@
 #include <vector>
 
 #include "../mpm/grid.h"
+#include "added_mass.h"
+#include "grain.h"
 #include "grain_sides.h"
-#include "penalty_links.h"
 
 namespace mpdem {
 
@@ -50,18 +51,17 @@ class GrainAccelerations {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  // A grain of this rank: force and torque but those of links; what is prescribed has `free` false.
-  struct Grain {
-    std::vector<int> sides;  // as in GrainSides::owned(), all of its sides
-    double mass = 0, inertia = 0;
-    bool free[6] = {};
-    Vector6 load = Vector6::Zero();
+  // What a bond has of added mass.
+  struct OfBond {
+    const AddedMass* added;
+    const Grid* grid;
+    int side;  // place of its first side
   };
 
   // Collective, once the forces on nodes are complete and those of links are with the sides of this rank: into
-  // the a and alpha of the sides. fresh: the added mass changed since the last time.
-  void find(MPI_Comm comm, const PenaltyLinks& links, const Grid& grid, const std::vector<Grain>& grains, GrainSides& sides,
-            bool fresh);
+  // the a and alpha of the sides. load: on each grain, but that of the links. fresh: the added mass changed since the last time.
+  void find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains, const std::vector<Vector6>& load,
+            GrainSides& sides, bool fresh);
 
   int sweeps() const { return sweeps_; }
 
@@ -76,7 +76,7 @@ class GrainAccelerations {
     int grain, other;  // into the grains and the sides
     Matrix6 B;
   };
-  void add_up(const PenaltyLinks& links, const Grid& grid, GrainSides& sides);
+  void add_up(const std::vector<OfBond>& bonds, GrainSides& sides);
 
   std::vector<double> sum_;
   std::vector<Unknown> unknowns_;

@@ -17,15 +17,12 @@ Mat3<double> rotation_of(const double* q) {
            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
 }
 
-void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& nodes,
+void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<int>& here,
                        const std::vector<Key>& owned) {
   std::vector<Key> keys = owned;
   for (const Key& k : owned) keys.push_back({k[0], 1 - k[1], 0, 0});
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const int body = body_of(nodes[i][0]);
-    if (i == 0 || body != body_of(nodes[i - 1][0]))
-      for (int s = 0; s < 2; ++s) keys.push_back({body, s, 0, 0});
-  }
+  for (int body : here)
+    for (int s = 0; s < 2; ++s) keys.push_back({body, s, 0, 0});
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   sides.assign(keys.size(), GrainSide{});

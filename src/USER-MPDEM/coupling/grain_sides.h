@@ -37,9 +37,9 @@ class GrainSides {
  public:
   std::vector<GrainSide> sides;  // ascending in body, side
 
-  // Collective. nodes: of the grid of this rank; owned: (body, side) whose grain is an atom of this rank, each
+  // Collective. here: bodies of which this rank has nodes; owned: (body, side) whose grain is an atom of this rank, each
   // once. Both ascending. The bodies of either have both their sides here, one behind the other.
-  void build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<Key>& nodes, const std::vector<Key>& owned);
+  void build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<int>& here, const std::vector<Key>& owned);
 
   int find(int body, int side) const;
 

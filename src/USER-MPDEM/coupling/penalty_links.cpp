@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "../mpm/gather.h"
 #include "../mpm/scatter.h"
@@ -22,32 +23,27 @@ double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) con
   return p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
 }
 
-void PenaltyLinks::build(const PointStore& points, const std::vector<Body>& bodies,
-                         const PenaltyParameters& parameters, double cell, double density, Basis basis) {
-  p_ = parameters;
-  basis_ = basis;
-  inverse_h_ = 1.0 / cell;
-  density_ = density;
-  blocks_.clear();
-  reduced_.clear();
+PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
+                           Basis basis)
+    : p_(parameters), basis_(basis), inverse_h_(1.0 / cell), density_(density) {
+  if (!points.meta.empty()) body_ = points.meta.front().body;
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i)
-    if (points.links[i].attached || points.links[i].inert) items.push_back(item_of(points, bodies, static_cast<int>(i)));
-  fill_blocks(points, bodies, items, blocks_);
+    if (points.links[i].attached || points.links[i].inert) items.push_back(item_of(points, body, static_cast<int>(i)));
+  fill_blocks(points, body, items, blocks_);
 }
 
-PenaltyLinks::Place PenaltyLinks::place_of(const LinkBlock& b) { return {b.body, b.part, b.base[0], b.base[1], b.base[2], b.side}; }
+PenaltyLinks::Place PenaltyLinks::place_of(const LinkBlock& b) { return {b.part, b.base[0], b.base[1], b.base[2], b.side}; }
 
-PenaltyLinks::Item PenaltyLinks::item_of(const PointStore& points, const std::vector<Body>& bodies, int link) const {
+PenaltyLinks::Item PenaltyLinks::item_of(const PointStore& points, const Body& body, int link) const {
   const Link& k = points.links[link];
   const int b = k.slot / kLanes, l = k.slot % kLanes;
-  const int body = points.meta[b].body;
-  Item it{{body, points.meta[b].part, 0, 0, 0, bodies[body].grain[0] == k.grain ? 0 : 1}, points.tags[b][l], link};
-  for (int d = 0; d < 3; ++d) it.place[2 + d] = support_base(points.blocks[b].X[d][l], inverse_h_, cell_shift(basis_));
+  Item it{{points.meta[b].part, 0, 0, 0, body.grain[0] == k.grain ? 0 : 1}, points.tags[b][l], link};
+  for (int d = 0; d < 3; ++d) it.place[1 + d] = support_base(points.blocks[b].X[d][l], inverse_h_, cell_shift(basis_));
   return it;
 }
 
-void PenaltyLinks::fill_blocks(const PointStore& points, const std::vector<Body>& bodies, std::vector<Item>& items,
+void PenaltyLinks::fill_blocks(const PointStore& points, const Body& body, std::vector<Item>& items,
                                std::vector<LinkBlock>& blocks) const {
   const double cell = 1.0 / inverse_h_, middle = cell_middle(basis_);
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
@@ -57,14 +53,12 @@ void PenaltyLinks::fill_blocks(const PointStore& points, const std::vector<Body>
   for (std::size_t i = 0; i < items.size();) {
     LinkBlock b{};
     const Item& first = items[i];
-    b.body = first.place[0];
-    b.part = first.place[1];
-    b.side = first.place[5];
-    b.at = b.reduced = -1;
-    const Body& body = bodies[b.body];
+    b.part = first.place[0];
+    b.side = first.place[4];
+    b.reduced = -1;
     const Mat3<double> R = rotation_of(body.orientation[b.side]);
     for (int d = 0; d < 3; ++d) {
-      b.base[d] = first.place[2 + d];
+      b.base[d] = first.place[1 + d];
       b.X[d] = splat((b.base[d] + middle) * cell);
       b.q0[d] = splat(body.radius[b.side]);  // any direction will do where the area is zero
     }
@@ -93,16 +87,12 @@ void PenaltyLinks::fill_blocks(const PointStore& points, const std::vector<Body>
 }
 
 void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
-  for (LinkBlock& b : blocks_) cells.push_back({field_of(b.body, b.part), b.base, b.column});
-}
-
-void PenaltyLinks::bind(const GrainSides& sides) {
-  for (LinkBlock& b : blocks_) b.at = sides.find(b.body, b.side);
+  for (LinkBlock& b : blocks_) cells.push_back({field_of(body_, b.part), b.base, b.column});
 }
 
 bool PenaltyLinks::find_columns(const Grid& grid) {
   bool all = true;
-  for (LinkBlock& b : blocks_) all = grid.find_columns(field_of(b.body, b.part), b.base, b.column) && all;
+  for (LinkBlock& b : blocks_) all = grid.find_columns(field_of(body_, b.part), b.base, b.column) && all;
   return all;
 }
 
@@ -128,9 +118,9 @@ bool PenaltyLinks::move_places(PointStore& points) {
       for (int d = 0; d < 3; ++d) {
         k.moved[d] += b.move[d][l];
         b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of build(), to the bit
-        to[2 + d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, shift);
+        to[1 + d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, shift);
       }
-      const bool crossed = !std::equal(b.base, b.base + 3, &to[2]);
+      const bool crossed = !std::equal(b.base, b.base + 3, &to[1]);
       if (crossed) concerned_.push_back(to);
       left = left || crossed;
       changed = changed || crossed || !(k.attached || k.inert);
@@ -140,7 +130,7 @@ bool PenaltyLinks::move_places(PointStore& points) {
   return left;
 }
 
-bool PenaltyLinks::follow_points(const PointStore& points, const std::vector<Body>& bodies, const Grid& grid, const GrainSides& sides) {
+bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, const Grid& grid) {
   std::sort(concerned_.begin(), concerned_.end());
   concerned_.erase(std::unique(concerned_.begin(), concerned_.end()), concerned_.end());
   std::vector<Item> items;
@@ -152,14 +142,11 @@ bool PenaltyLinks::follow_points(const PointStore& points, const std::vector<Bod
       continue;
     }
     for (int link : b.link)
-      if (link >= 0 && (points.links[link].attached || points.links[link].inert)) items.push_back(item_of(points, bodies, link));
+      if (link >= 0 && (points.links[link].attached || points.links[link].inert)) items.push_back(item_of(points, body, link));
   }
-  fill_blocks(points, bodies, items, anew);
+  fill_blocks(points, body, items, anew);
   bool all = true;
-  for (LinkBlock& b : anew) {
-    b.at = sides.find(b.body, b.side);
-    all = grid.find_columns(field_of(b.body, b.part), b.base, b.column) && all;
-  }
+  for (LinkBlock& b : anew) all = grid.find_columns(field_of(body_, b.part), b.base, b.column) && all;
   // not inplace_merge: the buffer it takes from the library is not aligned as a block of lanes has to be
   blocks_.resize(stay.size() + anew.size());
   std::merge(stay.begin(), stay.end(), anew.begin(), anew.end(), blocks_.begin(),
@@ -203,16 +190,6 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
   for (int d = 0; d < 3; ++d) n[d] = inverse * r[d];
 }
 
-std::vector<PenaltyLinks::BodyLinks> PenaltyLinks::bodies() const {
-  std::vector<BodyLinks> all;
-  const int n = static_cast<int>(blocks_.size());
-  for (int i = 0; i < n; ++i) {
-    if (all.empty() || all.back().body != blocks_[i].body) all.push_back({blocks_[i].body, i, i});
-    all.back().last = i + 1;
-  }
-  return all;
-}
-
 template <class Type>
 void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n,
                           vd* v, vd* f) const {
@@ -225,14 +202,14 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   for (int d = 0; d < 3; ++d) f[d] = -b.damper * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
-double PenaltyLinks::damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body) const {
+double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, double later) const {
   double power = 0.0;
   if (p_.damping == 0.0) return power;
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
     for (const LinkBlock& b : blocks_) {
-      if (!b.attached || b.body < first_body) continue;
-      const GrainSide& s = sides.sides[b.at];
+      if (!b.attached) continue;
+      const GrainSide& s = side[b.side];
       const Weights<Type> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3], v[3], f[3], a[3];
       place<Type>(b, grid, s, q, delta, n);
@@ -247,17 +224,12 @@ double PenaltyLinks::damper_power(const Grid& grid, const GrainSides& sides, dou
   return power;
 }
 
-void PenaltyLinks::add_force(Grid& grid, GrainSides& sides, bool skip_detached) const {
-  add_force({-1, 0, static_cast<int>(blocks_.size())}, grid, sides, skip_detached);
-}
-
-void PenaltyLinks::add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const {
+void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
-    for (int i = links.first; i < links.last; ++i) {
-      const LinkBlock& b = blocks_[i];
-      if (!b.attached && skip_detached) continue;
-      GrainSide& s = sides.sides[b.at];
+    for (const LinkBlock& b : blocks_) {
+      if (!b.attached) continue;
+      GrainSide& s = side[b.side];
       vd q[3], delta[3], n[3], f[3];
       place<Type>(b, grid, s, q, delta, n);
       const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
@@ -287,10 +259,9 @@ vd PenaltyLinks::energy(const LinkBlock& b, const Grid& grid, const GrainSide& s
   return 0.5 * b.area * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
 }
 
-int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid,
-                         const GrainSides& sides, double& released) {
-  if (failed.empty()) return 0;
-  int count = 0;
+void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
+                          double& released) {
+  if (failed.empty()) return;
   for (LinkBlock& b : blocks_) {
     if (!b.attached) continue;
     std::uint8_t freed = 0;
@@ -300,7 +271,7 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
         freed |= static_cast<std::uint8_t>(1u << l);
     }
     if (!freed) continue;
-    const vd U = energy(b, grid, sides.sides[b.at]);
+    const vd U = energy(b, grid, side[b.side]);
     for (int l = 0; l < kLanes; ++l) {
       if (!(freed >> l & 1)) continue;
       released += U[l];
@@ -308,18 +279,110 @@ int PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, con
       points.links[b.link[l]].inert = true;
       b.area[l] = 0.0;
       b.damper[l] = 0.0;
-      ++count;
     }
     b.attached &= static_cast<std::uint8_t>(~freed);
   }
-  return count;
 }
 
-double PenaltyLinks::spring_energy(const Grid& grid, const GrainSides& sides, int first_body) const {
-  double U = 0.0;
+void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, double& U) const {
   for (const LinkBlock& b : blocks_)
-    if (b.attached && b.body >= first_body) U += sum_lanes(energy(b, grid, sides.sides[b.at]));
-  return U;
+    if (b.attached) U += sum_lanes(energy(b, grid, side[b.side]));
+}
+
+template <class Type, class F>
+void PenaltyLinks::for_each_node(const Weights<Type>& w, F f) {
+  constexpr int S = Type::kSupport;
+  for (int i = 0; i < S; ++i)
+    for (int j = 0; j < S; ++j) {
+      const vd wij = w.w[0][i] * w.w[1][j];
+      for (int k = 0; k < S; ++k) f(S * i + j, k, wij * w.w[2][k]);
+    }
+}
+
+template <class Type, class F>
+void PenaltyLinks::for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const {
+  if (b.reduced < 0) {
+    for_each_node(w, [&](int c, int l, vd weight) { f(b.column[c] + l, weight); });
+    return;
+  }
+  const Reduced& r = reduced_[b.reduced];
+  for (std::size_t n = 0; n < r.node.size(); ++n) f(r.node[n], r.weight[n]);
+}
+
+// Sum of the sizes of the weights: a row of the stiffness matrix of a link has the entries
+// k A |w_I| |w_J| at most.
+template <class Type>
+vd PenaltyLinks::row_sum(const LinkBlock& b, const Weights<Type>& w) const {
+  if (b.reduced >= 0) return reduced_[b.reduced].row_sum;
+  vd sum = splat(1.0);
+  for (int d = 0; d < 3; ++d) {
+    vd of_direction{};
+    for (int i = 0; i < Type::kSupport; ++i) of_direction += abs(w.w[d][i]);
+    sum *= of_direction;
+  }
+  return sum;
+}
+
+void PenaltyLinks::find_masters(const Grid& grid) {
+  reduced_.clear();
+  with_basis(basis_, [&](auto type) {
+    for (LinkBlock& b : blocks_) {
+      b.reduced = -1;
+      if (grid.ties.empty()) continue;
+      std::map<int, vd> weights;
+      bool tied = false;
+      for_each_node(Weights<decltype(type)>(b.X, b.base, inverse_h_), [&](int c, int l, vd weight) {
+        const int node = b.column[c] + l, row = grid.ties.row(node);
+        const auto add = [&](int to, vd w) {
+          const auto at = weights.emplace(to, vd{}).first;
+          at->second += w;
+        };
+        if (row < 0) add(node, weight);
+        else grid.ties.for_each_master(row, [&](int master, double share) { add(master, share * weight); });
+        tied = tied || row >= 0;
+      });
+      if (!tied) continue;
+      b.reduced = static_cast<int>(reduced_.size());
+      Reduced r;
+      r.row_sum = vd{};
+      for (const auto& w : weights) {
+        r.node.push_back(w.first);
+        r.weight.push_back(w.second);
+        r.row_sum += abs(w.second);
+      }
+      reduced_.push_back(std::move(r));
+    }
+  });
+}
+
+void PenaltyLinks::drop_inertia(PointStore& points) {
+  for (LinkBlock& b : blocks_) {
+    if (b.inert == b.attached) continue;
+    b.inert_area = b.area;
+    b.inert_damper = b.damper;
+    b.inert = b.attached;
+    for (int l = 0; l < kLanes; ++l)
+      if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
+  }
+}
+
+void PenaltyLinks::add_stiffness(const GrainSide* side, double dt, double* penalty) const {
+  const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
+  with_basis(basis_, [&](auto type) {
+    for (const LinkBlock& b : blocks_) {
+      if (!b.inert) continue;
+      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * b.inert_area + damper * b.inert_damper);
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      const vd row = inertia * row_sum(b, w);
+      for_each_free_node(b, w, [&](long node, vd weight) { penalty[2 * node + b.side] += sum_lanes(row * abs(weight)); });
+    }
+  });
+}
+
+std::size_t PenaltyLinks::memory_usage() const {
+  std::size_t bytes = blocks_.capacity() * sizeof(LinkBlock) + reduced_.capacity() * sizeof(Reduced);
+  for (const Reduced& r : reduced_) bytes += r.node.capacity() * sizeof(int) + r.weight.capacity() * sizeof(vd);
+  return bytes;
 }
 
 }  // namespace mpdem

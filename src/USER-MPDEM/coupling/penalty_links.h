@@ -22,15 +22,7 @@
 // 442). The weights sum to one and reproduce linear fields, so momentum and angular momentum
 // stay exact; some are negative.
 //
-// Semi-implicit in the node: where the row sum of the penalty stiffness k is too stiff for
-// the time step, the node's mass is raised just enough (Grid::set_added_mass). A damper g,
-// which acts on the velocity of half a step ago, counts as a spring 2 g/dt: a step is stable
-// if k dt^2 + 2 g dt <= 4 m. Added mass c is that of the motion u - R of the node against the grain (as if fixed to
-// it there); the force -c (u - R)'' acts on the grain with the opposite sign at the node's place, so momentum and
-// angular momentum stay exact. Where the node's own mass does part of the work of c but the grain R is free, since
-// (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2 for any t, links count (1 + t)-fold, with t the mass of the cement over
-// what the grain has of inertia against it (`mass_ratio`): the grain's own kinetic energy then covers the rest.
-// Accelerations of free grains: grain_accelerations.h.
+// The links of one bond on one rank. Stiff links ask for added mass at the nodes: added_mass.h.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
@@ -49,14 +41,14 @@ struct PenaltyParameters {
   bool at_surface = true;
 };
 
+// `side` is always the first of the two sides of the bond, the second is behind it.
 class PenaltyLinks {
  public:
-  // Lays out the links of the store in blocks of one cell and one side.
-  // Call add_cells() before the grid is built, bind() after the sides.
-  void build(const PointStore& points, const std::vector<Body>& bodies, const PenaltyParameters& parameters,
-             double cell, double density, Basis basis = Basis::quadratic);
+  PenaltyLinks() = default;
+  // Lays out the links of the store in blocks of one cell and one side. Call add_cells() before the grid is built.
+  PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
+               Basis basis = Basis::quadratic);
   void add_cells(std::vector<Grid::Cell>& cells);
-  void bind(const GrainSides& sides);
   // After the grid is built: nodes and weights of links that read tied nodes, with their masters.
   void find_masters(const Grid& grid);
   // Instead of add_cells() where the grid stands already; false if it has not all the nodes.
@@ -67,78 +59,33 @@ class PenaltyLinks {
   // Moves them, and the cement's ends in the store, so far; true if the point of one left its
   // cell: follow_points() then.
   bool move_places(PointStore& points);
-  // The blocks that build(), add_cells() and bind() would make, of which only those change whose points did; false
+  // The blocks that a new layout would have, of which only those change whose points did; false
   // if the grid has not all the nodes. Without ties.
-  bool follow_points(const PointStore& points, const std::vector<Body>& bodies, const Grid& grid, const GrainSides& sides);
-  // The present becomes the reference of the cement's ends in the store; build() again then.
+  bool follow_points(const PointStore& points, const Body& body, const Grid& grid);
+  // The present becomes the reference of the cement's ends in the store; lay out anew then.
   void move_to_present(PointStore& points, const Grid& grid) const;
   // After PointStore::sort_links().
   void renumber(const std::vector<int>& new_place);
 
-  // Row-summed stiffness of this rank's links, and of their dampers at this time step, into
-  // grid.penalty. Links that let go count, and react, until drop_inertia() is called.
-  void add_stiffness(Grid& grid, const GrainSides& sides, double dt);
-  void drop_inertia(PointStore& points);
-  // After Grid::set_added_mass(): whose the added mass of each node is, for what follows.
-  void share_added_mass(const Grid& grid, const GrainSides& sides);
-  // Of the nodes of this rank, whoever has the links.
-  struct AddedMass {
-    int node, at[2];  // places of the sides
-    double mass[2];   // of the links to either
-    double X[3];      // of the node, reference
-    // From the centre of a grain.
-    void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
-      for (int d = 0; d < 3; ++d) r[d] = X[d] + grid.displacement[3 * node + d] - s.x[d];
-    }
-  };
-  const std::vector<AddedMass>& added_masses() const { return shares_; }
-
   // Penalty force of the present positions on nodes and grains.
-  void add_force(Grid& grid, GrainSides& sides, bool skip_detached = true) const;
-  // The same for the links of one body. They follow each other; places are those in bodies().
-  struct BodyLinks {
-    int body, first, last;
-  };
-  void add_force(const BodyLinks& links, Grid& grid, GrainSides& sides, bool skip_detached) const;
-  std::vector<BodyLinks> bodies() const;
+  void add_force(Grid& grid, GrainSide* side) const;
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
-  // of the acceleration later. Bodies from first_body on.
-  double damper_power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
-  // Added mass moves with its grain: force on nodes, after their sum over ranks, that takes it along, and its reaction on
-  // the grains, before theirs, with the acceleration that nodes will have by Grid::update_acceleration().
-  void carry_added_mass(Grid& grid, GrainSides& sides) const;
-  // Added mass follows the jumps of its grains, as it follows their accelerations: c of a node of mass m takes it along with
-  // c / (m + c) of them, rate times which is added to the accelerations. grain_rate times the reaction is added to the
-  // forces of jumps on the grains.
-  void follow_jumps(Grid& grid, GrainSides& sides, double rate, double grain_rate) const;
-  // The same as forces on nodes and grains, of bodies from first_body on; `at_start`: of added mass that moves with the
-  // nodes so far, whose jump is the velocity of the grains less that of the nodes.
-  void add_jumps(Grid& grid, GrainSides& sides, int first_body, bool at_start) const;
-  // Reaction of the added mass to a transfer that changes the velocity of nodes, by the acceleration scale * field.
-  void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSides& sides) const;
-  // Work of that reaction on the grains for a change `field` of the velocity of the nodes, over its scale.
-  double work_of_reaction(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
-  // Power of the acceleration of the added mass relative to the grains on the velocity `field` of the nodes.
-  double inertial_power(const Grid& grid, const GrainSides& sides, const std::vector<double>& field) const;
+  // of the acceleration later.
+  double damper_power(const Grid& grid, const GrainSide* side, double later) const;
+  // Adds the energy of the springs.
+  void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
-  // Frees the links of points that failed (slots, ascending); returns how many, and adds
-  // the spring energy they gave up to `released`.
-  int let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSides& sides,
-             double& released);
-
-  // Energy of the springs of bodies from first_body on.
-  double spring_energy(const Grid& grid, const GrainSides& sides, int first_body = 0) const;
-  // Kinetic energy of the added mass relative to the grains, m/2 v.w with v and w the stored
-  // velocity after the times `early` and `late` of the acceleration.
-  double inertial_energy(const Grid& grid, const GrainSides& sides, double early = 0.0, double late = 0.0,
-                         int first_body = 0) const;
-  // Kinetic energy of the added mass relative to the grains before their jumps, with nodes after the time `later` of their
-  // acceleration: what it is at the end of a drift whose grains have moved already. Of bodies before end_body.
-  double inertial_energy_ahead(const Grid& grid, const GrainSides& sides, double later, int end_body) const;
-  // That mass by side, of the nodes that count on this rank.
-  std::vector<double> added_mass(const Grid& grid, const GrainSides& sides) const;
+  // Frees the links of points that failed (slots, ascending), and adds the spring energy they gave up to `released`.
+  // Links that let go count for the added mass until drop_inertia() is called.
+  void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
+  void drop_inertia(PointStore& points);
+  // Row-summed stiffness of this rank's links, and of their dampers at this time step, added to two numbers a node,
+  // those of either side.
+  void add_stiffness(const GrainSide* side, double dt, double* penalty) const;
 
   const PenaltyParameters& parameters() const { return p_; }
+  bool empty() const { return blocks_.empty(); }
+  std::size_t memory_usage() const;
 
  private:
   struct LinkBlock {
@@ -148,15 +95,15 @@ class PenaltyLinks {
     vd damper;  // damping coefficient over sqrt(k)
     vd inert_area, inert_damper;  // the same, with links that let go and still have added mass
     vd move[3]; // of X in this step, `updated` only
-    int body, part, side, at;  // at: index into GrainSides
+    int part, side;
     int reduced;               // index into reduced_; -1: reads no tied node
     int base[3], column[kMostColumns];
     int link[kLanes];
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
   };
 
-  // Of a block: body, part, first node, side; blocks ascend in it.
-  using Place = std::array<int, 6>;
+  // Of a block: part, first node, side; blocks ascend in it.
+  using Place = std::array<int, 5>;
   struct Item {
     Place place;
     int tag, link;
@@ -175,10 +122,9 @@ class PenaltyLinks {
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
   static Place place_of(const LinkBlock& b);
-  Item item_of(const PointStore& points, const std::vector<Body>& bodies, int link) const;
+  Item item_of(const PointStore& points, const Body& body, int link) const;
   // Appends the blocks of these links, which it sorts.
-  void fill_blocks(const PointStore& points, const std::vector<Body>& bodies, std::vector<Item>& items,
-                   std::vector<LinkBlock>& blocks) const;
+  void fill_blocks(const PointStore& points, const Body& body, std::vector<Item>& items, std::vector<LinkBlock>& blocks) const;
   vd energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const;
   // Calls f(column, offset, weight) for the nodes of a block.
   template <class Type, class F>
@@ -195,10 +141,10 @@ class PenaltyLinks {
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
   double inverse_h_ = 0, density_ = 0;
+  int body_ = 0;
   std::vector<LinkBlock> blocks_;
   std::vector<Reduced> reduced_;
   std::vector<Place> concerned_;  // by the last move_places()
-  std::vector<AddedMass> shares_;
 };
 
 }  // namespace mpdem

@@ -15,20 +15,13 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
   return critical_share * 2.0 * M_PI * shear_speed / body.thickness;
 }
 
-void Relaxation::build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share,
-                       double shear_speed) {
-  ranges_.clear();
-  share_.assign(grid.size(), 0.0);
+Relaxation::Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed)
+    : share_(grid.size(), 0.0) {
+  for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
   for (int i = 0; i < grid.size(); ++i) {
-    const int field = grid.keys[i][0];
-    const Body& body = bodies[body_of(field)];
-    const int piece = piece_of(part_of_field(field));
-    const bool is_apart = apart[body_of(field)];
-    if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field) {
-      const double rate = is_apart && piece > 1 ? 0.0 : Relaxation::rate(body, critical_share, shear_speed);
-      const auto reach2 = [&](int s) { return kReach * body.radius[s] * kReach * body.radius[s]; };
-      ranges_.push_back({i, i, {-1, -1}, rate, {reach2(0), reach2(1)}, body_of(field)});
-    }
+    const int field = grid.keys[i][0], piece = piece_of(part_of_field(field));
+    if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field)
+      ranges_.push_back({i, i, apart && piece > 1 ? 0.0 : rate(body, critical_share, shear_speed)});
     ranges_.back().last = i + 1;
     double depth[2];
     for (int s = 0; s < 2; ++s) {
@@ -40,73 +33,63 @@ void Relaxation::build(const Grid& grid, const std::vector<Body>& bodies, const 
       depth[s] = std::max(std::sqrt(r2) - body.radius[s], 0.0);
     }
     const double sum = depth[0] + depth[1];
-    share_[i] = is_apart ? std::min(piece, 1) : sum > 0.0 ? depth[0] / sum : 0.5;
+    share_[i] = apart ? std::min(piece, 1) : sum > 0.0 ? depth[0] / sum : 0.5;
   }
 }
 
-void Relaxation::bind(const GrainSides& sides) {
-  for (Range& r : ranges_)
-    for (int s = 0; s < 2; ++s) r.side[s] = sides.find(r.body, s);
-}
-
 template <class F>
-void Relaxation::for_each_node(const Grid& grid, const GrainSides& sides, F f) const {
+void Relaxation::for_each_node(const Grid& grid, const GrainSide* side, F f) const {
   for (const Range& range : ranges_) {
     if (range.rate == 0.0) continue;
-    const GrainSide* side[2] = {&sides.sides[range.side[0]], &sides.sides[range.side[1]]};
     for (int i = range.first; i < range.last; ++i) {
-      Node node{i, range.side, {1.0 - share_[i], share_[i]}, {}, {}, range.rate * grid.mass[i]};
+      Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, range.rate * grid.mass[i]};
       for (int s = 0; s < 2; ++s)
         for (int d = 0; d < 3; ++d)
-          node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s]->x[d];
+          node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
       const auto is_far = [&](int s) {
         const double* r = node.r[s];
-        return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > range.reach2[s];
+        return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];
       };
       if (is_far(0) || is_far(1)) continue;
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
         node.v[d] = grid.velocity[3 * i + d];
         for (int s = 0; s < 2; ++s)
-          node.v[d] -= node.share[s] * (side[s]->v[d] + side[s]->omega[e] * node.r[s][g] - side[s]->omega[g] * node.r[s][e]);
+          node.v[d] -= node.share[s] * (side[s].v[d] + side[s].omega[e] * node.r[s][g] - side[s].omega[g] * node.r[s][e]);
       }
       f(node);
     }
   }
 }
 
-void Relaxation::add_force(Grid& grid, GrainSides& sides) const {
+void Relaxation::add_force(Grid& grid, GrainSide* side) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each_node(grid, sides, [&](const Node& node) {
+  for_each_node(grid, side, [&](const Node& node) {
     double f[3];
     for (int d = 0; d < 3; ++d) {
       f[d] = -node.scale * node.v[d];
       grid.force[3 * node.at + d] += f[d];
     }
     if (!counts[node.at]) return;
-    for (int s = 0; s < 2; ++s) {
-      GrainSide& side = sides.sides[node.side[s]];
+    for (int s = 0; s < 2; ++s)
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
-        side.force[d] -= node.share[s] * f[d];
-        side.torque[d] -= node.share[s] * (node.r[s][e] * f[g] - node.r[s][g] * f[e]);
+        side[s].force[d] -= node.share[s] * f[d];
+        side[s].torque[d] -= node.share[s] * (node.r[s][e] * f[g] - node.r[s][g] * f[e]);
       }
-    }
   });
 }
 
-double Relaxation::power(const Grid& grid, const GrainSides& sides, double later, int first_body) const {
+double Relaxation::power(const Grid& grid, const GrainSide* side, double later) const {
   double power = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each_node(grid, sides, [&](const Node& node) {
-    if (!counts[node.at] || body_of(grid.keys[node.at][0]) < first_body) return;
+  for_each_node(grid, side, [&](const Node& node) {
+    if (!counts[node.at]) return;
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
       double a = grid.acceleration[3 * node.at + d];
-      for (int s = 0; s < 2; ++s) {
-        const GrainSide& side = sides.sides[node.side[s]];
-        a -= node.share[s] * (side.a[d] + side.alpha[e] * node.r[s][g] - side.alpha[g] * node.r[s][e]);
-      }
+      for (int s = 0; s < 2; ++s)
+        a -= node.share[s] * (side[s].a[d] + side[s].alpha[e] * node.r[s][g] - side[s].alpha[g] * node.r[s][e]);
       power += node.scale * node.v[d] * (node.v[d] + later * a);
     }
   });

@@ -22,23 +22,23 @@
 
 namespace mpdem {
 
+// Of one bond. `side` is always the first of its two sides, the second is behind it.
 class Relaxation {
  public:
-  // After the layout of the grid. critical_share: of critical damping; apart: bodies that came apart.
-  void build(const Grid& grid, const std::vector<Body>& bodies, const std::vector<char>& apart, double critical_share, double shear_speed);
-  void bind(const GrainSides& sides);
+  Relaxation() = default;
+  // After the layout of the grid. critical_share: of critical damping; apart: the bond came apart.
+  Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed);
   static double rate(const Body& body, double critical_share, double shear_speed);
 
   // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs).
-  void add_force(Grid& grid, GrainSides& sides) const;
+  void add_force(Grid& grid, GrainSide* side) const;
   // Power that it takes of nodes that count on this rank: the force is that of the stored velocity,
-  // the velocity is so long of the acceleration later. Bodies from first_body on.
-  double power(const Grid& grid, const GrainSides& sides, double later, int first_body = 0) const;
+  // the velocity is so long of the acceleration later.
+  double power(const Grid& grid, const GrainSide* side, double later) const;
 
  private:
   struct Node {
     int at;
-    const int* side;  // indices into GrainSides
     double share[2];  // of the grains in its motion
     double r[2][3];   // from their centres
     double v[3];      // against them
@@ -46,14 +46,14 @@ class Relaxation {
   };
   // Calls f(node) for those that are damped.
   template <class F>
-  void for_each_node(const Grid& grid, const GrainSides& sides, F f) const;
+  void for_each_node(const Grid& grid, const GrainSide* side, F f) const;
   struct Range {
-    int first, last, side[2];  // nodes of a body's part, indices into GrainSides
-    double rate, reach2[2];  // squares of the reach
-    int body;
+    int first, last;  // nodes of a part
+    double rate;
   };
   std::vector<Range> ranges_;
   std::vector<double> share_;  // s of each node
+  double reach2_[2] = {0, 0};  // squares of the reach
 };
 
 }  // namespace mpdem

@@ -9,7 +9,7 @@
 namespace mpdem {
 
 double space_ahead(const SheetPoint& p, const Body& body, int d, int side) {
-  if (body.regular == 0.0) return 0.0;
+  if (!body.regular) return 0.0;
   double box = 1.0, ahead = 0.0;
   for (int c = 0; c < 3; ++c) {
     const double shift = (p.X[c] - body.lattice[c]) / body.spacing - (p.cell[c] + 0.5);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "shape_styles.h"
+
 namespace mpdem {
 
 namespace {
@@ -147,6 +149,14 @@ std::string Coating::describe() const {
   if (cap_ < M_PI) s << " up to " << cap_ / kDegree << " degrees from the contact";
   s << ", ring radius " << ring() << ", inner radius " << inner() << ", gap " << pair().gap;
   return s.str();
+}
+
+ShapeStyle coating_style() {
+  return {"coating", {{"thickness"}, {"cap", ShapeWord::detail, 180.0}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
+            const double cap = r["cap"] == 180.0 ? M_PI : r["cap"] * kDegree;
+            const double thickness = r.has("thickness") ? r["thickness"] : Coating::thickness_for_volume(r.pair, r.volume, cap, r.inner);
+            return std::make_unique<Coating>(r.pair, thickness, cap, r.inner);
+          }};
 }
 
 }  // namespace mpdem

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "shape_styles.h"
+
 namespace mpdem {
 
 Flat::Flat(const GrainPair& pair, double outer, double inner) : Shape(pair, inner), outer_(outer) {
@@ -52,6 +54,13 @@ std::string Flat::describe() const {
   s << "flat, inner radius " << inner() << ", outer radius " << outer_ << ", gap " << pair().gap << ", thickness "
     << smallest_thickness() << " to " << largest_thickness();
   return s.str();
+}
+
+ShapeStyle flat_style() {
+  return {"flat", {{"outer"}}, [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
+            const double outer = r.has("outer") ? r["outer"] : Flat::outer_for_volume(r.pair, r.volume, r.inner);
+            return std::make_unique<Flat>(r.pair, outer, r.inner);
+          }};
 }
 
 }  // namespace mpdem

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "shape_styles.h"
+
 namespace mpdem {
 
 namespace {
@@ -158,6 +160,18 @@ std::string Meniscus::describe() const {
   s << "meniscus, filling angles " << b_[0] / kDegree << " and " << b_[1] / kDegree << " degrees, contact angle "
     << contact_ / kDegree << " degrees, neck radius " << neck() << ", inner radius " << inner() << ", gap " << pair().gap;
   return s.str();
+}
+
+ShapeStyle meniscus_style() {
+  return {"meniscus",
+          {{"filling"}, {"neck"}, {"contact", ShapeWord::detail, 0.0, ShapeWord::not_negative}},
+          [](const ShapeRequest& r) -> std::unique_ptr<Shape> {
+            const double contact = r["contact"] * kDegree;
+            const double filling = r.has("filling") ? r["filling"] * kDegree
+                                   : r.has("neck")  ? Meniscus::filling_for_neck(r.pair, r["neck"], contact, r.inner)
+                                                    : Meniscus::filling_for_volume(r.pair, r.volume, contact, r.inner);
+            return std::make_unique<Meniscus>(r.pair, filling, contact, r.inner);
+          }};
 }
 
 }  // namespace mpdem

@@ -16,6 +16,11 @@ double lens_volume(double S1, double S2, double d) {
   return M_PI * e * e * (d * d + 2.0 * d * (S1 + S2) - 3.0 * f * f) / (12.0 * d);
 }
 
+GrainPair pair_between(double R1, double R2, const Vector3& between) {
+  const Vector3 centres(between[0], between[1], between[2]);
+  return {R1, R2, centres.norm() - R1 - R2, centres.normalized()};
+}
+
 double GrainPair::thickness(double r) const { return gap + sag(R1, r) + sag(R2, r); }
 
 double GrainPair::contact_radius() const {

@@ -38,6 +38,9 @@ struct GrainPair {
   double radius_of_thickness(double t) const;
 };
 
+// Of grains whose centres are `between` apart. Not inline: gap and direction are the same to the bit wherever they are asked for.
+GrainPair pair_between(double R1, double R2, const Vector3& between);
+
 // R - sqrt(R^2 - r^2) without the cancellation at small r.
 double sag(double R, double r);
 

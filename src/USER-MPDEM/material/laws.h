@@ -2,11 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The laws of damage that there are. A new one takes its include and its place in `Laws`: the words of fix mpm, its
-// messages, the kernels and the output follow.
+// messages, the kernels and the output follow. Its place is the last: restart files number the laws.
 #ifndef MPDEM_LAWS_H
 #define MPDEM_LAWS_H
 
 #include <memory>
+#include <type_traits>
 #include <typeinfo>
 
 #include "mazars_damage.h"
@@ -35,6 +36,18 @@ decltype(auto) pick_law(LawList<L, Rest...>, const Law& law, F& f) {
 template <class F>
 decltype(auto) with_law(const Law& law, F f) {
   return pick_law(Laws(), law, f);
+}
+
+template <class Wanted, class L, class... Rest>
+constexpr int number_of(LawList<L, Rest...>) {
+  if constexpr (std::is_same_v<Wanted, L>) return 1;
+  else return 1 + number_of<Wanted>(LawList<Rest...>());
+}
+// From 1 on, in the order of `Laws`.
+template <class L>
+constexpr int kLawNumber = number_of<L>(Laws());
+inline int law_number(const Law& law) {
+  return with_law(law, [](const auto& l) { return kLawNumber<std::decay_t<decltype(l)>>; });
 }
 
 // What fix mpm needs to read a law from a script.

@@ -8,38 +8,63 @@
 #define MPDEM_BODY_H
 
 #include <cmath>
-#include <string>
-#include <vector>
+
+#include "../parallel/record.h"
 
 namespace mpdem {
+
+// Rule by which fix mpm made the frames of a body's points.
+enum class AxisRule { none, radial, bond, global };
 
 struct Body {
   int grain[2] = {0, 0};                              // tags, ascending
   double origin[3] = {0, 0, 0};                       // of the reference coordinates
+  double radius[2] = {0, 0};                          // of the grains
   double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // of the grains, from the origin
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
-  double radius[2] = {0, 0};
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
-  double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
-  double axis[4] = {0, 0, 0, 0};  // rule by which fix mpm made frames of points, 0: none yet; its direction
-  double in_motion = 0;           // 1 after the first step: the displacement is in the nodes of a fix mpm
-  double volume = 0;
   double attached_area[2] = {0, 0};
+  double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
+  AxisRule axis_rule = AxisRule::none;                // none: no frames yet
+  double axis[3] = {0, 0, 0};                         // its direction
+  bool in_motion = false;                             // after the first step: the displacement is in the nodes of a fix mpm
+  double volume = 0;
   double spacing = 0;                                 // of the lattice of the points
   double lattice[3] = {0, 0, 0};                      // one of its corners, reference coordinates
-  double regular = 1;                                 // 1: points of full cells lie in the middle of them
+  bool regular = true;                                // points of full cells lie in the middle of them
   double thickness = 0;  // of the cement between the grains, where it is largest
-  double points = 0;
-};
+  int points = 0;
 
-// What is wrong with a body from a file, empty if nothing is: numbers that no body can have.
-std::string trouble_of(const Body& body);
+  // See parallel/record.h.
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& b, Visitor& visit) {
+    visit("the ID of its first grain", b.grain[0], from(1.0, kLargestInt));
+    visit("the ID of its second grain, the larger one,", b.grain[1], from(b.grain[0] < kLargestInt ? b.grain[0] + 1.0 : kLargestInt, kLargestInt));
+    visit("its origin", b.origin, kFinite);
+    visit("the radius of a grain", b.radius, kPositive);
+    visit("the centre of a grain", b.centre, kFinite);
+    for (auto& q : b.orientation) visit.rotation("the orientation of a grain", q);
+    visit("the shift of a grain", b.shift, kFinite);
+    // Patches of point files are flat and may add up to a little more than the sphere.
+    for (int s = 0; s < 2; ++s) visit("an attached area", b.attached_area[s], from(0.0, 1.1 * 4.0 * M_PI * b.radius[s] * b.radius[s]));
+    visit("the period of the box", b.box, kNotNegative);
+    visit("the rule of its axis", b.axis_rule, from(0, static_cast<int>(AxisRule::global)));
+    visit("the direction of its axis", b.axis, kFinite);
+    visit("'is in motion'", b.in_motion);
+    visit("its volume", b.volume, kPositive);
+    // As many cells as int can number across the grains.
+    const double widest = 2.0 * (b.radius[0] + b.radius[1]);
+    visit("its spacing", b.spacing, from(1e-8 * widest, widest));
+    visit("the corner of its lattice", b.lattice, from(-1e3 * widest, 1e3 * widest));
+    visit("'is regular'", b.regular);
+    visit("its thickness", b.thickness, from(0.0, widest));
+    visit("its number of points", b.points, from(1.0, kLargestInt));
+  }
+};
 
 inline int lattice_cell(const Body& body, int d, double X) {
   return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));
 }
-
-constexpr int kAxisRules = 3;  // besides 0, see fix mpm
 
 // How much nearer X is to the surface of the first grain than to that of the second.
 inline double nearer_to_first(const Body& body, const double* X) {

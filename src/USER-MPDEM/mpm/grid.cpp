@@ -72,15 +72,12 @@ bool Grid::find_columns(int field, const int* base, int* column) const {
   return true;
 }
 
-void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells,
-                 const NodeKinematics& restored, std::vector<char>& fresh,
-                 const std::map<int, int>& parent_field, int margin, const std::vector<Key>& extra) {
-  const NodeKinematics before = restored.keys.empty() ? kinematics() : restored;
+// Nodes, and the columns of the cells; bytes that they take, or more than most_bytes.
+double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes) {
   h = cell_size;
-
   std::vector<Key> unique;
-  unique.reserve(cells.size());
-  for (const Cell& c : cells) unique.push_back({c.field, c.base[0], c.base[1], c.base[2]});
+  unique.reserve(r.cells.size());
+  for (const Cell& c : r.cells) unique.push_back({c.field, c.base[0], c.base[1], c.base[2]});
   sort_unique(unique);
 
   const int S = support(basis), columns_of_cell = S * S;
@@ -88,18 +85,17 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   // Keys of the neighbours while they are merged, then all that is kept and carried of a node.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
-  double mine = 0.0, most;
-  for (int d = 2; d >= 0 && mine <= most_bytes; --d) {
-    mine = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * next.size();
-    if (mine <= most_bytes) widen(next, d, -margin, S - 1 + margin);
+  double bytes = 0.0;
+  for (int d = 2; d >= 0 && bytes <= most_bytes; --d) {
+    bytes = std::max(sizeof(Key) * (1.0 + times), kBytesOfNode) * next.size();
+    if (bytes <= most_bytes) widen(next, d, -margin, S - 1 + margin);
   }
-  if (!extra.empty()) {
-    next.insert(next.end(), extra.begin(), extra.end());
+  if (!r.extra.empty()) {
+    next.insert(next.end(), r.extra.begin(), r.extra.end());
     sort_unique(next);
   }
-  mine = std::max(mine, kBytesOfNode * next.size());
-  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
-  if (most > most_bytes) throw GridTooLarge(most);
+  bytes = std::max(bytes, kBytesOfNode * next.size());
+  if (bytes > most_bytes) return bytes;
   keys.swap(next);
   keys.shrink_to_fit();
 
@@ -112,7 +108,7 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
       columns[columns_of_cell * u + n] = walk[n];
     }
   std::size_t u = 0;
-  for (const Cell& c : cells) {
+  for (const Cell& c : r.cells) {
     const Key k{c.field, c.base[0], c.base[1], c.base[2]};
     if (unique[u] != k && (++u == unique.size() || unique[u] != k))
       u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
@@ -124,61 +120,145 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
     for (int d = 2; d >= 0; --d) widen(unique, d, 1 - margin, margin - 1);
     for (const Key& k : unique) inside_[base_node(k[0], &k[1])] = 1;
   }
+  return bytes;
+}
 
+namespace {
+
+// Node whose motion a node takes over.
+Key source_of(Key k, const std::map<int, int>& parent_field) {
+  const auto it = parent_field.find(k[0]);
+  if (it != parent_field.end()) k[0] = it->second;
+  return k;
+}
+
+}  // namespace
+
+// From the values of the wanted nodes, ascending, among which are the sources of all of this grid.
+void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found) {
   const std::size_t n = keys.size();
-  const auto source = [&](Key k) {
-    const auto it = parent_field.find(k[0]);
-    if (it != parent_field.end()) k[0] = it->second;
-    return k;
-  };
-  std::vector<Key> wanted(keys);
-  if (!parent_field.empty()) {
-    std::transform(keys.begin(), keys.end(), wanted.begin(), source);
-    sort_unique(wanted);
-  }
-  std::vector<char> found;
-  const std::vector<double> carried = fetch_values(comm, NodeKinematics::kWidth, before.keys, before.values, wanted, found);
-  const auto at = [&](std::size_t i) {
-    return parent_field.empty() ? i : std::lower_bound(wanted.begin(), wanted.end(), source(keys[i])) - wanted.begin();
-  };
   velocity.resize(3 * n);
   displacement.resize(3 * n);
   acceleration.resize(3 * n);
-  fresh.resize(n);
+  r.fresh.resize(n);
+  const bool as_they_are = r.parent_field.empty();
+  std::size_t w = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t w = at(i);
-    fresh[i] = !found[w];
+    const Key k = as_they_are ? keys[i] : source_of(keys[i], r.parent_field);
+    if (as_they_are && w < wanted.size() && i > 0) ++w;
+    if (w >= wanted.size() || wanted[w] != k) w = std::lower_bound(wanted.begin(), wanted.end(), k) - wanted.begin();
+    r.fresh[i] = !found[w];
     for (int c = 0; c < 3; ++c) {
-      const double* v = &carried[NodeKinematics::kWidth * w + c];
+      const double* v = &values[NodeKinematics::kWidth * w + c];
       velocity[3 * i + c] = v[0];
       displacement[3 * i + c] = v[3];
       acceleration[3 * i + c] = v[6];
     }
   }
   mass.assign(n, 0.0);
-  added_mass.assign(n, 0.0);
-  penalty.assign(2 * n, 0.0);
   force.assign(3 * n, 0.0);
   momentum.clear();
   ties.clear();
   any_ties_ = false;
   tie_factor_.clear();
-  halo.build(comm, keys);
 }
 
-void Grid::tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted) {
+void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests) {
+  double mine = 0.0, most;
+  for (GridRequest& r : requests)
+    if (mine <= most_bytes) mine += r.grid->lay_out(r, cell_size, margin, most_bytes - mine);
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  if (most > most_bytes) throw GridTooLarge(most);
+
+  // One exchange for all of them. Keys of different bodies mix where there are parts.
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  constexpr int W = NodeKinematics::kWidth;
+  if (ranks == 1) {
+    for (GridRequest& r : requests) {
+      std::vector<Key> wanted(r.grid->keys);
+      if (!r.parent_field.empty()) {
+        for (Key& k : wanted) k = source_of(k, r.parent_field);
+        sort_unique(wanted);
+      }
+      std::vector<char> found;
+      const std::vector<double> values = fetch_values(comm, W, r.before.keys, r.before.values, wanted, found);
+      r.grid->set_motion(r, wanted, values, found);
+      r.grid->halo.build(comm, r.grid->keys);
+    }
+    return;
+  }
+  struct Held {
+    Key key;
+    const double* values;
+  };
+  std::vector<Held> held;
+  std::vector<Key> wanted;
+  struct Node {
+    Key key;
+    int request, index;
+  };
+  std::vector<Node> nodes;
+  for (std::size_t n = 0; n < requests.size(); ++n) {
+    const GridRequest& r = requests[n];
+    for (std::size_t i = 0; i < r.before.keys.size(); ++i) held.push_back({r.before.keys[i], &r.before.values[W * i]});
+    for (std::size_t i = 0; i < r.grid->keys.size(); ++i) {
+      wanted.push_back(source_of(r.grid->keys[i], r.parent_field));
+      nodes.push_back({r.grid->keys[i], static_cast<int>(n), static_cast<int>(i)});
+    }
+  }
+  std::sort(held.begin(), held.end(), [](const Held& a, const Held& b) { return a.key < b.key; });
+  std::vector<Key> keys;
+  std::vector<double> values;
+  for (const Held& x : held) {
+    keys.push_back(x.key);
+    values.insert(values.end(), x.values, x.values + W);
+  }
+  sort_unique(wanted);
+  std::vector<char> found;
+  const std::vector<double> carried = fetch_values(comm, W, keys, values, wanted, found);
+  for (GridRequest& r : requests) r.grid->set_motion(r, wanted, carried, found);
+
+  std::sort(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
+  keys.clear();
+  for (const Node& x : nodes) keys.push_back(x.key);
+  const Sharing all = find_sharing(comm, keys);
+  std::vector<Sharing> of(requests.size());
+  for (std::size_t rank = 0; rank < all.ranks.size(); ++rank)
+    for (int item : all.items[rank]) {
+      Sharing& s = of[nodes[item].request];
+      if (s.ranks.empty() || s.ranks.back() != all.ranks[rank]) {
+        s.ranks.push_back(all.ranks[rank]);
+        s.items.emplace_back();
+      }
+      s.items.back().push_back(nodes[item].index);
+    }
+  for (std::size_t n = 0; n < requests.size(); ++n) requests[n].grid->halo.build(comm, of[n], requests[n].grid->keys.size());
+}
+
+void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
+                 std::vector<char>& fresh, const std::map<int, int>& parent_field, int margin, const std::vector<Key>& extra) {
+  std::vector<GridRequest> one(1);
+  GridRequest& r = one.front();
+  r.grid = this;
+  r.cells = cells;
+  r.before = restored.keys.empty() ? kinematics() : restored;
+  r.parent_field = parent_field;
+  r.extra = extra;
+  build_grids(comm, cell_size, margin, std::numeric_limits<double>::infinity(), one);
+  fresh.swap(r.fresh);
+}
+
+void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
   ties.bind(wanted, keys);
-  int mine = !wanted.empty(), all;
-  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, comm);
-  any_ties_ = all != 0;
+  any_ties_ = any;
 }
 
-void Grid::lump_mass(const PointStore& points, double density, const std::vector<char>& of_bodies) {
+void Grid::lump_mass(const PointStore& points, double density) {
   std::fill(mass.begin(), mass.end(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-      if (!of_bodies.empty() && !of_bodies[points.meta[b].body]) continue;
       const Weights<decltype(type)> s(points.blocks[b].X, points.meta[b].base, inverse_h);
       scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
     }
@@ -208,20 +288,10 @@ double Grid::largest_tie_factor() const {
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
-void Grid::set_added_mass(double dt, double lambda, bool lambda_is_bound, double bound) {
-  constexpr double kMargin = 1.05;
-  halo.sum(penalty.data(), 2);
-  const bool ask_ties = lambda_is_bound && !tie_factor_.empty();
-  for (int i = 0; i < size(); ++i) {
-    const double share = std::min(1.0, dt * dt * lambda * (ask_ties ? tie_factor_[i] : 1.0) / bound);
-    added_mass[i] = std::max(0.0, kMargin * dt * dt / bound * (penalty[2 * i] + penalty[2 * i + 1]) - mass[i] * (1.0 - share));
-  }
-}
-
-void Grid::update_acceleration() {
+void Grid::update_acceleration(const std::vector<double>& added_mass) {
   const int n = size();
   for (int i = 0; i < n; ++i) {
-    const double m = mass[i] + added_mass[i];
+    const double m = added_mass.empty() ? mass[i] : mass[i] + added_mass[i];
     const double r = m > 0.0 ? 1.0 / m : 0.0;
     for (int c = 0; c < 3; ++c) acceleration[3 * i + c] = r * force[3 * i + c];
   }
@@ -241,8 +311,7 @@ void Grid::drift(double dt_v, double dt_u) {
 
 std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
-         sizeof(double) * (mass.capacity() + penalty.capacity() + added_mass.capacity() + velocity.capacity() +
-                           displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
+         sizeof(double) * (mass.capacity() + velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
                            tie_factor_.capacity()) +
          ties.memory_usage();
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Background grid in the reference configuration: the nodes that points or links of this
-// rank touch, and nothing else. Each body has a grid of its own, anchored at its origin,
+// Background grid of one body in the reference configuration: the nodes that its points or links on this
+// rank touch, and nothing else. It is anchored at the body's origin,
 // so distant bonds cost nothing between them and a bond is meshed alike wherever it lies.
 // Nodes are ordered by field (body and part), i, j, k; three consecutive k of a cell are neighbours in
 // memory and make a column.
@@ -25,6 +25,8 @@
 
 namespace mpdem {
 
+struct GridRequest;
+
 struct NodeKinematics {
   std::vector<Key> keys;       // ascending
   std::vector<double> values;  // velocity, displacement, acceleration of each
@@ -41,11 +43,8 @@ class Grid {
  public:
   double h = 0.0;
   Basis basis = Basis::quadratic;
-  double most_bytes = std::numeric_limits<double>::infinity();
   std::vector<Key> keys;
   std::vector<double> mass;        // lumped
-  std::vector<double> penalty;     // row sums of the penalty stiffness, of the two sides of each node; see coupling/
-  std::vector<double> added_mass;  // of the semi-implicit penalty
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;  // of the points, `updated` only
   EdgeTies ties;
@@ -63,8 +62,7 @@ class Grid {
   // from the nodes that any rank had before, and finds the ranks to share them with.
   // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
   // take the motion of the field it came from. margin: cells around the wanted ones that get
-  // nodes too. extra: nodes of no cell. Throws GridTooLarge on all ranks if any would take more
-  // than most_bytes.
+  // nodes too. extra: nodes of no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
              std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
 
@@ -74,12 +72,11 @@ class Grid {
   // Is the cell with this first node at least one cell away from the end of the margin?
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
-  // Collective. Ties nodes of this rank from here on, to the next build(); before lump_mass().
-  void tie(MPI_Comm comm, const std::vector<EdgeTie>& wanted);
+  // Ties nodes of this rank from here on, to the next build(); before lump_mass(). any: on some rank of those that share the grid.
+  void tie(const std::vector<EdgeTie>& wanted, bool any);
 
-  // Collective. Lumped mass of the points, density uniform; that of tied nodes with their heirs. of_bodies: of
-  // these only, where the grid was built for no others; empty: of all.
-  void lump_mass(const PointStore& points, double density, const std::vector<char>& of_bodies = {});
+  // Collective among the ranks that share nodes. Lumped mass of the points, density uniform; that of tied nodes with their heirs.
+  void lump_mass(const PointStore& points, double density);
 
   void clear_force();
   void sum_force() {
@@ -87,16 +84,12 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Collective. The least mass that keeps the central difference stable when the penalty
-  // (its row sums, summed over ranks here) comes on top of the cement: every node gets
-  // dt^2 (lambda m + k) <= bound (m + c), lambda the largest eigenvalue of the cement; with a bound
-  // of it instead, that of a grid without ties, the ties come on top. Most nodes need none.
-  void set_added_mass(double dt, double lambda, bool lambda_is_bound, double bound);
-  // Factor of a bound of the largest eigenvalue that ties ask for; of this rank's nodes.
+  // Factor of a bound of the largest eigenvalue that ties ask for: of a node, and the largest of this rank's.
+  double tie_factor(int node) const { return tie_factor_.empty() ? 1.0 : tie_factor_[node]; }
   double largest_tie_factor() const;
 
-  // a = f / (m + added mass)
-  void update_acceleration();
+  // a = f / (m + added mass), of each node; no added mass if empty.
+  void update_acceleration(const std::vector<double>& added_mass = {});
   // v += dt_v a, u += dt_u v
   void drift(double dt_v, double dt_u);
 
@@ -108,10 +101,28 @@ class Grid {
   HaloSum halo;
 
  private:
+  friend void build_grids(MPI_Comm, double, int, double, std::vector<GridRequest>&);
+  double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
+  void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
+
   bool any_ties_ = false;  // on any rank
   std::vector<double> tie_factor_;  // of the bound, a node; empty without ties
   std::vector<char> inside_;  // of first nodes, with a margin only
 };
+
+// What build() takes, for one of many grids.
+struct GridRequest {
+  Grid* grid = nullptr;
+  std::vector<Grid::Cell> cells;
+  NodeKinematics before;            // motion that this rank knows of the body; may be that of all ranks
+  std::map<int, int> parent_field;  // of the parts that are new
+  std::vector<Key> extra;
+  std::vector<char> fresh;          // answer
+};
+
+// Collective, for grids of different bodies, ascending. Throws GridTooLarge on all ranks if those of any would take more
+// than most_bytes.
+void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests);
 
 }  // namespace mpdem
 

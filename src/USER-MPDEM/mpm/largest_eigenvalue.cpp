@@ -3,6 +3,7 @@
 #include "largest_eigenvalue.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -19,27 +20,25 @@ namespace {
 constexpr int kMostProducts = 200;
 
 template <class Type, class L>
-void add_products(const PointStore& points, const Grid& grid, const L& law, const std::vector<double>& x, std::vector<double>& out) {
+void add_products(const PointStore& points, const Grid& grid, const L& law, const double* x, double* out) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
     const PointBlock& p = points.blocks[b];
     const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
-    const Mat3<vd> G = product(gather_gradient(x.data(), m.column, s), inverse(p.F));
+    const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
     const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
                      0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
     const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
     const Sym3<vd> t =
         m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
     const vd live = select(lanes(m.failed), vd{}, p.volume);
-    scatter_gradient(out.data(), m.column, s, weighted_piola(p.F, p.q, t, live));
+    scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
   }
 }
 
 // out = -K x: the internal force that a displacement x adds.
-void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const std::vector<double>& x,
-                         std::vector<double>& out) {
-  std::fill(out.begin(), out.end(), 0.0);
+void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out) {
   with_law(law, [&](const auto& l) {
     with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, grid, l, x, out); });
   });
@@ -64,21 +63,35 @@ double eigenvalue_bound(Basis basis, double largest_stiffness, double density, d
   return most * largest_stiffness / (density * h * h);
 }
 
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance) {
-  const int n = grid.size();
-  const std::vector<char>& counts = grid.halo.counts_here();
+  // The vectors have the nodes of one part behind those of another.
+  std::vector<std::size_t> first(parts.size() + 1, 0);
+  std::vector<HaloSum*> halos;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    first[p + 1] = first[p] + static_cast<std::size_t>(parts[p].grid->size());
+    halos.push_back(&parts[p].grid->halo);
+  }
+  HaloSums shared;
+  shared.build(halos);
+  const int n = static_cast<int>(first.back());
+  std::vector<double> mass(n);
+  std::vector<char> counts(n);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    std::copy(parts[p].grid->mass.begin(), parts[p].grid->mass.end(), mass.begin() + first[p]);
+    std::copy(parts[p].grid->halo.counts_here().begin(), parts[p].grid->halo.counts_here().end(), counts.begin() + first[p]);
+  }
   const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
     double mine = 0.0, all;
     for (int i = 0; i < n; ++i)
-      if (counts[i])
-        mine += grid.mass[i] * (a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2]);
+      if (counts[i]) mine += mass[i] * (a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2]);
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
     return all;
   };
   std::vector<double> v(3 * n), before(3 * n, 0.0), w(3 * n);
-  for (int i = 0; i < n; ++i)
-    for (int c = 0; c < 3; ++c) v[3 * i + c] = grid.mass[i] > 0.0 ? scrambled(grid.keys[i], c) : 0.0;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (std::size_t i = first[p]; i < first[p + 1]; ++i)
+      for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(parts[p].grid->keys[i - first[p]], c) : 0.0;
   const double norm = std::sqrt(dot(v, v));
   EigenvalueEstimate best{0.0, 0.0, 0};
   if (!(norm > 0.0)) return best;
@@ -87,12 +100,17 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, G
   std::vector<double> diagonal, side;
   double beta = 0.0;
   for (int k = 0; k < kMostProducts; ++k) {
-    grid.ties.extend(v.data());
-    add_stiffness_force(points, grid, law, v, w);
-    grid.ties.pull_back(w.data());
-    grid.halo.sum(w.data(), 3);
+    std::fill(w.begin(), w.end(), 0.0);
+    std::vector<double*> of_parts;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      of_parts.push_back(&w[3 * first[p]]);
+      parts[p].grid->ties.extend(&v[3 * first[p]]);
+      add_stiffness_force(*parts[p].points, *parts[p].grid, law, &v[3 * first[p]], of_parts.back());
+      parts[p].grid->ties.pull_back(of_parts.back());
+    }
+    shared.sum(of_parts, 3);
     for (int i = 0; i < n; ++i) {
-      const double r = grid.mass[i] > 0.0 ? -1.0 / grid.mass[i] : 0.0;
+      const double r = mass[i] > 0.0 ? -1.0 / mass[i] : 0.0;
       for (int c = 0; c < 3; ++c) w[3 * i + c] *= r;
     }
     const double alpha = dot(v, w);

@@ -12,6 +12,8 @@
 
 #include <mpi.h>
 
+#include <vector>
+
 #include "../material/law.h"
 #include "grid.h"
 #include "point_store.h"
@@ -24,9 +26,19 @@ struct EigenvalueEstimate {
   int products;     // with the operator
 };
 
-// Collective. Stops when the residual is below tolerance times the value.
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
+// Points on their grid: one of many bonds.
+struct EigenvaluePart {
+  const PointStore* points;
+  Grid* grid;
+};
+
+// Collective; bonds ascending. Of all of them together. Stops when the residual is below tolerance times the value.
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance = 1e-3);
+inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
+                                             double tolerance = 1e-3) {
+  return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
+}
 
 // Upper bound for any place of the points, 0 if the basis has none. With row-sum lumping the
 // largest eigenvalue is at most that of a single point (Fried 1972), and there at most

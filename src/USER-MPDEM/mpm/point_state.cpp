@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <type_traits>
 
 #include "../material/laws.h"
@@ -24,14 +23,17 @@ double largest_of(const double* D) {
   return largest(eigen(tensor))[0];
 }
 
-std::string take_up_state(PointStore& points, int slot, const Law& law) {
+std::string name_of_law(int number) { return law_entries()[number - 1].name; }
+
+// A tensor from a file.
+std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
   const bool failed = points.meta[slot / kLanes].failed >> slot % kLanes & 1;
   double D[kMostStateFields] = {}, state[kMostStateFields] = {};
   for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
   const bool damaged = std::any_of(D, D + kMostStateFields, [](double v) { return v != 0.0; });
   if (law.inert() && (failed || damaged))
     return text_of("damage ", largest_of(D), failed ? ", and has failed" : "", ", which needs 'damage tensor'");
-  if (std::all_of(D + law.fields(), D + kMostStateFields, [](double v) { return v == 0.0; })) return "";
+  if (!damaged) return "";
   try {
     law.state_from_tensor(D, state);
     points.set_state(slot, state);
@@ -43,20 +45,20 @@ std::string take_up_state(PointStore& points, int slot, const Law& law) {
 
 }  // namespace
 
-std::vector<vd> largest_damages(const PointStore& points, const Law& law, const std::vector<char>& wanted) {
+std::vector<vd> largest_damages(const PointStore& points) {
   std::vector<vd> all(points.meta.size());
-  with_law(law, [&](const auto& l) {
+  with_law(*points.law(), [&](const auto& l) {
     for (std::size_t b = 0; b < all.size(); ++b)
-      if (points.meta[b].damaged && wanted[points.meta[b].body]) all[b] = largest_damage_of(points, static_cast<int>(b), l);
+      if (points.meta[b].damaged) all[b] = largest_damage_of(points, static_cast<int>(b), l);
   });
   return all;
 }
 
-CrackOfPoint crack_of(const PointStore& points, int slot, const Law& law) {
+CrackOfPoint crack_of(const PointStore& points, int slot) {
   const int b = slot / kLanes, lane = slot % kLanes;
   const Mat3<vd> R = rotation_matrix(points.blocks[b].q);
   Sym3<vd> damage, opening;
-  with_law(law, [&](const auto& l) {
+  with_law(*points.law(), [&](const auto& l) {
     const auto state = state_of<std::decay_t<decltype(l)>>(points, b);
     damage = l.damage(state);
     opening = l.opening(points.blocks[b].strain, state);
@@ -80,6 +82,8 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
   const int b = slot / kLanes, l = slot % kLanes;
   std::array<double, 6> numbers{};
   if (!points.law()) {
+    if (points.law_number() != 0 && points.law_number() != kLawNumber<TensorDamage> && !points.states().empty())
+      throw std::domain_error(text_of("their state is that of 'damage ", name_of_law(points.law_number()), "'; define fix mpm with that law and use 'run 0' before"));
     for (int i = 0; i < points.state_fields(); ++i) numbers[i] = points.state(b)[i][l];
     return numbers;
   }
@@ -91,7 +95,8 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
 
 std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
   const Law& law = *shared;
-  const bool other = points.law() && !points.states().empty() && std::strcmp(points.law()->name(), law.name()) != 0;
+  const int number = points.law_number();
+  const bool other = number != 0 && number != law_number(law);
   std::string trouble;
   for (int b = 0; b < static_cast<int>(points.meta.size()) && trouble.empty(); ++b) {
     const BlockMeta& m = points.meta[b];
@@ -99,9 +104,9 @@ std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>&
     for (int l = 0; l < kLanes && trouble.empty(); ++l) {
       if (!(m.occupied >> l & 1)) continue;
       if (other)
-        trouble = text_of("a state of 'damage ", points.law()->name(), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
-      else
-        trouble = take_up_state(points, kLanes * b + l, law);
+        trouble = text_of("a state of 'damage ", name_of_law(number), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
+      else if (number == 0)
+        trouble = take_up_tensor(points, kLanes * b + l, law);
       if (!trouble.empty()) trouble = text_of("material point ", points.tags[b][l], " has ", trouble);
     }
   }

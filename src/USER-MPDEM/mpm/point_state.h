@@ -43,21 +43,22 @@ vd largest_damage_of(const PointStore& points, int b, const L& law) {
   return law.largest_damage(state_of<L>(points, b));
 }
 
-// Of the blocks of the bodies in `wanted`; 0 of the others.
-std::vector<vd> largest_damages(const PointStore& points, const Law& law, const std::vector<char>& wanted);
+// Of all blocks of points that have a law.
+std::vector<vd> largest_damages(const PointStore& points);
 
 // Principal values of the damage of a point, falling, and the normal of its crack, both in global axes. A
-// normal has no sign: its largest component is positive.
+// normal has no sign: its largest component is positive. The store knows the law.
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
-CrackOfPoint crack_of(const PointStore& points, int slot, const Law& law);
+CrackOfPoint crack_of(const PointStore& points, int slot);
 
-// Damage tensor of a point in its material frame (xx yy zz yz xz xy), by the law of the store; without a law its numbers.
+// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if its state is of a law that the store
+// must know for that, and does not.
 std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
 
-// Makes the states that points came with those of the law, and sets the law of the store: a file gave the damage tensor in
-// the place of the state. Text that begins with "material point" if the law cannot go on from one of them.
+// Makes the states that points came with those of the law, and sets the law of the store: without a number of a law the
+// state is the damage tensor that a file gave. Text that begins with "material point" if the law cannot go on from one of them.
 std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem

@@ -17,64 +17,19 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "../material/corotational.h"
 #include "../material/law.h"
 #include "../numerics/tensor3.h"
 #include "basis.h"
-#include "body.h"
+#include "point_record.h"
 
 namespace mpdem {
 
-// Numbers that a law of damage may keep for a point.
-constexpr int kMostStateFields = Law::kMostFields;
-
-// Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
-// the body was created; the cement there has its reference at foot + moved.
-struct Link {
-  int slot;
-  int grain;        // tag
-  double foot[3];
-  double area;      // of the grain's surface
-  int attached;     // 0 once it has let go
-  double moved[3] = {0, 0, 0};
-  bool inert = false;  // has let go, but its added mass still counts, see coupling/penalty_links.h
-};
-
-// One point, for transfer between ranks, restart files and creation.
-struct PointRecord {
-  static constexpr int kMaxLinks = 2;
-  int body = 0, part = 0;
-  bool failed = false;
-  bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
-  double X[3] = {0, 0, 0};
-  double volume = 0;
-  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  double q[4] = {1, 0, 0, 0};
-  double strain[6] = {0, 0, 0, 0, 0, 0};
-  double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};  // state of the law of damage, see material/law.h
-  bool moving = false;  // has the next three
-  double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
-  int links = 0;
-  Link link[kMaxLinks];
-
-  // Numbers that pack() gives, moving or not.
-  static constexpr int kPacked = 5 + 3 + 1 + 9 + 4 + 6 + 6 + 1 + kMaxLinks * 9;
-  static constexpr int kPackedMoving = kPacked + 15;
-  int pack(double* buf) const;
-  int unpack(const double* buf);
-  static bool packed_moving(const double* buf) { return buf[4] != 0.0; }
-  // Of a record from a file, as long as `packed_moving` says; what is wrong with it, empty if nothing is.
-  std::string unpack_checked(const double* buf, const std::vector<Body>& bodies);
-
- private:
-  template <class Numbers>
-  void take(Numbers& in);
-};
-
+// As in a PointRecord, with the same order of components.
 struct PointBlock {
   vd X[3];
   vd volume;
@@ -83,7 +38,7 @@ struct PointBlock {
   Sym3<vd> strain;
 };
 
-// Of points whose reference moves: where they were created, velocity and its affine part.
+// Of points whose reference moves: where they were created, velocity and its affine part, as in a PointRecord.
 struct PointMotion {
   vd X0[3], v[3];
   Mat3<vd> C;
@@ -121,23 +76,29 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Keeps the points in `live` (slots, with their tags) and drops all others, in the order
-  // body, part, cell, tag; new_slot[i] is where live[i] went. Order and blocks depend on the
-  // points alone, not on how they came here. Link positions follow. new_part[i], if there are
-  // any, is the part that live[i] goes to.
-  void arrange(const std::vector<int>& live, const std::vector<int>& live_tags, double cell,
-               std::vector<int>& new_slot, const std::vector<int>& new_part = {}, Basis basis = Basis::quadratic);
+  // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
+  // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
+  // new_part: of the points of these slots, ascending, that go to another part.
+  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {});
 
-  // State of the law: state_fields() vectors a block. It takes no memory until some point has damage.
+  // A point that left for another rank. Its links go with the next arrange().
+  void release(int slot);
+  // Did points come or leave since arrange()?
+  bool changed() const { return changed_; }
+  int size() const;  // points
+
+  // State of the law of damage: state_fields() vectors a block. It takes no memory until some point has damage.
   const vd* state(int b) const { return state_.empty() ? kNoState : &state_[state_fields_ * static_cast<std::size_t>(b)]; }
   vd* change_state(int b);
   // Of all blocks, one after the other; empty while they are all 0.
   const std::vector<vd>& states() const { return state_; }
-  // As many numbers as the law of the points has. Until it is set, and where a point arrives that has more, there are
-  // kMostStateFields of them: the damage tensor that a file gave, see Law::state_from_tensor.
+  // As many numbers as the law of the points has; kMostStateFields of them until it is set: what a record brings.
   int state_fields() const { return state_fields_; }
-  // That law, nullptr until it is set. It stays when the command that made it is gone: the numbers are of no other.
+  // That law. Null until it is set, in points that have come from a file or another rank; it stays when the command that made
+  // it is gone: the numbers are of no other.
   const Law* law() const { return law_.get(); }
+  // PointRecord::law, of points that have come or of the law that is set.
+  int law_number() const { return law_number_; }
   // Numbers above the count of the law must be 0.
   void set_law(const std::shared_ptr<const Law>& law);
   // The state of one point.
@@ -161,13 +122,25 @@ class PointStore {
   std::size_t memory_usage() const;
 
  private:
+  template <class Self, class F>
+  static void each_array(Self& s, F f) {
+    f(s.blocks);
+    f(s.state_);
+    f(s.motion);
+    f(s.meta);
+    f(s.tags);
+    f(s.links);
+  }
+  std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
+  int tail_lanes_ = 0;       // used in the last block of the tail
+  bool changed_ = false;
   static const vd kNoState[kMostStateFields];
   std::vector<vd> state_;
-  int state_fields_ = kMostStateFields;
+  int state_fields_ = kMostStateFields, law_number_ = 0;
   std::shared_ptr<const Law> law_;
-  std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   void set(int slot, const PointRecord& r, int tag);
   void set_state_fields(int fields);
+  void append_block();
 };
 
 }  // namespace mpdem

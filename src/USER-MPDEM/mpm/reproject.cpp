@@ -10,7 +10,7 @@ namespace mpdem {
 namespace {
 
 // out = y field, or, with the affine part, what apic makes of it. Collective.
-void project(const PointStore& points, Grid& grid, double density, bool affine, const std::vector<double>& field,
+void project(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, bool affine, const std::vector<double>& field,
              std::vector<double>& out) {
   out.assign(field.size(), 0.0);
   with_basis(grid.basis, [&](auto type) {
@@ -38,7 +38,7 @@ void project(const PointStore& points, Grid& grid, double density, bool affine, 
   });
   grid.halo.sum(out.data(), 3);
   for (int i = 0; i < grid.size(); ++i) {
-    const double c = grid.added_mass[i], inertia = grid.mass[i] + c;
+    const double c = added_mass.empty() ? 0.0 : added_mass[i], inertia = grid.mass[i] + c;
     for (int d = 0; d < 3; ++d) {
       double& y = out[3 * i + d];
       y = inertia > 0.0 ? (y + c * field[3 * i + d]) / inertia : field[3 * i + d];
@@ -48,8 +48,8 @@ void project(const PointStore& points, Grid& grid, double density, bool affine, 
 
 }  // namespace
 
-void reproject_velocity(const PointStore& points, Grid& grid, double density, const Transfer& transfer, double dt,
-                        std::vector<double>& jump) {
+void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density,
+                        const Transfer& transfer, double dt, std::vector<double>& jump) {
   const std::size_t n = grid.velocity.size();
   std::vector<double>& v = grid.velocity;
   jump.resize(n);
@@ -57,27 +57,27 @@ void reproject_velocity(const PointStore& points, Grid& grid, double density, co
     const double A = transfer.flip_share;
     std::vector<double> rest(n);  // what is projected
     for (std::size_t i = 0; i < n; ++i) rest[i] = (1.0 - A) * v[i] + dt * grid.acceleration[i];
-    project(points, grid, density, false, rest, jump);
+    project(points, grid, added_mass, density, false, rest, jump);
     for (std::size_t i = 0; i < n; ++i) jump[i] -= rest[i];
   } else if (transfer.method == Transfer::xpic) {
     std::vector<double> r(v), y;
     for (int k = 0; k < transfer.order; ++k) {
-      project(points, grid, density, false, r, y);
+      project(points, grid, added_mass, density, false, r, y);
       for (std::size_t i = 0; i < n; ++i) r[i] -= y[i];
     }
     for (std::size_t i = 0; i < n; ++i) jump[i] = -r[i];
   } else {
-    project(points, grid, density, transfer.method == Transfer::apic, v, jump);
+    project(points, grid, added_mass, density, transfer.method == Transfer::apic, v, jump);
     for (std::size_t i = 0; i < n; ++i) jump[i] -= v[i];
   }
   for (std::size_t i = 0; i < n; ++i) v[i] += jump[i];
 }
 
-void filter_velocity(const PointStore& points, Grid& grid, double density, int order) {
+void filter_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, int order) {
   // q(y) = (1 - (1 - y)^m)/y = sum over k < m of (1 - y)^k
   std::vector<double> r(grid.velocity), y;
   for (int k = 1; k < order; ++k) {
-    project(points, grid, density, false, r, y);
+    project(points, grid, added_mass, density, false, r, y);
     for (std::size_t i = 0; i < r.size(); ++i) {
       r[i] -= y[i];
       grid.velocity[i] += r[i];

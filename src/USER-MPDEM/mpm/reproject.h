@@ -26,13 +26,14 @@
 
 namespace mpdem {
 
-// Collective. jump: change of the nodal velocities. dt: of the coming kick, for flip.
-void reproject_velocity(const PointStore& points, Grid& grid, double density, const Transfer& transfer, double dt,
-                        std::vector<double>& jump);
+// Collective among the ranks that share nodes. jump: change of the nodal velocities. dt: of the coming kick, for flip.
+// added_mass: of each node, or empty.
+void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density,
+                        const Transfer& transfer, double dt, std::vector<double>& jump);
 
 // Collective. v <- q(y) v, q as in transfer.h: what xpic m makes of the velocity before the
 // acceleration comes in. Kept is the momentum that includes that of the added mass.
-void filter_velocity(const PointStore& points, Grid& grid, double density, int order);
+void filter_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, int order);
 
 }  // namespace mpdem
 

@@ -6,11 +6,17 @@
 
 namespace mpdem {
 
-void HaloSum::build(MPI_Comm comm, const std::vector<Key>& keys) {
+namespace {
+constexpr int kTag = 7301;
+}
+
+void HaloSum::build(MPI_Comm comm, const std::vector<Key>& keys) { build(comm, find_sharing(comm, keys), keys.size()); }
+
+void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
   comm_ = comm;
   MPI_Comm_rank(comm, &me_);
-  shared_ = find_sharing(comm, keys);
-  counts_here_.assign(keys.size(), 1);
+  shared_ = std::move(shared);
+  counts_here_.assign(size, 1);
   union_.clear();
   for (std::size_t n = 0; n < shared_.ranks.size(); ++n) {
     union_.insert(union_.end(), shared_.items[n].begin(), shared_.items[n].end());
@@ -19,30 +25,12 @@ void HaloSum::build(MPI_Comm comm, const std::vector<Key>& keys) {
   }
   std::sort(union_.begin(), union_.end());
   union_.erase(std::unique(union_.begin(), union_.end()), union_.end());
-  requests_.resize(2 * shared_.ranks.size());
 }
 
 std::size_t HaloSum::shared_items() const { return union_.size(); }
 
-void HaloSum::sum(double* values, int width) {
-  if (shared_.ranks.empty()) return;
-  const std::size_t neighbours = shared_.ranks.size();
-  std::size_t total = 0;
-  for (const auto& v : shared_.items) total += v.size();
-  send_.resize(total * width);
-  recv_.resize(total * width);
-  std::size_t at = 0;
-  for (std::size_t n = 0; n < neighbours; ++n) {
-    const auto& items = shared_.items[n];
-    const int count = static_cast<int>(items.size()) * width;
-    MPI_Irecv(&recv_[at], count, MPI_DOUBLE, shared_.ranks[n], 7301, comm_, &requests_[2 * n]);
-    double* s = &send_[at];
-    for (int i : items)
-      for (int c = 0; c < width; ++c) *s++ = values[static_cast<long>(i) * width + c];
-    MPI_Isend(&send_[at], count, MPI_DOUBLE, shared_.ranks[n], 7301, comm_, &requests_[2 * n + 1]);
-    at += count;
-  }
-  // The own part enters at the own rank's place of the order.
+// The own part enters at the own rank's place of the order.
+void HaloSum::take_own(double* values, int width) {
   own_.resize(union_.size() * width);
   for (std::size_t u = 0; u < union_.size(); ++u)
     for (int c = 0; c < width; ++c) {
@@ -50,25 +38,73 @@ void HaloSum::sum(double* values, int width) {
       own_[u * width + c] = v;
       v = 0.0;
     }
-  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-  const auto add_own = [&] {
-    for (std::size_t u = 0; u < union_.size(); ++u)
-      for (int c = 0; c < width; ++c) values[static_cast<long>(union_[u]) * width + c] += own_[u * width + c];
-  };
-  bool own_added = false;
-  at = 0;
-  for (std::size_t n = 0; n < neighbours; ++n) {
-    if (!own_added && shared_.ranks[n] > me_) {
-      add_own();
-      own_added = true;
-    }
-    const auto& items = shared_.items[n];
-    const double* r = &recv_[at];
-    for (int i : items)
-      for (int c = 0; c < width; ++c) values[static_cast<long>(i) * width + c] += *r++;
-    at += items.size() * width;
+}
+
+void HaloSum::add_own(double* values, int width) const {
+  for (std::size_t u = 0; u < union_.size(); ++u)
+    for (int c = 0; c < width; ++c) values[static_cast<long>(union_[u]) * width + c] += own_[u * width + c];
+}
+
+void HaloSum::sum(double* values, int width) {
+  if (!shares_any()) return;
+  HaloSums one;
+  one.build({this});
+  one.sum({values}, width);
+}
+
+void HaloSums::build(const std::vector<HaloSum*>& parts) {
+  parts_ = parts;
+  ranks_.clear();
+  for (const HaloSum* p : parts_) ranks_.insert(ranks_.end(), p->shared_.ranks.begin(), p->shared_.ranks.end());
+  std::sort(ranks_.begin(), ranks_.end());
+  ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
+  items_.assign(ranks_.size(), 0);
+  for (const HaloSum* p : parts_)
+    for (std::size_t n = 0; n < p->shared_.ranks.size(); ++n)
+      items_[std::lower_bound(ranks_.begin(), ranks_.end(), p->shared_.ranks[n]) - ranks_.begin()] += p->shared_.items[n].size();
+  send_.resize(ranks_.size());
+  recv_.resize(ranks_.size());
+  requests_.resize(2 * ranks_.size());
+}
+
+void HaloSums::sum(const std::vector<double*>& values, int width) {
+  if (ranks_.empty()) return;
+  const MPI_Comm comm = parts_.front()->comm_;
+  for (std::size_t r = 0; r < ranks_.size(); ++r) {
+    recv_[r].resize(items_[r] * width);
+    send_[r].clear();
+    send_[r].reserve(items_[r] * width);
+    MPI_Irecv(recv_[r].data(), static_cast<int>(recv_[r].size()), MPI_DOUBLE, ranks_[r], kTag, comm, &requests_[2 * r]);
   }
-  if (!own_added) add_own();
+  const auto place_of = [&](int rank) { return std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin(); };
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const Sharing& s = parts_[p]->shared_;
+    for (std::size_t n = 0; n < s.ranks.size(); ++n) {
+      std::vector<double>& to = send_[place_of(s.ranks[n])];
+      for (int i : s.items[n]) to.insert(to.end(), values[p] + static_cast<long>(i) * width, values[p] + static_cast<long>(i + 1) * width);
+    }
+  }
+  for (std::size_t r = 0; r < ranks_.size(); ++r)
+    MPI_Isend(send_[r].data(), static_cast<int>(send_[r].size()), MPI_DOUBLE, ranks_[r], kTag, comm, &requests_[2 * r + 1]);
+  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->take_own(values[p], width);
+  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  std::vector<std::size_t> at(ranks_.size(), 0);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const HaloSum& part = *parts_[p];
+    bool own_added = false;
+    for (std::size_t n = 0; n < part.shared_.ranks.size(); ++n) {
+      if (!own_added && part.shared_.ranks[n] > part.me_) {
+        part.add_own(values[p], width);
+        own_added = true;
+      }
+      const std::size_t r = place_of(part.shared_.ranks[n]);
+      const double* in = &recv_[r][at[r]];
+      for (int i : part.shared_.items[n])
+        for (int c = 0; c < width; ++c) values[p][static_cast<long>(i) * width + c] += *in++;
+      at[r] += part.shared_.items[n].size() * width;
+    }
+    if (!own_added) part.add_own(values[p], width);
+  }
 }
 
 }  // namespace mpdem

@@ -19,6 +19,8 @@ class HaloSum {
  public:
   // Collective. keys: ascending, each once.
   void build(MPI_Comm comm, const std::vector<Key>& keys);
+  // With what is known already of the ranks that share `size` keys. Not collective.
+  void build(MPI_Comm comm, Sharing shared, std::size_t size);
 
   // Collective among sharing ranks. values: width doubles a key, summed in place.
   void sum(double* values, int width);
@@ -27,14 +29,35 @@ class HaloSum {
   const std::vector<char>& counts_here() const { return counts_here_; }
 
   std::size_t shared_items() const;
+  bool shares_any() const { return !shared_.ranks.empty(); }
 
  private:
+  friend class HaloSums;
+  void take_own(double* values, int width);
+  void add_own(double* values, int width) const;
+
   MPI_Comm comm_ = MPI_COMM_NULL;
   int me_ = 0;
   Sharing shared_;
   std::vector<char> counts_here_;
   std::vector<int> union_;  // shared keys, ascending
-  std::vector<double> own_, send_, recv_;
+  std::vector<double> own_;
+};
+
+// Sums over many arrays at once, each with its own HaloSum, with one message to each rank. Every
+// contribution is added in the same order as by HaloSum::sum().
+class HaloSums {
+ public:
+  // Arrays of different bodies, ascending; kept by their address.
+  void build(const std::vector<HaloSum*>& parts);
+  // values[n]: those of part n.
+  void sum(const std::vector<double*>& values, int width);
+
+ private:
+  std::vector<HaloSum*> parts_;
+  std::vector<int> ranks_;
+  std::vector<std::size_t> items_;  // shared with each of them
+  std::vector<std::vector<double>> send_, recv_;
   std::vector<MPI_Request> requests_;
 };
 

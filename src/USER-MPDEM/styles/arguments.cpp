@@ -22,18 +22,8 @@ void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
 }
 
 void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
-  int me, size;
-  MPI_Comm_rank(lmp->world, &me);
-  MPI_Comm_size(lmp->world, &size);
-  int mine = text.empty() ? size : me, first;
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, lmp->world);
-  if (first == size) return;
-  int length = static_cast<int>(text.size());
-  MPI_Bcast(&length, 1, MPI_INT, first, lmp->world);
-  std::string shown = text;
-  shown.resize(length);
-  MPI_Bcast(&shown[0], length, MPI_CHAR, first, lmp->world);
-  stop_all(lmp, shown);
+  const std::string shown = first_text(lmp->world, text);
+  if (!shown.empty()) stop_all(lmp, shown);
 }
 
 void Arguments::complain(const std::string& text) const { stop_all(lmp_, command_ + ": " + text); }

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "../numerics/text_of.h"
+#include "../parallel/agree.h"
 #include "error.h"
 #include "lammps.h"
 

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <limits>
 
-#include "../mpm/checked_numbers.h"
 #include "../version.h"
 #include "arguments.h"
 #include "atom.h"
@@ -22,9 +21,10 @@
 namespace LAMMPS_NS {
 
 namespace {
-constexpr int kGrainNumbers = sizeof(AtomVecMpdem::GrainState) / sizeof(double);
 constexpr int kSphereNumbers = 17;  // of an atom of style sphere, before those of fixes
-constexpr int kPlainState = 1, kGrainState = 1 + kGrainNumbers;
+// Of the state of an atom, which begins with its kind; one more tells how many they are.
+constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
+constexpr int kBodyNumbers = mpdem::kMostNumbers<mpdem::Body>;
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
@@ -38,7 +38,10 @@ AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
     if (f) std::fprintf(f, "USER-MPDEM %s\n", mpdem::kVersion);
 }
 
-AtomVecMpdem::~AtomVecMpdem() { memory->destroy(slot); }
+AtomVecMpdem::~AtomVecMpdem() {
+  memory->destroy(slot);
+  memory->destroy(bond);
+}
 
 AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>(lmp->atom->avec); }
 
@@ -66,11 +69,11 @@ void AtomVecMpdem::drop_grains_that_left() {
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   waiting.finish(lmp);
-  if (update->whichflag == 0 || update->nsteps == 0 || bodies.empty()) return;
+  if (update->whichflag == 0 || update->nsteps == 0 || bonds.table.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which it was
   for (int k = 0; k < modify->nfix; ++k)
     if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
-  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bodies[0].grain[0], " and ", bodies[0].grain[1],
+  mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
                                       " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
                                       "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
 }
@@ -78,10 +81,12 @@ void AtomVecMpdem::init() {
 void AtomVecMpdem::grow(int n) {
   AtomVecSphere::grow(n);
   memory->grow(slot, nmax, "atom:mpdem_slot");
+  memory->grow(bond, nmax, "atom:mpdem_bond");
 }
 
 void AtomVecMpdem::copy(int i, int j, int delflag) {
   slot[j] = slot[i];
+  bond[j] = bond[i];
   AtomVecSphere::copy(i, j, delflag);
 }
 
@@ -89,11 +94,10 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
   int m = 0;
   if (slot[i] >= 0) {
     buf[m++] = kPoint;
-    m += points.record(slot[i]).pack(&buf[m]);
+    m = static_cast<int>(mpdem::pack(points_of(i).record(slot[i]), &buf[m]) - buf);
   } else if (slot[i] <= -2) {
     buf[m++] = kGrain;
-    std::memcpy(&buf[m], &grains[-2 - slot[i]], sizeof(GrainState));
-    m += kGrainNumbers;
+    m = static_cast<int>(mpdem::pack(grains[-2 - slot[i]], &buf[m]) - buf);
   } else {
     buf[m++] = kNoState;
   }
@@ -101,25 +105,25 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
 }
 
 int AtomVecMpdem::unpack_state(int i, const double* buf) {
-  int m = 0;
   slot[i] = kPlain;
-  const int kind = static_cast<int>(buf[m++]);
+  const int kind = static_cast<int>(*buf);
+  const double* end = buf + 1;
   if (kind == kPoint) {
     mpdem::PointRecord r;
-    m += r.unpack(&buf[m]);
-    slot[i] = points.add(r, atom->tag[i]);
+    end = mpdem::unpack(end, r);
+    add_point(i, r, atom->tag[i]);
   } else if (kind == kGrain) {
     track_orientation(i);
-    std::memcpy(static_cast<void*>(&grains.back()), &buf[m], sizeof(GrainState));
-    m += kGrainNumbers;
+    end = mpdem::unpack(end, grains.back());
   }
-  return m;
+  return static_cast<int>(end - buf);
 }
 
 int AtomVecMpdem::pack_exchange(int i, double* buf) {
   int m = AtomVecSphere::pack_exchange(i, buf);
   m += pack_state(i, &buf[m]);
   buf[0] = m;
+  if (is_point(i)) bonds.find(bond[i])->points.release(slot[i]);
   return m;
 }
 
@@ -129,12 +133,15 @@ int AtomVecMpdem::unpack_exchange(double* buf) {
   return m;
 }
 
+int AtomVecMpdem::size_of_state(int i) const {
+  if (slot[i] >= 0) return 1 + mpdem::numbers_of(points_of(i).record(slot[i]));
+  return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
+}
+
 // Exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
   int n = AtomVecSphere::size_restart();
-  const int point_state = 1 + (points.motion.empty() ? mpdem::PointRecord::kPacked : mpdem::PointRecord::kPackedMoving);
-  for (int i = 0; i < atom->nlocal; ++i)
-    n += 1 + (slot[i] >= 0 ? point_state : slot[i] <= -2 ? kGrainState : kPlainState);
+  for (int i = 0; i < atom->nlocal; ++i) n += size_of_state(i) + 1;
   return n;
 }
 
@@ -154,42 +161,37 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
   const auto whole = [](double v) { return ubuf(v).i; };
   const int fixes = total - own - kSphereNumbers;
   if (fixes < 0 || !waiting.fits(lmp, buf + kSphereNumbers, fixes)) return "the state of fixes is not as long as the file says";
-  mpdem::CheckedNumbers in(nullptr);
-  if (whole(buf[4]) < 1 || whole(buf[4]) > std::numeric_limits<int>::max()) in.tell(mpdem::text_of("its ID is ", whole(buf[4])));
-  if (whole(buf[5]) < 1 || whole(buf[5]) > atom->ntypes) in.tell(mpdem::text_of("its type is ", whole(buf[5]), ", allowed is 1 to ", atom->ntypes));
-  constexpr double kLargest = mpdem::CheckedNumbers::kLargest;
+  mpdem::FirstTrouble found;
+  if (whole(buf[4]) < 1 || whole(buf[4]) > std::numeric_limits<int>::max()) found.tell(mpdem::text_of("its ID is ", whole(buf[4])));
+  if (whole(buf[5]) < 1 || whole(buf[5]) > atom->ntypes) found.tell(mpdem::text_of("its type is ", whole(buf[5]), ", allowed is 1 to ", atom->ntypes));
   for (int d = 0; d < 3; ++d) {
-    in.check("its velocity", buf[8 + d], -kLargest, kLargest);
-    in.check("its angular velocity", buf[14 + d], -kLargest, kLargest);
+    found.check("its velocity", buf[8 + d], mpdem::kFinite);
+    found.check("its angular velocity", buf[14 + d], mpdem::kFinite);
   }
-  in.check("its radius", buf[11], 0.0, kLargest);
-  in.check("its mass", buf[12], 0.0, kLargest);
-  in.check("its density", buf[13], 0.0, kLargest);
-  if (!in.trouble().empty()) return in.trouble();
+  found.check("its radius", buf[11], mpdem::kNotNegative);
+  found.check("its mass", buf[12], mpdem::kNotNegative);
+  found.check("its density", buf[13], mpdem::kNotNegative);
+  if (!found.trouble().empty()) return found.trouble();
 
-  const double* state = buf + total - own;
-  const int length = own - 1;
-  if (state[0] == kNoState && length == kPlainState) return "";
-  if (state[0] == kPoint && (length == 1 + mpdem::PointRecord::kPacked || length == 1 + mpdem::PointRecord::kPackedMoving)) {
-    mpdem::PointRecord r;
-    if (mpdem::PointRecord::packed_moving(state + 1) != (length == 1 + mpdem::PointRecord::kPackedMoving)) return "the state of a point is not as long as the file says";
-    return r.unpack_checked(state + 1, bodies);
+  const double *state = buf + total - own, *end = buf + total - 1;
+  mpdem::RecordReader in(state + 1, end);
+  mpdem::PointRecord point;
+  if (state[0] == kPoint) {
+    in.read(point);
+    if (in.trouble().empty()) in.tell(trouble_of(point, bonds.table));
+  } else if (state[0] == kGrain) {
+    GrainState grain;
+    in.read(grain);
+  } else if (state[0] != kNoState) {
+    return mpdem::text_of("its state is of kind ", state[0], ", which none is");
   }
-  if (state[0] == kGrain && length == kGrainState) {
-    GrainState g;
-    std::memcpy(static_cast<void*>(&g), state + 1, sizeof g);
-    in.check_quaternion("its orientation", g.q);
-    for (int n = 1; n < kGrainState; ++n) in.check("the state of a bonded grain", state[n], -kLargest, kLargest);
-    in.check_integer("'has been seen'", g.seen, 0.0, 1.0);
-    in.check_integer("'has a place'", g.placed, 0.0, 1.0);
-    return in.trouble();
-  }
-  return mpdem::text_of("its state is of kind ", state[0], " and ", length, " numbers long, which none is");
+  if (!in.at_end()) in.tell("its state is longer than it can be");
+  return in.trouble();
 }
 
 int AtomVecMpdem::unpack_restart(double* buf) {
   // That the file is as it was written is known from its seal, if it has one, see host/restart_seal.cpp.
-  const double most = kSphereNumbers + atom->nextra_store + std::max(kGrainState, 1 + mpdem::PointRecord::kPackedMoving) + 1;
+  const double most = kSphereNumbers + atom->nextra_store + kMostOfState + 1;
   const int total = buf[0] > kSphereNumbers && buf[0] <= most ? static_cast<int>(buf[0]) : 1;
   const double own_length = buf[total - 1];
   const int own = own_length > 1.0 && own_length < total ? static_cast<int>(own_length) : 0;
@@ -205,56 +207,60 @@ int AtomVecMpdem::unpack_restart(double* buf) {
 }
 
 void AtomVecMpdem::write_restart_settings(FILE* fp) {
+  const std::vector<double> numbers = packed_bodies();
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const int head[kRestartHead] = {kRestartVersion, static_cast<int>(sizeof(mpdem::Body)), static_cast<int>(bodies.size()),
-                                  restart_is_sealed};
+  const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bonds.table.size()), restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
-  if (!bodies.empty()) fwrite(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp);
+  fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
+}
+
+std::vector<double> AtomVecMpdem::packed_bodies() const {
+  std::vector<double> numbers(kBodyNumbers * bonds.table.size());
+  double* to = numbers.data();
+  for (const mpdem::Body& body : bonds.table) to = mpdem::pack(body, to);
+  return numbers;
+}
+
+// What is wrong with this style's data in a file, empty if nothing is; else the table of bonds is that of the file.
+std::string AtomVecMpdem::read_bodies(FILE* fp) {
+  const std::string cure = "; use another restart file", truncated = "the file is truncated in the data of atom_style mpdem" + cure;
+  char magic[sizeof kRestartMagic];
+  int head[kRestartHead];
+  const auto marked = [&] { return fread(magic, 1, sizeof magic, fp) == sizeof magic && std::memcmp(magic, kRestartMagic, sizeof magic) == 0; };
+  if (!marked()) return "the file has no data of atom_style mpdem" + cure;
+  if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) return truncated;
+  const int count = head[2];
+  if (head[0] != kRestartVersion) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
+  if (head[1] != kBodyNumbers || count < 0)
+    return mpdem::text_of("the file is damaged: it has ", count, " bonds of ", head[1], " numbers, this program writes ", kBodyNumbers, " numbers a bond", cure);
+  if (count > mpdem::kMaxBodies)
+    return mpdem::text_of("the file has ", count, " bonds, this program takes ", mpdem::kMaxBodies, " at most; use the program that wrote it");
+  std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
+  if (fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return truncated;
+  if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
+  bonds.table.resize(count);
+  mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
+  for (mpdem::Body& body : bonds.table) {
+    in.read(body);
+    if (!in.trouble().empty())
+      return mpdem::text_of("the file is damaged in the data of the bond of grains ", body.grain[0], " and ", body.grain[1], ": ", in.trouble(), cure);
+  }
+  return "";
 }
 
 // Called by every rank; only the first has the file.
 void AtomVecMpdem::read_restart_settings(FILE* fp) {
-  int me;
-  MPI_Comm_rank(world, &me);
   std::string trouble;
-  int count = 0;
-  if (me == 0) {
-    char magic[sizeof kRestartMagic];
-    int head[kRestartHead] = {0, 0, 0, 0};
-    const auto marked = [&] { return fread(magic, 1, sizeof magic, fp) == sizeof magic && std::memcmp(magic, kRestartMagic, sizeof magic) == 0; };
-    const std::string cure = "; use another restart file";
-    if (!marked()) {
-      trouble = "the file has no data of atom_style mpdem";
-    } else if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) {
-      trouble = "the file is truncated in the data of atom_style mpdem";
-    } else if (head[0] != kRestartVersion) {
-      trouble = mpdem::text_of("data of atom_style mpdem of version ", head[0], ", this program reads version ", kRestartVersion);
-    } else if (head[1] != static_cast<int>(sizeof(mpdem::Body)) || head[2] < 0) {
-      trouble = mpdem::text_of("the file is damaged: it has ", head[2], " bonds of ", head[1], " bytes, this program writes ", sizeof(mpdem::Body),
-                               " bytes a bond", cure);
-    } else if (head[2] > mpdem::kMaxBodies) {
-      trouble = mpdem::text_of("the file has ", head[2], " bonds, this program takes ", mpdem::kMaxBodies,
-                               " at most; use the program that wrote it");
-    } else {
-      count = head[2];
-      bodies.resize(count);
-      if (fread(bodies.data(), sizeof(mpdem::Body), bodies.size(), fp) != bodies.size())
-        trouble = "the file is truncated in the data of atom_style mpdem";
-      else if (!marked())
-        trouble = mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
-    }
-    for (int b = 0; b < count && trouble.empty(); ++b) {
-      const std::string wrong = trouble_of(bodies[b]);
-      if (!wrong.empty())
-        trouble = mpdem::text_of("the file is damaged in the data of the bond of grains ", bodies[b].grain[0], " and ", bodies[b].grain[1], ": ", wrong, cure);
-    }
-    if (!trouble.empty()) trouble = "read_restart: " + trouble;
-  }
-  mpdem::stop_if_any(lmp, trouble);
+  if (comm->me == 0) trouble = read_bodies(fp);
+  mpdem::stop_if_any(lmp, trouble.empty() ? trouble : "read_restart: " + trouble);
+  int count = static_cast<int>(bonds.table.size());
   MPI_Bcast(&count, 1, MPI_INT, 0, world);
-  bodies.resize(count);
-  MPI_Bcast(bodies.data(), static_cast<int>(sizeof(mpdem::Body) * bodies.size()), MPI_BYTE, 0, world);
+  bonds.table.resize(count);
+  std::vector<double> numbers = packed_bodies();
+  MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, world);
+  const double* from = numbers.data();
+  for (mpdem::Body& body : bonds.table) from = mpdem::unpack(from, body);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {
@@ -268,7 +274,7 @@ void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
 }
 
 bigint AtomVecMpdem::memory_usage() {
-  return AtomVecSphere::memory_usage() + memory->usage(slot, nmax) + points.memory_usage() +
+  return AtomVecSphere::memory_usage() + 2 * memory->usage(slot, nmax) + static_cast<bigint>(bonds.memory_usage()) +
          static_cast<bigint>(grains.capacity() * sizeof(GrainState));
 }
 

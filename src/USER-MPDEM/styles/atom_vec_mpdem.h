@@ -3,7 +3,7 @@
 //
 // atom_style mpdem: spheres as in atom_style sphere, plus the state of material points
 // and the orientation of bonded grains. That state is kept once, in the layout of the
-// MPM kernels (mpm/point_store.h); an atom only holds the number of its slot there, which
+// MPM kernels (cement/bond.h); an atom only holds its bond and the number of its slot there, which
 // is all that moves when LIGGGHTS reorders atoms. It is packed when an atom changes rank
 // or is written to a restart file.
 #ifdef ATOM_CLASS
@@ -19,8 +19,8 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include <string>
 #include <vector>
 
-#include "../mpm/body.h"
-#include "../mpm/point_store.h"
+#include "../coupling/grain_state.h"
+#include "../cement/bond.h"
 #include "atom_vec_sphere.h"
 #include "waiting_state.h"
 
@@ -31,40 +31,32 @@ class AtomVecMpdem : public AtomVecSphere {
   explicit AtomVecMpdem(LAMMPS* lmp);
   ~AtomVecMpdem() override;
 
-  // slot[i] of atom i: a point's place in `points`; kPlain for any other atom; for a
+  // slot[i] of atom i: a point's place in the points of bond[i]; kPlain for any other atom; for a
   // bonded grain -2 - index into `grains`.
   static constexpr int kPlain = -1;
-  int* slot = nullptr;
-  mpdem::PointStore points;
-  std::vector<mpdem::Body> bodies;
-  // What LIGGGHTS does not keep of a bonded grain: orientation; once a run began (`seen`, else 0) the velocities with which
-  // it came to the present position, v and then omega, those of the step before, what of the change was a jump, the
-  // velocities at the end of the step, and the acceleration that is expected of a prescribed v; force and moment of the
-  // cement on it; unwrapped position when forces were computed last, before it when cement was made (`placed`); force and
-  // torque that fixes after fix mpm added in the last step.
-  struct GrainState {
-    double q[4] = {1.0, 0.0, 0.0, 0.0}, seen = 0.0;
-    double v[6] = {0, 0, 0, 0, 0, 0}, before[6] = {0, 0, 0, 0, 0, 0}, jump[6] = {0, 0, 0, 0, 0, 0};
-    double ended[6] = {0, 0, 0, 0, 0, 0}, a[3] = {0, 0, 0};
-    double load[6] = {0, 0, 0, 0, 0, 0};
-    double placed = 0.0, x[3] = {0, 0, 0};
-    double late[6] = {0, 0, 0, 0, 0, 0};
-  };
+  int *slot = nullptr, *bond = nullptr;
+  mpdem::Bonds bonds;
+  using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
   // After read_restart, of points made before the first run.
   WaitingState waiting;
 
   bool is_point(int i) const { return slot[i] >= 0; }
+  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i is one of them
+  void add_point(int i, const mpdem::PointRecord& r, int tag) {
+    bond[i] = r.body;
+    slot[i] = bonds.add(r, tag);
+  }
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
   // Gives a grain a state, of orientation the identity, if it has none.
   void track_orientation(int i);
 
-  // Of the head of this style's data in a restart file: bytes to know it by, its version, size of a body,
-  // number of bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
+  // Of the head of this style's data in a restart file: bytes to know it by, its version, the numbers of a
+  // body, how many bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
   // again after the bodies.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 9, kRestartHead = 4;
+  static constexpr int kRestartVersion = 10, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
@@ -88,6 +80,9 @@ class AtomVecMpdem : public AtomVecSphere {
   void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
+  int size_of_state(int i) const;
+  std::vector<double> packed_bodies() const;
+  std::string read_bodies(FILE* fp);
   std::string trouble_in_atom(const double* buf, int total, int own) const;
 };
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "../material/laws.h"
+#include "../mpm/point_state.h"
 #include "arguments.h"
 #include "atom.h"
 #include "memory.h"
@@ -117,28 +119,34 @@ void ComputeMpmAtom::compute_peratom() {
     memory->create(vector_atom, size_, "mpm/atom:vector_atom");
   }
   const AtomVecMpdem* avec = cement_->cement();
-  const mpdem::PointStore& points = avec->points;
-  struct Row {
-    vd v;
-  };
-  std::vector<Row> value(points.blocks.size());
+  for (int i = 0; i < atom->nlocal; ++i) vector_atom[i] = 0.0;
+  for (const mpdem::Bond& bond : avec->bonds) {
+    find_values(bond, avec->bonds.body(bond));
+    for (std::size_t b = 0; b < bond.points.blocks.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(bond.points.meta[b].occupied >> l & 1)) continue;
+        const int i = atom->map(bond.points.tags[b][l]);
+        if (i >= 0 && i < atom->nlocal && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
+      }
+  }
+}
+
+// Of the points of a bond, by blocks.
+void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
+  const mpdem::PointStore& points = bond.points;
+  value_.resize(points.blocks.size());
   mpdem::with_law(cement_->law(), [&](const auto& law) {
-    for (std::size_t b = 0; b < value.size(); ++b) value[b].v = value_of(points, static_cast<int>(b), law);
+    for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
   });
   // 1 while attached to a grain, 2 once it has let go; the tag of that grain. Of two links those of the nearer grain.
   if (quantity_ == kAttached || quantity_ == kGrain)
     for (const mpdem::Link& k : points.links) {
       const int b = k.slot / kLanes, l = k.slot % kLanes;
-      const mpdem::Body& body = avec->bodies[points.meta[b].body];
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = points.created_at(b)[d][l];
       const int nearer = mpdem::nearer_side(body, mpdem::nearer_to_first(body, X));
-      if (value[b].v[l] == 0.0 || k.grain == body.grain[nearer]) value[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
+      if (value_[b].v[l] == 0.0 || k.grain == body.grain[nearer]) value_[b].v[l] = quantity_ == kGrain ? k.grain : k.attached ? 1.0 : 2.0;
     }
-  for (int i = 0; i < atom->nlocal; ++i)
-    vector_atom[i] = avec->slot[i] >= 0 && (atom->mask[i] & groupbit)
-                         ? value[avec->slot[i] / kLanes].v[avec->slot[i] % kLanes]
-                         : 0.0;
 }
 
 double ComputeMpmAtom::memory_usage() { return static_cast<double>(size_) * sizeof(double); }

@@ -14,6 +14,7 @@ ComputeStyle(mpm/atom,ComputeMpmAtom)
 #define MPDEM_COMPUTE_MPM_ATOM_H
 
 #include <string>
+#include <vector>
 
 #include "compute.h"
 #include "fix_mpm.h"
@@ -30,6 +31,7 @@ class ComputeMpmAtom : public Compute {
 
  private:
   FixMpm* find_cement() const;
+  void find_values(const mpdem::Bond& bond, const mpdem::Body& body);
 
   template <class L>
   mpdem::vd value_of(const mpdem::PointStore& points, int block, const L& law) const;
@@ -38,6 +40,10 @@ class ComputeMpmAtom : public Compute {
   FixMpm* cement_ = nullptr;
   int quantity_ = 0;
   int size_ = 0;
+  struct Row {
+    mpdem::vd v;
+  };
+  std::vector<Row> value_;  // of each block of a bond
 };
 
 }  // namespace LAMMPS_NS

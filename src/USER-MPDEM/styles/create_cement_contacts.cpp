@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Cement at all contacts of a group of grains: the command for a pair, once for each of them.
+// create_cement: cement at all contacts of a group of grains, as the command for a pair makes it at each of them.
 #include <mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -65,7 +66,8 @@ std::vector<std::pair<int, int>> CreateCement::contacts(int groupbit, double gap
 }
 
 // For each bond the others, and periodic images, whose boxes meet its own.
-std::vector<std::vector<mpdem::Neighbour>> CreateCement::neighbours(const std::vector<Bond>& bonds) const {
+std::vector<std::vector<CreateCement::Near>> CreateCement::neighbours() {
+  const std::vector<Bond>& bonds = bonds_;
   using mpdem::Vector3;
   struct Place {
     Vector3 middle;
@@ -73,7 +75,7 @@ std::vector<std::vector<mpdem::Neighbour>> CreateCement::neighbours(const std::v
     bool image;
   };
   double widest = 0.0;
-  for (const Bond& b : bonds) widest = std::max(widest, b.shape->half_extent().maxCoeff());
+  for (const Bond& b : bonds) widest = std::max(widest, shape_of(b.kind).half_extent().maxCoeff());
   const Vector3 low(domain->boxlo[0], domain->boxlo[1], domain->boxlo[2]), high(domain->boxhi[0], domain->boxhi[1], domain->boxhi[2]);
   const int images[3] = {domain->periodicity[0], domain->periodicity[1], domain->periodicity[2]};
   std::vector<Place> places;
@@ -89,15 +91,15 @@ std::vector<std::vector<mpdem::Neighbour>> CreateCement::neighbours(const std::v
           places.push_back({x, n, image});
         }
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.middle[0] != b.middle[0] ? a.middle[0] < b.middle[0] : a.bond < b.bond; });
-  std::vector<std::vector<mpdem::Neighbour>> near(bonds.size());
+  std::vector<std::vector<Near>> near(bonds.size());
   for (std::size_t n = 0; n < places.size(); ++n)
     for (std::size_t m = n + 1; m < places.size() && places[m].middle[0] - places[n].middle[0] <= 2.0 * widest; ++m) {
       const Place &a = places[n], &b = places[m];
       const Vector3 apart = b.middle - a.middle;
-      const mpdem::Shape &of_a = *bonds[a.bond].shape, &of_b = *bonds[b.bond].shape;
+      const mpdem::Shape &of_a = shape_of(bonds[a.bond].kind), &of_b = shape_of(bonds[b.bond].kind);
       if ((apart.cwiseAbs().array() > (of_a.half_extent() + of_b.half_extent()).array()).any()) continue;
-      if (!a.image) near[a.bond].push_back({&of_b, apart});
-      if (!b.image) near[b.bond].push_back({&of_a, -apart});
+      if (!a.image) near[a.bond].push_back({b.bond, apart});
+      if (!b.image) near[b.bond].push_back({a.bond, -apart});
     }
   return near;
 }
@@ -124,58 +126,38 @@ void CreateCement::report_sums(const Sums& sums, int groupbit, const std::string
     }
   MPI_Allreduce(mine, grains, 2, MPI_DOUBLE, MPI_SUM, world);
   if (comm->me != 0) return;
-  const std::string text = text_of("  in all ", sums.points, " points, volume ", sums.volume, ", mass ", sums.mass, ", content (mass over that of the ", grains[0],
+  const std::string text = text_of("  in all ", std::llround(sums.points), " points, volume ", sums.volume, ", mass ", sums.mass, ", content (mass over that of the ", grains[0],
                                    " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1], "\n");
   for (FILE* f : {screen, logfile})
     if (f) std::fprintf(f, "%s", text.c_str());
 }
 
-// Words after `contacts`; those after the gap go to each pair as they are.
-void CreateCement::cement_contacts(char** arg, int narg, int words, Arguments& args) {
+// Words after `contacts`.
+void CreateCement::cement_contacts(Arguments& args) {
   const std::string name = args.word("a group of grains for 'contacts'");
   const int igroup = group->find(name.c_str());
   if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
   args.choice("gap", {"gap"});
   const double gap = args.not_negative("gap");
-  const std::vector<mpdem::Body>& bodies = AtomVecMpdem::of(lmp)->bodies;
-  const std::size_t before = bodies.size();
-  std::set<std::pair<int, int>> cemented;
-  for (const mpdem::Body& b : bodies) cemented.insert({b.grain[0], b.grain[1]});
-  const std::vector<std::pair<int, int>> found = contacts(group->bitmask[igroup], gap);
+  const std::vector<Pair> found = contacts(group->bitmask[igroup], gap), before = cemented();
   if (found.empty())
     args.complain(text_of("no two grains of group '", name, "' are closer than 'gap ", gap, "'; use a wider gap, or bring them together before"));
-
-  std::vector<CreateCement> makers;
-  std::vector<Arguments> of_pairs;
-  std::vector<Bond> bonds;
-  for (const std::pair<int, int>& p : found) {
-    if (cemented.count(p)) continue;
-    const int tags[2] = {p.first, p.second};
-    makers.emplace_back(lmp);
-    makers.back().groupbit_ = groupbit_;
-    of_pairs.emplace_back(lmp, "create_cement", narg, arg, words);
-    of_pairs.back().about(text_of("pair ", p.first, " ", p.second));
-    bonds.push_back(makers.back().plan(tags, of_pairs.back()));
-  }
-  std::vector<std::vector<mpdem::Neighbour>> near(bonds.size());
-  if (!bonds.empty() && makers[0].overlap_ == "trim") {
-    if (!bonds[0].shape) args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
-    near = neighbours(bonds);
-  }
+  std::vector<Pair> pairs, skipped;
+  std::set_difference(found.begin(), found.end(), before.begin(), before.end(), std::back_inserter(pairs));
   Sums sums;
-  std::vector<std::pair<int, int>> skipped;
-  for (std::size_t n = 0; n < bonds.size(); ++n) {
-    const Sums s = makers[n].make(bonds[n], near[n], before, of_pairs[n]);
-    if (s.points == 0.0) skipped.push_back({bonds[n].tags[0], bonds[n].tags[1]});
-    sums.points += s.points;
-    sums.volume += s.volume;
-    sums.mass += s.mass;
+  if (!pairs.empty()) {
+    plan(pairs, args);
+    if (overlap_ == "trim") {
+      if (!file_.empty()) args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
+      near_ = neighbours();
+    }
+    sums = make(args, skipped);
   }
   if (comm->me == 0)
     for (FILE* f : {screen, logfile})
       if (f)
-        std::fprintf(f, "%s", text_of("Cement at ", bonds.size() - skipped.size(), " contacts of group '", name, "' of a gap of at most ", gap, "; ",
-                                      found.size() - bonds.size(), " had cement before\n").c_str());
+        std::fprintf(f, "%s", text_of("Cement at ", pairs.size() - skipped.size(), " contacts of group '", name, "' of a gap of at most ", gap, "; ",
+                                      found.size() - pairs.size(), " had cement before\n").c_str());
   report_sums(sums, group->bitmask[igroup], name);
   report_skipped(skipped);
 }

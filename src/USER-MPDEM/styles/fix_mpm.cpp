@@ -1,204 +1,425 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-//
-// Words of the script, checks of the scene, what the parameters imply. The step is in
-// fix_mpm_step.cpp, output and restart in fix_mpm_output.cpp.
 #include "fix_mpm.h"
 
+#include <malloc.h>
 #include <mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <limits>
 
+#include "../parallel/memory_limit.h"
 #include "arguments.h"
 #include "atom.h"
+#include "cement_checks.h"
+#include "cement_words.h"
 #include "comm.h"
 #include "domain.h"
 #include "files_in_use.h"
 #include "fix_gravity.h"
-#include "group.h"
+#include "force.h"
 #include "host_recipe.h"
 #include "modify.h"
-#include "scene_checks.h"
+#include "output.h"
+#include "pair.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
 
-using mpdem::Arguments;
+using mpdem::kLanes;
 using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
 constexpr int kVectorSize = 22;
-constexpr double kMostSpacings = 4.0;  // a cell
+constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
-FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
+FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()) {
   time_integrate = 1;
   restart_global = 1;
   scalar_flag = vector_flag = 1;
   size_vector = kVectorSize;
   global_freq = 1;
   extscalar = extvector = 1;
-  avec_ = AtomVecMpdem::of(lmp);
-  parse(narg, arg);
+  mpdem::Arguments args(lmp, text_of("fix mpm (id ", id, ")"), narg, arg, 3);
+  if (!avec_) args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
+  const mpdem::CementWords words = mpdem::take_cement_words(args);
+  step_fraction_ = words.step_fraction;
+  failures_.name(words.events, static_cast<long>(update->ntimestep));
+  cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
+  report_ = std::make_unique<mpdem::CementReport>(lmp, who());
 }
 
 FixMpm::~FixMpm() = default;
+
+std::string FixMpm::who() const { return text_of("fix mpm (id ", id, "): "); }
+
+// Calls the engine, whose complaints end the run in the name of this fix.
+template <class F>
+void FixMpm::guarded(F f) {
+  cement_->set_step(step_input());
+  try {
+    f();
+  } catch (const mpdem::OnOneRank& e) {
+    mpdem::stop_one(lmp, who() + e.what());
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, who() + e.what());
+  }
+}
+
+mpdem::StepInput FixMpm::step_input() const {
+  mpdem::StepInput now;
+  now.number = update->ntimestep;
+  now.dt = update->dt;
+  if (gravity_) gravity_->get_gravity(now.gravity);
+  return now;
+}
 
 int FixMpm::setmask() {
   return PRE_INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | END_OF_STEP | POST_RUN;
 }
 
 void FixMpm::init() {
-  avec_ = AtomVecMpdem::of(lmp);
-  check_scene();
-  check_host_recipe(lmp, mpdem::text_of("fix mpm (id ", id, "): "), *avec_);
-  find_other_forces();
-  coupled_ = false;  // fix mpm/couple says so again in its own init
-  mpdem::check_only_writer(lmp, text_of("fix mpm (id ", id, "): "), "events", events_name_, this);
+  const mpdem::CementOptions& o = cement_->options();
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_);
+  points_expected_ = points.expected;
+  cement_->set_density(points.density);
+  mpdem::check_box(lmp, who(), table);
+  mpdem::check_axis(lmp, who(), table, o);
+  guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
+  mpdem::check_cell(lmp, who(), table, o.cell);
+  check_host_recipe(lmp, who(), *avec_);
+  gravity_ = mpdem::find_gravity(lmp, this, *avec_);
+  if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
+  cement_->set_most_bytes(0.5 * memory_limit_);  // points and what LIGGGHTS has come on top
+  cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
+  coupling_.forget();
+  atoms_.find(*avec_, cement_->grains());
+  mpdem::check_only_writer(lmp, who(), "events", events_name(), this);
   if (!coupling_follows()) set_time_step(this);
 }
 
-void FixMpm::check_scene() {
-  const std::string who = text_of("fix mpm (id ", id, "): ");
-  if (domain->triclinic || domain->dimension != 3)
-    mpdem::stop_all(lmp, who + "needs a three-dimensional orthogonal box");
-  for (const std::string& trouble : {mpdem::trouble_with_units(lmp), mpdem::trouble_with_types(lmp, *avec_, 0)})
-    if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
+// Is there a fix mpm/couple? It speaks up in its own init, after this one's.
+bool FixMpm::coupling_follows() {
   for (int i = 0; i < modify->nfix; ++i)
-    if (modify->fix[i] != this && std::string(modify->fix[i]->style) == "mpm")
-      mpdem::stop_all(lmp, who + text_of("fix '", modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
+    if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
+  const mpdem::CementOptions& o = cement_->options();
+  if (o.relax > 0.0)
+    mpdem::stop_all(lmp, who() + text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' damps relative to the grains, "
+                                         "which needs a fix mpm/couple; define one, or use damping 0"));
+  if (coupling_.warn_of_none() && comm->me == 0)
+    error->warning("fix mpm", 0,
+                   text_of(who(), "there is no fix mpm/couple, so that the cement bonds nothing",
+                           coupling_.so_far().kind == mpdem::LinksSoFar::kLinks ? " any more, and cannot be bonded again once it has made a step so" : "",
+                           "; define one before the run", cement_->restored() ? ", after read_restart too" : "")
+                       .c_str());
+  return false;
+}
 
-  if (restored_cell_ != 0.0 && restored_cell_ != cell_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'cell ", cell_, "' but the restart file was written with cell ",
-                                 restored_cell_, "; use that"));
-  if (restored_cell_ != 0.0 && (restored_basis_ != basis_ || restored_updated_ != updated_)) {
-    const char* const bases[] = {"linear", "quadratic", "cubic"};
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): 'basis ", bases[static_cast<int>(basis_)], "' and 'kinematics ",
-                                 updated_ ? "updated" : "total", "' but the motion of the nodes in the restart file is that of basis ",
-                                 bases[static_cast<int>(restored_basis_)], " and kinematics ",
-                                 restored_updated_ ? "updated" : "total", "; use these"));
+bool FixMpm::in_motion() const {
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  return std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.in_motion; });
+}
+
+void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
+  const std::string trouble = coupling_.take(coupling->id, id, cell(), p);
+  if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
+  cement_->couple(&p);
+  set_time_step(coupling);
+}
+
+// `timestep auto`: before other fixes take up the step. In the init of fix `running`.
+void FixMpm::set_time_step(const Fix* running) {
+  if (step_fraction_ == 0.0) return;
+  mpdem::EigenvalueEstimate e{};
+  double limit = 0.0;
+  guarded([&] {
+    e = cement_->eigenvalue_of_new_layout();
+    limit = cement_->step_for(e.value + e.residual, cement_->options().relax);
+  });
+  // Never longer than before: what goes by step*dt would jump, and cement that fails leaves longer steps behind.
+  double dt = step_fraction_ * limit;
+  std::string share = text_of(step_fraction_, " of the limit,");
+  if (auto_step_ > 0.0 && auto_step_ <= dt) {
+    share = text_of("as before, the limit is now ", dt / step_fraction_, ",");
+    dt = auto_step_;
+  } else if (!std::isfinite(dt)) {
+    share = "as it was, nothing limits it,";
+    dt = update->dt;
   }
-  if (restored_cell_ != 0.0 && restored_tied_ != tied_)
-    mpdem::stop_all(lmp, text_of("fix mpm (id ", id, "): nodes at the edge are ", tied_ ? "tied" : "free", " but were ",
-                                 restored_tied_ ? "tied" : "free", " when the restart file was written; use 'edge ",
-                                 restored_tied_ ? "tied" : "free", "' and the kinematics and re-projection of that run"));
+  auto_step_ = dt;
+  if (comm->me == 0)
+    for (FILE* f : {screen, logfile})
+      if (f)
+        std::fprintf(f, "%s\n", text_of(who(), "timestep auto: ", dt, ", ", share, " from the largest eigenvalue ", e.value, " found in ",
+                                        e.products, " products").c_str());
+  if (dt == update->dt) return;
+  update->dt = dt;
+  if (force->pair) force->pair->reset_dt();
+  // Those before it took up the old step in their init. Not reset_dt(), which fix move refuses even before a run.
+  for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i)
+    if (modify->fix[i] != this) modify->fix[i]->init();
+}
 
-  // All points in the group and moved by nothing else; a common density.
+void FixMpm::setup_pre_exchange() {
+  atoms_.check_stayed(*avec_, cell());
+  mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
+  if (!cement_->built()) return;
+  // The state is in the points; atoms only show it, and a command that moved them in
+  // between would be without effect.
+  std::vector<double> shown;
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (avec_->is_point(i))
+      for (int d = 0; d < 3; ++d) {
+        shown.push_back(atom->x[i][d]);
+        shown.push_back(atom->v[i][d]);
+      }
+  fill_atoms();
   std::string trouble;
-  double least = 1e300, most = 0.0;
-  bigint mine = 0;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (!avec_->is_point(i)) {
-      if ((atom->mask[i] & groupbit) && trouble.empty())
-        trouble = who + text_of("atom ", atom->tag[i], " of group '", group->names[igroup],
-                                "' is not a material point; the group must hold what create_cement made, nothing else");
-      continue;
+  std::size_t at = 0;
+  const double speed = law().elasticity().fastest_wave(cement_->density());
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (avec_->is_point(i))
+      for (int d = 0; d < 3; ++d) {
+        const bool moved = std::fabs(shown[at] - atom->x[i][d]) > 1e-9 * cell() || std::fabs(shown[at + 1] - atom->v[i][d]) > 1e-9 * speed;
+        at += 2;
+        if (moved && trouble.empty())
+          trouble = text_of(who(), "a command changed position or velocity of material point ", atom->tag[i],
+                            " after the cement was set in motion; do so before the first run");
+      }
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+void FixMpm::setup_pre_neighbor() {
+  mpdem::count_points(lmp, who(), *avec_, points_expected_);
+  atoms_.find(*avec_, cement_->grains());
+  guarded([this] { cement_->lay_out_run(); });
+}
+
+void FixMpm::setup(int) {
+  report_->start_run(*cement_);
+  guarded([this] { report_->parameters(*cement_, points_expected_); });
+  write_events();
+  check_state();
+  atoms_.read(cement_->grains());
+  if (cement_->penalty()) atoms_.expect_gravity(cement_->grains(), this);
+  guarded([this] { cement_->start_run(); });
+  atoms_.write_velocities(cement_->grains());
+  atoms_.write_forces(cement_->grains());
+  report_->added_mass(*cement_, *avec_);
+  report_->forget();
+  fill_atoms();
+}
+
+// Commands may have changed velocities since the end of the last step.
+void FixMpm::pre_initial_integrate() {
+  if (update->ntimestep != update->firststep + 1) return;
+  atoms_.read(cement_->grains());
+  guarded([this] { cement_->take_up_commands(); });
+  atoms_.write_velocities(cement_->grains());
+}
+
+// Orientation of bonded grains: LIGGGHTS' integrators for spheres keep omega only.
+void FixMpm::post_integrate() {
+  atoms_.read(cement_->grains());
+  cement_->grains().turn(update->dt);
+}
+
+void FixMpm::pre_exchange() {
+  if (!cement_->built()) return;
+  atoms_.watch_for_those_that_leave(cell());
+  fill_atoms();
+}
+
+void FixMpm::pre_neighbor() {
+  mpdem::count_points(lmp, who(), *avec_, points_expected_);
+  atoms_.find(*avec_, cement_->grains());
+  guarded([this] { cement_->lay_out_exchanged(); });
+}
+
+void FixMpm::post_force(int) {
+  report_->forget();  // who asked earlier in this step was told of the last one
+  atoms_.follow(cement_->grains(), *avec_, cell());
+  atoms_.read(cement_->grains());
+  guarded([this] { cement_->step(); });
+  atoms_.write_forces(cement_->grains());
+}
+
+void FixMpm::end_of_step() {
+  cement_->timer().start(mpdem::StepTimer::kOutput);
+  const bool output_due = update->ntimestep == output->next, first = update->ntimestep == update->firststep + 1;
+  const bool check_due = update->ntimestep % cement_->options().check_every == 0;
+  if (output_due || first || update->ntimestep % kReportEvery == 0) atoms_.report_trouble();
+  atoms_.read(cement_->grains());
+  guarded([this] { cement_->end_step(); });
+  if (output_due || check_due || first) report_->jump(*cement_);
+  report_->forget();  // the same, before the work of this step was counted
+  if (check_due) write_events();
+  if (check_due || output_due) check_state();
+  if (output_due) fill_atoms();
+  if (first) coupling_.remember(cement_->penalty() ? &*cement_->penalty() : nullptr);
+  cement_->timer().stop();
+}
+
+void FixMpm::post_run() {
+  report_->jump(*cement_);
+  fill_atoms();
+  write_events();
+  report_->modes(*cement_);
+  report_->times(*cement_, points_expected_);
+}
+
+// Velocities lie half an old step behind; the next step takes up the new one.
+void FixMpm::reset_dt() {
+  guarded([this] { cement_->refresh_added_mass(); });
+}
+
+double FixMpm::stable_step() {
+  double step = 0.0;
+  guarded([&] { step = cement_->stable_step(); });
+  return step;
+}
+
+void FixMpm::check_state() {
+  guarded([this] { cement_->check_state(); });
+  std::string trouble = mpdem::grain_that_is_not_finite(lmp, who(), *avec_);
+  if (trouble.empty()) trouble = grain_outside_of_group(lmp, who(), *avec_);
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+std::array<double, 3> FixMpm::initial_velocity(int tag) {
+  const double* v = atom->v[atom->map(tag)];
+  return {v[0], v[1], v[2]};
+}
+
+void FixMpm::points_failed(const mpdem::Bond& bond) {
+  failures_.add(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
+}
+
+void FixMpm::slots_changed(const mpdem::Bond& bond) {
+  for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(bond.points.meta[b].occupied >> l & 1)) continue;
+      const int i = atom->map(bond.points.tags[b][l]);
+      if (i >= 0 && i < atom->nlocal) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
     }
-    ++mine;
-    if (!(atom->mask[i] & groupbit) && trouble.empty())
-      trouble = who + text_of("material point ", atom->tag[i], " is not in group '", group->names[igroup],
-                              "'; use the group named in create_cement");
-    const int slot = avec_->slot[i];
-    if (avec_->points.tags[slot / mpdem::kLanes][slot % mpdem::kLanes] != atom->tag[i] && trouble.empty())
-      trouble = who + text_of("the IDs of atoms were changed (material point ", atom->tag[i],
-                              "), and with them those of bonded grains; use 'delete_atoms ... compress no', and no 'replicate' of cement");
-    least = std::min(least, atom->density[i]);
-    most = std::max(most, atom->density[i]);
-    for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {
-      const Fix* fix = modify->fix[k];
-      if (fix != this && fix->time_integrate && (atom->mask[i] & fix->groupbit))
-        trouble = who + text_of("fix '", fix->id, "' (", fix->style, ") moves material point ", atom->tag[i],
-                                " too; give it a group without cement");
-    }
+}
+
+// Collective.
+void FixMpm::write_events() {
+  if (events_name().empty()) return;
+  const auto check = [this](const std::string& why) {
+    mpdem::stop_if_any(lmp, why.empty() ? why : text_of(who(), "cannot write 'events' file ", why, "; name another, or use a disk with free space"));
+  };
+  if (!failures_.is_open()) {
+    mpdem::check_only_writer(lmp, who(), "events", events_name(), this);
+    check(failures_.open(world, cement_->restored()));
+  }
+  check(failures_.write(world));
+}
+
+// Brings LIGGGHTS' positions, velocities and slots of the points up to date.
+void FixMpm::fill_atoms() {
+  sync_slots();
+  std::string trouble;
+  std::vector<mpdem::Cement::PointMotionNow> motion;
+  for (const mpdem::Bond& bond : avec_->bonds) {
+    cement_->motion_of_points(bond, motion);
+    const mpdem::Body& body = avec_->bonds.body(bond);
+    for (std::size_t b = 0; b < motion.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        const int i = bond.points.meta[b].occupied >> l & 1 ? atom->map(bond.points.tags[b][l]) : -1;
+        if (i < 0 || i >= atom->nlocal) continue;
+        double* x = atom->x[i];
+        for (int d = 0; d < 3; ++d) {
+          x[d] = body.origin[d] + bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
+          atom->v[i][d] = motion[b].v[d][l];
+          atom->f[i][d] = 0.0;  // LIGGGHTS does not clear it for points, and it has no meaning
+        }
+        // Not `remap` of the old flags: x is unwrapped here.
+        atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
+        domain->remap(x, atom->image[i]);
+        for (int d = 0; d < 3; ++d)
+          if (!(x[d] >= domain->boxlo[d] && x[d] <= domain->boxhi[d]) && trouble.empty())
+            trouble = text_of(who(), "material point ", atom->tag[i], " left the simulation box at step ", update->ntimestep, " (", "xyz"[d],
+                              " = ", x[d], ", box ", domain->boxlo[d], " to ", domain->boxhi[d], "); ", atoms_.flight(i, cell()));
+      }
   }
   mpdem::stop_if_any(lmp, trouble);
-  double low, high;
-  bigint total;
-  MPI_Allreduce(&least, &low, 1, MPI_DOUBLE, MPI_MIN, world);
-  MPI_Allreduce(&most, &high, 1, MPI_DOUBLE, MPI_MAX, world);
-  MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, world);
-  if (total == 0 && avec_->bodies.empty()) mpdem::stop_all(lmp, who + "there are no material points; use create_cement before the run");
-  bigint expected = 0;
-  for (const mpdem::Body& b : avec_->bodies) expected += static_cast<bigint>(b.points);
-  points_expected_ = expected;
-  if (total < expected)
-    mpdem::stop_all(lmp, who + text_of(expected - total, " of ", expected,
-                                       " material points were deleted or left the box; cement cannot be deleted by points"));
-  if (total > expected)
-    mpdem::stop_all(lmp, who + text_of("there are ", total - expected, " more material points than the ", expected,
-                                       " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));
-  if (high > low * (1.0 + 1e-12))
-    mpdem::stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
-  density_ = low;
-  inertia_ = mass_scale_ * density_;
-  check_box();
-  check_axis();
-  check_initial_damage();
-  check_cell();
 }
 
-// Against the cement of each bond. Warnings name the worst of all.
-void FixMpm::check_cell() const {
-  const std::string who = text_of("fix mpm (id ", id, "): ");
-  double widest = 0.0, finest = 1e300;
-  for (const mpdem::Body& b : avec_->bodies) {
-    if (b.thickness < cell_)
-      mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' is larger than the cement between grains ", b.grain[0], " and ",
-                                         b.grain[1], " is thick (", b.thickness, "); use a smaller cell and spacing"));
-    if (b.spacing > 1.5 * cell_)
-      mpdem::stop_all(lmp, who + text_of("'cell ", cell_, "' leaves cells without points between those of spacing ", b.spacing, " between grains ",
-                                         b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ",
-                                         b.spacing, ", better two spacings, or create the cement with a smaller spacing"));
-    widest = std::max(widest, b.spacing);
-    finest = std::min(finest, b.spacing);
-  }
+double FixMpm::compute_scalar() {
+  const mpdem::CementTotals& t = totals();
+  return t.elastic + t.coupling;
+}
+
+double FixMpm::compute_vector(int n) {
+  const mpdem::CementTotals& t = totals();
+  const double v[] = {t.points,     t.failed,      t.largest_damage, t.mean_damage, t.kinetic,         t.elastic,
+                      t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
+                      t.momentum[0], t.momentum[1], t.momentum[2],
+                      t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
+                      t.separated, t.debonding, t.internal, t.mixed};
+  return v[n];
+}
+
+// What the bonds take is told by the atom style, which holds them.
+double FixMpm::memory_usage() { return 0.0; }
+
+void FixMpm::write_restart(FILE* fp) {
+  if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
+  write_events();                       // a run that goes on from the file does not tell of them again
+  mpdem::CementHead head;
+  head.time = update->get_cur_time();
+  head.auto_step = auto_step_;
+  head.links = coupling_.so_far();
+  const std::vector<double> all = cement_->packed_state(head);
   if (comm->me != 0) return;
-  if (widest > 0.75 * cell_)
-    error->warning("fix mpm", 0,
-                   text_of("one point a cell: spacing ", widest, " with cell ", cell_,
-                           " makes the cement far too soft; use a cell of at least two spacings")
-                       .c_str());
-  if (cell_ > kMostSpacings * finest * (1.0 + 1e-9))
-    error->warning("fix mpm", 0,
-                   text_of("'cell ", cell_, "' is ", cell_ / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,
-                           " cost time for nothing: the cell limits what is resolved. Use a cell of two spacings, or create the cement with "
-                           "spacing ", 0.5 * cell_)
-                       .c_str());
+  const std::size_t bytes = all.size() * sizeof(double);
+  if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    mpdem::stop_one(lmp, who() + "the motion of the nodes does not fit into the 2 GiB that a restart file of LIGGGHTS has for a fix; use a larger "
+                                 "'cell', or several scenes");
+  const int size = static_cast<int>(bytes);  // LIGGGHTS' format
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(all.data(), sizeof(double), all.size(), fp);
 }
 
-// Cement from a file may come damaged; law and cut-off are not known there.
-void FixMpm::check_initial_damage() {
-  const std::string trouble = mpdem::take_up_states(avec_->points, law_);
-  mpdem::stop_if_any(lmp, trouble.empty() ? trouble : text_of("fix mpm (id ", id, "): ", trouble));
+// The same numbers on every rank.
+void FixMpm::restart(char* buf) {
+  const auto check = [this](const std::string& what) {
+    if (!what.empty())
+      mpdem::stop_all(lmp, text_of(who(), "its data in the restart file are damaged: ", what, "; use another restart file"));
+  };
+  // LIGGGHTS does not tell how long its copy is.
+  const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
+  const double* v = reinterpret_cast<const double*>(buf);
+  check(numbers == 0 ? "there are none" : "");
+  const std::string other = mpdem::trouble_with_version(who() + "restart data", v[0], mpdem::CementHead::kVersion);
+  if (!other.empty()) mpdem::stop_all(lmp, other);
+  mpdem::RecordReader in(v + 1, v + numbers);
+  mpdem::CementHead head;
+  in.read(head);
+  // Cement may have been made since.
+  const double most = static_cast<double>(avec_->bonds.table.size());
+  in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
+  in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
+  check(in.trouble());
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::kMostNumbers<mpdem::BondRow> * static_cast<std::size_t>(head.bodies) +
+                               mpdem::kMostNumbers<mpdem::NodeRow> * static_cast<std::size_t>(head.nodes);
+  if (expected > numbers)
+    check(text_of(head.bodies, " bonds and ", head.nodes, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
+  guarded([&] { cement_->restore(head, in); });
+  check(in.trouble());
+  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
+  update->atime = head.time;
+  update->atimestep = update->ntimestep;
+  auto_step_ = head.auto_step;
+  coupling_.restore(head.links);
 }
-
-// Gravity acts on the cement as on the grains. Any other force on material points would be
-// without effect, which has to be said.
-void FixMpm::find_other_forces() {
-  gravity_ = nullptr;
-  for (int k = 0; k < modify->nfix; ++k) {
-    Fix* fix = modify->fix[k];
-    int mine = 0, acts;
-    for (int i = 0; i < atom->nlocal && !mine; ++i) mine = avec_->is_point(i) && (atom->mask[i] & fix->groupbit);
-    MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, world);
-    if (!acts || fix == this) continue;
-    if (FixGravity* g = dynamic_cast<FixGravity*>(fix)) gravity_ = g;
-    else if ((modify->fmask[k] & POST_FORCE) && comm->me == 0)
-      error->warning("fix mpm", 0,
-                     text_of("fix '", fix->id, "' (", fix->style, ") acts on material points, where its force has no effect; "
-                             "give it the group of the grains")
-                         .c_str());
-  }
-}
-
-void FixMpm::reset_dt() {
-  // Velocities lie half an old step behind; the next step takes up the new one.
-  if (built_) refresh_added_mass();
-}
-
-double FixMpm::memory_usage() { return static_cast<double>(avec_->points.memory_usage() + grid_.memory_usage()); }
 
 }  // namespace LAMMPS_NS

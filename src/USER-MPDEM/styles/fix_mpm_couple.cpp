@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "arguments.h"
 #include "atom.h"
@@ -46,7 +47,7 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   cement_id_ = args.word("the ID of a fix mpm");
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
-  size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bodies.size()));
+  size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bonds.table.size()));
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     args.once(key);
@@ -81,7 +82,7 @@ void FixMpmCouple::init() {
   cement_ = find_cement();
   if (!cement_)
     mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): fix mpm '", cement_id_, "' is gone; unfix this one too"));
-  size_array_rows = static_cast<int>(cement_->cement()->bodies.size());
+  size_array_rows = static_cast<int>(cement_->cement()->bonds.table.size());
   const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
@@ -94,7 +95,7 @@ void FixMpmCouple::init() {
   cement_->set_coupling(this, p);
 
   std::string trouble;
-  for (const mpdem::Body& b : cement_->cement()->bodies)
+  for (const mpdem::Body& b : cement_->cement()->bonds.table)
     for (int tag : b.grain) {
       const int i = atom->map(tag);
       if (i >= 0 && i < atom->nlocal && !(atom->mask[i] & groupbit))
@@ -104,6 +105,39 @@ void FixMpmCouple::init() {
   check_integrators();
 
   open_table();
+}
+
+// A bonded grain follows one integrator, or is held on purpose.
+void FixMpmCouple::check_integrators() {
+  if (update->nsteps == 0) return;  // `run 0` moves nothing
+  std::string trouble;
+  for (const mpdem::Body& b : cement_->cement()->bonds.table)
+    for (int tag : b.grain) {
+      const int i = atom->map(tag);
+      if (i < 0 || i >= atom->nlocal || !trouble.empty()) continue;
+      const Fix* mover = nullptr;
+      bool frozen = false;
+      const std::string who = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is ");
+      for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {
+        const Fix* fix = modify->fix[k];
+        if (!(atom->mask[i] & fix->groupbit)) continue;
+        frozen = frozen || std::string(fix->style) == "freeze";
+        if (!fix->time_integrate) continue;
+        if (mover)
+          trouble = who + text_of("moved by two fixes, '", mover->id, "' (", mover->style, ") and '", fix->id, "' (", fix->style,
+                                  "), twice as far as it should be; take it out of the group of one, or unfix one");
+        mover = fix;
+      }
+      if (mover || !trouble.empty()) continue;
+      bool still = true;
+      for (int d = 0; d < 3; ++d) still = still && atom->v[i][d] == 0.0 && atom->omega[i][d] == 0.0;
+      if (!frozen)
+        trouble = who + "moved by no fix, so that its load would be lost; give it to a 'fix nve/sphere' or 'fix move', or hold it "
+                        "with 'fix freeze' or 'fix move linear 0 0 0'";
+      else if (!still)
+        trouble = who + "held by 'fix freeze', but has a velocity, which its cement would feel; set it to 0 with 'velocity' and 'set'";
+    }
+  mpdem::stop_if_any(lmp, trouble);
 }
 
 // Links must not turn the rounding of positions into a stress that counts beside those of the cement.
@@ -159,7 +193,7 @@ void FixMpmCouple::write_table() {
   if (comm->me == 0) {
     std::string rows;
     for (int b = 0; b < bonds; ++b) {
-      const mpdem::Body& body = cement_->cement()->bodies[b];
+      const mpdem::Body& body = cement_->cement()->bonds.table[b];
       mpdem::append(rows, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep, update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
       for (int c = 0; c < kAllColumns; ++c) mpdem::append(rows, ",%.10g", value(b, c));
       rows += "," + cement_->failure_mode(b) + "\n";
@@ -171,7 +205,7 @@ void FixMpmCouple::write_table() {
 
 double FixMpmCouple::value(int body, int column) {
   if (column < kBondColumns) {
-    const FixMpm::BondState& b = cement_->bonds()[body];
+    const mpdem::BondState& b = cement_->bonds()[body];
     if (column < 12) {
       const int side = column / 6, c = column % 6;
       return c < 3 ? b.force[side][c] : b.torque[side][c - 3];
@@ -180,7 +214,7 @@ double FixMpmCouple::value(int body, int column) {
                         b.separated, b.share[0], b.share[1]};
     return v[column - 12];
   }
-  const FixMpm::Totals& t = cement_->totals();
+  const mpdem::CementTotals& t = cement_->totals();
   const double v[] = {t.elastic,  t.kinetic, t.coupling,      t.dissipated,
                       t.released, t.damped,  t.external_work, t.imbalance};
   return v[column - kBondColumns];

@@ -13,6 +13,7 @@
 #include <map>
 #include <vector>
 
+#include "../mpm/point_row.h"
 #include "../mpm/point_state.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
@@ -44,6 +45,30 @@ struct PointNow {
 
 Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 
+// Line of the names of the columns, or of the numbers of a row.
+class TextLine : public mpdem::record_detail::Visitor<TextLine> {
+ public:
+  TextLine(std::FILE* file, bool of_names) : file_(file), of_names_(of_names) {}
+  template <class T>
+  void put(const char* name, const T& number, mpdem::Range) {
+    if (!first_) std::fputc(' ', file_);
+    first_ = false;
+    if (of_names_) std::fputs(name, file_);
+    else if constexpr (mpdem::record_detail::kWhole<T>) std::fprintf(file_, "%d", static_cast<int>(number));
+    else std::fprintf(file_, "%.17g", number);
+  }
+
+ private:
+  std::FILE* file_;
+  bool of_names_, first_ = true;
+};
+
+void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
+  TextLine line(file, of_names);
+  mpdem::PointRow::describe(row, line);
+  std::fputc('\n', file);
+}
+
 }  // namespace
 
 void WriteCement::command(int narg, char** arg) {
@@ -59,7 +84,7 @@ void WriteCement::command(int narg, char** arg) {
     std::sort(wanted, wanted + 2);
   }
   std::vector<char> chosen;
-  for (const mpdem::Body& b : avec->bodies)
+  for (const mpdem::Body& b : avec->bonds.table)
     chosen.push_back(wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1]));
   if (std::count(chosen.begin(), chosen.end(), 1) == 0)
     args.complain(wanted[0] == 0 ? std::string("there is no cement; use create_cement before")
@@ -69,14 +94,19 @@ void WriteCement::command(int narg, char** arg) {
   std::vector<std::vector<GrainNow>> grains(comm->nprocs);
   std::vector<std::vector<PointNow>> points(comm->nprocs);
   double unframed[2] = {0, 0}, all[2];
+  std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
       PointNow p;
       p.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, p.x);
-      p.record = avec->points.record(avec->slot[i]);
-      const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points, avec->slot[i]);
-      std::copy(damage.begin(), damage.end(), p.record.damage);
+      p.record = avec->points_of(i).record(avec->slot[i]);
+      try {
+        const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points_of(i), avec->slot[i]);
+        std::copy(damage.begin(), damage.end(), p.record.damage);
+      } catch (const std::domain_error& e) {
+        unknown_law = text_of("write_cement: the damage of the points cannot be told, since ", e.what());
+      }
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
       points[0].push_back(p);
@@ -88,6 +118,7 @@ void WriteCement::command(int narg, char** arg) {
       grains[0].push_back(g);
     }
   }
+  mpdem::stop_if_any(lmp, unknown_law);
   MPI_Allreduce(unframed, all, 2, MPI_DOUBLE, MPI_SUM, world);
   if (all[0] > 0.0 && all[1] > 0.0)
     args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));
@@ -101,7 +132,7 @@ void WriteCement::command(int narg, char** arg) {
   std::FILE* f = nullptr;
   if (comm->me == 0) {
     for (std::size_t b = 0; b < chosen.size() && trouble.empty(); ++b)
-      for (int t : avec->bodies[b].grain)
+      for (int t : avec->bonds.table[b].grain)
         if (chosen[b] && !grain.count(t)) trouble = text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
     const std::string other = mpdem::writer_of(lmp, name, nullptr);
     if (trouble.empty() && !other.empty()) trouble = text_of("write_cement: file '", name, "' is written by ", other, "; name another");
@@ -112,38 +143,44 @@ void WriteCement::command(int narg, char** arg) {
     std::fprintf(f, "# cement of USER-MPDEM at step %lld, to be read by create_cement ... file\n", static_cast<long long>(update->ntimestep));
     for (std::size_t b = 0; b < chosen.size(); ++b)
       if (chosen[b])
-        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bodies[b].grain[0], avec->bodies[b].grain[1], avec->bodies[b].spacing);
-    std::fprintf(f, "grain_i grain_j x y z volume %sdxx dyy dzz dyz dxz dxy failed "
-                    "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j\n", axes ? "ax ay az " : "");
+        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bonds.table[b].grain[0], avec->bonds.table[b].grain[1], avec->bonds.table[b].spacing);
+    mpdem::PointRow names;
+    names.has_axis = axes;
+    write_line(f, names, true);
     for (const PointNow& p : mine) {
       const mpdem::PointRecord& r = p.record;
-      const mpdem::Body& body = avec->bodies[r.body];
-      std::fprintf(f, "%d %d %.17g %.17g %.17g %.17g", body.grain[0], body.grain[1], p.x[0], p.x[1], p.x[2], r.volume);
+      const mpdem::Body& body = avec->bonds.table[r.body];
+      mpdem::PointRow row;
+      std::copy(body.grain, body.grain + 2, row.grain);
+      std::copy(p.x, p.x + 3, row.x);
+      row.volume = r.volume;
+      row.has_axis = axes;
+      row.failed = r.failed;
       const double* D = r.damage;
       Eigen::Matrix3d m;
       m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
       if (axes) {
         const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
         m = R * m * R.transpose();
-        std::fprintf(f, " %.17g %.17g %.17g", R(0, 2), R(1, 2), R(2, 2));
+        for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
       }
-      std::fprintf(f, " %.17g %.17g %.17g %.17g %.17g %.17g %d", m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1), r.failed);
+      const double turned[6] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
+      std::copy(turned, turned + 6, row.damage);
       for (int s = 0; s < 2; ++s) {
         const mpdem::Link* link = nullptr;
         for (int k = 0; k < r.links; ++k)
           if (r.link[k].grain == body.grain[s]) link = &r.link[k];
-        if (!link) {
-          std::fprintf(f, " 0 0 0 0 0");
-          continue;
-        }
+        if (!link) continue;
         // The foot point turns with its grain.
         const GrainNow& g = grain[body.grain[s]];
         const Vector3 from = Vector3(link->foot[0], link->foot[1], link->foot[2]) -
                              Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
         const Vector3 foot = Vector3(g.x[0], g.x[1], g.x[2]) + quaternion(g.q) * (quaternion(body.orientation[s]).conjugate() * from);
-        std::fprintf(f, " %.17g %.17g %.17g %.17g %d", link->area, foot[0], foot[1], foot[2], link->attached);
+        row.side[s].area = link->area;
+        std::copy(foot.data(), foot.data() + 3, row.side[s].foot);
+        row.side[s].attached = link->attached;
       }
-      std::fprintf(f, "\n");
+      write_line(f, row, false);
     }
     const bool bad = std::ferror(f) != 0;
     if (std::fclose(f) != 0 || bad) trouble = text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// When bonds are laid out (layout.h), what is carried over, and what follows from a layout: added mass, the stable step.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "../mpm/scatter.h"
+#include "../parallel/agree.h"
+#include "cement.h"
+#include "kinematics.h"
+
+namespace mpdem {
+
+LayoutRules Cement::rules() const {
+  return {comm_, bonds_.table, options_, law_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr};
+}
+
+std::vector<int> Cement::all_rows() const {
+  std::vector<int> rows(bonds_.table.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+// Those that some rank names.
+std::vector<int> Cement::agreed_rows(const std::vector<int>& mine) const {
+  std::vector<int> rows;
+  int some = !mine.empty(), any;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);
+  if (!any) return rows;
+  std::vector<char> named(bonds_.table.size(), 0);
+  for (int r : mine) named[r] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, named.data(), static_cast<int>(named.size()), MPI_SIGNED_CHAR, MPI_MAX, comm_);
+  for (std::size_t r = 0; r < named.size(); ++r)
+    if (named[r]) rows.push_back(static_cast<int>(r));
+  return rows;
+}
+
+LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
+  LayoutRequest r;
+  r.body = b.body;
+  r.points = std::move(b.points);
+  r.before = b.grid.kinematics();
+  if (!restored_nodes_.empty()) r.before = std::move(restored_nodes_[b.body]);
+  const auto changed = parts.find(b.body);
+  if (changed != parts.end()) r.parts = std::move(changed->second);
+  return r;
+}
+
+// As mass goes back from the heirs of tied nodes to these where a bond came apart, its momentum and angular momentum are kept by a
+// rigid motion.
+void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange) {
+  const std::vector<int> untied = cracks_.untie(options_);
+  const bool moves = built_ && !untied.empty();
+  const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
+  std::vector<LayoutRequest> requests;
+  for (int row : rows)
+    if (Bond* b = bonds_.find(row)) requests.push_back(request_of(*b, parts));
+  LayoutRules how = rules();
+  how.arrange = arrange;
+  std::vector<BondLayout> layouts = make_layout(how, rows, std::move(requests));
+  restored_nodes_.clear();
+  adopt(layouts);
+  if (moves) keep_motion(untied, motion);
+  start_velocities(layouts);
+  bonds_.drop_empty();
+  std::vector<HaloSum*> halos;
+  for (Bond& b : bonds_)
+    if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
+  shared_nodes_.build(halos);
+  for (int row : rows)
+    if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
+}
+
+// After lay_out() of bonds or grains that came from other ranks, or are new.
+void Cement::bind_grains() {
+  grains_.bind(comm_, bonds_, inertia_);
+  grains_.distribute(bonds_);  // who looks before the next step is not to find grains at rest
+  built_ = true;
+  if (dt_last_ == 0.0) dt_last_ = now_.dt;
+}
+
+void Cement::lay_out_run() {
+  NewPartsOfBonds parts = sheets_.divide(comm_, bonds_, options_);
+  remember_axis();
+  // another time step, other added mass
+  const bool changes = built_ && now_.dt != dt_last_;
+  const auto energy = [&] { return changes ? added_energy_ahead(all_rows(), 0.0) : 0.0; };
+  books_.release_by(energy, [&] {
+    lay_out(all_rows(), std::move(parts));
+    bind_grains();
+    refresh_added_mass();
+  });
+  // New bodies may be cracked.
+  if (!cracks_.take_up(bonds_.table.size()) || !penalty_ || law_->inert()) return;
+  Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, true);
+  if (found.lay_out.empty()) return;
+  lay_out(found.lay_out, std::move(found.parts));
+  refresh_added_mass(found.lay_out);
+}
+
+void Cement::lay_out_exchanged() {
+  std::vector<int> mine;
+  for (const Bond& b : bonds_)
+    if (b.points.changed()) mine.push_back(b.body);
+  int moved = !mine.empty() || grains_.changed(), any;
+  MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, comm_);
+  // Slots of `updated` points were brought up to date for the exchange.
+  const std::vector<int> rows = options_.updated ? all_rows() : agreed_rows(mine);
+  if (!any && rows.empty()) return;
+  lay_out(rows, {});
+  bind_grains();
+  refresh_added_mass(rows);
+}
+
+// Where parts came apart. Links have other nodes then, and their added mass another energy.
+void Cement::lay_out_parts(Cracks::Found found) {
+  if (found.lay_out.empty()) return;
+  const auto energy = [&] {
+    double sum = 0.0;
+    for (int row : found.lay_out)
+      if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
+    return sum;
+  };
+  books_.release_by(energy, [&] {
+    lay_out(found.lay_out, std::move(found.parts));
+    refresh_added_mass(found.lay_out);
+    check_step_after(found.lay_out, "parts came apart");
+  });
+}
+
+// Of bonds that are in motion.
+double Cement::added_energy_ahead(const std::vector<int>& rows, double later) {
+  double energy = 0.0;
+  for (int row : rows) {
+    const Bond* b = row < bodies_started_ ? bonds_.find(row) : nullptr;
+    if (b) energy += b->added.energy_ahead(b->grid, grains_.side_of(*b), later);
+  }
+  return energy;
+}
+
+// Links that let go give up their added mass in the course of a run.
+void Cement::drop_inert_added_mass() {
+  books_.release_by([&] { return added_energy_ahead(all_rows(), 0.5 * (dt_last_ + now_.dt)); },
+                    [&] {
+                      for (Bond& b : bonds_) b.links.drop_inertia(b.points);
+                      refresh_added_mass();
+                    });
+}
+
+void Cement::refresh_added_mass() {
+  if (built_) refresh_added_mass(all_rows());
+}
+
+void Cement::refresh_added_mass(const std::vector<int>& rows) {
+  if (!penalty_) return;
+  const bool known = eigenvalue_ > 0.0;
+  // What damping takes of the bound in every step, nodes with added mass cannot have.
+  const double bound = options_.stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate(options_.relax) * now_.dt);
+  const AddedMass::Stability s{now_.dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound};
+  for (int row : rows)
+    if (Bond* b = bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s);
+  int some = 0, any;
+  for (const Bond& b : bonds_) some = some || !b.added.empty();
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);
+  any_added_mass_ = any != 0;
+  grains_.added_mass_changed();
+}
+
+// Of bodies some of whose points have no frame yet.
+void Cement::remember_axis() {
+  std::vector<Body>& table = bonds_.table;
+  if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis_rule != AxisRule::none; })) return;
+  std::vector<int> open(table.size(), 0);
+  for (const Bond& b : bonds_)
+    for (const BlockMeta& m : b.points.meta)
+      if (m.framed != m.occupied) open[b.body] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, comm_);
+  for (std::size_t b = 0; b < table.size(); ++b) {
+    if (!open[b] || table[b].axis_rule != AxisRule::none) continue;
+    table[b].axis_rule = options_.axis;
+    std::copy(options_.axis_direction, options_.axis_direction + 3, table[b].axis);
+  }
+}
+
+// Links by the slots of their points, which change while points change cells.
+void Cement::sort_links(Bond& b) {
+  const auto by_slot = [](const Link& x, const Link& y) { return x.slot < y.slot; };
+  if (!std::is_sorted(b.points.links.begin(), b.points.links.end(), by_slot)) b.links.renumber(b.points.sort_links());
+}
+
+void Cement::sync_slots() {
+  if (!options_.updated || !built_) return;
+  for (Bond& b : bonds_) {
+    sort_links(b);
+    host_.slots_changed(b);
+  }
+}
+
+void Cement::adopt(std::vector<BondLayout>& layouts) {
+  for (BondLayout& l : layouts) {
+    Bond& b = *bonds_.find(l.body);
+    b.points = std::move(l.points);
+    b.grid = std::move(l.grid);
+    b.links = std::move(l.links);
+    b.added = AddedMass();
+    b.resting = Resting();
+    b.relaxation = penalty_ && options_.relax > 0.0
+                       ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
+                       : Relaxation();
+    b.failed.clear();
+    b.jump.clear();
+    b.laid_out_blocks = b.points.blocks.size();
+    if (l.new_slot.empty()) continue;
+    b.blocks_when_arranged = b.points.blocks.size();
+    host_.slots_changed(b);
+  }
+}
+
+// Nodal velocities of bonds that are new from the velocities of their points: the linear field that fits each bond
+// best is taken over exactly, so a translation or rotation starts without strain, the rest
+// by lumped projection.
+void Cement::start_velocities(std::vector<BondLayout>& layouts) {
+  const int first = bodies_started_, rows = static_cast<int>(bonds_.table.size()) - first;
+  if (rows == 0) return;
+  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 a body.
+  constexpr int kNormal = 28;
+  std::vector<double> sums(static_cast<std::size_t>(kNormal) * rows, 0.0);
+  struct New {
+    Bond* bond;
+    const std::vector<char>* fresh;
+    std::vector<double> velocity;  // of the slots
+  };
+  std::vector<New> fresh;
+  for (BondLayout& l : layouts) {
+    if (l.body < first) continue;
+    fresh.push_back({bonds_.find(l.body), &l.fresh, {}});
+    const PointStore& points = fresh.back().bond->points;
+    std::vector<double>& velocity = fresh.back().velocity;
+    velocity.assign(3 * kLanes * points.blocks.size(), 0.0);
+    double* s = &sums[static_cast<std::size_t>(kNormal) * (l.body - first)];
+    for (std::size_t b = 0; b < points.blocks.size(); ++b)
+      for (int lane = 0; lane < kLanes; ++lane) {
+        if (!(points.meta[b].occupied >> lane & 1)) continue;
+        const std::array<double, 3> v = host_.initial_velocity(points.tags[b][lane]);
+        std::copy(v.begin(), v.end(), &velocity[3 * (kLanes * b + lane)]);
+        const double V = points.blocks[b].volume[lane];
+        double y[4] = {1.0, 0, 0, 0};
+        for (int d = 0; d < 3; ++d) y[1 + d] = points.blocks[b].X[d][lane] / options_.cell;
+        for (int r = 0; r < 4; ++r) {
+          for (int c = 0; c < 4; ++c) s[4 * r + c] += V * y[r] * y[c];
+          for (int d = 0; d < 3; ++d) s[16 + 3 * r + d] += V * y[r] * v[d];
+        }
+      }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  for (New& n : fresh) {
+    const double* s = &sums[static_cast<std::size_t>(kNormal) * (n.bond->body - first)];
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> M(s);
+    const Eigen::Map<const Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> y(s + 16);
+    const Eigen::Matrix<double, 4, 3> A = M.completeOrthogonalDecomposition().solve(y);
+    const PointStore& points = n.bond->points;
+    Grid& grid = n.bond->grid;
+    std::vector<double> momentum(3 * grid.size(), 0.0);
+    with_basis(options_.basis, [&](auto type) {
+      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+        const PointBlock& p = points.blocks[b];
+        vd rest[3];
+        for (int d = 0; d < 3; ++d) {
+          vd v;
+          for (int l = 0; l < kLanes; ++l) v[l] = n.velocity[3 * (kLanes * b + l) + d];
+          rest[d] = inertia_ * p.volume * (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / options_.cell));
+        }
+        scatter_value(momentum.data(), points.meta[b].column,
+                      Weights<decltype(type)>(p.X, points.meta[b].base, 1.0 / options_.cell), rest);
+      }
+    });
+    grid.ties.bequeath(momentum.data(), 3);
+    grid.halo.sum(momentum.data(), 3);
+    const std::vector<char>& is_fresh = *n.fresh;
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!is_fresh[i]) continue;
+      for (int d = 0; d < 3; ++d) {
+        double v = A(0, d);
+        for (int e = 0; e < 3; ++e) v += A(1 + e, d) * grid.keys[i][1 + e];
+        if (grid.mass[i] > 0.0) v += momentum[3 * i + d] / grid.mass[i];
+        grid.velocity[3 * i + d] = v;
+      }
+    }
+    // not those in motion, to which it would do nothing but round
+    std::vector<double> extended(grid.velocity);
+    grid.ties.extend(extended.data());
+    for (std::size_t i = 0; i < extended.size(); ++i)
+      if (is_fresh[i / 3]) grid.velocity[i] = extended[i];
+    kinematics_->start_points(*n.bond);
+  }
+}
+
+namespace {
+
+// Sums over the nodes of a bond: mass, first and second moments of it, momentum, angular momentum,
+// kinetic energy.
+struct BondMotion {
+  double mass, first[3], second[6], momentum[3], angular[3], kinetic;
+};
+constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
+
+}  // namespace
+
+// Of each of these bonds, over all ranks, with the kick of the next drift ahead.
+std::vector<double> Cement::motion_of(const std::vector<int>& rows) const {
+  std::vector<double> sums(kWidth * rows.size(), 0.0);
+  const double kick = 0.5 * (dt_last_ + now_.dt);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Bond* b = bonds_.find(rows[n]);
+    if (!b) continue;
+    const Grid& grid = b->grid;
+    BondMotion& s = reinterpret_cast<BondMotion*>(sums.data())[n];
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!grid.halo.counts_here()[i]) continue;
+      double x[3], v[3];
+      for (int d = 0; d < 3; ++d) {
+        x[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+        v[d] = grid.velocity[3 * i + d] + kick * grid.acceleration[3 * i + d];
+      }
+      const double m = grid.mass[i];
+      s.mass += m;
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        s.first[d] += m * x[d];
+        s.second[d] += m * x[d] * x[d];
+        s.second[3 + d] += m * x[e] * x[g];
+        s.momentum[d] += m * v[d];
+        s.angular[d] += m * (x[e] * v[g] - x[g] * v[e]);
+        s.kinetic += 0.5 * m * v[d] * v[d];
+      }
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  return sums;
+}
+
+void Cement::keep_motion(const std::vector<int>& rows, const std::vector<double>& before) {
+  std::vector<double> after = motion_of(rows);
+  const double h = options_.cell;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const BondMotion& old = reinterpret_cast<const BondMotion*>(before.data())[n];
+    const BondMotion& now = reinterpret_cast<const BondMotion*>(after.data())[n];
+    Bond* b = bonds_.find(rows[n]);
+    if (!b || !(now.mass > 0.0)) continue;
+    // M (V, omega) = what is missing; lengths in cells, so that the numbers are alike
+    Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();
+    Eigen::Matrix<double, 6, 1> missing;
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      M(d, d) = now.mass;
+      M(d, 3 + e) = M(3 + e, d) = now.first[g] / h;
+      M(d, 3 + g) = M(3 + g, d) = -now.first[e] / h;
+      M(3 + d, 3 + d) = (now.second[e] + now.second[g]) / (h * h);
+      M(3 + e, 3 + g) = M(3 + g, 3 + e) = -now.second[3 + d] / (h * h);
+      missing[d] = old.momentum[d] - now.momentum[d];
+      missing[3 + d] = (old.angular[d] - now.angular[d]) / h;
+    }
+    const Eigen::Matrix<double, 6, 1> r = M.ldlt().solve(missing);
+    Grid& grid = b->grid;
+    for (int i = 0; i < grid.size(); ++i)
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        const auto x = [&](int c) { return grid.keys[i][1 + c] + grid.displacement[3 * i + c] / h; };
+        grid.velocity[3 * i + d] += r[d] + r[3 + e] * x(g) - r[3 + g] * x(e);
+      }
+  }
+  after = motion_of(rows);
+  int me;
+  MPI_Comm_rank(comm_, &me);
+  for (std::size_t n = 0; n < rows.size() && me == 0; ++n)
+    books_.release(reinterpret_cast<const BondMotion*>(before.data())[n].kinetic - reinterpret_cast<const BondMotion*>(after.data())[n].kinetic);
+}
+
+}  // namespace mpdem

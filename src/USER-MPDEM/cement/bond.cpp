@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "bond.h"
+
+#include <algorithm>
+
+namespace mpdem {
+
+namespace {
+bool comes_before(const Bond& b, int body) { return b.body < body; }
+}  // namespace
+
+Bond* Bonds::find(int body) {
+  const auto at = std::lower_bound(here_.begin(), here_.end(), body, comes_before);
+  return at != here_.end() && at->body == body ? &*at : nullptr;
+}
+
+Bond& Bonds::make(int body) {
+  if (!here_.empty() && here_.back().body == body) return here_.back();
+  auto at = std::lower_bound(here_.begin(), here_.end(), body, comes_before);
+  if (at == here_.end() || at->body != body) {
+    at = here_.emplace(at);
+    at->body = body;
+  }
+  return *at;
+}
+
+void Bonds::drop_empty() {
+  here_.erase(std::remove_if(here_.begin(), here_.end(), [](const Bond& b) { return b.points.blocks.empty(); }), here_.end());
+}
+
+std::size_t Bonds::memory_usage() const {
+  std::size_t bytes = table.capacity() * sizeof(Body) + here_.capacity() * sizeof(Bond);
+  for (const Bond& b : here_) bytes += b.memory_usage();
+  return bytes;
+}
+
+}  // namespace mpdem

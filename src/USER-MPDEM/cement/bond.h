@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// One bond: all that belongs to the cement between two grains on this rank, in one place, so that a small bond stays in
+// cache from one exchange to the next, and so that a bond is laid out, advanced and handed on by itself.
+//
+// Bonds: those of this rank, and the table of all, which is the same on every rank.
+#ifndef MPDEM_CEMENT_BOND_H
+#define MPDEM_CEMENT_BOND_H
+
+#include <vector>
+
+#include "../coupling/added_mass.h"
+#include "../coupling/penalty_links.h"
+#include "../coupling/relaxation.h"
+#include "../mpm/advance_updated.h"
+#include "../mpm/grid.h"
+#include "../mpm/point_store.h"
+#include "resting.h"
+
+namespace mpdem {
+
+struct Bond {
+  int body = 0;  // its row of the table
+  PointStore points;
+  Grid grid;
+  PenaltyLinks links;
+  AddedMass added;
+  Relaxation relaxation;
+  Resting resting;
+  UpdatedPass updated;  // of `updated` kinematics
+  int side = 0;         // place of its first side, see GrainSides
+  std::size_t laid_out_blocks = 0;        // of points that the grid has nodes for
+  std::size_t blocks_when_arranged = 0;
+  std::vector<int> failed;                // slots that failed in this step, ascending
+  std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
+  std::vector<double> filtered;           // that of the part before the nodes move, xpic only
+
+  bool cut_by_ranks() const { return grid.halo.shares_any(); }
+  std::size_t memory_usage() const {
+    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage();
+  }
+};
+
+class Bonds {
+ public:
+  std::vector<Body> table;  // of all ranks
+
+  // Those with points or nodes on this rank, ascending.
+  std::vector<Bond>::iterator begin() { return here_.begin(); }
+  std::vector<Bond>::iterator end() { return here_.end(); }
+  std::vector<Bond>::const_iterator begin() const { return here_.begin(); }
+  std::vector<Bond>::const_iterator end() const { return here_.end(); }
+  std::size_t size() const { return here_.size(); }
+
+  const Body& body(const Bond& b) const { return table[b.body]; }
+  // Null if this rank has nothing of it.
+  Bond* find(int body);
+  const Bond* find(int body) const { return const_cast<Bonds*>(this)->find(body); }
+  Bond& make(int body);  // or the one there is
+  // Drops those without points.
+  void drop_empty();
+
+  // A point comes or goes.
+  int add(const PointRecord& r, int tag) { return make(r.body).points.add(r, tag); }
+
+  std::size_t memory_usage() const;
+
+ private:
+  std::vector<Bond> here_;
+};
+
+}  // namespace mpdem
+
+#endif

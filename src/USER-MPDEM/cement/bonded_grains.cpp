@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "bonded_grains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace mpdem {
+
+namespace {
+double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
+
+// That of two estimates which is nearer to zero; zero if they disagree in sign.
+double lesser(double a, double b) {
+  if (a * b <= 0.0) return 0.0;
+  return std::fabs(a) < std::fabs(b) ? a : b;
+}
+}  // namespace
+
+double BondedGrains::mass_ratio(const Grain& g, double cement) {
+  const bool moves = g.free[0] || g.free[1] || g.free[2];
+  return ((moves ? 1.0 : 0.0) + (g.free[3] ? 2.5 : 0.0)) * cement / g.mass;
+}
+
+void BondedGrains::replace(std::vector<Grain> now) {
+  const auto same = [](const Grain& a, const Grain& b) { return a.tag == b.tag; };
+  changed_ = changed_ || !std::equal(now.begin(), now.end(), grains.begin(), grains.end(), same);
+  for (std::size_t n = 0; n < now.size() && !changed_; ++n) {
+    now[n].sides = std::move(grains[n].sides);
+    now[n].mass_ratio = grains[n].mass_ratio;
+  }
+  grains = std::move(now);
+}
+
+void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
+  std::unordered_map<int, int> by_tag;
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    by_tag.emplace(grains[n].tag, static_cast<int>(n));
+    grains[n].sides.clear();
+  }
+  std::vector<double> cement(grains.size(), 0.0);
+  std::vector<Key> keys;
+  owned_.clear();
+  for (std::size_t b = 0; b < bonds.table.size(); ++b)
+    for (int s = 0; s < 2; ++s) {
+      const auto it = by_tag.find(bonds.table[b].grain[s]);
+      if (it == by_tag.end()) continue;
+      cement[it->second] += density * bonds.table[b].volume;
+      grains[it->second].sides.push_back(static_cast<int>(owned_.size()));
+      owned_.push_back({it->second, -1, static_cast<int>(b), s});
+      keys.push_back({static_cast<int>(b), s, 0, 0});
+    }
+  std::vector<int> here;
+  for (const Bond& b : bonds) here.push_back(b.body);
+  sides.build(comm, bonds.table, here, keys);
+  for (std::size_t k = 0; k < owned_.size(); ++k) owned_[k].at = sides.owned()[k];
+  for (Bond& b : bonds) b.side = sides.find(b.body, 0);
+  changed_ = false;
+  int some = 0, any;
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    grains[n].mass_ratio = mass_ratio(grains[n], cement[n]);
+    some = some || grains[n].any_free();
+  }
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
+  any_free_ = any != 0;
+}
+
+void BondedGrains::distribute(const Bonds& bonds) {
+  std::vector<GrainSides::Motion> motion(owned_.size());
+  for (std::size_t k = 0; k < owned_.size(); ++k) {
+    const Grain& grain = grains[owned_[k].grain];
+    const GrainState& g = *grain.state;
+    std::copy(grain.x, grain.x + 3, motion[k].x);
+    std::copy(g.v, g.v + 3, motion[k].v);
+    std::copy(g.v + 3, g.v + 6, motion[k].omega);
+    std::copy(g.q, g.q + 4, motion[k].q);
+    std::copy(g.a, g.a + 3, motion[k].a);
+    std::copy(g.jump, g.jump + 6, motion[k].jump);
+    motion[k].mass_ratio = grain.mass_ratio;
+  }
+  sides.distribute(bonds.table, motion);
+}
+
+void BondedGrains::turn(double dt) {
+  for (Grain& g : grains) {
+    double* q = g.state->q;
+    const double* w = g.velocity + 3;
+    const double rate = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    if (rate == 0.0) continue;
+    const double c = std::cos(0.5 * rate * dt), s = std::sin(0.5 * rate * dt) / rate;
+    const double p[4] = {c, s * w[0], s * w[1], s * w[2]};
+    const double r[4] = {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+                         p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+                         p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
+                         p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1]};
+    const double n = 1.0 / std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+    for (int d = 0; d < 4; ++d) q[d] = n * r[d];
+  }
+}
+
+void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
+  const double since = 0.5 * (dt_last + dt);
+  ++step_;
+  for (Grain& grain : grains) {
+    GrainState& g = *grain.state;
+    for (int d = 0; d < 6; ++d) {
+      const bool free = grain.free[d];
+      g.before[d] = g.v[d];
+      g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
+      const double change = g.v[d] - g.before[d];
+      g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
+      // in the second half of the last step, beyond what was expected
+      if (!free) books.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.ended[d] - g.before[d])));
+      if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
+    }
+    watch_jump(grain);
+    g.seen = true;
+  }
+}
+
+void BondedGrains::keep_velocities(double dt_last) {
+  for (Grain& grain : grains) {
+    GrainState& g = *grain.state;
+    for (int d = 0; d < 6; ++d) g.ended[d] = grain.free[d] ? grain.velocity[d] : g.v[d] + (d < 3 ? 0.5 * dt_last * g.a[d] : 0.0);
+  }
+}
+
+void BondedGrains::watch_late_loads(bool after) {
+  for (Grain& g : grains)
+    for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
+}
+
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded) {
+  load_.resize(grains.size());
+  for (std::size_t n = 0; n < grains.size(); ++n)
+    for (int d = 0; d < 6; ++d) load_[n][d] = loaded ? grains[n].force[d] + grains[n].state->late[d] : 0.0;
+  std::vector<GrainAccelerations::OfBond> of_bonds;
+  for (const Bond& b : bonds)
+    if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.side});
+  accelerations_.find(comm, of_bonds, grains, load_, sides, fresh_);
+  fresh_ = false;
+}
+
+void BondedGrains::clear_sudden_forces() {
+  sides.clear_sudden_forces();
+  sudden_forces_are_due_ = false;
+}
+
+void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last) {
+  b.added.follow_jumps(b.grid, side_of(b), 2.0 / (dt_last + dt), 1.0 / dt);
+}
+
+void BondedGrains::react(double dt, EnergyBooks& books) {
+  sides.sum_forces();
+  for (Grain& g : grains) std::fill(g.state->load, g.state->load + 6, 0.0);
+  for (const OwnedSide& o : owned_) {
+    const GrainSide& s = sides.sides[o.at];
+    Grain& g = grains[o.grain];
+    for (int d = 0; d < 3; ++d) {
+      g.force[d] += s.force[d];
+      g.force[3 + d] += s.torque[d];
+      g.state->load[d] += s.force[d];
+      g.state->load[3 + d] += s.torque[d];
+    }
+  }
+  react_to_jumps(dt, books);
+}
+
+void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
+  if (!sudden_forces_are_due_) return;
+  sudden_forces_are_due_ = false;
+  sides.sum_sudden_forces();
+  for (GrainSide& s : sides.sides)
+    for (int d = 0; d < 3; ++d) {
+      s.force[d] += s.jump_force[d] + s.transfer_force[d];
+      s.torque[d] += s.jump_force[3 + d] + s.transfer_force[3 + d];
+    }
+  for (const OwnedSide& o : owned_) {
+    const GrainSide& s = sides.sides[o.at];
+    Grain& grain = grains[o.grain];
+    const GrainState& g = *grain.state;
+    double power = 0.0;
+    for (int d = 0; d < 6; ++d) {
+      grain.force[d] += s.jump_force[d] + s.transfer_force[d];
+      power += s.jump_force[d] * 0.5 * (g.before[d] + g.v[d]) + s.transfer_force[d] * g.v[d];
+    }
+    books.do_work(-dt * power);
+  }
+}
+
+void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vector<Six>& jump, int first_body, bool at_start,
+                                     int end_of_work, EnergyBooks& books) {
+  sides.set_jumps(jump);
+  sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
+  sides.clear_forces();
+  sides.clear_sudden_forces();
+  for (Bond& b : bonds) {
+    b.grid.clear_force();
+    if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
+  }
+  if (any_free_) find_accelerations(comm, bonds, false);
+  for (Bond& b : bonds) {
+    b.added.carry(b.grid, side_of(b));
+    b.grid.update_acceleration(b.added.of_nodes());
+  }
+  sides.sum_forces();
+  for (Grain& grain : grains) {
+    const GrainSide& s = sides.sides[owned_[grain.sides.front()].at];
+    for (int d = 0; d < 6; ++d)
+      if (grain.free[d]) grain.velocity[d] += d < 3 ? s.a[d] : s.alpha[d - 3];
+  }
+  for (const OwnedSide& o : owned_) {
+    if (o.body >= end_of_work) continue;
+    const GrainSide& s = sides.sides[o.at];
+    const Grain& grain = grains[o.grain];
+    for (int d = 0; d < 6; ++d)
+      books.do_work(-(d < 3 ? s.force[d] : s.torque[d - 3]) * 0.5 * (grain.state->ended[d] + grain.velocity[d]));
+  }
+}
+
+void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books) {
+  int some = 0, any;
+  std::vector<Six> jump(owned_.size(), Six{});
+  for (const Grain& grain : grains)
+    for (int d = 0; d < 6; ++d) {
+      const double change = grain.free[d] ? grain.velocity[d] - grain.state->ended[d] : 0.0;
+      for (int k : grain.sides) jump[k][d] = change;
+      some = some || change != 0.0;
+    }
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
+  if (!any) return;
+  std::vector<std::vector<double>> acceleration;
+  for (const Bond& b : bonds) acceleration.push_back(b.grid.acceleration);
+  exchange_momentum(comm, bonds, jump, 0, false, static_cast<int>(bonds.table.size()), books);
+  const double rate = 2.0 / (dt_last + dt);
+  auto before = acceleration.begin();
+  for (Bond& b : bonds) {
+    for (std::size_t k = 0; k < before->size(); ++k) (*before)[k] += rate * b.grid.acceleration[k];
+    b.grid.acceleration.swap(*before++);
+  }
+  for (const Grain& grain : grains)
+    for (int d = 0; d < 6; ++d)
+      if (grain.free[d]) books.do_work(-0.5 * dt_last * grain.state->load[d] * (grain.velocity[d] - grain.state->ended[d]));
+}
+
+void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books) {
+  for (Grain& grain : grains) {
+    GrainState& g = *grain.state;
+    for (int d = 0; d < 6 && !g.seen; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
+  }
+  if (any_added_mass) {
+    std::vector<Six> jump(owned_.size());
+    for (std::size_t k = 0; k < owned_.size(); ++k) {
+      const double* ended = grains[owned_[k].grain].state->ended;
+      std::copy(ended, ended + 6, jump[k].begin());
+    }
+    std::vector<Six> before(grains.size());
+    for (std::size_t n = 0; n < before.size(); ++n) std::copy(grains[n].velocity, grains[n].velocity + 6, before[n].begin());
+    exchange_momentum(comm, bonds, jump, first_body, true, first_body, books);
+    for (Bond& b : bonds)
+      for (std::size_t k = 0; k < b.grid.velocity.size(); ++k) b.grid.velocity[k] += b.grid.acceleration[k];
+    for (std::size_t n = 0; n < before.size(); ++n)
+      for (int d = 0; d < 6; ++d) {
+        const double change = grains[n].velocity[d] - before[n][d];
+        grains[n].state->v[d] += change;
+        grains[n].state->ended[d] += change;
+      }
+  }
+  distribute(bonds);
+}
+
+void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
+  std::vector<Six> rates(owned_.size());
+  for (std::size_t k = 0; k < owned_.size(); ++k) {
+    const GrainSide& s = sides.sides[owned_[k].at];
+    std::copy(s.a, s.a + 3, rates[k].begin());
+    std::copy(s.alpha, s.alpha + 3, rates[k].begin() + 3);
+  }
+  for (Grain& grain : grains) {
+    GrainState& g = *grain.state;
+    if (g.seen) continue;
+    g.seen = true;
+    for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last * rates[grain.sides.front()][d];
+  }
+  distribute(bonds);
+  sides.set_accelerations(rates);
+}
+
+EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
+  EnergyBooks::StepWork power;
+  for (const OwnedSide& o : owned_) {
+    if (o.body < first_body) continue;
+    const GrainSide& s = sides.sides[o.at];
+    const GrainState& g = *grains[o.grain].state;
+    for (int d = 0; d < 6; ++d) {
+      const double f = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
+      power.now -= f * g.ended[d];
+      power.before -= f * g.v[d];
+    }
+  }
+  return {dt_last * power.now, dt_last * power.before};
+}
+
+void BondedGrains::watch_jumps(double limit, long first_step) {
+  jump_limit_ = limit;
+  step_ = first_step;
+  worst_jump_ = Jump();
+}
+
+void BondedGrains::watch_jump(const Grain& grain) {
+  if (worst_jump_.tag) return;
+  const GrainState& g = *grain.state;
+  double change[6] = {};
+  for (int d = 0; d < 6; ++d)
+    if (!grain.free[d]) change[d] = g.v[d] - g.before[d];
+  const double r = grain.radius;
+  const double jump = length(change) + r * length(change + 3);
+  const double fastest = std::max(length(g.v) + r * length(g.v + 3), length(g.before) + r * length(g.before + 3));
+  if (jump > jump_limit_ && jump > 0.5 * fastest) worst_jump_ = {grain.tag, jump, step_};
+}
+
+}  // namespace mpdem

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The bonded grains of this rank: their velocities as the added mass of links sees them, and their accelerations.
+//
+// W- and W+ are the velocities of the steps that end and begin at time n, half a step before and after it.
+// Added mass c goes along with its grain, N a = f + c A with N = m + c and A = (W+ - W-)/dt. Of grains that follow forces A
+// is solved for at time n. Of prescribed motion W+ is known when the grain has moved: until then a smooth A' is
+// expected, and dt (A - A') is the jump J, which nodes follow by c/N J before they drift. A grain that starts with
+// velocity V so takes the nodes along in its first step; would it not, their c V^2/2 against the grain would be
+// energy that nothing paid for. The reaction p = c (c/N - 1) J is momentum of the grains. Central differences keep
+//
+//   E - W = const,  W = -sum (F_n + F_n+1)/2 . (x_n+1 - x_n) - sum p . (W- + W+)/2,
+//
+// F the force on a grain without p: exact for jumps as for smooth motion. A velocity that a
+// command gives to a grain between runs is such a jump, too; then p is taken from the grain at once. Bodies start
+// with added mass that has the velocity of its grain.
+#ifndef MPDEM_CEMENT_BONDED_GRAINS_H
+#define MPDEM_CEMENT_BONDED_GRAINS_H
+
+#include <mpi.h>
+
+#include <array>
+#include <vector>
+
+#include "../coupling/grain.h"
+#include "../coupling/grain_accelerations.h"
+#include "bond.h"
+#include "energy_books.h"
+
+namespace mpdem {
+
+class BondedGrains {
+ public:
+  using Six = std::array<double, 6>;
+  std::vector<Grain> grains;  // ascending in tag
+  GrainSides sides;
+
+  // The bonded grains of this rank, anew; bind() if others than before.
+  void replace(std::vector<Grain> now);
+  bool changed() const { return changed_; }
+
+  // A side whose grain is here.
+  struct OwnedSide {
+    int grain, at, body, side;
+  };
+  const std::vector<OwnedSide>& owned() const { return owned_; }
+  GrainSide* side_of(const Bond& b) { return &sides.sides[b.side]; }
+  const GrainSide* side_of(const Bond& b) const { return &sides.sides[b.side]; }
+  bool any_free() const { return any_free_; }  // on any rank
+
+  // Inertia of its cement over what a grain has of inertia against it where its motion is not prescribed: a mass m at places up
+  // to the radius r that moves with the grain has no more kinetic energy than a sphere of 7/2 m, since with t = 5/2
+  //   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2   and its moment of inertia is 2/5 m r^2.
+  static double mass_ratio(const Grain& g, double cement);
+
+  // Collective. After grains or bonds changed place: sides of the bonds, and who owns them. density: of the inertia of the cement.
+  void bind(MPI_Comm comm, Bonds& bonds, double density);
+  // Collective. Motion to all who have a side.
+  void distribute(const Bonds& bonds);
+  // By the velocities that the host gave them.
+  void turn(double dt);
+
+  // Once a step, before distribute(): velocities with which grains came to their positions; jumps of prescribed ones. The
+  // acceleration that is expected of prescribed motion is the lesser of that of the last step and of what its velocity at
+  // the step tells: after a jump they differ, and none is expected.
+  void find_rates(double dt, double dt_last, EnergyBooks& books);
+  // At the end of a step: commands that change velocities show against these.
+  void keep_velocities(double dt_last);
+  // Loads of the host that come after the cement in a step; before and after them.
+  void watch_late_loads(bool after);
+
+  // Collective. Accelerations of free grains; loaded: with the load of the host so far and what came late in the last step.
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded = true);
+  void added_mass_changed() { fresh_ = true; }
+
+  // Jumps in a step, before nodes drift.
+  void clear_sudden_forces();
+  void follow_jumps(Bond& b, double dt, double dt_last);
+  // Collective. Forces of the cement on the grains, once those of all bonds are with the sides.
+  void react(double dt, EnergyBooks& books);
+  // Collective. Of that, the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and its work.
+  void react_to_jumps(double dt, EnergyBooks& books);
+  void expect_sudden_forces() { sudden_forces_are_due_ = true; }
+
+  // Collective. Jumps of the owned sides, for all added mass or for that of bodies from first_body on, exchange momentum
+  // between nodes and grains at once: the change of velocity of nodes is left in their acceleration, that of grains is theirs.
+  // The work is that on bodies before end_of_work.
+  void exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vector<Six>& jump, int first_body, bool at_start, int end_of_work,
+                         EnergyBooks& books);
+  // Collective. Takes up what commands did to velocities since the last step.
+  void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
+  // Collective. Added mass of new bodies gets the velocity of its grains, which are at a full step where they have not been seen before.
+  void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books);
+  // Grains that were not seen before go back to the middle of the step before, like the nodes of new bodies.
+  void go_back_half_a_step(const Bonds& bonds, double dt_last);
+
+  // Work on the cement of bodies from first_body on, in a step. That of jumps and transfers has been counted.
+  EnergyBooks::StepWork work(double dt_last, int first_body) const;
+
+  // The first jump of a prescribed velocity above a limit that is no small part of it, in this run on this rank.
+  struct Jump {
+    int tag = 0;  // 0: none
+    double size = 0.0;
+    long step = 0;
+  };
+  void watch_jumps(double limit, long first_step);  // from here on
+  const Jump& worst_jump() const { return worst_jump_; }
+
+ private:
+  void watch_jump(const Grain& g);
+
+  std::vector<OwnedSide> owned_;
+  GrainAccelerations accelerations_;
+  std::vector<GrainAccelerations::Vector6> load_;
+  bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
+  double jump_limit_ = 0.0;  // of velocity
+  long step_ = 0;            // steps of this run
+  Jump worst_jump_;
+};
+
+}  // namespace mpdem
+
+#endif

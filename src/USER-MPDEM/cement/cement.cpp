@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A run of the cement: start, steps, their ends. Layout is in arrangement.cpp, what is told in report.cpp, restart in state.cpp.
+#include "cement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../mpm/point_state.h"
+#include "../parallel/agree.h"
+#include "kinematics.h"
+
+namespace mpdem {
+
+namespace {
+constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
+}
+
+Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host)
+    : comm_(comm), bonds_(bonds), options_(options), law_(std::move(law)), host_(host) {
+  kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
+}
+
+Cement::~Cement() = default;
+
+void Cement::set_density(double density) { inertia_ = options_.mass_scale * density; }
+
+void Cement::couple(const PenaltyParameters* penalty) {
+  penalty_.reset();
+  if (penalty) penalty_ = *penalty;
+}
+
+void Cement::take_up_states() {
+  std::string trouble;
+  for (Bond& b : bonds_)
+    if (trouble.empty()) trouble = mpdem::take_up_states(b.points, law_);
+  throw_if_any(comm_, trouble);
+}
+
+void Cement::take_up_commands() {
+  if (any_added_mass_) grains_.take_up_commands(comm_, bonds_, now_.dt, dt_last_, books_);
+}
+
+void Cement::step() {
+  grains_.find_rates(now_.dt, dt_last_, books_);
+  timer_.start(StepTimer::kCoupling);
+  grains_.distribute(bonds_);
+  look_for_cracks();
+  advance_.dissipated = advance_.released = 0.0;
+  kinematics_->advance();
+  books_.dissipate(advance_.dissipated);
+  books_.release(advance_.released);
+  complete_forces();
+  books_.damp(damping_work(0.5 * dt_last_, 0));
+  kinematics_->account_for_accelerations();
+  timer_.start(StepTimer::kCoupling);
+  grains_.react(now_.dt, books_);
+  grains_.watch_late_loads(false);
+  timer_.stop();
+}
+
+// After a check; not in it, where the forces of the step are still to be shown, and which may
+// be the step of a restart file.
+void Cement::look_for_cracks() {
+  if (!penalty_ || law_->inert()) return;
+  const bool after_check = (now_.number - 1) % options_.check_every == 0;
+  if (!after_check && ((now_.number - 1) % kWatchEvery != 0 || !cracks_.some_path_is_cut(comm_))) return;
+  timer_.start(StepTimer::kLayout);
+  if (after_check) drop_inert_added_mass();
+  lay_out_parts(cracks_.look(comm_, bonds_, sheets_, options_, after_check));
+}
+
+void Cement::take_failed(Bond& b) {
+  b.failed.clear();
+  b.failed.swap(advance_.failed);
+}
+
+void Cement::let_go(Bond& b) {
+  if (b.failed.empty()) return;
+  b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
+  sort_links(b);
+  host_.points_failed(b);
+  if (penalty_) cracks_.watch(b);
+}
+
+// Everything but the internal force, which is on the nodes already.
+void Cement::add_link_forces(Bond& b) {
+  timer_.start(StepTimer::kCoupling);
+  if (options_.updated) b.links.add_force(b.grid, grains_.side_of(b));
+  else b.resting.add_force(b.links, b.grid, grains_.side_of(b));
+  b.grid.ties.pull_back(b.grid.force.data());
+}
+
+void Cement::sum_shared(std::vector<double> Grid::*values, int width) {
+  std::vector<double*> of_bonds;
+  for (Bond& b : bonds_)
+    if (b.cut_by_ranks()) of_bonds.push_back((b.grid.*values).data());
+  shared_nodes_.sum(of_bonds, width);
+}
+
+// Forces of nodes from those of points and links, and the accelerations.
+void Cement::complete_forces() {
+  timer_.start(StepTimer::kHalo);
+  sum_shared(&Grid::force, 3);
+  timer_.start(StepTimer::kNodes);
+  const double* g = now_.gravity;
+  const bool weighs = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0;
+  for (Bond& b : bonds_) {
+    if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
+    for (int i = 0; i < b.grid.size() && weighs; ++i)
+      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
+  }
+  if (any_added_mass_ && grains_.any_free()) {
+    timer_.start(StepTimer::kCoupling);
+    grains_.find_accelerations(comm_, bonds_);
+    timer_.start(StepTimer::kNodes);
+  }
+  for (Bond& b : bonds_) {
+    b.added.carry(b.grid, grains_.side_of(b));
+    b.grid.update_acceleration(b.added.of_nodes());
+  }
+}
+
+double Cement::kinetic_energy(const Bond& b, double kick) const {
+  const Grid& grid = b.grid;
+  double twice[3] = {};  // of each component: their sums do not wait for each other
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) {
+      const double v = grid.velocity[3 * i + d] + kick * grid.acceleration[3 * i + d];
+      twice[d] += grid.mass[i] * v * v;
+    }
+  }
+  return 0.5 * (twice[0] + twice[1] + twice[2]);
+}
+
+// The energy that dampers took in the step: the velocity that their force meets is that of this time.
+double Cement::damping_work(double later, int first_body) {
+  if (!penalty_ || (penalty_->damping == 0.0 && options_.relax == 0.0)) return 0.0;
+  double power = 0.0;
+  for (const Bond& b : bonds_) {
+    if (b.body < first_body) continue;
+    power += b.links.damper_power(b.grid, grains_.side_of(b), later);
+    if (options_.relax > 0.0) power += b.relaxation.power(b.grid, grains_.side_of(b), later);
+  }
+  return dt_last_ * power;
+}
+
+// Of the weight of this rank's nodes on a velocity.
+double Cement::gravity_power(const Bond& b, const std::vector<double>& velocity) const {
+  const double* g = now_.gravity;
+  if ((g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0) || velocity.empty()) return 0.0;
+  double power = 0.0;
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power += b.grid.mass[i] / options_.mass_scale * g[d] * velocity[3 * i + d];
+  }
+  return power;
+}
+
+// What a change of velocity takes of the energy that central differences keep, beyond that of the stored velocity: it meets
+// the acceleration, too.
+double Cement::half_kick(const Bond& b, const std::vector<double>& jump) const {
+  if (jump.empty()) return 0.0;
+  double power[3] = {};  // of each component: their sums do not wait for each other
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power[d] += b.grid.mass[i] * b.grid.acceleration[3 * i + d] * jump[3 * i + d];
+  }
+  return -0.5 * dt_last_ * (power[0] + power[1] + power[2] + b.added.power(b.grid, grains_.side_of(b), jump));
+}
+
+// Work of grains and gravity on the cement of bodies from first_body on.
+EnergyBooks::StepWork Cement::work_of_step(int first_body) {
+  EnergyBooks::StepWork work = penalty_ ? grains_.work(dt_last_, first_body) : EnergyBooks::StepWork();
+  for (const Bond& b : bonds_) {
+    if (b.body < first_body) continue;
+    const double before = dt_last_ * gravity_power(b, b.grid.velocity);
+    work.now += before + 0.5 * dt_last_ * dt_last_ * gravity_power(b, b.grid.acceleration);
+    work.before += before;
+  }
+  return work;
+}
+
+void Cement::end_step() {
+  grains_.watch_late_loads(true);
+  grains_.keep_velocities(dt_last_);
+  books_.end_step(work_of_step(0));
+  for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && !b->in_motion; ++b) b->in_motion = true;
+}
+
+void Cement::check_state() {
+  std::string trouble;
+  for (const Bond& b : bonds_)
+    if (!b.grid.finite() && trouble.empty())
+      trouble = text_of("a node of the grid is not finite at step ", now_.number,
+                        "; check the motion of the grains, the time step and the contact model");
+  if (penalty_ && grains_.sides.orphan() >= 0)
+    trouble = text_of("grain ", grains_.sides.sides[grains_.sides.orphan()].tag, " has cement but was deleted or lost at step ", now_.number,
+                      "; keep bonded grains, or use a larger box");
+  throw_if_any(comm_, trouble);
+}
+
+void Cement::start_run() {
+  // added mass with the eigenvalue as it is known now
+  if (!options_.updated && penalty_)
+    books_.release_by([&] { return added_energy_ahead(all_rows(), 0.0); }, [&] { refresh_added_mass(); });
+  if (penalty_ && bodies_started_ < static_cast<int>(bonds_.table.size()))
+    grains_.start_added_mass(comm_, bonds_, bodies_started_, any_added_mass_, books_);
+  kinematics_->find_internal_force();
+  grains_.sides.clear_forces();
+  grains_.clear_sudden_forces();
+  for (Bond& b : bonds_) {
+    b.jump.clear();
+    b.links.add_force(b.grid, grains_.side_of(b));
+    b.grid.ties.pull_back(b.grid.force.data());
+  }
+  complete_forces();
+  if (penalty_) grains_.react(now_.dt, books_);
+  start_bodies();
+}
+
+// Velocities of bodies that were not in motion yet go back half a step. What they have of energy counts
+// from here, and the work of the first half step, which is ahead.
+void Cement::start_bodies() {
+  const int rows = static_cast<int>(bonds_.table.size());
+  if (bodies_started_ == rows) return;
+  books_.damp(0.5 * damping_work(0.0, bodies_started_));
+  if (penalty_) grains_.go_back_half_a_step(bonds_, dt_last_);
+  double mine = 0.0, energy;
+  for (Bond& b : bonds_) {
+    if (b.body < bodies_started_) continue;
+    Grid& grid = b.grid;
+    for (int i = 0; i < grid.size(); ++i)
+      for (int d = 0; d < 3; ++d) {
+        double& v = grid.velocity[3 * i + d];
+        const double kick = 0.5 * dt_last_ * grid.acceleration[3 * i + d];
+        if (grid.halo.counts_here()[i]) mine += 0.5 * grid.mass[i] * (v - kick) * (v + kick);
+        v -= kick;
+      }
+    b.links.add_spring_energy(grid, grains_.side_of(b), mine);
+    mine += b.added.energy(grid, grains_.side_of(b), 0.0, dt_last_);
+    kinematics_->start_points(b);
+  }
+  MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  books_.start(energy, work_of_step(bodies_started_));
+  bodies_started_ = rows;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The cement of a scene: bonds, their layout, time stepping, books of energy and cracks. It knows no host program: a host
+// gives it grains and steps, and takes loads, velocities and reports. doc/architecture.md has the step as a recipe.
+//
+// State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at the points. Consistent units.
+// Functions are collective. Bad states are thrown, see parallel/agree.h.
+#ifndef MPDEM_CEMENT_H
+#define MPDEM_CEMENT_H
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "../coupling/cement_restart.h"
+#include "../material/law.h"
+#include "../mpm/largest_eigenvalue.h"
+#include "../parallel/halo_sum.h"
+#include "bond.h"
+#include "bonded_grains.h"
+#include "cracks.h"
+#include "energy_books.h"
+#include "layout.h"
+#include "options.h"
+#include "sheets.h"
+#include "step_timer.h"
+
+namespace mpdem {
+
+// What the engine asks of its host, seldom.
+class CementHost {
+ public:
+  virtual ~CementHost() = default;
+  // Velocity of a point of this rank that has not moved yet, by its tag.
+  virtual std::array<double, 3> initial_velocity(int tag) = 0;
+  // Points of a bond failed in this step, Bond::failed; before they get other slots.
+  virtual void points_failed(const Bond& bond) = 0;
+  // Slots of points of a bond changed.
+  virtual void slots_changed(const Bond& bond) = 0;
+};
+
+// When, and what acts everywhere.
+struct StepInput {
+  std::int64_t number = 0;  // of this step
+  double dt = 0;
+  double gravity[3] = {0, 0, 0};
+};
+
+struct CementTotals {
+  double points, failed, largest_damage, mean_damage;
+  double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
+  double momentum[3], angular_momentum[3];
+  double separated, debonding, internal, mixed;  // bonds
+};
+
+// One row a bond.
+struct BondState {
+  double force[2][3], torque[2][3], gap, tension;
+  double peak;  // largest tension at the steps asked for so far
+  double points, attached, debonded, failed, largest_damage, mean_damage;
+  double separated, share[2];  // of the separating surface at either grain
+};
+
+class Kinematics;
+
+class Cement {
+ public:
+  Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host);
+  ~Cement();
+
+  const CementOptions& options() const { return options_; }
+  const Law& law() const { return *law_; }
+  Bonds& bonds() { return bonds_; }
+  BondedGrains& grains() { return grains_; }
+  const Cracks& cracks() const { return cracks_; }
+  const EnergyBooks& books() const { return books_; }
+  StepTimer& timer() { return timer_; }
+  // Before each of the functions below.
+  void set_step(const StepInput& now) { now_ = now; }
+  void set_density(double density);  // of the calcite
+  void set_most_bytes(double bytes) { options_.most_bytes = bytes; }
+  double density() const { return inertia_ / options_.mass_scale; }
+  double inertia() const { return inertia_; }  // density with the mass scale
+  // The links, or none.
+  void couple(const PenaltyParameters* penalty);
+  const std::optional<PenaltyParameters>& penalty() const { return penalty_; }
+  bool built() const { return built_; }
+  int bodies_started() const { return bodies_started_; }
+  double dt_last() const { return dt_last_; }
+
+  // Points that are new have their damage as a tensor, those of a restart file as the state of a law: makes all of them states of this
+  // one. Throws BadState if it cannot go on from them.
+  void take_up_states();
+
+  // Layout. Of all bonds, at the start of a run, or of those whose points or grains went to other ranks.
+  void lay_out_run();
+  void lay_out_exchanged();
+  void refresh_added_mass();  // for another time step
+  // Slots of points, which fall behind while points change cells.
+  void sync_slots();
+
+  // Largest stable time step in the present state, from the largest eigenvalue of the cement and the stiffness that the
+  // links give to free grains; that of a layout yet to be made; that of a known eigenvalue.
+  double stable_step();
+  EigenvalueEstimate eigenvalue_of_new_layout();
+  EigenvalueEstimate eigenvalue();
+  double step_for(double eigenvalue, double relax);
+  // What the damping of `quasistatic` takes of the step, and the damping that takes a tenth at most.
+  struct DampedStep {
+    double step, undamped, admitted;
+  };
+  DampedStep damped_step(double eigenvalue);
+  // The bound will do for steps below it; the eigenvalue itself costs some passes.
+  double limiting_eigenvalue(double dt);
+  bool eigenvalue_is_known() const { return eigenvalue_ > 0.0; }
+  double largest_mass_ratio();  // of grains that follow forces
+
+  // A run: start, then steps, each with its end.
+  void take_up_commands();  // before the first step
+  void start_run();
+  void step();
+  void end_step();
+  // Throws if any node is not finite or a bonded grain is gone.
+  void check_state();
+
+  CementTotals totals(double reach_of_box);
+  const std::vector<BondState>& bond_states();
+  std::vector<Cracks::Ahead> cracks_ahead(const std::vector<char>& wanted);
+  // Added mass: at either side of each bond, over all ranks.
+  std::vector<double> added_mass_of_sides();
+  double cement_mass();    // of this rank, with the mass scale
+  // Position and velocity of the points of a bond at the present time, from the origin of its body.
+  struct PointMotionNow {
+    vd u[3], v[3];
+  };
+  void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
+  PassTicks ticks() const { return advance_.ticks; }
+  void clear_ticks() { advance_.ticks = PassTicks(); }
+  std::size_t memory_usage() const { return bonds_.memory_usage(); }
+
+  // Restart. Numbers of all ranks, complete on rank 0; the head has what the host keeps. The same numbers come back on every rank,
+  // the head as it was read. Throws BadState if it is that of other options.
+  std::vector<double> packed_state(CementHead head);
+  void restore(const CementHead& head, RecordReader& in);
+  bool restored() const { return restored_; }
+
+ private:
+  friend class Kinematics;
+  friend class Total;
+  friend class Updated;
+
+  void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true);
+  void adopt(std::vector<BondLayout>& layouts);
+  LayoutRules rules() const;
+  LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
+  std::vector<int> all_rows() const;
+  std::vector<int> agreed_rows(const std::vector<int>& mine) const;
+  void bind_grains();
+  void refresh_added_mass(const std::vector<int>& rows);
+  void drop_inert_added_mass();
+  void sort_links(Bond& b);
+  void lay_out_parts(Cracks::Found found);
+  void remember_axis();
+  void check_restored(const CementHead& head) const;
+  void check_step_after(const std::vector<int>& rows, const char* event);
+  double added_energy_ahead(const std::vector<int>& rows, double later);
+  double limiting_eigenvalue(double dt, const std::vector<int>& rows);
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows);
+  void start_velocities(std::vector<BondLayout>& layouts);
+  std::vector<double> motion_of(const std::vector<int>& rows) const;
+  void keep_motion(const std::vector<int>& rows, const std::vector<double>& before);
+  void start_bodies();
+  double eigenvalue_bound() const;
+  double relaxation_rate(double share);
+  double shear_speed() const;
+
+  // phases of a step
+  void look_for_cracks();
+  void take_failed(Bond& b);
+  void let_go(Bond& b);
+  void add_link_forces(Bond& b);
+  void sum_shared(std::vector<double> Grid::*values, int width);
+  void complete_forces();
+  double damping_work(double later, int first_body);
+  EnergyBooks::StepWork work_of_step(int first_body);
+  double kinetic_energy(const Bond& b, double kick) const;
+  double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
+  double half_kick(const Bond& b, const std::vector<double>& jump) const;
+
+  MPI_Comm comm_;
+  Bonds& bonds_;
+  CementOptions options_;
+  std::shared_ptr<const Law> law_;
+  CementHost& host_;
+  std::unique_ptr<Kinematics> kinematics_;
+  BondedGrains grains_;
+  EnergyBooks books_;
+  Sheets sheets_;
+  Cracks cracks_;
+  StepTimer timer_;
+  AdvanceResult advance_;  // of the bond at work
+  HaloSums shared_nodes_;
+  std::vector<BondState> states_;
+  std::vector<NodeKinematics> restored_nodes_;  // by row of the table, until the first layout
+  std::optional<PenaltyParameters> penalty_;
+  StepInput now_;
+  double inertia_ = 0.0, dt_last_ = 0.0;  // step that the stored velocities lie half of behind
+  double eigenvalue_ = 0.0;               // found for the present layout, 0: not yet
+  int bodies_started_ = 0;                // the first of the table; the others are new and where they were made
+  bool built_ = false, restored_ = false, any_added_mass_ = false;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cracks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../fracture/ligament.h"
+#include "../mpm/point_state.h"
+#include "../parallel/agree.h"
+#include "../parallel/all_to_all.h"
+
+namespace mpdem {
+
+namespace {
+
+struct Sent {
+  int body, slot;
+  CrackPoint point;
+};
+struct Returned {
+  int body, slot, part;
+};
+struct OfPath {
+  int body, tag;
+};
+
+void direction_of_centres(const Body& body, double* n) {
+  double length = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    n[d] = body.centre[1][d] - body.centre[0][d];
+    length += n[d] * n[d];
+  }
+  for (int d = 0; d < 3; ++d) n[d] /= std::sqrt(length);
+}
+
+// A point of block b; first_link: of each slot, into the links of the store.
+CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l, double damage, const std::vector<int>& first_link,
+                       const double* axis) {
+  const BlockMeta& m = points.meta[b];
+  const int slot = kLanes * b + l;
+  CrackPoint p;
+  p.tag = points.tags[b][l];
+  p.part = piece_of(m.part);
+  p.sheet = sheet_of(m.part);
+  p.failed = m.failed >> l & 1;
+  p.damage = static_cast<float>(std::max(damage, 0.0));
+  const SheetPoint place = sheet_point(points, body, b, l);
+  for (int d = 0; d < 3; ++d) {
+    p.cell[d] = place.cell[d];
+    p.base[d] = m.base[d];
+  }
+  const double nearer = nearer_to_first(body, place.X);
+  p.nearer = nearer_side(body, nearer);
+  p.middle = in_the_middle(body, nearer);
+  for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
+  for (int g = 0; g < 2; ++g) {
+    p.attached[g] = false;
+    p.link_area[g] = 0.0;
+  }
+  for (int n = first_link[slot]; n < first_link[slot + 1]; ++n) {
+    const Link& k = points.links[n];
+    const int g = k.grain == body.grain[0] ? 0 : 1;
+    double across = 0.0;
+    for (int d = 0; d < 3; ++d) across += (k.foot[d] - body.centre[g][d]) / body.radius[g] * axis[d];
+    p.attached[g] = p.attached[g] || k.attached;
+    p.link_area[g] += k.area * std::fabs(across);
+  }
+  return p;
+}
+
+struct WholeBonds {
+  Received<Sent> sent;
+  std::vector<std::vector<CrackPoint>> points;  // of each row, in the order in which they are sent; empty elsewhere
+};
+
+// Sends each of the bonds asked for to one rank, as a whole. Collective.
+WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& wanted) {
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<std::vector<Sent>> out(ranks);
+  for (const Bond& bond : bonds) {
+    if (!wanted[bond.body]) continue;
+    const PointStore& points = bond.points;
+    const Body& body = bonds.body(bond);
+    double axis[3];
+    direction_of_centres(body, axis);
+    std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
+    for (const Link& k : points.links) ++first_link[k.slot + 1];
+    for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+    const std::vector<vd> damage = largest_damages(points);
+    for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
+      for (int l = 0; l < kLanes; ++l)
+        if (points.meta[b].occupied >> l & 1)
+          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis)});
+  }
+  WholeBonds whole;
+  whole.sent = all_to_all(comm, out);
+  whole.points.resize(wanted.size());
+  for (const Sent& s : whole.sent.data) whole.points[s.body].push_back(s.point);
+  return whole;
+}
+
+}  // namespace
+
+bool Cracks::take_up(std::size_t rows) {
+  const bool some_are_new = states_.size() < rows;
+  states_.resize(rows);
+  for (; with_path_ < rows; ++with_path_) states_[with_path_].path_cut = any_path_cut_ = true;
+  return some_are_new;
+}
+
+void Cracks::watch(const Bond& bond) {
+  State& s = states_[bond.body];
+  for (int slot : bond.failed) {
+    if (s.path_cut || s.separation.separated) return;
+    s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tags[slot / kLanes][slot % kLanes]);
+    any_path_cut_ = any_path_cut_ || s.path_cut;
+  }
+}
+
+bool Cracks::some_path_is_cut(MPI_Comm comm) const {
+  int mine = any_path_cut_, any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
+  return any != 0;
+}
+
+Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
+                           const std::vector<CrackPoint>& points) const {
+  double face[3];
+  direction_of_centres(body, face);
+  for (double& f : face) f = std::fabs(f) * body.spacing * body.spacing;
+  return separate(points, face, sheets.joined_nodes(row), support(options.basis), states_[row].separation.separated);
+}
+
+Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
+  Found found;
+  const int rows = static_cast<int>(bonds.table.size());
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  // failed points, and whether the path is cut, of each row
+  std::vector<double> now(2 * rows, 0.0);
+  for (const Bond& b : bonds)
+    for (const BlockMeta& m : b.points.meta) now[2 * b.body] += __builtin_popcount(m.failed);
+  for (int r = 0; r < rows; ++r) now[2 * r + 1] = states_[r].path_cut;
+  MPI_Allreduce(MPI_IN_PLACE, now.data(), 2 * rows, MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<char> wanted(rows);
+  std::vector<int> looked_at;
+  for (int r = 0; r < rows; ++r) {
+    State& s = states_[r];
+    wanted[r] = now[2 * r] != s.failed_seen && (s.separation.separated ? debris : now[2 * r + 1] != 0.0);
+    if (wanted[r]) {
+      s.failed_seen = now[2 * r];
+      looked_at.push_back(r);
+    }
+    s.path_cut = false;
+  }
+  any_path_cut_ = false;
+  if (looked_at.empty()) return found;
+
+  // The bonds that come to this rank are whole.
+  const WholeBonds whole = collect(comm, bonds, wanted);
+  std::vector<std::vector<Returned>> back(ranks);
+  std::vector<std::vector<OfPath>> paths(ranks);
+  constexpr int kRow = 5;  // separated, areas, has other parts
+  std::vector<double> result(kRow * looked_at.size(), 0.0);
+  std::vector<Separation> separations(rows);
+  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+    const int r = looked_at[n];
+    if (whole.points[r].empty()) continue;
+    Separation& s = separations[r] = look_at(bonds.table[r], r, sheets, options, whole.points[r]);
+    for (int tag : s.path)
+      for (auto& to : paths) to.push_back({r, tag});
+    const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
+    std::copy(row, row + 4, &result[kRow * n]);
+  }
+  std::vector<std::size_t> at(rows, 0);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < whole.sent.count[rank]; ++i, ++n) {
+      const Sent& s = whole.sent.data[n];
+      const int part = separations[s.body].part[at[s.body]++];
+      if (part == s.point.part || options.updated) continue;  // `updated` fragments may meet again, so they share their nodes
+      back[rank].push_back({s.body, s.slot, part});
+      result[kRow * (std::lower_bound(looked_at.begin(), looked_at.end(), s.body) - looked_at.begin()) + 4] = 1.0;
+    }
+  const std::vector<Returned> changed = all_to_all(comm, back).data;
+  for (int r : looked_at) states_[r].path.clear();
+  for (const OfPath& p : all_to_all(comm, paths).data) states_[p.body].path.push_back(p.tag);
+  MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t k = 0; k < looked_at.size(); ++k) {
+    const double* row = &result[kRow * k];
+    State& s = states_[looked_at[k]];
+    bool lay_out = row[4] != 0.0;
+    // The surface is that of the separation; what breaks later is debris.
+    if (!s.separation.separated && row[0] != 0.0) {
+      s.separation.separated = true;
+      std::copy(row + 1, row + 3, s.separation.at_grain);
+      s.separation.inside = row[3];
+      lay_out = lay_out || options.tied || options.relax > 0.0;
+    }
+    if (lay_out) found.lay_out.push_back(looked_at[k]);
+  }
+  for (const Returned& r : changed) {
+    if (r.part >= kMaxPieces) throw OnOneRank(text_of("a bond broke into more than ", kMaxPieces, " parts"));
+    const BlockMeta& m = bonds.find(r.body)->points.meta[r.slot / kLanes];
+    NewParts& parts = found.parts[r.body];
+    parts.part_of_slot[r.slot] = part_of(r.part, sheet_of(m.part));
+    // of both sheets: nodes of the other may come to this rank as masters of those of its own
+    for (int sheet = 0; sheet < 2; ++sheet)
+      parts.parent_field[field_of(r.body, part_of(r.part, sheet))] = field_of(r.body, part_of(piece_of(m.part), sheet));
+  }
+  return found;
+}
+
+std::vector<int> Cracks::untie(const CementOptions& options) {
+  std::vector<int> released;
+  for (std::size_t r = 0; r < states_.size() && options.tied; ++r) {
+    if (!states_[r].separation.separated || states_[r].untied) continue;
+    states_[r].untied = true;
+    released.push_back(static_cast<int>(r));
+  }
+  return released;
+}
+
+std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
+                                         const std::vector<char>& wanted) const {
+  const WholeBonds whole = collect(comm, bonds, wanted);
+  constexpr int kWords = 5;
+  std::vector<double> found(kWords * wanted.size(), 0.0);
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    const std::vector<CrackPoint>& points = whole.points[b];
+    if (points.empty()) continue;
+    const int row = static_cast<int>(b);
+    const Ligament ligament = find_ligament(points, sheets.joined_nodes(row), support(options.basis));
+    double* of_bond = &found[kWords * b];
+    of_bond[0] = ligament.left();
+    of_bond[1] = ligament.whole;
+    for (const std::vector<int>& cut : ligament.cuts) {
+      const Separation s = look_at(bonds.table[b], row, sheets, options, cut_through(cut, points));
+      const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
+      for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<Ahead> all(wanted.size());
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const double* of_bond = &found[kWords * b];
+    all[b].left = of_bond[0];
+    all[b].whole = of_bond[1];
+    std::copy(of_bond + 2, of_bond + 4, all[b].surface.at_grain);
+    all[b].surface.inside = of_bond[4];
+  }
+  return all;
+}
+
+const char* Cracks::mode_of(const Separation& s) {
+  const double share = s.debonded_share();
+  return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
+}
+
+}  // namespace mpdem

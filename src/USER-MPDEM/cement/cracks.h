@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Bonds that come apart: bonds in which points failed are looked at as a whole, each by one rank, and
+// their parts get nodes of their own (fracture/separation.h). What is left of a shared node across a crack
+// pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
+// soon as one of them fails; what has come apart, at the checks. Of bonds that hold, the end of a run
+// tells how much of them is left (fracture/ligament.h).
+#ifndef MPDEM_CEMENT_CRACKS_H
+#define MPDEM_CEMENT_CRACKS_H
+
+#include <string>
+#include <vector>
+
+#include "../fracture/separation.h"
+#include "bond.h"
+#include "sheets.h"
+
+namespace mpdem {
+
+class Cracks {
+ public:
+  // Of each row of the table, the same on all ranks but for path_cut.
+  struct State {
+    Separation separation;   // without parts and path
+    double failed_seen = 0;  // points, when it was looked at
+    std::vector<int> path;   // tags, ascending, see separation.h; empty: not known
+    bool path_cut = false;   // on this rank
+    bool untied = false;     // came apart, and has no ties in the present layout
+  };
+  const State& operator[](std::size_t row) const { return states_[row]; }
+  std::size_t size() const { return states_.size(); }
+  bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
+  void restore(std::vector<State> states) { states_ = std::move(states); }
+
+  // Bonds that are new or come from a restart file are to be looked at; true if some are new. Those of the file wait for the step of the
+  // next look, so that a run in parts is the run as a whole.
+  bool take_up(std::size_t rows);
+  // Notes whether the path of a bond is cut by the points that fail in this step.
+  void watch(const Bond& bond);
+  // Collective.
+  bool some_path_is_cut(MPI_Comm comm) const;
+
+  // Collective. Looks at bonds in which points failed: those whose path is cut, and what has come apart already, if debris.
+  // The bonds that need a new layout, the same on all ranks, and their new parts on this one.
+  struct Found {
+    std::vector<int> lay_out;  // ascending
+    NewPartsOfBonds parts;
+  };
+  Found look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris);
+  // Bonds that have ties now and come to a layout without them.
+  std::vector<int> untie(const CementOptions& options);
+
+  // Of bonds that hold, their ligament and the separation that there would be without it. Collective.
+  struct Ahead {
+    double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
+    Separation surface;              // if the ligament failed
+  };
+  std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
+                           const std::vector<char>& wanted) const;
+
+  // `debonding`, `internal` or `mixed`.
+  static const char* mode_of(const Separation& s);
+  // The same, or `intact`.
+  std::string mode(std::size_t row) const { return separated(row) ? mode_of(states_[row].separation) : "intact"; }
+
+ private:
+  Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
+                     const std::vector<CrackPoint>& points) const;
+
+  std::vector<State> states_;
+  std::size_t with_path_ = 0;  // rows that were ever to be looked at by this object
+  bool any_path_cut_ = false;
+};
+
+}  // namespace mpdem
+
+#endif

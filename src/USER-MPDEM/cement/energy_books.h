@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What became of the energy of the cement. Central differences keep
+//
+//   E + dissipated + released + damped - work = start,
+//
+// E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
+// added mass that changes gave up. Damped: by dampers and transfers. Work: of grains and gravity on the cement; each half
+// step has the work of its velocity on the force at its end. This rank's share of each, all in units of energy.
+#ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
+#define MPDEM_CEMENT_ENERGY_BOOKS_H
+
+namespace mpdem {
+
+class EnergyBooks {
+ public:
+  struct Sums {
+    double dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;
+  };
+  // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
+  struct StepWork {
+    double now = 0.0, before = 0.0;
+  };
+
+  void dissipate(double energy) { sums_.dissipated += energy; }
+  void release(double energy) { sums_.released += energy; }
+  void damp(double energy) { sums_.damped += energy; }
+  void do_work(double work) { sums_.work += work; }
+
+  // What `action` takes of `energy()`.
+  template <class Energy, class Action>
+  void release_by(Energy energy, Action action) {
+    const double before = energy();
+    action();
+    release(before - energy());
+  }
+  template <class Energy, class Action>
+  void damp_by(Energy energy, Action action) {
+    const double before = energy();
+    action();
+    damp(before - energy());
+  }
+
+  // At the end of a step. The second half of it is work ahead.
+  void end_step(const StepWork& w) {
+    sums_.work += w.now;
+    sums_.work_ahead = w.now - 0.5 * w.before;
+  }
+  // Cement is set in motion with this energy, of all ranks; its first half step has this work.
+  void start(double energy_of_all, const StepWork& w) {
+    sums_.work += w.now - 0.5 * w.before;
+    sums_.work_ahead += w.now - 0.5 * w.before;
+    start_ += energy_of_all;
+  }
+
+  const Sums& sums() const { return sums_; }
+  double start_energy() const { return start_; }  // of all ranks
+  void restore(const Sums& sums, double start_energy) {
+    sums_ = sums;
+    start_ = start_energy;
+  }
+
+ private:
+  Sums sums_;
+  double start_ = 0.0;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "layout.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "../geometry/frame_along.h"
+#include "../geometry/radial_axis.h"
+#include "../material/tensor_damage.h"
+#include "../mpm/point_state.h"
+#include "../parallel/agree.h"
+
+namespace mpdem {
+
+namespace {
+
+Vector3 axis_at(const Vector3& X, const Body& body, const CementOptions& options) {
+  if (options.axis == AxisRule::global) return Vector3(options.axis_direction[0], options.axis_direction[1], options.axis_direction[2]);
+  Vector3 centre[2];
+  for (int s = 0; s < 2; ++s) centre[s] = Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
+  if (options.axis == AxisRule::bond) return centre[1] - centre[0];
+  return radial_axis(X, centre, body.radius, body.spacing);
+}
+
+// Frame of each new point: third axis along the axis of the elasticity.
+void set_frames(PointStore& points, const Body& body, const CementOptions& options, const Law& law) {
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    BlockMeta& m = points.meta[b];
+    if (m.framed == m.occupied) continue;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1) || (m.framed >> l & 1)) continue;
+      const PointBlock& p = points.blocks[b];
+      const Eigen::Quaterniond q = frame_along(axis_at(Vector3(p.X[0][l], p.X[1][l], p.X[2][l]), body, options).normalized());
+      Frame& f = points.blocks[b].q;
+      f.w[l] = q.w();
+      f.x[l] = q.x();
+      f.y[l] = q.y();
+      f.z[l] = q.z();
+      if (m.damaged && law.state_is_tensor()) {  // given in the axes of the box
+        const Sym3<vd> D = rotate_back(rotation_matrix(f), state_of<TensorDamage>(points, static_cast<int>(b)));
+        const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
+        points.set_state(kLanes * static_cast<int>(b) + l, numbers);
+      }
+      m.framed |= static_cast<std::uint8_t>(1u << l);
+    }
+  }
+}
+
+std::vector<Grid::Cell> cells_of(BondLayout& l) {
+  std::vector<Grid::Cell> cells;
+  for (BlockMeta& m : l.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+  l.links.add_cells(cells);
+  return cells;
+}
+
+// Collective. Ties of each layout, from the masses on these grids.
+std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std::vector<const Grid*>& grids) {
+  struct Node {
+    Key key;
+    double mass;
+    int grid;
+  };
+  std::vector<Node> all;
+  for (std::size_t n = 0; n < grids.size(); ++n)
+    for (int i = 0; i < grids[n]->size(); ++i) all.push_back({grids[n]->keys[i], grids[n]->mass[i], static_cast<int>(n)});
+  // keys of different bonds mix where there are parts
+  if (grids.size() > 1) std::sort(all.begin(), all.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
+  TiedNodes nodes;
+  for (const Node& n : all) {
+    nodes.keys.push_back(n.key);
+    nodes.mass.push_back(n.mass);
+    nodes.edge.push_back(!rules.cracks.separated(body_of(n.key[0])));
+  }
+  nodes.sheets = rules.sheets.at(rules.comm, nodes.keys);
+  std::vector<std::vector<EdgeTie>> ties(grids.size());
+  std::size_t at = 0;
+  for (EdgeTie& t : find_edge_ties(rules.comm, rules.options.basis, nodes)) {
+    while (all[at].key != t.slave) ++at;
+    ties[all[at].grid].push_back(std::move(t));
+  }
+  return ties;
+}
+
+class LayoutMaker {
+ public:
+  LayoutMaker(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest>& requests)
+      : rules_(rules), rows_(rows), requests_(requests), layouts_(requests.size()) {}
+
+  std::vector<BondLayout> make() {
+    int ranks;
+    MPI_Comm_size(rules_.comm, &ranks);
+    for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
+    std::vector<std::vector<EdgeTie>> ties;
+    // A slave of this rank may have its masters on others, which then come here as nodes of no cell: a plan tells.
+    if (rules_.options.tied && ranks > 1) {
+      std::vector<Grid> plans(layouts_.size());
+      build(plans, {}, false);
+      ties = find(plans);
+    }
+    std::vector<Grid> grids(layouts_.size());
+    build(grids, ties, true);
+    if (rules_.options.tied && ranks == 1) ties = find(grids);
+    ties.resize(layouts_.size());
+    const std::vector<char> any = tied_anywhere(ties);
+    for (std::size_t n = 0; n < layouts_.size(); ++n) {
+      BondLayout& l = layouts_[n];
+      l.grid = std::move(grids[n]);
+      if (rules_.options.tied) l.grid.tie(ties[n], any[n]);
+      l.grid.lump_mass(l.points, rules_.density);
+      l.links.find_masters(l.grid);
+    }
+    return std::move(layouts_);
+  }
+
+ private:
+  void start(LayoutRequest& r, BondLayout& l) {
+    const Body& body = rules_.table[r.body];
+    const CementOptions& o = rules_.options;
+    l.body = r.body;
+    l.points = std::move(r.points);
+    l.points.set_law(rules_.law);
+    if (rules_.arrange) {
+      l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot);
+      set_frames(l.points, body, o, *rules_.law);
+    }
+    if (rules_.penalty) l.links = PenaltyLinks(l.points, body, *rules_.penalty, o.cell, rules_.density, o.basis);
+  }
+
+  // Grids with nodes for all cells and masters; with the motion before, or at rest.
+  void build(std::vector<Grid>& grids, const std::vector<std::vector<EdgeTie>>& ties, bool with_motion) {
+    std::vector<GridRequest> wanted(grids.size());
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+      GridRequest& w = wanted[n];
+      grids[n].basis = rules_.options.basis;
+      w.grid = &grids[n];
+      w.cells = cells_of(layouts_[n]);
+      if (n < ties.size())
+        for (const EdgeTie& t : ties[n]) {
+          for (const auto& h : t.heirs) w.extra.push_back(h.first);
+          for (const auto& m : t.masters) w.extra.push_back(m.first);
+        }
+      if (!with_motion) continue;
+      w.before = std::move(requests_[n].before);
+      w.parent_field = std::move(requests_[n].parts.parent_field);
+    }
+    const int margin = with_motion && rules_.options.updated ? UpdatedPass::kMargin : 0;
+    try {
+      build_grids(rules_.comm, rules_.options.cell, margin, rules_.options.most_bytes, wanted);
+    } catch (const GridTooLarge& e) {
+      throw BadState(text_of("the grid would take more than ", e.bytes, " bytes on a rank, half of the memory for one is ", rules_.options.most_bytes,
+                             "; use a larger 'cell', more machines",
+                             margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
+    }
+    for (std::size_t n = 0; n < grids.size() && with_motion; ++n) layouts_[n].fresh.swap(wanted[n].fresh);
+  }
+
+  std::vector<std::vector<EdgeTie>> find(std::vector<Grid>& grids) const {
+    std::vector<const Grid*> all;
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+      grids[n].lump_mass(layouts_[n].points, rules_.density);
+      all.push_back(&grids[n]);
+    }
+    return find_ties(rules_, all);
+  }
+
+  // Of each layout, whether some rank has ties in it.
+  std::vector<char> tied_anywhere(const std::vector<std::vector<EdgeTie>>& ties) const {
+    std::vector<char> of_rows(rows_.size(), 0), any;
+    const auto at = [&](std::size_t n) { return std::lower_bound(rows_.begin(), rows_.end(), layouts_[n].body) - rows_.begin(); };
+    for (std::size_t n = 0; n < layouts_.size(); ++n) of_rows[at(n)] = !ties[n].empty();
+    MPI_Allreduce(MPI_IN_PLACE, of_rows.data(), static_cast<int>(of_rows.size()), MPI_SIGNED_CHAR, MPI_MAX, rules_.comm);
+    for (std::size_t n = 0; n < layouts_.size(); ++n) any.push_back(of_rows[at(n)]);
+    return any;
+  }
+
+  const LayoutRules& rules_;
+  const std::vector<int>& rows_;
+  std::vector<LayoutRequest>& requests_;
+  std::vector<BondLayout> layouts_;
+};
+
+}  // namespace
+
+std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests) {
+  return LayoutMaker(rules, rows, requests).make();
+}
+
+}  // namespace mpdem

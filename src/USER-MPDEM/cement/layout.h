@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The layout of bonds: blocks of points by cell, links, grid, ties of its edge nodes (mpm/edge_ties.h), lumped mass. A function of
+// the points and of what moved before: it changes nothing but what it is given, so that a layout may be made to ask
+// something of it and be dropped.
+//
+// Bonds that came apart have no ties but those between sheets: what their parts share and what their debris holds is
+// for free nodes.
+#ifndef MPDEM_CEMENT_LAYOUT_H
+#define MPDEM_CEMENT_LAYOUT_H
+
+#include <mpi.h>
+
+#include <memory>
+#include <vector>
+
+#include "bond.h"
+#include "cracks.h"
+#include "options.h"
+#include "sheets.h"
+
+namespace mpdem {
+
+struct LayoutRequest {
+  int body = 0;
+  PointStore points;
+  NodeKinematics before;  // motion of its nodes on this rank, or on all
+  NewParts parts;
+};
+
+struct LayoutRules {
+  MPI_Comm comm = MPI_COMM_NULL;
+  const std::vector<Body>& table;
+  const CementOptions& options;
+  const std::shared_ptr<const Law>& law;  // of points that come from other ranks too
+  const Sheets& sheets;
+  const Cracks& cracks;
+  double density = 0;                          // of the inertia
+  const PenaltyParameters* penalty = nullptr;  // null: no links
+  bool arrange = true;                         // false: blocks stay as they are
+};
+
+struct BondLayout {
+  int body = 0;
+  PointStore points;
+  Grid grid;
+  PenaltyLinks links;
+  std::vector<char> fresh;    // of each node: no rank had it before
+  std::vector<int> new_slot;  // of each slot before, -1 for an empty one
+};
+
+// Collective. rows: of the table, whose bonds are laid out, ascending, the same on all ranks. requests: those of them of which
+// this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they may.
+std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// How the cement is computed: what the words of a script say of it, but for its law.
+#ifndef MPDEM_CEMENT_OPTIONS_H
+#define MPDEM_CEMENT_OPTIONS_H
+
+#include <limits>
+
+#include "../mpm/advance_points.h"
+#include "../mpm/basis.h"
+#include "../mpm/body.h"
+#include "../mpm/transfer.h"
+
+namespace mpdem {
+
+struct CementOptions {
+  double cell = 0.0;
+  Basis basis = Basis::quadratic;
+  AxisRule axis = AxisRule::radial;      // of new points
+  double axis_direction[3] = {0, 0, 1};  // a unit vector, of `global`
+  bool updated = false;                  // kinematics: the reference is the present
+  bool tied = true;                      // nodes at the edge of the cement, see mpm/edge_ties.h
+  Transfer transfer;
+  int reproject_every = 0;               // steps, 0: never
+  double reproject_distortion = 0.0;     // 0: not by distortion
+  AdvanceOptions skip;
+  double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
+  int check_every = 100;                 // steps
+  double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
+
+  // Do points give velocity to nodes at all?
+  bool transfers() const { return updated || reproject_every > 0; }
+  // Largest dt^2 lambda. A mode that a transfer removes altogether takes half of what the central difference takes.
+  double stability_bound() const { return transfers() ? 2.0 : 4.0; }
+};
+
+}  // namespace mpdem
+
+#endif

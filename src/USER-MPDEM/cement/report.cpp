@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What is told of the cement: sums over all, a row a bond. Nothing here runs in a step that prints nothing.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../material/laws.h"
+#include "../mpm/gather.h"
+#include "../mpm/point_state.h"
+#include "cement.h"
+
+namespace mpdem {
+
+namespace {
+
+void global_sum(std::vector<double>& v, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_SUM, comm);
+}
+void global_max(std::vector<double>& v, MPI_Comm comm) {
+  MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
+}
+
+// What points tell of themselves.
+struct PointSums {
+  double points = 0, failed = 0, volume = 0, damaged_volume = 0, elastic = 0, most = 0;
+
+  void add(const PointStore& points_of, const Law& of_any_kind) {
+    with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law); });
+  }
+
+ private:
+  template <class L>
+  void add_points(const PointStore& points_of, const L& law) {
+    for (std::size_t b = 0; b < points_of.blocks.size(); ++b) {
+      const PointBlock& p = points_of.blocks[b];
+      const BlockMeta& m = points_of.meta[b];
+      points += __builtin_popcount(m.occupied);
+      failed += __builtin_popcount(m.failed);
+      volume += sum_lanes(p.volume);
+      const vd alive = select(lanes(m.failed), vd{}, p.volume);
+      const Sym3<vd> s = stress_of(points_of, static_cast<int>(b), law);
+      elastic += sum_lanes(0.5 * alive * contract(s, p.strain));
+      if (!m.damaged) continue;
+      const vd d = largest_damage_of(points_of, static_cast<int>(b), law);
+      damaged_volume += sum_lanes(p.volume * d);
+      for (int l = 0; l < kLanes; ++l)
+        if (m.occupied >> l & 1) most = std::max(most, d[l]);
+    }
+  }
+};
+
+}  // namespace
+
+CementTotals Cement::totals(double reach_of_box) {
+  CementTotals t{};
+  for (std::size_t r = 0; r < cracks_.size(); ++r) {
+    if (!cracks_.separated(r)) continue;
+    const std::string mode = cracks_.mode(r);
+    t.separated += 1.0;
+    (mode == "debonding" ? t.debonding : mode == "internal" ? t.internal : t.mixed) += 1.0;
+  }
+  if (!built_) return t;
+  // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
+  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
+         kReleased, kDamped, kWork, kCount };
+  std::vector<double> sum(kCount, 0.0), most(1, 0.0);
+  PointSums of_points;
+  for (const Bond& bond : bonds_) {
+    of_points.add(bond.points, *law_);
+    const Body& body = bonds_.body(bond);
+    const Grid& grid = bond.grid;
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!grid.halo.counts_here()[i]) continue;
+      double v[3], x[3], kick[3];
+      for (int d = 0; d < 3; ++d) {
+        kick[d] = 0.5 * dt_last_ * grid.acceleration[3 * i + d];
+        v[d] = grid.velocity[3 * i + d] + kick[d];
+        x[d] = body.origin[d] + grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+      }
+      const double mass = grid.mass[i];
+      for (int d = 0; d < 3; ++d) {
+        sum[kKinetic] += 0.5 * mass * v[d] * v[d];
+        sum[kKept] += 0.5 * mass * (v[d] - kick[d]) * (v[d] + kick[d]);
+        sum[kP + d] += mass * v[d];
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        sum[kL + d] += mass * (x[e] * v[g] - x[g] * v[e]);
+      }
+    }
+    const GrainSide* side = grains_.side_of(bond);
+    const double inertial = bond.added.energy(grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
+    bond.links.add_spring_energy(grid, side, sum[kCoupling]);
+    sum[kCoupling] += inertial;
+    sum[kKept] += bond.added.energy(grid, side, 0.0, dt_last_) - inertial;
+  }
+  sum[kPoints] = of_points.points;
+  sum[kFailed] = of_points.failed;
+  sum[kVolume] = of_points.volume;
+  sum[kDamaged] = of_points.damaged_volume;
+  sum[kElastic] = of_points.elastic;
+  most[0] = of_points.most;
+  const EnergyBooks::Sums& books = books_.sums();
+  sum[kDissipated] = books.dissipated;
+  sum[kReleased] = books.released;
+  sum[kDamped] = books.damped;
+  sum[kWork] = books.work - books.work_ahead;
+  global_sum(sum, comm_);
+  global_max(most, comm_);
+
+  t.points = sum[kPoints];
+  t.failed = sum[kFailed];
+  t.largest_damage = most[0];
+  t.mean_damage = sum[kDamaged] / sum[kVolume];
+  t.kinetic = sum[kKinetic];
+  t.elastic = sum[kElastic];
+  t.coupling = sum[kCoupling];
+  t.dissipated = sum[kDissipated];
+  t.released = sum[kReleased];
+  t.damped = sum[kDamped];
+  t.external_work = sum[kWork];
+  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
+  const double scale = std::max(std::fabs(t.external_work), spent);
+  // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
+  const double kept = spent - t.kinetic + sum[kKept];
+  // With positions rounded as they are in the box, springs and cement have energies of this order even at
+  // rest, more where the rounding of many steps adds up.
+  const double strain = std::numeric_limits<double>::epsilon() * reach_of_box / options_.cell;
+  const double stiffest = std::max(law_->elasticity().C33, penalty_ ? penalty_->kn * options_.cell : 0.0);
+  const double rounding = 100.0 * stiffest * sum[kVolume] * strain * strain;
+  t.imbalance = scale > rounding ? (t.external_work + books_.start_energy() - kept) / scale : 0.0;
+  for (int d = 0; d < 3; ++d) {
+    t.momentum[d] = sum[kP + d];
+    t.angular_momentum[d] = sum[kL + d];
+  }
+  return t;
+}
+
+const std::vector<BondState>& Cement::bond_states() {
+  const std::size_t n = bonds_.table.size();
+  std::vector<double> peak(n, 0.0);
+  for (std::size_t i = 0; i < n && i < states_.size(); ++i) peak[i] = states_[i].peak;
+  states_.assign(n, BondState{});
+  for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
+  if (!built_) return states_;
+  constexpr int kSide = 9;  // force, torque, position of the grain
+  constexpr int kRow = 2 * kSide + 6;
+  std::vector<double> sum(kRow * n, 0.0), most(n, 0.0);
+  for (const BondedGrains::OwnedSide& o : grains_.owned()) {
+    if (!penalty_) break;
+    const GrainSide& s = grains_.sides.sides[o.at];
+    double* row = &sum[kRow * o.body + kSide * o.side];
+    for (int d = 0; d < 3; ++d) {
+      row[d] = s.force[d];
+      row[3 + d] = s.torque[d];
+      row[6 + d] = s.x[d];
+    }
+  }
+  for (const Bond& b : bonds_) {
+    PointSums of_bond;
+    of_bond.add(b.points, *law_);
+    double* row = &sum[kRow * b.body + 2 * kSide];
+    row[0] = of_bond.points;
+    row[1] = of_bond.failed;
+    row[2] = of_bond.volume;
+    row[3] = of_bond.damaged_volume;
+    most[b.body] = of_bond.most;
+    for (const Link& k : b.points.links) row[k.attached ? 4 : 5] += 1.0;
+  }
+  global_sum(sum, comm_);
+  global_max(most, comm_);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* row = &sum[kRow * i];
+    BondState& b = states_[i];
+    double axis[3], length = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = row[kSide + 6 + d] - row[6 + d];
+      length += axis[d] * axis[d];
+    }
+    length = std::sqrt(length);
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 3; ++d) {
+        b.force[s][d] = row[kSide * s + d];
+        b.torque[s][d] = row[kSide * s + 3 + d];
+        b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
+      }
+    b.peak = std::max(peak[i], b.tension);
+    b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
+    b.points = row[2 * kSide];
+    b.failed = row[2 * kSide + 1];
+    b.mean_damage = row[2 * kSide + 3] / row[2 * kSide + 2];
+    b.largest_damage = most[i];
+    b.attached = row[2 * kSide + 4];
+    b.debonded = row[2 * kSide + 5];
+    if (!cracks_.separated(i)) continue;
+    const Separation& s = cracks_[i].separation;
+    const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+    b.separated = 1.0;
+    for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
+  }
+  return states_;
+}
+
+std::vector<Cracks::Ahead> Cement::cracks_ahead(const std::vector<char>& wanted) {
+  for (Bond& b : bonds_) sort_links(b);
+  return cracks_.ahead(comm_, bonds_, sheets_, options_, wanted);
+}
+
+std::vector<double> Cement::added_mass_of_sides() {
+  std::vector<double> sum(2 * bonds_.table.size(), 0.0);
+  for (const Bond& b : bonds_) b.added.add_to_sides(b.grid, &sum[2 * static_cast<std::size_t>(b.body)]);
+  global_sum(sum, comm_);
+  return sum;
+}
+
+double Cement::cement_mass() {
+  double sum = 0.0;
+  for (const Bond& bond : bonds_)
+    for (const PointBlock& b : bond.points.blocks) sum += inertia_ * sum_lanes(b.volume);
+  return sum;
+}
+
+// v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where they are.
+void Cement::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
+  std::vector<double> velocity(bond.grid.velocity);
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * dt_last_ * bond.grid.acceleration[i];
+  motion.resize(bond.laid_out_blocks);
+  with_basis(options_.basis, [&](auto type) {
+    for (std::size_t b = 0; b < bond.laid_out_blocks; ++b) {
+      const BlockMeta& m = bond.points.meta[b];
+      const Weights<decltype(type)> w(bond.points.blocks[b].X, m.base, 1.0 / options_.cell);
+      gather_value(bond.grid.displacement.data(), m.column, w, motion[b].u);
+      gather_value(velocity.data(), m.column, w, motion[b].v);
+    }
+  });
+}
+
+}  // namespace mpdem

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A bond at rest sleeps: while all its nodes on this rank have velocity zero, a pass over its points changes nothing,
+// and its internal force is that of the step before. While its grains rest too, where they were, so is the force of
+// its links. Both are kept and handed out again. Exact: a bond sleeps only once a pass has left every bit of its
+// points as it was (a viscous law may go on at rest). `total` kinematics only.
+#ifndef MPDEM_CEMENT_RESTING_H
+#define MPDEM_CEMENT_RESTING_H
+
+#include <vector>
+
+#include "../coupling/penalty_links.h"
+#include "../mpm/advance_points.h"
+
+namespace mpdem {
+
+class Resting {
+ public:
+  // advance_points(), left out in sleep.
+  void advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
+  // PenaltyLinks::add_force() after advance(), left out in sleep; forces of the sides are clear before.
+  void add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side);
+
+  bool asleep() const { return asleep_; }  // in the last step
+
+ private:
+  bool settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
+
+  bool asleep_ = false, links_kept_ = false;
+  std::vector<double> internal_force_, force_;  // on the nodes
+  struct Side {
+    double x[3];
+    Mat3<double> R;
+    double force[3], torque[3];
+  };
+  Side side_[2];
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "sheets.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../parallel/all_to_all.h"
+#include "../parallel/rendezvous.h"
+
+namespace mpdem {
+
+namespace {
+
+struct Sent {
+  int body;
+  SheetPoint point;
+};
+
+Key first_of(int body) { return {body, -(1 << 30), 0, 0}; }
+
+}  // namespace
+
+SheetPoint sheet_point(const PointStore& points, const Body& body, int block, int lane) {
+  SheetPoint p;
+  for (int d = 0; d < 3; ++d) {
+    p.X[d] = points.created_at(block)[d][lane];
+    p.cell[d] = lattice_cell(body, d, p.X[d]);
+  }
+  p.share = points.blocks[block].volume[lane] / (body.spacing * body.spacing * body.spacing);
+  p.sheet = 0;
+  return p;
+}
+
+NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options) {
+  NewPartsOfBonds changed;
+  const int rows = static_cast<int>(bonds.table.size()), from = first();
+  if (from >= rows) return changed;
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  const double reach = sheet_reach(options.basis, options.cell);
+  std::vector<std::vector<Sent>> out(ranks);
+  std::vector<std::vector<signed char>> sheet;  // of the slots of each bond
+  for (const Bond& bond : bonds) {
+    sheet.emplace_back();
+    if (bond.body < from || !options.tied) continue;
+    const PointStore& points = bond.points;
+    const Body& body = bonds.body(bond);
+    sheet.back().assign(kLanes * points.blocks.size(), 0);
+    for (std::size_t b = 0; b < points.blocks.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(points.meta[b].occupied >> l & 1)) continue;
+        Sent s{bond.body, sheet_point(points, body, static_cast<int>(b), l)};
+        const double nearer = nearer_to_first(body, s.point.X);
+        s.point.sheet = nearer_side(body, nearer);
+        s.point.middle = in_the_middle(body, nearer);
+        sheet.back()[kLanes * b + l] = static_cast<signed char>(s.point.sheet);
+        if (std::fabs(nearer) <= reach) out[bond.body % ranks].push_back(s);
+      }
+  }
+  std::vector<std::vector<SheetPoint>> whole(rows);
+  for (const Sent& s : all_to_all(comm, out).data) whole[s.body].push_back(s.point);
+  has_sheets_.resize(rows);
+  for (int b = from; b < rows; ++b) {
+    const Crevice c = find_crevice(whole[b], bonds.table[b], options.basis, options.cell);
+    std::vector<SheetPoint>().swap(whole[b]);
+    has_sheets_[b] = c.found;
+    if (!c.found) continue;
+    for (const auto& node : c.joined) joined_.push_back({b, node[0], node[1], node[2]});
+  }
+  MPI_Allreduce(MPI_IN_PLACE, has_sheets_.data() + from, rows - from, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  auto of_slot = sheet.begin();
+  for (const Bond& bond : bonds) {
+    const std::vector<signed char>& mine = *of_slot++;
+    if (bond.body < from) continue;
+    for (int slot = 0; slot < kLanes * static_cast<int>(bond.points.blocks.size()); ++slot) {
+      const BlockMeta& m = bond.points.meta[slot / kLanes];
+      if (!(m.occupied >> slot % kLanes & 1)) continue;
+      const int part = part_of(piece_of(m.part), has_sheets_[bond.body] ? mine[slot] : 0);
+      if (part != m.part) changed[bond.body].part_of_slot[slot] = part;
+    }
+  }
+  return changed;
+}
+
+JoinedNodes Sheets::joined_nodes(int body) const {
+  JoinedNodes nodes;
+  for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(body)); k != joined_.end() && (*k)[0] == body; ++k)
+    nodes.push_back({(*k)[1], (*k)[2], (*k)[3]});
+  return nodes;
+}
+
+std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<Key>& keys) const {
+  const auto place = [](Key k) {
+    k[0] = body_of(k[0]);
+    return k;
+  };
+  std::vector<Key> wanted;
+  for (const Key& k : keys)
+    if (has_sheets_[body_of(k[0])]) wanted.push_back(place(k));
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<char> found;
+  fetch_values(comm, 1, joined_, std::vector<double>(joined_.size(), 0.0), wanted, found);
+  std::vector<char> sheets(keys.size(), kNoSheets);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!has_sheets_[body_of(keys[i][0])]) continue;
+    const std::size_t at = std::lower_bound(wanted.begin(), wanted.end(), place(keys[i])) - wanted.begin();
+    sheets[i] = found[at] ? kJoined : kApart;
+  }
+  return sheets;
+}
+
+}  // namespace mpdem

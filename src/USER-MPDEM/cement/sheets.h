@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Bonds with a crevice get two sheets (fracture/crevice.h). What lies near the middle of a bond goes to
+// one rank, which looks at it as a whole and keeps the nodes where the sheets are joined.
+#ifndef MPDEM_CEMENT_SHEETS_H
+#define MPDEM_CEMENT_SHEETS_H
+
+#include <map>
+#include <vector>
+
+#include "../fracture/crevice.h"
+#include "../fracture/neighbours.h"
+#include "bond.h"
+#include "options.h"
+
+namespace mpdem {
+
+// Points that go to another part, and the field from which each new field has its motion.
+struct NewParts {
+  std::map<int, int> part_of_slot;
+  std::map<int, int> parent_field;
+};
+using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
+
+class Sheets {
+ public:
+  // Collective. Divides the bonds from row `first()` of the table on; answers which points change their part.
+  NewPartsOfBonds divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options);
+  int first() const { return static_cast<int>(has_sheets_.size()); }
+
+  // Of a bond that this rank looks at as a whole.
+  JoinedNodes joined_nodes(int body) const;
+  // Collective. For each of the nodes, what find_edge_ties() asks.
+  std::vector<char> at(MPI_Comm comm, const std::vector<Key>& keys) const;
+
+ private:
+  std::vector<signed char> has_sheets_;  // of each bond
+  std::vector<Key> joined_;              // by row of the table, of bonds that this rank looked at; ascending
+};
+
+// A point as crevice.h and neighbours.h see it, its sheet left out.
+SheetPoint sheet_point(const PointStore& points, const Body& body, int block, int lane);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What time step is stable.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "../parallel/agree.h"
+#include "cement.h"
+
+namespace mpdem {
+
+// Bound of the largest eigenvalue of cement without ties; 0: none.
+double Cement::eigenvalue_bound() const {
+  return mpdem::eigenvalue_bound(options_.basis, law_->elasticity().largest_stiffness(), inertia_, options_.cell);
+}
+
+double Cement::shear_speed() const { return std::sqrt(law_->elasticity().softest_shear() / inertia_); }
+
+double Cement::largest_mass_ratio() {
+  std::map<int, double> cement;
+  for (const Body& b : bonds_.table)
+    for (int tag : b.grain) cement[tag] += inertia_ * b.volume;
+  double mine = 0.0, most;
+  for (const Grain& g : grains_.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  return most;
+}
+
+// Of `quasistatic` with the damping `share` of critical, the largest of any node against its grains, which when free are
+// slowed too.
+double Cement::relaxation_rate(double share) {
+  if (share == 0.0) return 0.0;
+  double rate = 0.0;
+  for (const Body& b : bonds_.table) rate = std::max(rate, Relaxation::rate(b, share, shear_speed()));
+  return rate * (1.0 + largest_mass_ratio());
+}
+
+double Cement::step_for(double eigenvalue, double relax) {
+  // Damping acts on the velocity of half a step ago: w^2 dt^2 + 2 p dt <= B.
+  const double damping = penalty_ ? penalty_->damping : 0.0, B = options_.stability_bound();
+  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
+  const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
+  if (!(step > 0.0))  // as if nothing limited the step, were it compared with
+    throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ", density(),
+                           " of the cement and stiffness ", law_->elasticity().largest_stiffness(),
+                           "; use densities, moduli and penalties that go together in these units"));
+  return step;
+}
+
+// The damping that is admitted takes a tenth: with that step, p of step_for() is (B - w^2 dt^2)/(2 dt), and grows by a rate
+// that is proportional to the damping.
+Cement::DampedStep Cement::damped_step(double eigenvalue) {
+  constexpr double kKept = 0.9;
+  DampedStep d{step_for(eigenvalue, options_.relax), step_for(eigenvalue, 0.0), options_.relax};
+  if (d.step >= kKept * d.undamped) return d;
+  const double B = options_.stability_bound(), dt = kKept * d.undamped, damping = penalty_ ? penalty_->damping : 0.0;
+  const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
+  d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
+  return d;
+}
+
+EigenvalueEstimate Cement::eigenvalue() { return eigenvalue_of(all_rows()); }
+
+EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows) {
+  std::vector<EigenvaluePart> parts;
+  for (int row : rows)
+    if (Bond* b = bonds_.find(row)) parts.push_back({&b->points, &b->grid});
+  return largest_eigenvalue(comm_, parts, *law_);
+}
+
+double Cement::stable_step() {
+  const EigenvalueEstimate e = eigenvalue();
+  return step_for(e.value + e.residual, options_.relax);
+}
+
+// Of copies, since the layout of the run comes later, when other fixes have taken up the step.
+EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
+  Sheets sheets(sheets_);
+  NewPartsOfBonds parts = sheets.divide(comm_, bonds_, options_);
+  std::vector<LayoutRequest> requests;
+  for (const Bond& b : bonds_) {
+    requests.emplace_back();
+    requests.back().body = b.body;
+    requests.back().points = b.points;
+    requests.back().points.sort_links();
+    requests.back().parts.part_of_slot = parts[b.body].part_of_slot;
+  }
+  CementOptions options(options_);
+  options.updated = false;  // no margin
+  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_};
+  std::vector<BondLayout> layouts = make_layout(rules, all_rows(), std::move(requests));
+  std::vector<EigenvaluePart> of_layouts;
+  for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid});
+  return largest_eigenvalue(comm_, of_layouts, *law_);
+}
+
+double Cement::limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, all_rows()); }
+
+// What was found before is kept unless it is well below: the added mass, which has a margin for that, hangs
+// on it, and has to be the same in runs that are divided or restarted otherwise.
+double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows) {
+  double mine = 1.0, ties;
+  for (const Bond& b : bonds_) mine = std::max(mine, b.grid.largest_tie_factor());
+  MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, comm_);
+  const double bound = ties * eigenvalue_bound();
+  if (bound > 0.0 && dt <= step_for(bound, options_.relax)) return bound;
+  const EigenvalueEstimate e = eigenvalue_of(rows);
+  if (e.value > 1.02 * eigenvalue_) eigenvalue_ = e.value + e.residual;
+  return e.value + e.residual;
+}
+
+// Other nodes and weights, other eigenvalue: that of the bonds in question, since those of the others stay. One that was never asked for is
+// no matter: then the step is below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
+void Cement::check_step_after(const std::vector<int>& rows, const char* event) {
+  if (eigenvalue_ == 0.0 || options_.updated) return;
+  const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(now_.dt, rows), options_.relax);
+  if (now_.dt > limit)
+    throw BadState(text_of("time step ", now_.dt, " exceeds the stable step ", limit, " after ", event, " at step ", now_.number,
+                           "; use 'timestep ", 0.9 * limit, "' or less"));
+  if (eigenvalue_ != known) refresh_added_mass();
+}
+
+}  // namespace mpdem

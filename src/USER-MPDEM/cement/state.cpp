@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// State of the cement that points and grains do not hold, for restart files: coupling/cement_restart.h.
+#include <algorithm>
+
+#include "../parallel/agree.h"
+#include "cement.h"
+
+namespace mpdem {
+
+namespace {
+
+// Numbers of all ranks on rank 0.
+std::vector<double> gather(MPI_Comm comm, const std::vector<double>& mine) {
+  int ranks, me, n = static_cast<int>(mine.size());
+  MPI_Comm_size(comm, &ranks);
+  MPI_Comm_rank(comm, &me);
+  std::vector<int> counts(ranks), at(ranks, 0);
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  std::vector<double> all;
+  if (me == 0) {
+    for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
+    all.resize(at.back() + counts.back());
+  }
+  MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
+  return all;
+}
+
+NodeRow row_of(const Grid& grid, int i) {
+  NodeRow row;
+  row.field = grid.keys[i][0];
+  for (int d = 0; d < 3; ++d) {
+    row.place[d] = grid.keys[i][1 + d];
+    row.velocity[d] = grid.velocity[3 * i + d];
+    row.displacement[d] = grid.displacement[3 * i + d];
+    row.acceleration[d] = grid.acceleration[3 * i + d];
+  }
+  return row;
+}
+
+Key key_of(const NodeRow& r) { return {r.field, r.place[0], r.place[1], r.place[2]}; }
+
+}  // namespace
+
+std::vector<double> Cement::packed_state(CementHead head) {
+  const EnergyBooks::Sums& b = books_.sums();
+  double sums[5] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, comm_);
+  std::vector<double> mine;
+  for (const Bond& bond : bonds_)
+    for (int i = 0; i < bond.grid.size(); ++i)
+      if (bond.grid.halo.counts_here()[i]) append(row_of(bond.grid, i), mine);
+  const std::vector<double> nodes = gather(comm_, mine);
+  head.cell = options_.cell;
+  head.basis = options_.basis;
+  head.updated = options_.updated;
+  head.tied = options_.tied;
+  head.step = dt_last_;
+  head.bodies_started = bodies_started_;
+  head.start_energy = books_.start_energy();
+  head.dissipated = sums[0];
+  head.released = sums[1];
+  head.damped = sums[2];
+  head.work = sums[3];
+  head.work_ahead = sums[4];
+  head.eigenvalue = eigenvalue_;
+  head.bodies = static_cast<int>(bonds_.table.size());
+  head.nodes = static_cast<int>(nodes.size() / kMostNumbers<NodeRow>);
+  std::vector<double> all = {CementHead::kVersion};
+  append(head, all);
+  states_.resize(bonds_.table.size(), BondState{});
+  for (std::size_t r = 0; r < states_.size(); ++r) {
+    const Cracks::State s = r < cracks_.size() ? cracks_[r] : Cracks::State();
+    append(BondRow{s.failed_seen, s.separation.separated, {s.separation.at_grain[0], s.separation.at_grain[1]}, s.separation.inside,
+                   states_[r].peak},
+           all);
+  }
+  all.insert(all.end(), nodes.begin(), nodes.end());
+  return all;
+}
+
+void Cement::check_restored(const CementHead& head) const {
+  const auto edge = [](bool t) { return t ? "tied" : "free"; };
+  const auto name = [](bool u) { return u ? "updated" : "total"; };
+  const char* const bases[] = {"linear", "quadratic", "cubic"};
+  if (head.cell != options_.cell)
+    throw BadState(text_of("'cell ", options_.cell, "' but the restart file was written with cell ", head.cell, "; use that"));
+  if (head.basis != options_.basis || head.updated != options_.updated)
+    throw BadState(text_of("'basis ", bases[static_cast<int>(options_.basis)], "' and 'kinematics ", name(options_.updated),
+                           "' but the motion of the nodes in the restart file is that of basis ", bases[static_cast<int>(head.basis)],
+                           " and kinematics ", name(head.updated), "; use these"));
+  if (head.tied != options_.tied)
+    throw BadState(text_of("nodes at the edge are ", edge(options_.tied), " but were ", edge(head.tied), " when the restart file was written; use 'edge ",
+                           edge(head.tied), "' and the kinematics and re-projection of that run"));
+}
+
+// Cement may have been made since.
+void Cement::restore(const CementHead& head, RecordReader& in) {
+  check_restored(head);
+  const std::size_t table = bonds_.table.size();
+  dt_last_ = head.step;
+  bodies_started_ = head.bodies_started;
+  eigenvalue_ = head.eigenvalue;
+  restored_ = true;
+  int me;
+  MPI_Comm_rank(comm_, &me);
+  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.work, head.work_ahead} : EnergyBooks::Sums(),
+                 head.start_energy);
+  std::vector<Cracks::State> cracks(head.bodies);
+  states_.assign(head.bodies, BondState{});
+  for (int r = 0; r < head.bodies; ++r) {
+    BondRow row;
+    in.read(row);
+    cracks[r].failed_seen = row.failed_seen;
+    Separation& s = cracks[r].separation;
+    s.separated = row.separated;
+    std::copy(row.at_grain, row.at_grain + 2, s.at_grain);
+    s.inside = row.inside;
+    states_[r].peak = row.peak;
+  }
+  cracks_.restore(std::move(cracks));
+  std::vector<NodeRow> rows(head.nodes);
+  for (NodeRow& row : rows) {
+    in.read(row);
+    in.check_whole("the bond of a node", body_of(row.field), from(0, static_cast<double>(table) - 1.0));
+  }
+  if (!in.trouble().empty()) return;
+  std::sort(rows.begin(), rows.end(), [](const NodeRow& a, const NodeRow& b) { return key_of(a) < key_of(b); });
+  restored_nodes_.assign(table, NodeKinematics());
+  for (const NodeRow& row : rows) {
+    NodeKinematics& k = restored_nodes_[body_of(row.field)];
+    k.keys.push_back(key_of(row));
+    for (const double* part : {row.velocity, row.displacement, row.acceleration}) k.values.insert(k.values.end(), part, part + 3);
+  }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond and a row a
+// node, one after the other. The points do not hold the motion of nodes.
+#ifndef MPDEM_CEMENT_RESTART_H
+#define MPDEM_CEMENT_RESTART_H
+
+#include "../mpm/basis.h"
+#include "../mpm/body.h"
+#include "../parallel/record.h"
+
+namespace mpdem {
+
+// Links of the steps so far, which later steps must have too.
+struct LinksSoFar {
+  enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
+  double kn = 0.0, kt = 0.0;
+  bool at_surface = true;
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& l, Visitor& visit) {
+    visit("the kind of coupling", l.kind, from(kNoSteps, kNone));
+    visit("kn of the coupling", l.kn, kFinite);
+    visit("kt of the coupling", l.kt, kFinite);
+    visit("'at surface' of the coupling", l.at_surface);
+  }
+};
+
+struct CementHead {
+  static constexpr int kVersion = 6;
+  double cell = 0.0;
+  Basis basis = Basis::quadratic;
+  bool updated = false, tied = false;
+  double step = 0.0;       // that the stored velocities lie half of behind
+  int bodies_started = 0;  // the first of the table; the others are where they were made
+  double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
+  double time = 0.0;
+  double eigenvalue = 0.0;  // 0: not known
+  double auto_step = 0.0;   // what `timestep auto` found last
+  LinksSoFar links;
+  int bodies = 0, nodes = 0;  // rows that follow
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& h, Visitor& visit) {
+    visit("cell", h.cell, kPositive);
+    visit("the number of the basis", h.basis, from(0, static_cast<int>(Basis::cubic)));
+    visit("'kinematics updated'", h.updated);
+    visit("'edge tied'", h.tied);
+    visit("the time step", h.step, kNotNegative);
+    visit("the number of bonds that have moved", h.bodies_started, from(0, kMaxBodies));
+    visit("the energy at the start", h.start_energy, kFinite);
+    visit("the dissipated energy", h.dissipated, kFinite);
+    visit("the released energy", h.released, kFinite);
+    visit("the damped energy", h.damped, kFinite);
+    visit("the work of grains", h.work, kFinite);
+    visit("the work ahead of its step", h.work_ahead, kFinite);
+    visit("the time", h.time, kFinite);
+    visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
+    visit("the step of 'timestep auto'", h.auto_step, kNotNegative);
+    visit.part(h.links);
+    visit("the number of bonds", h.bodies, from(0, kMaxBodies));
+    visit("the number of nodes", h.nodes, kCount);
+  }
+};
+
+struct BondRow {
+  double failed_seen = 0.0;  // points, when the bond was looked at
+  bool separated = false;
+  double at_grain[2] = {0, 0}, inside = 0.0;  // area of the separating surface
+  double peak = 0.0;  // largest tension
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& b, Visitor& visit) {
+    visit("the number of failed points of a bond", b.failed_seen, kNotNegative);
+    visit("'is separated' of a bond", b.separated);
+    visit("the area of separation at a grain", b.at_grain, kNotNegative);
+    visit("the area of separation inside", b.inside, kNotNegative);
+    visit("the largest tension of a bond", b.peak, kFinite);
+  }
+};
+
+struct NodeRow {
+  int field = 0, place[3] = {0, 0, 0};  // the key of the node
+  double velocity[3] = {0, 0, 0}, displacement[3] = {0, 0, 0}, acceleration[3] = {0, 0, 0};
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& n, Visitor& visit) {
+    constexpr int kMost = 1 << 30;
+    visit("the bond of a node", n.field, from(0, kMost));
+    visit("the place of a node", n.place, from(-kMost, kMost));
+    visit("the velocity of a node", n.velocity, kFinite);
+    visit("the displacement of a node", n.displacement, kFinite);
+    visit("the acceleration of a node", n.acceleration, kFinite);
+  }
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What LIGGGHTS does not keep of a bonded grain. It goes with the grain to other ranks and into restart files.
+// Vectors of six are of translation and then of rotation.
+#ifndef MPDEM_GRAIN_STATE_H
+#define MPDEM_GRAIN_STATE_H
+
+#include "../parallel/record.h"
+
+namespace mpdem {
+
+struct GrainState {
+  double q[4] = {1.0, 0.0, 0.0, 0.0};     // orientation
+  bool seen = false;                      // a run began: velocities below are known
+  double v[6] = {0, 0, 0, 0, 0, 0};       // velocities with which it came to the present position
+  double before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
+  double jump[6] = {0, 0, 0, 0, 0, 0};    // what of the change was a jump
+  double ended[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
+  double a[3] = {0, 0, 0};                // acceleration that is expected of a prescribed v
+  double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement
+  bool placed = false;                    // x is known: cement was made, or forces were computed
+  double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
+  double late[6] = {0, 0, 0, 0, 0, 0};    // force and torque that fixes after fix mpm added in the last step
+
+  // See parallel/record.h.
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& g, Visitor& visit) {
+    visit.rotation("the orientation of a bonded grain", g.q);
+    visit("'has been seen' of a bonded grain", g.seen);
+    visit("the velocity of a bonded grain", g.v, kFinite);
+    visit("the earlier velocity of a bonded grain", g.before, kFinite);
+    visit("the jump of velocity of a bonded grain", g.jump, kFinite);
+    visit("the last velocity of a bonded grain", g.ended, kFinite);
+    visit("the acceleration of a bonded grain", g.a, kFinite);
+    visit("the load of a bonded grain", g.load, kFinite);
+    visit("'has a place' of a bonded grain", g.placed);
+    visit("the place of a bonded grain", g.x, kFinite);
+    visit("the late load of a bonded grain", g.late, kFinite);
+  }
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Hourglass: a cylinder about the line of centres with a waist. Its outline is a hyperbola that meets both spheres
+// at the radius a and is narrowest, w, half-way between these two circles, which are L apart:
+//   r(z)^2 = w^2 + (a^2 - w^2) (2 u/L)^2,  u: height from the waist,  L = thickness(a).
+// The solid under it has the volume pi L (2 w^2 + a^2)/3, which is (2 pi/3) L (a^2 - w^2) less than the cylinder's.
+// The outline leaves the spheres outwards as long as 2 (a^2 - w^2)/L <= sqrt(R^2 - a^2), R of the smaller grain.
+#ifndef MPDEM_HOURGLASS_H
+#define MPDEM_HOURGLASS_H
+
+#include "shape.h"
+
+namespace mpdem {
+
+class Hourglass : public Shape {
+ public:
+  // waist: w/a, in (0, 1]; 1 is the cylinder of `flat`. Throws ShapeError.
+  Hourglass(const GrainPair& pair, double outer, double waist, double inner);
+
+  // Outer radius that gives this volume outside `inner`. Throws ShapeError.
+  static double outer_for_volume(const GrainPair& pair, double volume, double waist, double inner);
+
+  double outer() const { return outer_; }
+  double neck() const { return neck_; }
+
+  double volume() const override;
+  double top(double z) const override;
+  double top_clearance(double r, double z) const override;
+  double lowest() const override;
+  double highest() const override;
+  double widest() const override { return outer_; }
+  double covered_angle(int side) const override;
+  // At the neck: further out the grains' surfaces face the outline, not each other.
+  double largest_thickness() const override { return pair().thickness(neck_); }
+  std::string describe() const override;
+
+ private:
+  double outer_, neck_;
+  double middle_;  // height of the neck
+  double k2_;      // (a^2 - w^2)/(L/2)^2
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// One material point with its links, for transfer between ranks, restart files and creation. PointStore
+// (point_store.h) keeps the same in blocks.
+#ifndef MPDEM_POINT_RECORD_H
+#define MPDEM_POINT_RECORD_H
+
+#include <string>
+#include <vector>
+
+#include "../material/law.h"
+#include "../parallel/record.h"
+#include "body.h"
+
+namespace mpdem {
+
+// Numbers that a law of damage may keep for a point.
+constexpr int kMostStateFields = Law::kMostFields;
+
+// Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
+// the body was created; the cement there has its reference at foot + moved.
+struct Link {
+  int slot = -1;              // of its point in a store
+  int grain = 0;              // tag
+  double foot[3] = {0, 0, 0};
+  double area = 0;            // of the grain's surface
+  bool attached = false;      // has not let go
+  double moved[3] = {0, 0, 0};
+  bool inert = false;  // has let go, but its added mass still counts, see coupling/penalty_links.h
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& k, Visitor& visit) {
+    visit.left_out(k.slot);
+    visit("the grain of a link", k.grain, kCount);
+    visit("the foot of a link", k.foot, kFinite);
+    visit("the area of a link", k.area, kNotNegative);
+    visit("'is attached' of a link", k.attached);
+    visit("the way of a link", k.moved, kFinite);
+    visit("'has added mass' of a link", k.inert);
+  }
+};
+
+struct PointRecord {
+  static constexpr int kMaxLinks = 2;
+  int body = 0, part = 0;
+  bool failed = false;
+  bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
+  double X[3] = {0, 0, 0};
+  double volume = 0;
+  double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  double q[4] = {1, 0, 0, 0};
+  double strain[6] = {0, 0, 0, 0, 0, 0};
+  // State of a law of damage (material/law.h), and its law_number() of material/laws.h. 0: no law has taken it up yet, and it is the damage
+  // tensor that a file gave.
+  double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};
+  int law = 0;
+  bool moving = false;  // has the next three
+  double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
+  int links = 0;
+  Link link[kMaxLinks];
+
+  // See parallel/record.h.
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& p, Visitor& visit) {
+    visit("its bond", p.body, from(0, kMaxBodies - 1));
+    visit("its part", p.part, from(0, kMaxParts - 1));
+    visit("'failed'", p.failed);
+    visit("'has a frame'", p.has_frame);
+    visit("its place", p.X, kFinite);
+    visit("its volume", p.volume, kPositive);
+    visit("its deformation", p.F, kFinite);
+    visit.rotation("its frame", p.q);
+    visit("its strain", p.strain, kFinite);
+    visit("its damage", p.damage, kFinite);
+    visit("the number of its law of damage", p.law, kCount);
+    visit("'is moving'", p.moving);
+    if (visit.present(p.moving)) {
+      visit("its first place", p.X0, kFinite);
+      visit("its velocity", p.v, kFinite);
+      visit("its velocity gradient", p.C, kFinite);
+    }
+    const int n = visit.length("its number of links", p.links, kMaxLinks);
+    for (int k = 0; k < n; ++k) visit.part(p.link[k]);
+  }
+};
+
+// What is wrong with a point from a file, whose numbers are in their ranges, as one of these bodies; empty if nothing is.
+std::string trouble_of(const PointRecord& point, const std::vector<Body>& bodies);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "agree.h"
+
+namespace mpdem {
+
+std::string first_text(MPI_Comm comm, const std::string& text) {
+  int me, size;
+  MPI_Comm_rank(comm, &me);
+  MPI_Comm_size(comm, &size);
+  int mine = text.empty() ? size : me, first;
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
+  if (first == size) return "";
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, first, comm);
+  std::string shown = text;
+  shown.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(&shown[0], length, MPI_CHAR, first, comm);
+  return shown;
+}
+
+void throw_if_any(MPI_Comm comm, const std::string& text) {
+  const std::string shown = first_text(comm, text);
+  if (!shown.empty()) throw BadState(shown);
+}
+
+}  // namespace mpdem

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "bonded_atoms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "arguments.h"
+#include "atom.h"
+#include "domain.h"
+#include "fix_gravity.h"
+#include "modify.h"
+#include "prescribed_motion.h"
+#include "update.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+namespace {
+constexpr int kFixedBoundary = 1;  // Domain::boundary
+double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
+}  // namespace
+
+void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {
+  Atom& atom = *lmp_->atom;
+  atoms_.clear();
+  for (const Body& b : avec.bonds.table)
+    for (int tag : b.grain) {
+      const int i = atom.map(tag);
+      if (i < 0 || i >= atom.nlocal) continue;
+      avec.track_orientation(i);
+      atoms_.push_back(i);
+    }
+  std::sort(atoms_.begin(), atoms_.end(), [&](int a, int b) { return atom.tag[a] < atom.tag[b]; });
+  atoms_.erase(std::unique(atoms_.begin(), atoms_.end()), atoms_.end());
+  std::vector<Grain> now(atoms_.size());
+  for (std::size_t n = 0; n < now.size(); ++n) {
+    const int i = atoms_[n];
+    Grain& g = now[n];
+    g.tag = atom.tag[i];
+    g.mass = atom.rmass[i];
+    g.radius = atom.radius[i];
+    g.inertia = 0.4 * g.mass * g.radius * g.radius;
+    g.state = avec.grain(i);
+    const PrescribedMotion p = prescribed_motion(lmp_, i);
+    for (int d = 0; d < 6; ++d) g.free[d] = d < 3 ? !p.translation[d] : !p.rotation;
+  }
+  grains.replace(std::move(now));
+  for (std::size_t n = 0; n < atoms_.size(); ++n) lmp_->domain->unmap(atom.x[atoms_[n]], atom.image[atoms_[n]], grains.grains[n].x);
+}
+
+void BondedAtoms::read(BondedGrains& grains) const {
+  const Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n) {
+    const int i = atoms_[n];
+    Grain& g = grains.grains[n];
+    for (int d = 0; d < 3; ++d) {
+      g.velocity[d] = atom.v[i][d];
+      g.velocity[3 + d] = atom.omega[i][d];
+      g.force[d] = atom.f[i][d];
+      g.force[3 + d] = atom.torque[i][d];
+    }
+  }
+}
+
+void BondedAtoms::write_forces(const BondedGrains& grains) const {
+  Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      atom.f[atoms_[n]][d] = grains.grains[n].force[d];
+      atom.torque[atoms_[n]][d] = grains.grains[n].force[3 + d];
+    }
+}
+
+void BondedAtoms::write_velocities(const BondedGrains& grains) const {
+  Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      atom.v[atoms_[n]][d] = grains.grains[n].velocity[d];
+      atom.omega[atoms_[n]][d] = grains.grains[n].velocity[3 + d];
+    }
+}
+
+void BondedAtoms::expect_gravity(BondedGrains& grains, const Fix* fix) const {
+  Modify& modify = *lmp_->modify;
+  bool later = false;
+  for (int k = 0; k < modify.nfix; ++k) {
+    FixGravity* gravity = dynamic_cast<FixGravity*>(modify.fix[k]);
+    later = later || modify.fix[k] == fix;
+    if (!gravity || !later) continue;
+    double g[3];
+    gravity->get_gravity(g);
+    for (std::size_t n = 0; n < atoms_.size(); ++n) {
+      const int i = atoms_[n];
+      if (grains.grains[n].state->seen || !(lmp_->atom->mask[i] & gravity->groupbit)) continue;
+      for (int d = 0; d < 3; ++d) grains.grains[n].state->late[d] += lmp_->atom->rmass[i] * g[d];
+    }
+  }
+}
+
+void BondedAtoms::report_trouble() { stop_if_any(lmp_, trouble_); }
+
+std::string BondedAtoms::flight(int i, double cell) const {
+  const double* v = lmp_->atom->v[i];
+  const double cells = lmp_->update->dt / cell * length(v);
+  if (cells < 0.5) return "use a larger box or a periodic one";
+  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains, the contact model, 'kn' of fix "
+                 "mpm/couple and the densities of grains and cement, and use a smaller time step");
+}
+
+void BondedAtoms::watch_for_those_that_leave(double cell) {
+  const Atom& atom = *lmp_->atom;
+  const Domain& box = *lmp_->domain;
+  for (int i : atoms_)
+    for (int d = 0; d < 3 && trouble_.empty(); ++d) {
+      const double x = atom.x[i][d];
+      const bool finite = std::isfinite(x);
+      const bool below = box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d];
+      const bool above = box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d];
+      if (finite && !below && !above) continue;
+      const std::string who = text_of(who_, "bonded grain ", atom.tag[i], " is lost at step ", lmp_->update->ntimestep, ": ");
+      trouble_ = who + (finite ? text_of("it left the simulation box (", "xyz"[d], " = ", x, ", box ", box.boxlo[d], " to ", box.boxhi[d], "); ",
+                                         flight(i, cell))
+                               : text_of("its position is not finite; check the motion of the grains, the contact model, 'kn' of fix "
+                                         "mpm/couple and the densities of grains and cement, and use a smaller time step"));
+    }
+}
+
+std::string BondedAtoms::changed_radius(int i, double made_for) const {
+  const Atom& atom = *lmp_->atom;
+  if (std::fabs(atom.radius[i] - made_for) <= 1e-12 * made_for) return "";
+  return text_of(who_, "bonded grain ", atom.tag[i], " has radius ", atom.radius[i], " at step ", lmp_->update->ntimestep,
+                 ", but its cement was made for ", made_for, " and does not follow; set diameters before create_cement, "
+                 "and leave bonded grains out of 'set ... diameter' and 'fix adapt'");
+}
+
+void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
+  const Atom& atom = *lmp_->atom;
+  std::unordered_map<int, double> radius;
+  for (const Body& b : avec.bonds.table)
+    for (int s = 0; s < 2; ++s) radius.emplace(b.grain[s], b.radius[s]);
+  std::string trouble;
+  for (int i = 0; i < atom.nlocal && trouble.empty(); ++i) {
+    const GrainState* g = avec.grain(i);
+    const auto bonded = radius.find(atom.tag[i]);
+    if (!g || bonded == radius.end()) continue;
+    trouble = changed_radius(i, bonded->second);
+    if (!trouble.empty() || !g->placed) continue;
+    double x[3], moved[3];
+    lmp_->domain->unmap(atom.x[i], atom.image[i], x);
+    bool far = false;
+    for (int d = 0; d < 3; ++d) {
+      moved[d] = x[d] - g->x[d];
+      // what wrapping into the box rounds
+      const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + lmp_->domain->prd[d]);
+      far = far || std::fabs(moved[d]) > 1e-9 * cell + rounding;
+    }
+    if (far)
+      trouble = text_of(who_, "a command moved bonded grain ", atom.tag[i], " by ", length(moved), g->seen
+                        ? " since the last run" : " since its cement was made", ", which its cement does not follow; use 'displace_atoms', "
+                        "'set' and 'change_box' before create_cement, and move bonded grains by a fix or a velocity");
+  }
+  stop_if_any(lmp_, trouble);
+}
+
+// Any smooth motion stays well within twice the larger of the two velocities.
+void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double cell) {
+  const Atom& atom = *lmp_->atom;
+  const Update& update = *lmp_->update;
+  for (std::size_t n = 0; n < atoms_.size(); ++n) {
+    const int i = atoms_[n];
+    Grain& grain = grains.grains[n];
+    GrainState& g = *grain.state;
+    double jump[3];
+    lmp_->domain->unmap(atom.x[i], atom.image[i], grain.x);
+    for (int d = 0; d < 3; ++d) {
+      grain.moved[d] = grain.x[d] - g.x[d];
+      jump[d] = grain.moved[d] - update.dt * atom.v[i][d];
+      g.x[d] = grain.x[d];
+    }
+    const double expected = update.dt * std::max(length(atom.v[i]), length(g.v));
+    const bool known = g.placed;
+    g.placed = true;
+    if (known && trouble_.empty() && length(jump) > 2.0 * expected + 1e-5 * cell)
+      trouble_ = text_of(who_, "bonded grain ", atom.tag[i], " jumped by ", length(grain.moved), " in step ", update.ntimestep,
+                         ", its velocity takes it ", expected, " at most; formulas of 'fix move' in step*dt jump "
+                         "when 'timestep' or 'reset_timestep' changes, and need the velocity that goes with the position: define "
+                         "that fix anew, with formulas that start from 0; 'displace_atoms', 'set', 'change_box' and 'fix deform' "
+                         "must not move bonded grains");
+  }
+  if (trouble_.empty() && update.ntimestep == update.firststep + 1) trouble_ = changed_box(lmp_, who_, avec.bonds.table);
+  for (const BondedGrains::OwnedSide& o : grains.owned())
+    if (trouble_.empty()) trouble_ = changed_radius(atoms_[o.grain], avec.bonds.table[o.body].radius[o.side]);
+}
+
+std::string changed_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table) {
+  const Domain& domain = *lmp->domain;
+  for (const Body& b : table)
+    for (int d = 0; d < 3; ++d) {
+      const double now = domain.prd[d];
+      if (b.box[d] == 0.0 || (domain.periodicity[d] ? std::fabs(now - b.box[d]) <= 1e-12 * now : b.shift[0][d] == 0.0 && b.shift[1][d] == 0.0))
+        continue;
+      return text_of(who, "the box is ", domain.periodicity[d] ? "periodic in " : "not periodic in ", "xyz"[d], " with length ",
+                     now, " at step ", lmp->update->ntimestep, ", but was periodic with length ", b.box[d], " when the cement of grains ", b.grain[0],
+                     " and ", b.grain[1], " was made, which does not follow; use 'change_box' before create_cement");
+    }
+  return "";
+}
+
+}  // namespace mpdem

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_checks.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../numerics/eigen3.h"
+#include "arguments.h"
+#include "atom.h"
+#include "bonded_atoms.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "fix_gravity.h"
+#include "group.h"
+#include "modify.h"
+#include "scene_checks.h"
+#include "update.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+namespace {
+constexpr double kMostSpacings = 4.0;  // a cell
+}
+
+std::string axis_name(AxisRule rule, const double* direction) {
+  if (rule == AxisRule::global) return text_of("global ", direction[0], " ", direction[1], " ", direction[2]);
+  return rule == AxisRule::bond ? "bond" : "radial";
+}
+
+CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
+  if (lmp->domain->triclinic || lmp->domain->dimension != 3)
+    stop_all(lmp, who + "needs a three-dimensional orthogonal box");
+  for (const std::string& trouble : {trouble_with_units(lmp), trouble_with_types(lmp, avec, 0)})
+    if (!trouble.empty()) stop_all(lmp, who + trouble);
+  for (int i = 0; i < lmp->modify->nfix; ++i)
+    if (lmp->modify->fix[i] != fix && std::string(lmp->modify->fix[i]->style) == "mpm")
+      stop_all(lmp, who + text_of("fix '", lmp->modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
+
+  // All points in the group and moved by nothing else; a common density.
+  std::string trouble;
+  double least = 1e300, most = 0.0;
+  bigint mine = 0;
+  for (int i = 0; i < lmp->atom->nlocal; ++i) {
+    if (!avec.is_point(i)) {
+      if ((lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
+        trouble = who + text_of("atom ", lmp->atom->tag[i], " of group '", lmp->group->names[fix->igroup],
+                                "' is not a material point; the group must hold what create_cement made, nothing else");
+      continue;
+    }
+    ++mine;
+    if (!(lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
+      trouble = who + text_of("material point ", lmp->atom->tag[i], " is not in group '", lmp->group->names[fix->igroup],
+                              "'; use the group named in create_cement");
+    const int slot = avec.slot[i];
+    if (avec.points_of(i).tags[slot / kLanes][slot % kLanes] != lmp->atom->tag[i] && trouble.empty())
+      trouble = who + text_of("the IDs of atoms were changed (material point ", lmp->atom->tag[i],
+                              "), and with them those of bonded grains; use 'delete_atoms ... compress no', and no 'replicate' of cement");
+    least = std::min(least, lmp->atom->density[i]);
+    most = std::max(most, lmp->atom->density[i]);
+    for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {
+      const Fix* other = lmp->modify->fix[k];
+      if (other != fix && other->time_integrate && (lmp->atom->mask[i] & other->groupbit))
+        trouble = who + text_of("fix '", other->id, "' (", other->style, ") moves material point ", lmp->atom->tag[i],
+                                " too; give it a group without cement");
+    }
+  }
+  stop_if_any(lmp, trouble);
+  double low, high;
+  bigint total;
+  MPI_Allreduce(&least, &low, 1, MPI_DOUBLE, MPI_MIN, lmp->world);
+  MPI_Allreduce(&most, &high, 1, MPI_DOUBLE, MPI_MAX, lmp->world);
+  MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
+  if (total == 0 && avec.bonds.table.empty()) stop_all(lmp, who + "there are no material points; use create_cement before the run");
+  bigint expected = 0;
+  for (const Body& b : avec.bonds.table) expected += static_cast<bigint>(b.points);
+  if (total < expected)
+    stop_all(lmp, who + text_of(expected - total, " of ", expected,
+                                       " material points were deleted or left the box; cement cannot be deleted by points"));
+  if (total > expected)
+    stop_all(lmp, who + text_of("there are ", total - expected, " more material points than the ", expected,
+                                       " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));
+  if (high > low * (1.0 + 1e-12))
+    stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
+  return {expected, low};
+}
+
+// Bonds across a boundary are as long as the box was when they were made, and the image of a grain that a
+// deformed box moves on has a velocity which LIGGGHTS does not give it.
+void check_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table) {
+  for (int k = 0; k < lmp->modify->nfix; ++k) {
+    const Fix* fix = lmp->modify->fix[k];
+    if (fix->box_change_size || fix->box_change_shape)
+      stop_all(lmp, text_of(who, "fix '", fix->id, "' (", fix->style, ") changes the simulation box, which cement "
+                                   "does not follow; deform the scene by walls or grains that move, and the box before create_cement"));
+  }
+  const std::string trouble = changed_box(lmp, who, table);
+  if (!trouble.empty()) stop_all(lmp, trouble);
+}
+
+// Against the cement of each bond. Warnings name the worst of all.
+void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell) {
+  double widest = 0.0, finest = 1e300;
+  for (const Body& b : table) {
+    if (b.thickness < cell)
+      stop_all(lmp, who + text_of("'cell ", cell, "' is larger than the cement between grains ", b.grain[0], " and ",
+                                         b.grain[1], " is thick (", b.thickness, "); use a smaller cell and spacing"));
+    if (b.spacing > 1.5 * cell)
+      stop_all(lmp, who + text_of("'cell ", cell, "' leaves cells without points between those of spacing ", b.spacing, " between grains ",
+                                         b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ",
+                                         b.spacing, ", better two spacings, or create the cement with a smaller spacing"));
+    widest = std::max(widest, b.spacing);
+    finest = std::min(finest, b.spacing);
+  }
+  if (lmp->comm->me != 0) return;
+  if (widest > 0.75 * cell)
+    lmp->error->warning("fix mpm", 0,
+                   text_of("one point a cell: spacing ", widest, " with cell ", cell,
+                           " makes the cement far too soft; use a cell of at least two spacings")
+                       .c_str());
+  if (cell > kMostSpacings * finest * (1.0 + 1e-9))
+    lmp->error->warning("fix mpm", 0,
+                   text_of("'cell ", cell, "' is ", cell / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,
+                           " cost time for nothing: the cell limits what is resolved. Use a cell of two spacings, or create the cement with "
+                           "spacing ", 0.5 * cell)
+                       .c_str());
+}
+
+// Frames stay those of the first run, whatever a fix that is defined again says.
+void check_axis(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o) {
+  for (const Body& b : table) {
+    double along = 0.0;
+    for (int d = 0; d < 3; ++d) along += b.axis[d] * o.axis_direction[d];
+    if (b.axis_rule == AxisRule::none || (b.axis_rule == o.axis && (o.axis != AxisRule::global || std::fabs(along) > 1.0 - 1e-12))) continue;
+    stop_all(lmp, text_of(who, "'axis ", axis_name(o.axis, o.axis_direction), "' but the axes of the cement of grains ",
+                                 b.grain[0], " and ", b.grain[1], " were set in its first run, by 'axis ", axis_name(b.axis_rule, b.axis),
+                                 "'; use that, or create the cement anew"));
+  }
+}
+
+// Before their first run points are where create_cement put them, and their grid with them.
+void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, double cell, int started) {
+  std::string trouble;
+  for (int i = 0; i < lmp->atom->nlocal && trouble.empty(); ++i) {
+    if (!avec.is_point(i)) continue;
+    const int b = avec.slot[i] / kLanes, l = avec.slot[i] % kLanes;
+    if (avec.bond[i] < started) continue;
+    const Body& body = avec.bonds.table[avec.bond[i]];
+    if (body.in_motion)
+      trouble = text_of(who, "the cement of grains ", body.grain[0], " and ", body.grain[1], " has been in motion, which "
+                        "the nodes of another fix mpm had: it was deleted by 'unfix', or was not defined with the ID it has in the restart "
+                        "file before the first run; keep that fix, or after read_restart define it with that ID at once. For other "
+                        "parameters create the cement in a new scene (write_cement, create_cement ... file)");
+    if (!trouble.empty()) continue;
+    double x[3], most = 0.0;
+    for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + avec.points_of(i).blocks[b].X[d][l];
+    lmp->domain->remap(x);
+    for (int d = 0; d < 3; ++d) most = std::max(most, std::fabs(x[d] - lmp->atom->x[i][d]));
+    if (most > 1e-9 * cell)
+      trouble = text_of(who, "a command changed the position of material point ", lmp->atom->tag[i], " by ", most,
+                        "; move grains before their cement is made by create_cement");
+  }
+  stop_if_any(lmp, trouble);
+}
+
+// Bonded or not, among the grains of this rank.
+std::string grain_that_is_not_finite(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec) {
+  for (int i = 0; i < lmp->atom->nlocal; ++i) {
+    if (avec.is_point(i)) continue;
+    double sum[5] = {0, 0, 0, 0, 0};
+    for (int d = 0; d < 3; ++d) {
+      sum[0] += lmp->atom->x[i][d];
+      sum[1] += lmp->atom->v[i][d];
+      sum[2] += lmp->atom->omega[i][d];
+      sum[3] += lmp->atom->f[i][d];
+      sum[4] += lmp->atom->torque[i][d];
+    }
+    const char* const names[] = {"position", "velocity", "angular velocity", "force", "torque"};
+    for (int q = 0; q < 5; ++q)
+      if (!std::isfinite(sum[q]))
+        return text_of(who, "the ", names[q], " of grain ", lmp->atom->tag[i], " is not finite at step ",
+                       lmp->update->ntimestep, "; check the fixes that move and load it, the time step and the contact model");
+  }
+  return "";
+}
+
+void count_points(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, bigint expected) {
+  bigint mine = 0, total;
+  for (int i = 0; i < lmp->atom->nlocal; ++i) mine += avec.is_point(i);
+  MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
+  if (total != expected)
+    stop_all(lmp, text_of(who, expected - total,
+                                 " material points left the simulation box at step ", lmp->update->ntimestep,
+                                 "; use a larger or periodic box"));
+}
+
+FixGravity* find_gravity(LAMMPS* lmp, const Fix* fix, const AtomVecMpdem& avec) {
+  FixGravity* gravity = nullptr;
+  for (int k = 0; k < lmp->modify->nfix; ++k) {
+    Fix* other = lmp->modify->fix[k];
+    int mine = 0, acts;
+    for (int i = 0; i < lmp->atom->nlocal && !mine; ++i) mine = avec.is_point(i) && (lmp->atom->mask[i] & other->groupbit);
+    MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, lmp->world);
+    if (!acts || other == fix) continue;
+    if (FixGravity* g = dynamic_cast<FixGravity*>(other)) gravity = g;
+    else if ((lmp->modify->fmask[k] & FixConst::POST_FORCE) && lmp->comm->me == 0)
+      lmp->error->warning("fix mpm", 0,
+                          text_of("fix '", other->id, "' (", other->style, ") acts on material points, where its force has no effect; "
+                                  "give it the group of the grains")
+                              .c_str());
+  }
+  return gravity;
+}
+
+}  // namespace mpdem

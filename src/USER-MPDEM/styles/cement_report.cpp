@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_report.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "arguments.h"
+#include "atom.h"
+#include "cement_checks.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "update.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+std::string shares_of(const Separation& s) {
+  const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+  if (all <= 0.0) return "";
+  return text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",
+                 100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
+}
+
+}  // namespace
+
+void CementReport::say(const std::string& text) const {
+  for (FILE* f : {lmp_->screen, lmp_->logfile})
+    if (f) std::fprintf(f, "%s", text.c_str());
+}
+
+const CementTotals& CementReport::totals(Cement& c) {
+  if (totals_at_ == lmp_->update->ntimestep) return totals_;
+  double reach = 0.0;
+  for (int d = 0; d < 3; ++d) reach = std::max({reach, std::fabs(lmp_->domain->boxlo[d]), std::fabs(lmp_->domain->boxhi[d])});
+  totals_ = c.totals(reach);
+  if (c.built()) totals_at_ = lmp_->update->ntimestep;
+  return totals_;
+}
+
+const std::vector<BondState>& CementReport::bonds(Cement& c) {
+  if (bonds_ && bonds_at_ == lmp_->update->ntimestep) return *bonds_;
+  bonds_ = &c.bond_states();
+  if (c.built()) bonds_at_ = lmp_->update->ntimestep;
+  return *bonds_;
+}
+
+void CementReport::parameters(Cement& c, bigint points) {
+  const CementOptions& o = c.options();
+  const std::vector<Body>& table = c.bonds().table;
+  const Cement::DampedStep damped = c.damped_step(c.limiting_eigenvalue(lmp_->update->dt));
+  const double limit = damped.step;
+  if (lmp_->comm->me == 0 && !reported_) {
+    const VtiConstants& e = c.law().elasticity().constants;
+    std::string text = text_of(
+        who_, points, " material points, ", table.size(), " bodies, cell ", o.cell,
+        "\n  elastic   Ep ", e.Ep, ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp,
+        ", Gzp ", e.Gzp, ", C33 ", c.law().elasticity().C33, "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
+    text += c.law().report(o.cell);
+    if (o.mass_scale > 1.0 || o.relax > 0.0)
+      text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
+    text += text_of("  time step ", lmp_->update->dt, ", stable up to ", limit, c.eigenvalue_is_known() ? "" : " at least", "\n");
+    say(text);
+    warn(c);
+  }
+  if (damped.admitted < o.relax) damping(c);
+  if (lmp_->update->dt > limit)
+    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", limit,
+                                 "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
+}
+
+// Where the step goes by it, not by the cell. From the eigenvalue itself: below the bound more damping would seem to do. Collective.
+void CementReport::damping(Cement& c) {
+  const CementOptions& o = c.options();
+  const EigenvalueEstimate e = c.eigenvalue();
+  const Cement::DampedStep damped = c.damped_step(e.value + e.residual);
+  const double ratio = c.largest_mass_ratio();
+  const std::string is_free = ratio == 0.0 ? "" :
+      text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");
+  const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped,
+                                   " to ", damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted,
+                                   "' or less, which leaves 0.9 of the step");
+  if (lmp_->update->dt > damped.step)
+    stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step: ", text, ", or 'timestep ", 0.9 * damped.step, "'"));
+  if (!reported_ && lmp_->comm->me == 0 && damped.step < 0.5 * damped.undamped) lmp_->error->warning("fix mpm", 0, (who_ + text).c_str());
+}
+
+// Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
+void CementReport::warn(const Cement& c) const {
+  const Law& law = c.law();
+  if (law.inert()) return;
+  const VtiConstants& e = law.elasticity().constants;
+  const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
+  if (strain > 1.0)
+    lmp_->error->warning("fix mpm", 0, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()).c_str());
+}
+
+void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
+  if (reported_) return;
+  reported_ = true;
+  if (!c.penalty()) return;
+  const std::vector<Body>& table = c.bonds().table;
+  const std::vector<double> of_sides = c.added_mass_of_sides();
+  double mass[2] = {0.0, c.cement_mass()};  // of the grains and, with its inertia, of the cement
+  for (int i = 0; i < lmp_->atom->nlocal; ++i)
+    if (!avec.is_point(i)) mass[0] += lmp_->atom->rmass[i];
+  MPI_Allreduce(MPI_IN_PLACE, mass, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  std::map<int, double> of_grain;
+  double all = 0.0, share = -1.0, most;
+  for (std::size_t n = 0; n < of_sides.size(); ++n) {
+    of_grain[table[n / 2].grain[n % 2]] += of_sides[n];
+    all += of_sides[n];
+  }
+  for (const Grain& g : c.grains().grains)
+    if (g.any_free()) share = std::max(share, of_grain[g.tag] / g.mass);
+  MPI_Allreduce(&share, &most, 1, MPI_DOUBLE, MPI_MAX, lmp_->world);
+  if (lmp_->comm->me != 0) return;
+  std::string text = text_of("  links     add to the nodes ", all, " of mass, ", all / mass[1], " of the cement's");
+  if (most >= 0.0) text += text_of("; those of one free grain up to ", most, " of its mass");
+  say(text + "\n");
+  const double scene = mass[0] + mass[1];
+  if (all > scene)
+    lmp_->error->warning("fix mpm", 0,
+                   text_of(who_, "links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
+                           ", and the bonds follow late; use a smaller 'timestep', or a smaller 'kn' and 'kt' of fix mpm/couple ('auto' is ",
+                           "200 C33)")
+                       .c_str());
+}
+
+void CementReport::times(Cement& c, bigint points) {
+  const bigint steps = lmp_->update->ntimestep - timed_from_;
+  if (steps <= 0) return;
+  const CementOptions& o = c.options();
+  const auto& mine = c.timer().seconds();
+  const PassTicks t = c.ticks();
+  const double ticks = std::max(1.0, static_cast<double>(t.gather + t.material + t.scatter));
+  std::vector<double> s = {mine[StepTimer::kPoints] * t.scatter / ticks, mine[StepTimer::kNodes], mine[StepTimer::kHalo],
+                           mine[StepTimer::kPoints] * t.gather / ticks, mine[StepTimer::kPoints] * t.material / ticks,
+                           mine[StepTimer::kCoupling], mine[StepTimer::kLayout], mine[StepTimer::kOutput]};
+  double total = 0.0, bytes = static_cast<double>(c.memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
+  for (const Bond& b : c.bonds()) asleep[0] += b.resting.asleep();
+  for (double x : mine) total += x;
+  s.push_back(total);
+  MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
+  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  const CementTotals& now = totals(c);
+  if (lmp_->comm->me != 0) return;
+  const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
+  const double all = s.back();
+  std::string text = text_of(who_, all, " s in ", steps, " steps, ",
+                             static_cast<double>(points) * static_cast<double>(steps) / std::max(all, 1e-9),
+                             " point steps per second, ", bytes / static_cast<double>(points), " bytes a point\n ");
+  for (std::size_t i = 0; i + 1 < s.size(); ++i)
+    text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
+  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");
+  if (o.mass_scale > 1.0 || o.relax > 0.0) {
+    const double energy = now.kinetic + now.elastic + now.coupling;
+    text += text_of("\n  quasistatic: kinetic share of the energy ", energy > 0.0 ? now.kinetic / energy : 0.0);
+  }
+  say(text + "\n");
+}
+
+void CementReport::modes(Cement& c) {
+  constexpr std::size_t kMostLines = 20;
+  const std::vector<BondState>& state = bonds(c);
+  const std::vector<Body>& table = c.bonds().table;
+  const Cracks& cracks = c.cracks();
+  std::vector<char> told(state.size(), 0), holds(state.size(), 0);
+  std::size_t lines = 0;
+  for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
+    told[b] = state[b].failed != 0.0;
+    holds[b] = told[b] && !cracks.separated(b);
+    lines += told[b];
+  }
+  if (lines == 0) return;
+  const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holds);
+  if (lmp_->comm->me != 0) return;
+  for (std::size_t b = 0; b < told.size(); ++b) {
+    if (!told[b]) continue;
+    std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ",
+                               table[b].grain[1], ": ", cracks.mode(b), ", ", state[b].failed,
+                               " points failed");
+    if (!holds[b]) {
+      text += shares_of(cracks[b].separation);
+    } else {
+      const Cracks::Ahead& a = ahead[b];
+      text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
+                      " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
+    }
+    say(text + "\n");
+  }
+  if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
+}
+
+// Where not every bond has a line.
+void CementReport::sum_of_modes(const Cement& c, int lines) const {
+  std::map<std::string, int> count;
+  int damaged = 0;
+  for (std::size_t b = 0; b < bonds_->size(); ++b) {
+    if ((*bonds_)[b].failed == 0.0) continue;
+    ++count[c.cracks().mode(b)];
+    ++damaged;
+  }
+  if (damaged == lines) return;
+  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed in ", damaged, ", the first ", lines,
+                             " of which are listed:");
+  const char* comma = " ";
+  for (const auto& mode : count) {
+    text += text_of(comma, mode.second, " ", mode.first);
+    comma = ", ";
+  }
+  say(text + "\n");
+}
+
+// A jump that matters: it is no small part of the velocity, and the stress of the wave that it sends through the cement
+// is 1 % of the strength, or where there is no damage its strain is 1e-6.
+double CementReport::limit_of_jumps(const Cement& c) const {
+  const Law& law = c.law();
+  const VtiConstants& e = law.elasticity().constants;
+  const double speed = law.elasticity().fastest_wave(c.inertia());
+  if (law.inert()) return 1e-6 * speed;
+  return 0.01 / (c.inertia() * speed) * std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
+}
+
+void CementReport::jump(Cement& c) {
+  if (jump_told_ || !c.penalty()) return;
+  const BondedGrains::Jump& j = c.grains().worst_jump();
+  const double speed = c.law().elasticity().fastest_wave(c.inertia());
+  const std::string text =
+      j.tag == 0 ? "" : text_of("the prescribed velocity of bonded grain ", j.tag, " jumps by ", j.size, " in step ", j.step,
+                                ", which sends a wave of stress ", c.inertia() * speed * j.size, " through its cement; let it begin, change and "
+                                "end smoothly, over many steps, as by 'fix move ... variable' with formulas");
+  const std::string first = first_text(lmp_->world, text);
+  if (first.empty()) return;
+  jump_told_ = true;
+  if (lmp_->comm->me == 0) lmp_->error->warning("fix mpm", 0, first.c_str());
+}
+
+void CementReport::start_run(Cement& c) {
+  timed_from_ = lmp_->update->ntimestep;
+  c.timer().clear();
+  c.clear_ticks();
+  jump_told_ = false;
+  c.grains().watch_jumps(limit_of_jumps(c), static_cast<long>(lmp_->update->ntimestep));
+  forget();
+}
+
+}  // namespace mpdem

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What fix mpm tells on screen and in the log, and sums and rows of the bonds as they are at a step.
+#ifndef MPDEM_CEMENT_REPORT_H
+#define MPDEM_CEMENT_REPORT_H
+
+#include <string>
+#include <vector>
+
+#include "../cement/cement.h"
+#include "atom_vec_mpdem.h"
+#include "lammps.h"
+
+namespace mpdem {
+
+class CementReport {
+ public:
+  using bigint = LAMMPS_NS::bigint;
+  // who: the command.
+  CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
+
+  // At the present step; collective. Found once a step, unless forgotten since.
+  const CementTotals& totals(Cement& c);
+  const std::vector<BondState>& bonds(Cement& c);
+  void forget() { totals_at_ = bonds_at_ = -1; }
+
+  // All collective.
+  void start_run(Cement& c);
+  // What the parameters imply, once; stops if the time step is not stable.
+  void parameters(Cement& c, bigint points);
+  // The last lines of that: the added mass takes the eigenvalue, which is found for the others.
+  void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
+  // Once a run, of the first jump of the lowest rank that saw one.
+  void jump(Cement& c);
+  // Where the time of the run went, the slowest rank for each phase.
+  void times(Cement& c, bigint points);
+  // One line a bond, at the end of a run in which points have failed.
+  void modes(Cement& c);
+
+ private:
+  void say(const std::string& text) const;
+  void damping(Cement& c);
+  void warn(const Cement& c) const;
+  void sum_of_modes(const Cement& c, int lines) const;
+  double limit_of_jumps(const Cement& c) const;
+
+  LAMMPS_NS::LAMMPS* lmp_;
+  std::string who_;
+  bool reported_ = false, jump_told_ = false;
+  bigint timed_from_ = 0;
+  CementTotals totals_{};
+  const std::vector<BondState>* bonds_ = nullptr;
+  bigint totals_at_ = -1, bonds_at_ = -1;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_words.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "arguments.h"
+#include "law_words.h"
+
+namespace mpdem {
+
+namespace {
+const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
+                                            "regularization", "timestep", "quasistatic", "skip", "check", "events"};
+
+bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
+
+void take_transfer(Arguments& args, CementWords& w) {
+  CementOptions& o = w.options;
+  const std::string name = args.choice("transfer", {"pic", "flip", "apic", "xpic"});
+  w.transfer_given = true;
+  if (name == "pic") {
+    o.transfer.method = Transfer::pic;
+  } else if (name == "apic") {
+    o.transfer.method = Transfer::apic;
+  } else if (name == "flip") {
+    o.transfer.method = Transfer::flip;
+    o.transfer.flip_share = args.number("transfer flip");
+    if (!(o.transfer.flip_share >= 0.0 && o.transfer.flip_share <= 1.0))
+      args.complain(text_of("'transfer flip ", o.transfer.flip_share, "': share of FLIP, the rest is PIC, must lie in [0, 1]"));
+  } else {
+    o.transfer.method = Transfer::xpic;
+    o.transfer.order = args.integer("transfer xpic", 1);
+  }
+}
+
+void take_skip(Arguments& args, CementOptions& o) {
+  const std::string name = args.choice("skip", {"undamaged", "failed", "detached", "resting", "all"});
+  args.once("skip " + name);
+  const bool on = args.yes_no("skip " + name);
+  if (name == "undamaged" || name == "all") o.skip.skip_undamaged = on;
+  if (name == "failed" || name == "all") o.skip.skip_failed = on;
+  if (name == "resting" || name == "all") o.skip.skip_resting = on;
+}
+
+// What does not go together.
+void check_together(Arguments& args, CementWords& w) {
+  CementOptions& o = w.options;
+  const bool flip = w.transfer_given && o.transfer.method == Transfer::flip;
+  if (o.updated && o.reproject_every > 0)
+    args.complain(text_of("'reproject ", o.reproject_every, "' is for 'kinematics total'; with 'kinematics updated' velocities are "
+                          "transferred in every step, leave 'reproject' out"));
+  if (o.updated && o.reproject_distortion > 0.0)
+    args.complain("'reproject auto' is for 'kinematics total'; 'kinematics updated' takes a new reference in every step, leave "
+                  "'reproject' out");
+  if (o.reproject_every > 0 && o.reproject_distortion > 0.0)
+    args.complain("'reproject' is given as a number and as 'auto'; use one of them");
+  if (!o.updated && w.transfer_given && o.reproject_every == 0 && o.reproject_distortion == 0.0)
+    args.complain("'transfer' says how velocities are re-projected, which 'kinematics total' does with 'reproject N' or 'reproject "
+                  "auto D' only; give one of them, or 'kinematics updated'");
+  if (o.updated && o.relax > 0.0)
+    args.complain(text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' with 'kinematics updated': its damping goes with the reference "
+                          "of 'kinematics total'; use that, or damping 0"));
+  const bool transfers = o.updated || o.reproject_every > 0 || o.reproject_distortion > 0.0;
+  if (w.tied_given && o.tied && transfers)
+    args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
+                          "use 'edge free' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
+  if (transfers) o.tied = false;
+  if (flip && o.reproject_every > 1)
+    args.complain(text_of("'transfer flip' with 'reproject ", o.reproject_every, "' feeds energy into the cement; use 'reproject 1', "
+                          "or 'transfer apic' or 'xpic' with any interval"));
+  if (flip && o.reproject_distortion > 0.0)
+    args.complain("'transfer flip' needs the velocity of each point, which 'reproject auto' has not; use 'transfer apic'");
+}
+
+}  // namespace
+
+CementWords take_cement_words(Arguments& args) {
+  CementWords w;
+  CementOptions& o = w.options;
+  bool has_elastic = false;
+  VtiConstants constants;
+  LawChoice damage;
+  double fracture_energy = 0.0;  // of the crack band, 0: no regularization
+  while (!args.empty()) {
+    const std::string key = args.word("a keyword");
+    check_misplaced(args, key, damage);
+    // one `skip` for each thing that may be skipped; `reproject` in two ways has a message of its own
+    if (is_one_of(key, kKeywords) && key != "skip" && key != "reproject") args.once(key);
+    if (key == "cell") {
+      o.cell = args.positive(key);
+    } else if (key == "basis") {
+      const std::string name = args.choice(key, {"linear", "quadratic", "cubic"});
+      o.basis = name == "linear" ? Basis::linear : name == "cubic" ? Basis::cubic : Basis::quadratic;
+    } else if (key == "kinematics") {
+      o.updated = args.choice(key, {"total", "updated"}) == "updated";
+    } else if (key == "edge") {
+      o.tied = args.choice(key, {"tied", "free"}) == "tied";
+      w.tied_given = true;
+    } else if (key == "transfer") {
+      take_transfer(args, w);
+    } else if (key == "elastic") {
+      if (args.choice(key, {"vti", "isotropic"}) == "isotropic") {
+        const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
+        constants = VtiConstants::isotropic(E, nu);
+        if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
+      } else {
+        constants.Ep = args.number("elastic vti Ep");
+        constants.Ez = args.number("elastic vti Ez");
+        constants.nu_p = args.number("elastic vti nu_p");
+        constants.nu_zp = args.number("elastic vti nu_zp");
+        constants.Gzp = args.number("elastic vti Gzp");
+      }
+      const std::string why = constants.violated_condition();
+      if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
+      has_elastic = true;
+    } else if (key == "axis") {
+      const std::string rule = args.choice(key, {"radial", "bond", "global"});
+      o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
+      if (o.axis == AxisRule::global) {
+        double length = 0.0;
+        for (double& a : o.axis_direction) {
+          a = args.number("axis global");
+          length += a * a;
+        }
+        length = std::sqrt(length);
+        if (!(length > 0.0)) args.complain("'axis global 0 0 0': a direction is needed");
+        for (double& a : o.axis_direction) a /= length;
+      }
+    } else if (key == "damage") {
+      damage = read_law(args);
+    } else if (key == "regularization") {
+      fracture_energy = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
+    } else if (key == "reproject") {
+      const bool automatic = args.accept("auto");
+      args.once(automatic ? "reproject auto" : "reproject N");
+      if (automatic) o.reproject_distortion = args.positive("reproject auto");
+      else o.reproject_every = args.integer(key, 1);
+    } else if (key == "skip") {
+      take_skip(args, o);
+    } else if (key == "timestep") {
+      if (!args.accept("auto")) args.complain("'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
+                                              "time is set by LIGGGHTS' own command timestep");
+      w.step_fraction = args.number("timestep auto");
+      if (!(w.step_fraction > 0.0 && w.step_fraction <= 1.0))
+        args.complain(text_of("'timestep auto ", w.step_fraction, "': share of the stable step, must lie in (0, 1]"));
+    } else if (key == "quasistatic") {
+      o.mass_scale = args.number("quasistatic");
+      if (!(o.mass_scale >= 1.0)) args.complain(text_of("'quasistatic ", o.mass_scale, "': factor on the inertia, must be 1 or more"));
+      o.relax = args.not_negative("quasistatic: the second number, share of critical damping,");
+    } else if (key == "events") {
+      w.events = args.word("a file name for 'events'");
+    } else if (key == "check") {
+      o.check_every = args.integer(key, 1);
+    } else {
+      std::vector<std::string> known = kKeywords;
+      for (const std::string& word : law_words()) known.push_back(word);
+      args.unknown(key, known);
+    }
+  }
+  if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
+  if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
+  const std::shared_ptr<Law> law = damage.make(VtiElasticity(constants));
+  if (fracture_energy > 0.0) {
+    if (!law->has_crack_energy()) args.complain("'regularization crackband' needs 'damage tensor'");
+    try {
+      law->set_crack_energy(fracture_energy, o.cell);
+    } catch (const std::domain_error& e) {
+      args.complain(text_of("'regularization crackband': ", e.what()));
+    }
+  }
+  w.law = law;
+  check_together(args, w);
+  return w;
+}
+
+}  // namespace mpdem

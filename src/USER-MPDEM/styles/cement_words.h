@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Words of fix mpm in the script, see doc/fix_mpm.md.
+#ifndef MPDEM_CEMENT_WORDS_H
+#define MPDEM_CEMENT_WORDS_H
+
+#include <memory>
+#include <string>
+
+#include "../cement/options.h"
+#include "../material/law.h"
+
+namespace mpdem {
+
+class Arguments;
+
+struct CementWords {
+  CementOptions options;
+  std::shared_ptr<const Law> law;
+  double step_fraction = 0.0;    // of the limit, 0: the script sets the time step
+  std::string events;            // file, or empty
+  bool tied_given = false, transfer_given = false;
+};
+
+// Complains of words that are unknown, missing, out of range or do not go together.
+CementWords take_cement_words(Arguments& args);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "failure_log.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../geometry/shape.h"
+#include "../mpm/point_state.h"
+
+namespace mpdem {
+
+namespace {
+const char* const kHeader =
+    "step,time,point,bond,grain,r,theta,z,damage1,damage2,damage3,direction_x,direction_y,direction_z,mode";
+}
+
+void FailureLog::add(const Bond& bond, const Body& body, long step, double time) {
+  if (name_.empty()) return;
+  const PointStore& points = bond.points;
+  for (int slot : bond.failed) {
+    const int b = slot / kLanes, l = slot % kLanes;
+    Event e{};
+    e.step = static_cast<double>(step);
+    e.time = time;
+    e.point = points.tags[b][l];
+    e.bond = bond.body + 1;
+    // of two links that of the nearer grain
+    const double place[3] = {points.created_at(b)[0][l], points.created_at(b)[1][l], points.created_at(b)[2][l]};
+    const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
+    for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const Link& k, int s) { return k.slot < s; });
+         k != points.links.end() && k->slot == slot; ++k)
+      if (e.grain == 0.0 || k->grain == nearer) e.grain = k->grain;
+
+    // Polar coordinates about the line of centres, from the coordinate axis most across it.
+    Vector3 axis, X;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = body.centre[1][d] - body.centre[0][d];
+      X[d] = place[d];
+    }
+    axis.normalize();
+    int least = 0;
+    for (int d = 1; d < 3; ++d)
+      if (std::fabs(axis[d]) < std::fabs(axis[least]) - 1e-12) least = d;
+    const Vector3 e1 = (Vector3::Unit(least) - axis[least] * axis).normalized(), e2 = axis.cross(e1);
+    e.z = X.dot(axis);
+    e.r = (X - e.z * axis).norm();
+    e.theta = std::atan2(X.dot(e2), X.dot(e1));
+
+    const CrackOfPoint crack = crack_of(points, slot);
+    std::copy(crack.damage, crack.damage + 3, e.damage);
+    std::copy(crack.normal, crack.normal + 3, e.direction);
+    events_.push_back(e);
+  }
+}
+
+std::string FailureLog::open(MPI_Comm comm, bool continued) {
+  int me;
+  MPI_Comm_rank(comm, &me);
+  open_ = true;
+  return me == 0 ? file_.open(name_, kHeader, continued ? from_ : TableFile::kAnew) : "";
+}
+
+std::string FailureLog::write(MPI_Comm comm) {
+  int ranks, me;
+  MPI_Comm_size(comm, &ranks);
+  MPI_Comm_rank(comm, &me);
+  constexpr int kWidth = sizeof(Event) / sizeof(double);
+  int mine = kWidth * static_cast<int>(events_.size());
+  std::vector<int> counts(ranks), at(ranks, 0);
+  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  std::vector<Event> all;
+  if (me == 0) {
+    for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
+    all.resize((at.back() + counts.back()) / kWidth);
+  }
+  MPI_Gatherv(events_.data(), mine, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
+  events_.clear();
+  std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) { return a.step != b.step ? a.step < b.step : a.point < b.point; });
+  std::string rows;
+  for (const Event& e : all)
+    append(rows, "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,
+           e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2], e.direction[0], e.direction[1], e.direction[2],
+           e.grain > 0 ? "debonding" : "internal");
+  return rows.empty() ? "" : file_.write(rows);
+}
+
+}  // namespace mpdem

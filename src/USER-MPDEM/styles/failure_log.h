@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Event log of fix mpm: one line for each point that fails. Events wait on their rank and are
+// gathered at the checks, ordered by step and ID, so that the file is the same on any number
+// of ranks.
+#ifndef MPDEM_FAILURE_LOG_H
+#define MPDEM_FAILURE_LOG_H
+
+#include <mpi.h>
+
+#include <string>
+#include <vector>
+
+#include "../cement/bond.h"
+#include "table_file.h"
+
+namespace mpdem {
+
+class FailureLog {
+ public:
+  // No log if the name is empty. from: step from which a continued file goes on.
+  void name(const std::string& file, long from) {
+    name_ = file;
+    from_ = from;
+  }
+  const std::string& file() const { return name_; }
+  bool is_open() const { return open_; }
+
+  void add(const Bond& bond, const Body& body, long step, double time);
+  // Collective. Opens the file, anew or where it was continued; why not, if so.
+  std::string open(MPI_Comm comm, bool continued);
+  // Collective. Writes what waits; why not, if so.
+  std::string write(MPI_Comm comm);
+
+ private:
+  // Doubles throughout for MPI.
+  struct Event {
+    double step, time, point, bond, grain, r, theta, z, damage[3], direction[3];
+  };
+  std::vector<Event> events_;
+  std::string name_;
+  TableFile file_;
+  bool open_ = false;
+  long from_ = 0;
+};
+
+}  // namespace mpdem
+
+#endif
