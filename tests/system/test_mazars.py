@@ -105,6 +105,12 @@ def test_another_law_goes_on(tmp_path):
     """Points that one law damaged are refused to another by name."""
     other = scene("damage tensor B0 9.6e6")
     fixes = re.search(r"^fix +cem .*\n", other, re.M)[0]
-    script = scene() + "run 700\nunfix bond\nunfix cem\n" + fixes + "fix bond grains mpm/couple cem kn auto kt auto\nrun 0\n"
-    done = launch(script, tmp_path)
-    assert done.status != 0 and "a state of 'damage mazars', from which 'damage tensor' cannot go on" in done.output, done.output[-1500:]
+    coupled = fixes + "fix bond grains mpm/couple cem kn auto kt auto\nrun 0\n"
+    refused = "a state of 'damage mazars', from which 'damage tensor' cannot go on"
+    done = launch(scene() + "run 700\nwrite_restart half\nunfix bond\nunfix cem\n" + coupled, tmp_path)
+    assert done.status != 0 and refused in done.output, done.output[-1500:]
+    after = edit(other, pair(CELL / 2, cement="content 0.01"), restarted("half"))
+    done = launch(after + "run 0\n", tmp_path, name="in.after")
+    assert done.status != 0 and refused in done.output, done.output[-1500:]
+    done = launch(restarted("half") + "write_cement cement.txt\n", tmp_path, name="in.write")
+    assert done.status != 0 and "their state is that of 'damage mazars'; define fix mpm with that law" in done.output, done.output[-1500:]

@@ -16,15 +16,13 @@ constexpr double kWidth = 0.2;  // of a cell
 // A store of `count` points without damage, all in one cell.
 PointStore intact(int count) {
   PointStore s;
-  std::vector<int> slots, tags, where;
   for (int i = 0; i < count; ++i) {
     PointRecord r;
     r.volume = 1.0;
     for (double& x : r.X) x = 0.7 * kWidth;
-    slots.push_back(s.add(r, i + 1));
-    tags.push_back(i + 1);
+    s.add(r, i + 1);
   }
-  s.arrange(slots, tags, kWidth, where);
+  s.arrange(kWidth);
   return s;
 }
 
@@ -95,8 +93,74 @@ TEST(PointState, OfAFileIsTakenUpByTheLaw) {
   over = with(0.8, false);
   EXPECT_EQ(take_up_states(over, none), "material point 3 has damage 0.8, which needs 'damage tensor'");
   EXPECT_EQ(take_up_states(failed, none), "material point 3 has damage 0, and has failed, which needs 'damage tensor'");
-  const std::string other = take_up_states(good, none);
-  EXPECT_NE(other.find("has a state of 'damage tensor', from which 'damage none' cannot go on"), std::string::npos) << other;
+  EXPECT_EQ(take_up_states(failed, law), "");
+  for (PointStore* s : {&good, &failed}) {
+    const std::string other = take_up_states(*s, none);
+    EXPECT_NE(other.find("has a state of 'damage tensor', from which 'damage none' cannot go on"), std::string::npos) << other;
+  }
+  EXPECT_EQ(take_up_states(whole, law), "") << "nothing that 'damage none' would have left";
+}
+
+std::shared_ptr<const Law> mazars() {
+  LawValues values;
+  values.set("kappa0", 2.0);
+  values.set("Bt", 0.5);
+  return std::make_shared<MazarsDamage>(VtiElasticity(VtiConstants::isotropic(1.0, 0.2)), values);
+}
+
+// Another rank, or a program that reads a restart file, is told of which law the numbers are.
+TEST(PointState, GoesFromStoreToStoreWithItsLaw) {
+  PointStore from = intact(3);
+  from.set_law(mazars());
+  const double kappa[kMostStateFields] = {2.5};
+  from.set_state(1, kappa);
+  from.meta[0].damaged = true;
+  PointRecord r = from.record(1);
+  EXPECT_EQ(r.law, kLawNumber<MazarsDamage>);
+  std::vector<double> packed(numbers_of(r));
+  pack(r, packed.data());
+  RecordReader in(packed.data(), packed.data() + packed.size());
+  PointRecord back;
+  in.read(back);
+  EXPECT_EQ(in.trouble(), "");
+  EXPECT_EQ(back.law, r.law);
+  EXPECT_EQ(back.damage[0], 2.5);
+
+  PointStore to;
+  to.add(back, 7);
+  to.arrange(kWidth);
+  EXPECT_EQ(to.record(0).law, r.law);
+  EXPECT_THROW(damage_tensor_of(to, 0), std::domain_error);
+  const auto tensor = std::make_shared<TensorDamage>(mazars()->elasticity(), DamageParameters());
+  EXPECT_NE(take_up_states(to, tensor).find("point 7 has a state of 'damage mazars', from which 'damage tensor' cannot go on"), std::string::npos);
+  EXPECT_EQ(take_up_states(to, mazars()), "");
+  EXPECT_EQ(to.record(0).damage[0], 2.5);
+  EXPECT_EQ(to.state_fields(), MazarsDamage::kFields);
+  EXPECT_EQ(damage_tensor_of(to, 0), damage_tensor_of(from, 1));
+}
+
+TEST(PointState, TensorWithOneComponentIsNoStateOfOneNumber) {
+  PointStore s = intact(1);
+  const double D[kMostStateFields] = {0.5};
+  s.set_state(0, D);
+  s.meta[0].damaged = true;
+  EXPECT_NE(take_up_states(s, mazars()).find("not the same in all directions"), std::string::npos);
+}
+
+TEST(PointState, OfATensorHasComponentsUpToOne) {
+  Body body;
+  body.spacing = body.volume = 1.0;
+  PointRecord r;
+  r.volume = 0.5;
+  r.damage[1] = 1.5;
+  for (int law : {0, kLawNumber<TensorDamage>}) {
+    r.law = law;
+    EXPECT_NE(trouble_of(r, {body}).find("its damage is 1.5"), std::string::npos) << law;
+  }
+  r.law = kLawNumber<MazarsDamage>;
+  EXPECT_EQ(trouble_of(r, {body}), "");
+  r.law = 100;
+  EXPECT_NE(trouble_of(r, {body}).find("law of damage is 100"), std::string::npos);
 }
 
 }  // namespace

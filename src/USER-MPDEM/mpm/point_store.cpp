@@ -51,6 +51,9 @@ const vd PointStore::kNoState[kMostStateFields] = {};
 
 void PointStore::clear() {
   each_array(*this, [](auto& array) { array.clear(); });
+  state_fields_ = kMostStateFields;
+  law_number_ = 0;
+  law_.reset();
   settled_ = 0;
   changed_ = false;
 }
