@@ -74,6 +74,12 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
     if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
 }
 
+// Where bonds and grains are on the ranks where they were.
+void Cement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange) {
+  lay_out(rows, std::move(parts), arrange);
+  refresh_added_mass(rows);
+}
+
 // After lay_out() of bonds or grains that came from other ranks, or are new.
 void Cement::bind_grains() {
   grains_.bind(comm_, bonds_, inertia_);
@@ -97,8 +103,7 @@ void Cement::lay_out_run() {
   if (!cracks_.take_up(bonds_.table.size()) || !penalty_ || law_->inert()) return;
   Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, true);
   if (found.lay_out.empty()) return;
-  lay_out(found.lay_out, std::move(found.parts));
-  refresh_added_mass(found.lay_out);
+  lay_out_again(found.lay_out, std::move(found.parts));
 }
 
 void Cement::lay_out_exchanged() {
@@ -125,8 +130,7 @@ void Cement::lay_out_parts(Cracks::Found found) {
     return sum;
   };
   books_.release_by(energy, [&] {
-    lay_out(found.lay_out, std::move(found.parts));
-    refresh_added_mass(found.lay_out);
+    lay_out_again(found.lay_out, std::move(found.parts));
     check_step_after(found.lay_out, "parts came apart");
   });
 }

@@ -155,6 +155,7 @@ class Cement {
   friend class Updated;
 
   void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true);
+  void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true);
   void adopt(std::vector<BondLayout>& layouts);
   LayoutRules rules() const;
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);

@@ -100,7 +100,7 @@ class Total : public Kinematics {
         b.links.move_to_present(b.points, b.grid);
         std::fill(b.grid.displacement.begin(), b.grid.displacement.end(), 0.0);
       }
-      c.lay_out(c.all_rows(), {});
+      c.lay_out_again(c.all_rows());
       c.check_step_after(c.all_rows(), "the present was taken for the reference");
       for (Bond& b : c.bonds_) {
         UpdatedPass::project(b.points, b.grid, *c.law_, c.inertia_, c.options_.transfer);

@@ -96,9 +96,9 @@ class Updated : public Kinematics {
     const double kick = 0.5 * (c.dt_last_ + c.now_.dt);
     c.books_.damp_by([&] { return c.added_energy_ahead(stale, kick); },
                      [&] {
-                       if (!dense.empty()) c.lay_out(dense, {}, false);
+                       if (!dense.empty()) c.lay_out_again(dense, {}, false);
                        c.sync_slots();
-                       if (!sparse.empty()) c.lay_out(sparse, {});
+                       if (!sparse.empty()) c.lay_out_again(sparse);
                      });
   }
 

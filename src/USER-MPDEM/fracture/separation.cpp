@@ -104,22 +104,9 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
   return path;
 }
 
-}  // namespace
-
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again) {
-  const int n = static_cast<int>(points.size());
-  const Neighbours near(points, joined, support);
-  Separation result;
-  result.part.resize(n);
-  for (int i = 0; i < n; ++i) result.part[i] = points[i].part;
-  if (const std::optional<float> damage = damage_to_pass(near, points)) {
-    result.path = find_path(near, points, *damage);
-    return result;
-  }
-  result.separated = true;
-
-  // Pieces of intact points of one part.
-  std::vector<int> piece_of(n, -1);
+// Pieces of intact points of one part, and the piece of each point, -1 for a failed one.
+std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPoint>& points, std::vector<int>& piece_of) {
+  piece_of.assign(points.size(), -1);
   std::vector<Piece> pieces;
   std::vector<int> stack;
   for (int first : near.order()) {
@@ -143,33 +130,81 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     }
     pieces.push_back(p);
   }
-  // Parts only ever split, so that their nodes can take over the motion they had together.
-  // What is attached keeps its part, but for the first separation, where the second grain's
-  // share becomes part 1. Loose pieces become parts of their own, from 2 on, the largest first and
-  // of those alike that of the least tag, unless they are all there is of such a part already: 0 and 1 follow their grains.
-  int next = 2;
-  for (const CrackPoint& p : points) next = std::max(next, p.part + 1);
+  return pieces;
+}
+
+bool is_held(const Piece& p) { return p.attached[0] || p.attached[1]; }
+bool counts(const Piece& p) { return is_held(p) || p.points >= kLeastLoose; }
+int part_held(int side, int part) { return side == 1 && part == 0 ? 1 : part; }
+
+// Where each piece goes, and the parts of loose ones by their rank.
+// Parts only ever split, so that their nodes can take over the motion they had together.
+// What is attached keeps its part, but for the first separation, where the second grain's
+// share becomes part 1. Loose pieces become parts of their own, from 2 on, the largest first and
+// of those alike that of the least tag, unless they are all there is of such a part already: 0 and 1 follow their grains.
+std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::vector<int>& loose_part) {
   std::map<int, int> holders;  // part, pieces that count in it
-  const auto counts = [](const Piece& p) { return p.attached[0] || p.attached[1] || p.points >= kLeastLoose; };
   for (const Piece& p : pieces) holders[p.part] += counts(p);
   std::vector<int> ranked(pieces.size());
   std::iota(ranked.begin(), ranked.end(), 0);
   std::sort(ranked.begin(), ranked.end(), [&](int a, int b) {
     return pieces[a].points != pieces[b].points ? pieces[a].points > pieces[b].points : pieces[a].least_tag < pieces[b].least_tag;
   });
-  const auto part_held = [](int side, int part) { return side == 1 && part == 0 ? 1 : part; };
   std::vector<Goes> of_piece(pieces.size());
-  std::vector<int> loose_part(pieces.size(), -1);  // by rank
+  loose_part.assign(pieces.size(), -1);
   for (std::size_t rank = 0; rank < ranked.size(); ++rank) {
     const Piece& p = pieces[ranked[rank]];
     Goes& goes = of_piece[ranked[rank]];
-    if (p.attached[0] || p.attached[1]) {
+    if (is_held(p)) {
       goes.held = p.attached[0] ? 1 : 2;
     } else if (counts(p)) {
       goes.loose = static_cast<int>(rank);
       loose_part[rank] = p.part < 2 || holders[p.part] > 1 ? next++ : p.part;
     }
   }
+  return of_piece;
+}
+
+// The separating surface; side: of the grains to which pieces are attached, spread to all points.
+void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
+                  const std::vector<Goes>& side, Separation& result) {
+  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held);
+  const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
+  if (!held && loose)  // both grains let go between two looks
+    for (const CrackPoint& p : points)
+      for (int s = 0; s < 2; ++s) result.at_grain[s] += p.link_area[s];
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (side[i].held == 0) continue;
+    const double first = share_of_first(side[i].held);
+    result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
+    result.at_grain[1] += first * points[i].link_area[1];
+    for (int f = 1; f < 6; f += 2) {
+      const int j = near.of(static_cast<int>(i))[f];
+      if (j >= 0 && side[j].held != 0) result.inside += face_area[f / 2] * std::fabs(first - share_of_first(side[j].held));
+    }
+  }
+}
+
+}  // namespace
+
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again) {
+  const int n = static_cast<int>(points.size());
+  const Neighbours near(points, joined, support);
+  Separation result;
+  result.part.resize(n);
+  int next = 2;
+  for (int i = 0; i < n; ++i) {
+    result.part[i] = points[i].part;
+    next = std::max(next, points[i].part + 1);
+  }
+  if (const std::optional<float> damage = damage_to_pass(near, points)) {
+    result.path = find_path(near, points, *damage);
+    return result;
+  }
+  result.separated = true;
+  std::vector<int> piece_of, loose_part;
+  const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
+  const std::vector<Goes> of_piece = rank_pieces(pieces, next, loose_part);
   std::vector<Goes> goes(n), side(n);
   for (int i = 0; i < n; ++i)
     if (piece_of[i] >= 0) {
@@ -183,27 +218,8 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     else if (goes[i].loose != Goes::kNone) result.part[i] = loose_part[goes[i].loose];
     else if (!again) result.part[i] = part_held(p.nearer, p.part);  // nothing that it could go with can be reached
   }
-
-  bool held = false, loose = false;
-  for (const Piece& p : pieces) {
-    held = held || p.attached[0] || p.attached[1];
-    loose = loose || p.points >= kLeastLoose;
-  }
-  if (!held && loose)  // both grains let go between two looks
-    for (const CrackPoint& p : points)
-      for (int s = 0; s < 2; ++s) result.at_grain[s] += p.link_area[s];
-
   grow(near, points, true, side);
-  for (int i = 0; i < n; ++i) {
-    if (side[i].held == 0) continue;
-    const double first = share_of_first(side[i].held);
-    result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
-    result.at_grain[1] += first * points[i].link_area[1];
-    for (int f = 1; f < 6; f += 2) {
-      const int j = near.of(i)[f];
-      if (j >= 0 && side[j].held != 0) result.inside += face_area[f / 2] * std::fabs(first - share_of_first(side[j].held));
-    }
-  }
+  find_surface(near, points, pieces, face_area, side, result);
   return result;
 }
 

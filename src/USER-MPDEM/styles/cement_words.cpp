@@ -35,10 +35,12 @@ void take_transfer(Arguments& args, CementWords& w) {
   }
 }
 
-void take_skip(Arguments& args, CementOptions& o) {
+void take_skip(Arguments& args, CementWords& w) {
+  CementOptions& o = w.options;
   const std::string name = args.choice("skip", {"undamaged", "failed", "detached", "resting", "all"});
   args.once("skip " + name);
   const bool on = args.yes_no("skip " + name);
+  if (name == "detached") w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that let go take no time"));
   if (name == "undamaged" || name == "all") o.skip.skip_undamaged = on;
   if (name == "failed" || name == "all") o.skip.skip_failed = on;
   if (name == "resting" || name == "all") o.skip.skip_resting = on;
@@ -67,6 +69,9 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
                           "use 'edge free' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (transfers) o.tied = false;
+  if (o.updated && o.basis == Basis::linear)
+    w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
+                "from cell to cell; use 'basis quadratic'";
   if (flip && o.reproject_every > 1)
     args.complain(text_of("'transfer flip' with 'reproject ", o.reproject_every, "' feeds energy into the cement; use 'reproject 1', "
                           "or 'transfer apic' or 'xpic' with any interval"));
@@ -138,7 +143,7 @@ CementWords take_cement_words(Arguments& args) {
       if (automatic) o.reproject_distortion = args.positive("reproject auto");
       else o.reproject_every = args.integer(key, 1);
     } else if (key == "skip") {
-      take_skip(args, o);
+      take_skip(args, w);
     } else if (key == "timestep") {
       if (!args.accept("auto")) args.complain("'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
                                               "time is set by LIGGGHTS' own command timestep");

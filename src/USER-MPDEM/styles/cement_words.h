@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "../cement/options.h"
 #include "../material/law.h"
@@ -21,6 +22,8 @@ struct CementWords {
   double step_fraction = 0.0;    // of the limit, 0: the script sets the time step
   std::string events;            // file, or empty
   bool tied_given = false, transfer_given = false;
+  std::vector<std::string> notes;  // words that have no effect any more
+  std::string warning;             // of a combination that is known to be poor, or empty
 };
 
 // Complains of words that are unknown, missing, out of range or do not go together.

@@ -48,6 +48,12 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   mpdem::Arguments args(lmp, text_of("fix mpm (id ", id, ")"), narg, arg, 3);
   if (!avec_) args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   const mpdem::CementWords words = mpdem::take_cement_words(args);
+  if (comm->me == 0) {
+    for (const std::string& note : words.notes)
+      for (FILE* f : {screen, logfile})
+        if (f) std::fprintf(f, "%s%s\n", who().c_str(), note.c_str());
+    if (!words.warning.empty()) error->warning("fix mpm", 0, (who() + words.warning).c_str());
+  }
   step_fraction_ = words.step_fraction;
   failures_.name(words.events, static_cast<long>(update->ntimestep));
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
