@@ -170,11 +170,11 @@ void measure(const Problem& p, const Method& m, int cells) {
   const double h = 1.0 / cells;
   const std::vector<Point> X = lattice(p, h);
   const double volume = h * h * h / (2 * p.in_plane * p.in_plane);
-  Stepper s(m, h, X, volume, p.law(), p.density);
+  Stepper s(m, h, X, volume, std::make_shared<NoDamage>(p.law()), p.density);
   double stable = s.stable_step();
   if (const Problem::NeoHookean* k = p.neo_hookean()) {
     const double E = k->mu * (3 * k->lambda + 2 * k->mu) / (k->lambda + k->mu), nu = k->lambda / (2 * (k->lambda + k->mu));
-    stable = Stepper(m, h, X, volume, {VtiElasticity(VtiConstants::isotropic(E, nu)), DamageParameters()}, p.density).stable_step();
+    stable = Stepper(m, h, X, volume, std::make_shared<NoDamage>(VtiElasticity(VtiConstants::isotropic(E, nu))), p.density).stable_step();
     s.before_points = advance_deformation_gradient;
   }
   const int steps = static_cast<int>(std::ceil(p.looks[0] / (p.of_stable * stable)));

@@ -56,7 +56,7 @@ struct Cube {
   bool damaging;
 
   Cube(const Method& m, int cells, bool damaging)
-      : s(m, kCell, stratified_cube(cells), kCell * kCell * kCell / 8, cement(), kDensity), points(8 * cells * cells * cells),
+      : s(m, kCell, stratified_cube(cells), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity), points(8 * cells * cells * cells),
         damaging(damaging) {
     s.start([&](const Point&) { return kVelocity; });
     s.accelerate();
@@ -72,8 +72,8 @@ struct Cube {
       if (p.X[0][l] >= front) return;
       vd* e = &p.strain.xx;
       for (int c = 0; c < 6; ++c) e[c][l] = normal(random);
-      const TensorDamage::Drive drive = s.law().drive(p.strain, Sym3<vd>{});
-      const double scale = std::sqrt(s.law().parameters().B0 / drive.Yeq[l]);
+      const LawDrive drive = cement().drive(p.strain, Sym3<vd>{});
+      const double scale = std::sqrt(cement().threshold() / drive.Yeq[l]);
       for (int c = 0; c < 6; ++c) e[c][l] *= 1.001 * scale;
       s.points.meta[b].damaged = true;
     });
@@ -91,7 +91,7 @@ struct Cube {
   double growing() {
     std::vector<double> before(points + 1), after(points + 1);
     const auto note = [&](std::vector<double>& trace_of) {
-      s.for_points([&](int b, int l) { trace_of[s.points.tags[b][l]] = trace(s.points.damage[b].D)[l]; });
+      s.for_points([&](int b, int l) { trace_of[s.points.tags[b][l]] = trace(state_of<TensorDamage>(s.points, b))[l]; });
     };
     note(before);
     step();
@@ -151,6 +151,7 @@ void full_step(benchmark::State& state, const Method& m, int cells, bool damagin
 }
 
 void scalar_step(benchmark::State& state) {
+  const TensorDamage law = cement();
   Cube c(Method(), 24, false);
   std::vector<ScalarPoint> p = scalar_points(c.s);
   std::vector<double> velocity(c.s.grid.velocity), force(velocity.size());
@@ -160,7 +161,7 @@ void scalar_step(benchmark::State& state) {
   c.s.grid.clear_force();
   AdvanceResult result;
   advance_points(c.s.points, c.s.grid, c.s.law(), kStep, result);
-  scalar_advance(p, velocity.data(), force.data(), kCell, c.s.law(), kStep);
+  scalar_advance(p, velocity.data(), force.data(), kCell, law, kStep);
   double largest = 0, worst = 0;
   for (std::size_t i = 0; i < force.size(); ++i) {
     largest = std::max(largest, std::fabs(force[i]));
@@ -172,7 +173,7 @@ void scalar_step(benchmark::State& state) {
     c.s.grid.velocity = velocity;
     c.s.grid.drift(0.0, kStep);
     std::fill(force.begin(), force.end(), 0.0);
-    over += scalar_advance(p, velocity.data(), force.data(), kCell, c.s.law(), kStep);
+    over += scalar_advance(p, velocity.data(), force.data(), kCell, law, kStep);
     c.s.grid.update_acceleration();
     for (double& v : velocity) v = -v;
   }

@@ -24,7 +24,7 @@ struct Bar : Problem {
     energy_until = 40.0;
     scale = v0 / w / std::sqrt(2.0);
   }
-  TensorDamage law() const override { return {VtiElasticity(VtiConstants::isotropic(1.0, 0.0)), DamageParameters()}; }
+  NoDamage law() const override { return NoDamage(VtiElasticity(VtiConstants::isotropic(1.0, 0.0))); }
   bool inside(const Point&, double) const override { return true; }
   void box(double h, Point& low, Point& high) const override {
     low = {-1, 0, 0};
@@ -61,9 +61,7 @@ struct Cube : Problem {
     for (int i = 0; i < 3; ++i) sum += std::pow(A[i] * std::sin(c[i] * kPi * end), 2) / 2;
     scale = std::sqrt(sum);
   }
-  TensorDamage law() const override {
-    return {VtiElasticity(VtiConstants{1.0, 0.6, 0.25, 0.2, 0.3}), DamageParameters()};
-  }
+  NoDamage law() const override { return NoDamage(VtiElasticity(VtiConstants{1.0, 0.6, 0.25, 0.2, 0.3})); }
   bool inside(const Point&, double) const override { return true; }
   void box(double, Point& low, Point& high) const override {
     low = {0, 0, 0};
@@ -150,9 +148,7 @@ struct Vortex : Problem {
     }
     scale = std::sqrt(sum / all);
   }
-  TensorDamage law() const override {
-    return {VtiElasticity(VtiConstants::isotropic(hyperelastic ? 1e-6 : 1000.0, 0.3)), DamageParameters()};
-  }
+  NoDamage law() const override { return NoDamage(VtiElasticity(VtiConstants::isotropic(hyperelastic ? 1e-6 : 1000.0, 0.3))); }
   const NeoHookean* neo_hookean() const override { return hyperelastic ? &constants : nullptr; }
   static bool turns(double R) { return std::fabs(R - 1.0) < 0.25; }
   // Nodes a sixteenth and more off the ring are held. Left free, the ring would turn as a rigid body:

@@ -26,7 +26,7 @@ class Problem {
   double energy_until = 0.0;  // free motion goes on so long for the drift of energy, 0: has a load
 
   virtual ~Problem() = default;
-  virtual TensorDamage law() const = 0;
+  virtual NoDamage law() const = 0;
   virtual bool inside(const Point& X, double h) const = 0;
   virtual void box(double h, Point& low, Point& high) const = 0;
   virtual Point displacement(const Point& X, double t) const = 0;

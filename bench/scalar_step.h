@@ -20,7 +20,7 @@ struct ScalarPoint {
 std::vector<ScalarPoint> scalar_points(const Stepper& s);
 
 // Adds the internal force at the end of the step; returns the number of points over the bound
-// of TensorDamage::bound_undamaged.
+// of TensorDamage::square_bound.
 long scalar_advance(std::vector<ScalarPoint>& points, const double* velocity, double* force, double h,
                     const TensorDamage& law, double dt);
 

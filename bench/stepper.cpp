@@ -54,9 +54,9 @@ const std::vector<Method>& all_methods() {
   return methods;
 }
 
-Stepper::Stepper(const Method& method, double h, const std::vector<Point>& X, double volume, const TensorDamage& law,
-                 double density)
-    : method_(method), law_(law), density_(density) {
+Stepper::Stepper(const Method& method, double h, const std::vector<Point>& X, double volume,
+                 std::shared_ptr<const Law> law, double density)
+    : method_(method), law_(std::move(law)), density_(density) {
   grid.h = h;
   grid.basis = method.basis;
   std::vector<int> live, tags, place;
@@ -101,7 +101,7 @@ void Stepper::start(const std::function<Point(const Point&)>& velocity) {
   }
   if (method_.updated) {
     UpdatedPass::start(points, grid, 0);
-    UpdatedPass::project(points, grid, law_, density_, method_.transfer);
+    UpdatedPass::project(points, grid, *law_, density_, method_.transfer);
     take_momentum();
   }
 }
@@ -111,10 +111,10 @@ void Stepper::accelerate() {
   if (load) load(*this, time_);
   if (method_.updated) {
     const std::vector<double> outside(grid.force);
-    UpdatedPass::project(points, grid, law_, density_, method_.transfer);
+    UpdatedPass::project(points, grid, *law_, density_, method_.transfer);
     for (std::size_t i = 0; i < outside.size(); ++i) grid.force[i] += outside[i];
   } else {
-    add_internal_force(points, grid, law_);
+    add_internal_force(points, grid, *law_);
   }
   grid.update_acceleration();
 }
@@ -143,7 +143,7 @@ void Stepper::step_total(double dt) {
   if (method_.transfers) reproject_velocity(points, grid, density_, method_.transfer, dt, jump_);
   grid.drift(dt, dt);
   grid.clear_force();
-  advance_points(points, grid, law_, dt, result_);
+  advance_points(points, grid, *law_, dt, result_);
 }
 
 void Stepper::step_updated(double dt) {
@@ -158,7 +158,7 @@ void Stepper::step_updated(double dt) {
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.velocity[i] += dt * grid.acceleration[i];
   }
   if (before_points) before_points(*this, dt);
-  pass_.advance(points, grid, law_, density_, dt, dt, method_.transfer, AdvanceOptions(), result_);
+  pass_.advance(points, grid, *law_, density_, dt, dt, method_.transfer, AdvanceOptions(), result_);
   if (pass_.lost()) throw std::runtime_error("point " + std::to_string(pass_.lost()) + " is lost");
   crossings_ += pass_.crossings();
   grid.halo.sum(grid.mass.data(), 1);
@@ -168,8 +168,8 @@ void Stepper::step_updated(double dt) {
 
 double Stepper::stable_step() {
   double lambda = 0.0;
-  if (method_.updated) lambda = eigenvalue_bound(method_.basis, law_.elasticity().largest_stiffness(), density_, grid.h);
-  if (lambda == 0.0) lambda = (method_.updated ? 1.2 : 1.0) * largest_eigenvalue(MPI_COMM_SELF, points, grid, law_).value;
+  if (method_.updated) lambda = eigenvalue_bound(method_.basis, law_->elasticity().largest_stiffness(), density_, grid.h);
+  if (lambda == 0.0) lambda = (method_.updated ? 1.2 : 1.0) * largest_eigenvalue(MPI_COMM_SELF, points, grid, *law_).value;
   return std::sqrt((method_.transfers ? 2.0 : 4.0) / lambda);
 }
 
@@ -185,9 +185,11 @@ double Stepper::kinetic_energy(double half_step) const {
 
 double Stepper::strain_energy() const {
   double energy = 0.0;
-  for (std::size_t b = 0; b < points.blocks.size(); ++b)
-    energy += 0.5 * sum_lanes(points.blocks[b].volume *
-                              contract(stress_of(points, static_cast<int>(b), law_), points.blocks[b].strain));
+  with_law(*law_, [&](const auto& law) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b)
+      energy += 0.5 * sum_lanes(points.blocks[b].volume *
+                                contract(stress_of(points, static_cast<int>(b), law), points.blocks[b].strain));
+  });
   return energy;
 }
 

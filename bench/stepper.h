@@ -9,11 +9,14 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "material/laws.h"
 #include "mpm/advance_updated.h"
 #include "mpm/grid.h"
+#include "mpm/point_state.h"
 
 namespace mpdem::bench {
 
@@ -38,8 +41,8 @@ class Stepper {
   Grid grid;
 
   // Points at X, all of one volume, axes of the material those of space.
-  Stepper(const Method& method, double h, const std::vector<Point>& X, double volume, const TensorDamage& law,
-          double density);
+  Stepper(const Method& method, double h, const std::vector<Point>& X, double volume,
+          std::shared_ptr<const Law> law, double density);
 
   // Velocity of the nodes half a step before the start.
   void start(const std::function<Point(const Point&)>& velocity);
@@ -57,7 +60,7 @@ class Stepper {
   long crossings() const { return crossings_; }
   int layouts() const { return layouts_; }
   const AdvanceResult& result() const { return result_; }
-  const TensorDamage& law() const { return law_; }
+  const Law& law() const { return *law_; }
   const Method& method() const { return method_; }
   std::size_t memory_usage() const { return points.memory_usage() + grid.memory_usage(); }
   // dt^2 lambda <= 4, with transfers 2, as in fix mpm. lambda: of these points where they stay,
@@ -81,7 +84,7 @@ class Stepper {
   void take_momentum();
 
   Method method_;
-  TensorDamage law_;
+  std::shared_ptr<const Law> law_;
   double density_, time_ = 0.0, seconds_ = 0.0;
   long crossings_ = 0;
   int layouts_ = 0;

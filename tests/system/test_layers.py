@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "src" / "USER-MPDEM"
 # What each room may include besides itself.
 BELOW = {
     "numerics": set(),
-    "parallel": set(),
+    "parallel": {"numerics"},
     "geometry": {"numerics"},
     "material": {"numerics"},
     "mpm": {"material", "numerics", "parallel"},

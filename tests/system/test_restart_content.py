@@ -19,7 +19,7 @@ FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, 
        "nodes": 21}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "framed": 21, "place": 22, "volume": 25, "deformation": 26, "frame": 35,
-         "strain": 39, "damage": 45, "moving": 51, "links": 52, "grain": 53, "foot": 54, "area": 57, "attached": 58, "way": 59, "inert": 62}
+         "strain": 39, "damage": 45, "law": 51, "moving": 52, "links": 53, "grain": 54, "foot": 55, "area": 58, "attached": 59, "way": 60, "inert": 63}
 # The same of a grain.
 GRAIN = {"orientation": 18, "seen": 22, "velocity": 23, "placed": 56}
 NAN, HUGE = float("nan"), 1e300
@@ -124,7 +124,7 @@ def test_unchanged(tmp_path, files):
     ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 4, NAN, "velocity of a node"), ("node", 12, NAN, "acceleration of a node"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
     ("point", "kind", 3.0, "state is of kind 3"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
     ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "ends before its velocity gradient"), ("point", "links", 0.0, "longer than it can be"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
-    ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage"), ("point", "links", 3.0, "links"),
+    ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage is 1.5"), ("point", "law", 100.0, "law of damage is 100"), ("point", "links", 3.0, "links"),
     ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'has been seen' of a bonded grain is 2"),
     ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'has a place'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
 def test_named(tmp_path, files, part, name, value, needed):

@@ -9,20 +9,27 @@
 #include <vector>
 
 #include "lanes.h"
+#include "material/laws.h"
 #include "mpm/advance_points.h"
 #include "mpm/grid.h"
+#include "mpm/point_state.h"
 
 namespace mpdem::test {
 
 constexpr double kCell = 1e-4, kCalcite = 2710;  // m, kg/m3
+
+inline VtiElasticity elastic_calcite() { return VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}); }
 
 inline TensorDamage law_of(double B0, double interface = 1.0, double viscosity = 0.0) {
   DamageParameters p;
   p.B0 = B0;
   p.interface = interface;
   p.viscosity = viscosity;
-  return TensorDamage(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
+  return TensorDamage(elastic_calcite(), p);
 }
+
+// Damage of a block as a tensor, under TensorDamage.
+inline Sym3<vd> damage_of(const PointStore& points, std::size_t b) { return state_of<TensorDamage>(points, static_cast<int>(b)); }
 
 class Cement {
  public:
@@ -72,7 +79,7 @@ class Cement {
     }
   }
   // u += dt v, then strain and internal force of the step.
-  AdvanceResult advance(const TensorDamage& law, double dt) {
+  AdvanceResult advance(const Law& law, double dt) {
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.displacement[i] += dt * grid.velocity[i];
     grid.clear_force();
     AdvanceResult result;

@@ -13,7 +13,7 @@ using test::kCell;
 using test::Matrix;
 using test::Vector;
 
-TensorDamage elastic() { return TensorDamage(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), DamageParameters()); }
+NoDamage elastic() { return NoDamage(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9})); }
 
 Transfer transfer(Transfer::Method method, double share = 1.0) {
   Transfer t;
@@ -27,7 +27,7 @@ struct Lump {
   Cement c;
   UpdatedPass pass;
   Transfer method;
-  TensorDamage law = elastic();
+  NoDamage law = elastic();
   double dt = 2e-9;
   int layouts = 0, moved = 0;
 

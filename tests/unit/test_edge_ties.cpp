@@ -195,7 +195,7 @@ TEST(EdgeTies, ForceIsTransposedAndMassIsKept) {
 // The bound of the largest eigenvalue, raised for ties, holds.
 TEST(EdgeTies, BoundOfTheEigenvalueHolds) {
   const VtiElasticity elasticity(VtiConstants::isotropic(60e9, 0.25));
-  const TensorDamage law(elasticity, DamageParameters());
+  const NoDamage law(elasticity);
   for (Basis basis : {Basis::quadratic, Basis::cubic})
     for (double s : {0.0, 0.1, 0.25, 0.4}) {
       const auto inside = [](const Vector& x) { return x.norm() < 2.9; };

@@ -23,7 +23,7 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   const Eigen::Quaterniond q(test::rotation(random.direction(), 1.0));
   Cement c(kCell, test::lattice(kCell, 3), kCell * kCell * kCell / 8, q, GetParam());
   c.grid.lump_mass(c.points, kCalcite);
-  const TensorDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}), DamageParameters());
+  const NoDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}));
   const int n = 3 * c.grid.size();
   Eigen::MatrixXd A(n, n);
   const double step = 1e-6 * kCell;

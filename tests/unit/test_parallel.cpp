@@ -168,7 +168,7 @@ TEST_F(Ranks, GridIsThatOfOneRank) {
   const double h = 1e-4;
   test::Random same(7);
   const std::vector<test::Vector> X = test::scattered(same, h, 4, 6);
-  const TensorDamage law(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), DamageParameters());
+  const NoDamage law(VtiElasticity({50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}));
   test::Cement whole(h, X, 1e-13);
   whole.grid.lump_mass(whole.points, 2710);
   std::map<Key, int> index;

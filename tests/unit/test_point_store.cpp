@@ -108,7 +108,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
   std::size_t occupied = 0;
   for (const BlockMeta& m : s.meta) occupied += __builtin_popcount(m.occupied);
   EXPECT_EQ(occupied, records.size());
-  ASSERT_EQ(s.damage.size(), s.blocks.size());
+  ASSERT_EQ(s.states().size(), 6 * s.blocks.size());
   ASSERT_EQ(s.meta.size(), s.blocks.size());
   ASSERT_EQ(s.tags.size(), s.blocks.size());
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -229,7 +229,7 @@ TEST(PointStore, ArrangeMovesPointsToOtherParts) {
 TEST(PointStore, Clear) {
   Filled f(88, 20);
   f.store.clear();
-  EXPECT_TRUE(f.store.blocks.empty() && f.store.damage.empty() && f.store.meta.empty() && f.store.tags.empty() &&
+  EXPECT_TRUE(f.store.blocks.empty() && f.store.states().empty() && f.store.meta.empty() && f.store.tags.empty() &&
               f.store.links.empty());
   test::Random random(89);
   EXPECT_EQ(f.store.add(random_record(random), 1), 0);

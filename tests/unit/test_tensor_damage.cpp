@@ -112,7 +112,7 @@ TEST(TensorDamageState, BoundOfUndamagedPoints) {
     test::Worst excess;
     for (int n = 0; n < 2000; ++n) {
       const Sym3<vd> e = test::on_all_lanes(0.01 * random.sym());
-      const double bound = TensorDamage::bound_undamaged(law.elasticity().stress(e), e)[0];
+      const double bound = TensorDamage::square_bound(law.elasticity().stress(e), e)[0];
       const double Yeq = law.drive(e, Sym3<vd>{}).Yeq[0];
       excess.add(Yeq * Yeq / bound - 1.0);
     }

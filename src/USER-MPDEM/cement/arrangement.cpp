@@ -15,7 +15,7 @@
 namespace mpdem {
 
 LayoutRules Cement::rules() const {
-  return {comm_, bonds_.table, options_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr};
+  return {comm_, bonds_.table, options_, law_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr};
 }
 
 std::vector<int> Cement::all_rows() const {
@@ -100,7 +100,7 @@ void Cement::lay_out_run() {
     refresh_added_mass();
   });
   // New bodies may be cracked.
-  if (!cracks_.take_up(bonds_.table.size()) || !penalty_ || law_->parameters().B0 == 0.0) return;
+  if (!cracks_.take_up(bonds_.table.size()) || !penalty_ || law_->inert()) return;
   Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, true);
   if (found.lay_out.empty()) return;
   lay_out_again(found.lay_out, std::move(found.parts));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "kinematics.h"
 
@@ -16,7 +17,7 @@ namespace {
 constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
 }
 
-Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::unique_ptr<TensorDamage> law, CementHost& host)
+Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host)
     : comm_(comm), bonds_(bonds), options_(options), law_(std::move(law)), host_(host) {
   kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
 }
@@ -28,6 +29,13 @@ void Cement::set_density(double density) { inertia_ = options_.mass_scale * dens
 void Cement::couple(const PenaltyParameters* penalty) {
   penalty_.reset();
   if (penalty) penalty_ = *penalty;
+}
+
+void Cement::take_up_states() {
+  std::string trouble;
+  for (Bond& b : bonds_)
+    if (trouble.empty()) trouble = mpdem::take_up_states(b.points, law_);
+  throw_if_any(comm_, trouble);
 }
 
 void Cement::take_up_commands() {
@@ -55,7 +63,7 @@ void Cement::step() {
 // After a check; not in it, where the forces of the step are still to be shown, and which may
 // be the step of a restart file.
 void Cement::look_for_cracks() {
-  if (!penalty_ || law_->parameters().B0 == 0.0) return;
+  if (!penalty_ || law_->inert()) return;
   const bool after_check = (now_.number - 1) % options_.check_every == 0;
   if (!after_check && ((now_.number - 1) % kWatchEvery != 0 || !cracks_.some_path_is_cut(comm_))) return;
   timer_.start(StepTimer::kLayout);

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "../coupling/cement_restart.h"
-#include "../material/tensor_damage.h"
+#include "../material/law.h"
 #include "../mpm/largest_eigenvalue.h"
 #include "../parallel/halo_sum.h"
 #include "bond.h"
@@ -70,11 +70,11 @@ class Kinematics;
 
 class Cement {
  public:
-  Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::unique_ptr<TensorDamage> law, CementHost& host);
+  Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host);
   ~Cement();
 
   const CementOptions& options() const { return options_; }
-  const TensorDamage& law() const { return *law_; }
+  const Law& law() const { return *law_; }
   Bonds& bonds() { return bonds_; }
   BondedGrains& grains() { return grains_; }
   const Cracks& cracks() const { return cracks_; }
@@ -92,6 +92,10 @@ class Cement {
   bool built() const { return built_; }
   int bodies_started() const { return bodies_started_; }
   double dt_last() const { return dt_last_; }
+
+  // Points that are new have their damage as a tensor, those of a restart file as the state of a law: makes all of them states of this
+  // one. Throws BadState if it cannot go on from them.
+  void take_up_states();
 
   // Layout. Of all bonds, at the start of a run, or of those whose points or grains went to other ranks.
   void lay_out_run();
@@ -192,7 +196,7 @@ class Cement {
   MPI_Comm comm_;
   Bonds& bonds_;
   CementOptions options_;
-  std::unique_ptr<TensorDamage> law_;
+  std::shared_ptr<const Law> law_;
   CementHost& host_;
   std::unique_ptr<Kinematics> kinematics_;
   BondedGrains grains_;

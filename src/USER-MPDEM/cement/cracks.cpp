@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "../fracture/ligament.h"
-#include "../numerics/eigen3.h"
+#include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 
@@ -88,12 +88,11 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& w
     std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
     for (const Link& k : points.links) ++first_link[k.slot + 1];
     for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
-    for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b) {
-      const vd damage = points.meta[b].damaged ? largest(eigen(points.damage[b].D)) : vd{};
+    const std::vector<vd> damage = largest_damages(points);
+    for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
       for (int l = 0; l < kLanes; ++l)
         if (points.meta[b].occupied >> l & 1)
-          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[l], first_link, axis)});
-    }
+          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis)});
   }
   WholeBonds whole;
   whole.sent = all_to_all(comm, out);

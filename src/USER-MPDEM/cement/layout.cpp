@@ -7,6 +7,8 @@
 
 #include "../geometry/frame_along.h"
 #include "../geometry/radial_axis.h"
+#include "../material/tensor_damage.h"
+#include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 
 namespace mpdem {
@@ -22,7 +24,7 @@ Vector3 axis_at(const Vector3& X, const Body& body, const CementOptions& options
 }
 
 // Frame of each new point: third axis along the axis of the elasticity.
-void set_frames(PointStore& points, const Body& body, const CementOptions& options) {
+void set_frames(PointStore& points, const Body& body, const CementOptions& options, const Law& law) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     BlockMeta& m = points.meta[b];
     if (m.framed == m.occupied) continue;
@@ -35,11 +37,10 @@ void set_frames(PointStore& points, const Body& body, const CementOptions& optio
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
-      if (m.damaged) {  // given in the axes of the box
-        const Sym3<vd> turned = rotate_back(rotation_matrix(f), points.damage[b].D);
-        Sym3<vd>& D = points.damage[b].D;
-        for (vd Sym3<vd>::*c : {&Sym3<vd>::xx, &Sym3<vd>::yy, &Sym3<vd>::zz, &Sym3<vd>::yz, &Sym3<vd>::xz, &Sym3<vd>::xy})
-          (D.*c)[l] = (turned.*c)[l];
+      if (m.damaged && law.state_is_tensor()) {  // given in the axes of the box
+        const Sym3<vd> D = rotate_back(rotation_matrix(f), state_of<TensorDamage>(points, static_cast<int>(b)));
+        const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
+        points.set_state(kLanes * static_cast<int>(b) + l, numbers);
       }
       m.framed |= static_cast<std::uint8_t>(1u << l);
     }
@@ -118,9 +119,10 @@ class LayoutMaker {
     const CementOptions& o = rules_.options;
     l.body = r.body;
     l.points = std::move(r.points);
+    l.points.set_law(rules_.law);
     if (rules_.arrange) {
       l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot);
-      set_frames(l.points, body, o);
+      set_frames(l.points, body, o, *rules_.law);
     }
     if (rules_.penalty) l.links = PenaltyLinks(l.points, body, *rules_.penalty, o.cell, rules_.density, o.basis);
   }

@@ -12,6 +12,7 @@
 
 #include <mpi.h>
 
+#include <memory>
 #include <vector>
 
 #include "bond.h"
@@ -32,6 +33,7 @@ struct LayoutRules {
   MPI_Comm comm = MPI_COMM_NULL;
   const std::vector<Body>& table;
   const CementOptions& options;
+  const std::shared_ptr<const Law>& law;  // of points that come from other ranks too
   const Sheets& sheets;
   const Cracks& cracks;
   double density = 0;                          // of the inertia

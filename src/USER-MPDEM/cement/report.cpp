@@ -6,8 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "../material/laws.h"
 #include "../mpm/gather.h"
-#include "../numerics/eigen3.h"
+#include "../mpm/point_state.h"
 #include "cement.h"
 
 namespace mpdem {
@@ -25,7 +26,13 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 struct PointSums {
   double points = 0, failed = 0, volume = 0, damaged_volume = 0, elastic = 0, most = 0;
 
-  void add(const PointStore& points_of, const TensorDamage& law) {
+  void add(const PointStore& points_of, const Law& of_any_kind) {
+    with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law); });
+  }
+
+ private:
+  template <class L>
+  void add_points(const PointStore& points_of, const L& law) {
     for (std::size_t b = 0; b < points_of.blocks.size(); ++b) {
       const PointBlock& p = points_of.blocks[b];
       const BlockMeta& m = points_of.meta[b];
@@ -33,10 +40,10 @@ struct PointSums {
       failed += __builtin_popcount(m.failed);
       volume += sum_lanes(p.volume);
       const vd alive = select(lanes(m.failed), vd{}, p.volume);
-      const Sym3<vd> s = m.damaged ? law.stress(p.strain, points_of.damage[b].D) : law.elasticity().stress(p.strain);
+      const Sym3<vd> s = stress_of(points_of, static_cast<int>(b), law);
       elastic += sum_lanes(0.5 * alive * contract(s, p.strain));
       if (!m.damaged) continue;
-      const vd d = largest(eigen(points_of.damage[b].D));
+      const vd d = largest_damage_of(points_of, static_cast<int>(b), law);
       damaged_volume += sum_lanes(p.volume * d);
       for (int l = 0; l < kLanes; ++l)
         if (m.occupied >> l & 1) most = std::max(most, d[l]);

@@ -7,16 +7,17 @@
 
 namespace mpdem {
 
-bool Resting::settle(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options,
+bool Resting::settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                      AdvanceResult& result) {
   const std::vector<PointBlock> blocks(points.blocks);
-  const std::vector<PointStore::Damage> damage(points.damage);
+  const std::vector<vd> state(points.states());  // empty before the first damage
   advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, options, result);
   return std::memcmp(blocks.data(), points.blocks.data(), blocks.size() * sizeof(PointBlock)) == 0 &&
-         std::memcmp(damage.data(), points.damage.data(), damage.size() * sizeof(PointStore::Damage)) == 0;
+         state.size() == points.states().size() &&
+         (state.empty() || std::memcmp(state.data(), points.states().data(), state.size() * sizeof(vd)) == 0);
 }
 
-void Resting::advance(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options,
+void Resting::advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
                       AdvanceResult& result) {
   const bool moves = !options.skip_resting || std::any_of(grid.velocity.begin(), grid.velocity.end(), [](double v) { return v != 0.0; });
   if (moves) {

@@ -18,14 +18,14 @@ namespace mpdem {
 class Resting {
  public:
   // advance_points(), left out in sleep.
-  void advance(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
+  void advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
   // PenaltyLinks::add_force() after advance(), left out in sleep; forces of the sides are clear before.
   void add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side);
 
   bool asleep() const { return asleep_; }  // in the last step
 
  private:
-  bool settle(PointStore& points, Grid& grid, const TensorDamage& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
+  bool settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
 
   bool asleep_ = false, links_kept_ = false;
   std::vector<double> internal_force_, force_;  // on the nodes

@@ -89,7 +89,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   }
   CementOptions options(options_);
   options.updated = false;  // no margin
-  const LayoutRules rules{comm_, bonds_.table, options, sheets, cracks_, inertia_};
+  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_};
   std::vector<BondLayout> layouts = make_layout(rules, all_rows(), std::move(requests));
   std::vector<EigenvaluePart> of_layouts;
   for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid});

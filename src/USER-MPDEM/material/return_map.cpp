@@ -57,7 +57,7 @@ struct TensorDamage::Search {
 
 // A state D at the strain of the end.
 struct TensorDamage::Place {
-  State state;
+  Evaluation state;
   Sym3<vd> D, drive;
   vd Yeq, excess;  // excess: Yeq - B
 };

@@ -3,10 +3,9 @@
 #include "tensor_damage.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
-#include "effective_strain.h"
+#include "../numerics/text_of.h"
 
 namespace mpdem {
 
@@ -70,10 +69,8 @@ double crack_band_exponent(const DamageParameters& p, double G_f, double band) {
   const double energy = std::sqrt(2.0) * p.B0;
   double least, most, m = 0.0;
   if (!find_exponent([&](double x) { return band_work(x, p.Dcut); }, G_f / (energy * band), least, most, m)) {
-    std::ostringstream why;
-    why << "G_f " << G_f << " cannot be spent on a band of width " << band << ": with this B0 and cut-off the width must lie between "
-        << G_f / (energy * most) << " and " << G_f / (energy * least);
-    throw std::domain_error(why.str());
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a band of width ", band, ": with this B0 and cut-off the width must lie between ",
+                                    G_f / (energy * most), " and ", G_f / (energy * least)));
   }
   return m;
 }
@@ -87,30 +84,71 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell) {
     return localisation_cells(q) * band_work(x, p.Dcut);
   };
   if (!find_exponent(work, G_f / (energy * cell), least, most, m)) {
-    std::ostringstream why;
-    why << "G_f " << G_f << " cannot be spent on a crack in cells of " << cell << ": with this B0 and cut-off it must lie between "
-        << energy * cell * least << " and " << energy * cell * most << ", or for this G_f the cell between "
-        << G_f / (energy * most) << " and " << G_f / (energy * least);
-    throw std::domain_error(why.str());
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack in cells of ", cell, ": with this B0 and cut-off it must lie between ",
+                                    energy * cell * least, " and ", energy * cell * most, ", or for this G_f the cell between ",
+                                    G_f / (energy * most), " and ", G_f / (energy * least)));
   }
   return m;
 }
 
-TensorDamage::State TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  State s{EffectiveStrain<vd>(damage), {}, {}, {}, {}, {}};
+std::vector<LawWord> TensorDamage::words() {
+  return {{"B0", is_positive, "must be greater than 0", "the energy per volume at which damage starts", {}},
+          {"cutoff", is_inside_0_1, "must lie between 0 and 1, both excluded", "", {}},
+          {"evolution", nullptr, "", "", {"monotone", "full"}},
+          {"zeta", is_in_0_1_with_1, "tensile over compressive strength, must lie in (0, 1]", "", {}},
+          {"interface", is_positive, "must be greater than 0", "", {}},
+          {"viscosity", is_positive, "must be greater than 0", "", {}}};
+}
+
+TensorDamage::TensorDamage(const VtiElasticity& elasticity, const LawValues& values) : LawOf(elasticity) {
+  p_.B0 = values.get("B0", p_.B0);
+  p_.Dcut = values.get("cutoff", p_.Dcut);
+  p_.monotone = values.get("evolution", 0) == 0.0;
+  p_.zeta = values.get("zeta", p_.zeta);
+  p_.interface = values.get("interface", p_.interface);
+  p_.viscosity = values.get("viscosity", p_.viscosity);
+}
+
+std::string TensorDamage::advice_on_strain() const {
+  const VtiConstants& c = elasticity().constants;
+  return text_of("with B0 ", p_.B0, " and moduli ", c.Ez, " and ", c.Ep,
+                 ": check the units, which are those of pressure for all of them (Pa, not GPa, with 'units si')");
+}
+
+std::string TensorDamage::report(double cell) const {
+  std::string text = text_of("  damage    B0 ", p_.B0, ", cut-off ", p_.Dcut, p_.monotone ? ", evolution monotone" : ", evolution full",
+                             ", zeta ", p_.zeta, ", interface ", p_.interface, ", viscosity ", p_.viscosity, ", crack band exponent ",
+                             p_.exponent, "\n", report_of_strength());
+  const double band = localisation_cells(p_);
+  return text + text_of("  implies   energy per crack area ", implied_strength(elasticity().constants.Ez).work_per_volume * band * cell,
+                        " for a crack ", band, crack_energy_set_ ? " cells wide\n"
+                                                                : " cells wide: without regularization it is proportional to the cell\n");
+}
+
+void TensorDamage::set_crack_energy(double G_f, double cell) {
+  p_.exponent = crack_cell_exponent(p_, G_f, cell);
+  crack_energy_set_ = true;
+}
+
+void TensorDamage::state_from_tensor(const double* D, double* state) const {
+  for (int i = 0; i < kFields; ++i) state[i] = D[i];
+}
+
+TensorDamage::Evaluation TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
+  Evaluation s{EffectiveStrain<vd>(damage), {}, {}, {}, {}, {}};
   s.strain_A = s.effective.amplified(strain);
-  s.stress_e = elasticity_.stress(s.effective.reduced(s.strain_A));
+  s.stress_e = elasticity().stress(s.effective.reduced(s.strain_A));
   s.stress_A = s.effective.amplified(s.stress_e);
   s.stress = s.effective.reduced(s.stress_A);
   s.Y = sym_product_transposed(s.stress_A, s.strain_A);
   return s;
 }
 
-Sym3<vd> TensorDamage::slope(const State& s, const Sym3<vd>& N) const {
+Sym3<vd> TensorDamage::slope(const Evaluation& s, const Sym3<vd>& N) const {
   const Sym3<vd>& K = s.effective.K();
   const Mat3<vd> NP = product(N, s.strain_A), NQ = product(N, s.stress_A);
   const Mat3<vd> W = plus(Sym3<vd>{}, K * twice_axial(NP));
-  const Sym3<vd> stress_e = elasticity_.stress(symmetric_product(s.effective.A(), W) - upper(NP));
+  const Sym3<vd> stress_e = elasticity().stress(symmetric_product(s.effective.A(), W) - upper(NP));
   const Mat3<vd> Q = plus(stress_e, K * (commutator(stress_e, s.effective.A()) + twice_axial(NQ)));
   return sym_product_transposed(Q, s.strain_A) + sym_product_transposed(s.stress_A, W);
 }
@@ -140,7 +178,7 @@ Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) co
 }
 
 TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vmask active, vd strength) const {
-  const State s = evaluate(strain, damage);
+  const Evaluation s = evaluate(strain, damage);
   // Cutting the negative part of Y only shortens it, and the tension weight is at most one: no eigenvalues below.
   const vd B = strength * least_threshold(damage);
   return {s.stress, active & (contract(s.Y, s.Y) > 2.0 * B * B)};
@@ -158,8 +196,8 @@ vd TensorDamage::least_threshold(const Sym3<vd>& D) const {
 }
 
 TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  State s = evaluate(strain, damage);
-  return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage), largest_eigenvalue(damage)};
+  Evaluation s = evaluate(strain, damage);
+  return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage)};
 }
 
 }  // namespace mpdem

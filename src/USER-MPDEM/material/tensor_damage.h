@@ -23,12 +23,13 @@
 #include "../numerics/simd.h"
 #include "../numerics/tensor3.h"
 #include "effective_strain.h"
+#include "law.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {
 
 struct DamageParameters {
-  double B0 = 0.0;           // energy per volume; 0 switches damage off
+  double B0 = 0.0;           // energy per volume, above 0
   double Dcut = 0.9;         // in (0,1)
   double exponent = 0.0;     // m of the crack band, in (-1,3)
   double zeta = 1.0;         // f_t/f_c in (0,1]
@@ -54,24 +55,40 @@ double localisation_cells(const DamageParameters& p);
 // Exponent m that spends G_f on a crack of that width. Throws like crack_band_exponent.
 double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
 
-// What the parameters mean for uniaxial stress along a direction of modulus E
-// (theory: s = E e0^4/e^3 past the onset for exponent 0).
-struct ImpliedStrength {
-  double tensile_strength, onset_strain, failure_strain, work_per_volume;
-};
+// Theory: s = E e0^4/e^3 past the onset for exponent 0.
 ImpliedStrength implied_strength(const DamageParameters& p, double E);
 
-class TensorDamage {
+class TensorDamage final : public LawOf<TensorDamage> {
  public:
-  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters)
-      : elasticity_(elasticity), p_(parameters) {}
+  static constexpr const char* kName = "tensor";
+  static constexpr int kFields = 6;
+  using State = Sym3<vd>;  // D
 
-  const VtiElasticity& elasticity() const { return elasticity_; }
+  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters) : LawOf(elasticity), p_(parameters) {}
+  TensorDamage(const VtiElasticity& elasticity, const LawValues& values);
+  static std::vector<LawWord> words();
+
   const DamageParameters& parameters() const { return p_; }
+  double threshold() const { return p_.B0; }
+  double interface() const { return p_.interface; }
+  double growth(double dt) const { return dt / (p_.viscosity + dt); }
 
-  // Upper bound of Yeq^2 of undamaged points: no eigenvalue needed, since dropping the
-  // negative part of Y only shortens it and s <= 1.
-  static vd bound_undamaged(const Sym3<vd>& stress, const Sym3<vd>& strain) {
+  double cutoff() const override { return p_.Dcut; }
+  ImpliedStrength implied_strength(double E) const override { return mpdem::implied_strength(p_, E); }
+  std::string advice_on_strain() const override;
+  std::string report(double cell) const override;
+  bool has_crack_energy() const override { return true; }
+  void set_crack_energy(double G_f, double cell) override;
+  bool state_is_tensor() const override { return true; }
+  void state_from_tensor(const double* D, double* state) const override;
+
+  vd largest_damage(const Sym3<vd>& D) const { return largest(eigen(D)); }
+  const Sym3<vd>& damage(const Sym3<vd>& D) const { return D; }
+  const Sym3<vd>& opening(const Sym3<vd>&, const Sym3<vd>& D) const { return D; }
+  vd column(int, const Sym3<vd>&, const Sym3<vd>&) const { return vd{}; }
+
+  // No eigenvalue needed, since dropping the negative part of Y only shortens it and s <= 1.
+  static vd square_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) {
     const Sym3<vd> Y = sym_product(stress, strain);
     return 0.5 * contract(Y, Y);
   }
@@ -82,19 +99,10 @@ class TensorDamage {
 
   // The same, and the lanes of `active` whose damage may grow: those where a bound of Yeq is above a bound of B.
   // All others keep their damage.
-  struct Trial {
-    Sym3<vd> stress;
-    vmask may_grow;
-  };
+  using Trial = LawTrial;
   Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vmask active, vd strength = splat(1.0)) const;
 
-  struct Update {
-    Sym3<vd> stress;
-    vd dissipated;  // energy per volume spent in this step by growth of D
-    vd released;    // energy per volume given up by lanes that fail now
-    vmask grown, failed;
-    int evaluations;  // of Y, or of its derivative, for eight points each
-  };
+  using Update = LawUpdate;
 
   // Step of `damage` from strain_start to strain: on the surface at its end, along the drive at its middle, see
   // return_map.cpp. Lanes outside `active` (already failed, or empty) keep their damage and
@@ -108,20 +116,18 @@ class TensorDamage {
                 vd strength = splat(1.0), double growth = 1.0) const;
 
   // Driving force s Yeq at the given state, and B(D): for output and tests.
-  struct Drive {
-    vd Yeq, B, largest_damage;
-  };
+  using Drive = LawDrive;
   Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
  private:
-  struct State {
+  struct Evaluation {
     EffectiveStrain<vd> effective;
     Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma
     Sym3<vd> stress_e, stress, Y;  // Y complete, see drive_by()
   };
-  __attribute__((noinline)) State evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  __attribute__((noinline)) Evaluation evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
   // Derivative of Y along N.
-  Sym3<vd> slope(const State& s, const Sym3<vd>& N) const;
+  Sym3<vd> slope(const Evaluation& s, const Sym3<vd>& N) const;
   // Turns Y into what drives (its positive part if monotone) and returns its Yeq.
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
@@ -141,8 +147,8 @@ class TensorDamage {
   vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
   vmask first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const;
 
-  VtiElasticity elasticity_;
   DamageParameters p_;
+  bool crack_energy_set_ = false;
 };
 
 }  // namespace mpdem

@@ -26,7 +26,7 @@ std::string VtiConstants::violated_condition() const {
   return why.str();
 }
 
-VtiElasticity::VtiElasticity(const VtiConstants& c) {
+VtiElasticity::VtiElasticity(const VtiConstants& c) : constants(c) {
   const double d = delta(c);
   const double r = c.nu_zp * c.nu_zp * c.Ep / c.Ez;
   C33 = c.Ez * (1.0 - c.nu_p) / d;

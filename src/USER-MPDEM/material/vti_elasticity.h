@@ -28,6 +28,7 @@ struct VtiConstants {
 
 struct VtiElasticity {
   double C11, C12, C13, C33, C44, C66;
+  VtiConstants constants;  // that it was made from
 
   // The constants must be positive definite (VtiConstants::violated_condition).
   explicit VtiElasticity(const VtiConstants& c);

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "advance_points.h"
 
+#include "../material/laws.h"
 #include "gather.h"
 #include "point_stress.h"
 #include "scatter.h"
@@ -10,13 +11,13 @@ namespace mpdem {
 
 namespace {
 
-template <class Type>
-void advance(PointStore& points, int first, int last, Grid& grid, const TensorDamage& law, double dt,
+template <class Type, class L>
+void advance(PointStore& points, int first, int last, Grid& grid, const L& law, double dt,
              const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   const double* velocity = grid.velocity.data();
   double* force = grid.force.data();
-  PointStress stress_at_end(points, law, dt, options, result);
+  PointStress<L> stress_at_end(points, law, dt, options, result);
   PassClock clock(result.ticks);
   const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
     const PointBlock& p = points.blocks[b];
@@ -53,24 +54,31 @@ void advance(PointStore& points, int first, int last, Grid& grid, const TensorDa
   stress_at_end.settle(clock, scatter_waiting);
 }
 
-}  // namespace
-
-void advance_points(PointStore& points, int first, int last, Grid& grid, const TensorDamage& law, double dt,
-                    const AdvanceOptions& options, AdvanceResult& result) {
-  with_basis(grid.basis, [&](auto type) { advance<decltype(type)>(points, first, last, grid, law, dt, options, result); });
-}
-
-void add_internal_force(const PointStore& points, Grid& grid, const TensorDamage& law) {
+template <class Type, class L>
+void add_force(const PointStore& points, Grid& grid, const L& law) {
   const double inverse_h = 1.0 / grid.h;
   const int n = static_cast<int>(points.blocks.size());
-  with_basis(grid.basis, [&](auto type) {
-    for (int b = 0; b < n; ++b) {
-      const BlockMeta& m = points.meta[b];
-      if (m.failed == m.occupied) continue;
-      const PointBlock& p = points.blocks[b];
-      const Weights<decltype(type)> s(p.X, m.base, inverse_h);
-      scatter_gradient(grid.force.data(), m.column, s, weighted_piola(p.F, p.q, stress_of(points, b, law), p.volume));
-    }
+  for (int b = 0; b < n; ++b) {
+    const BlockMeta& m = points.meta[b];
+    if (m.failed == m.occupied) continue;
+    const PointBlock& p = points.blocks[b];
+    const Weights<Type> s(p.X, m.base, inverse_h);
+    scatter_gradient(grid.force.data(), m.column, s, weighted_piola(p.F, p.q, stress_of(points, b, law), p.volume));
+  }
+}
+
+}  // namespace
+
+void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt,
+                    const AdvanceOptions& options, AdvanceResult& result) {
+  with_law(law, [&](const auto& l) {
+    with_basis(grid.basis, [&](auto type) { advance<decltype(type)>(points, first, last, grid, l, dt, options, result); });
+  });
+}
+
+void add_internal_force(const PointStore& points, Grid& grid, const Law& law) {
+  with_law(law, [&](const auto& l) {
+    with_basis(grid.basis, [&](auto type) { add_force<decltype(type)>(points, grid, l); });
   });
 }
 

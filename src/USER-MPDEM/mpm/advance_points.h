@@ -14,7 +14,7 @@
 
 #include <vector>
 
-#include "../material/tensor_damage.h"
+#include "../material/law.h"
 #include "grid.h"
 #include "pass_clock.h"
 #include "point_store.h"
@@ -31,7 +31,7 @@ struct AdvanceOptions {
 // How much there was to do for the damage.
 struct DamageWork {
   long damaged_blocks = 0, growing_blocks = 0, growing_points = 0;
-  long evaluations = 0;  // of the law in steps of growing points, see TensorDamage::Update
+  long evaluations = 0;  // of the law in steps of growing points, see LawUpdate
 };
 
 struct AdvanceResult {
@@ -43,15 +43,15 @@ struct AdvanceResult {
 
 // Advances the points of the blocks [first, last) by dt with the nodal velocity and adds the
 // internal force at the end of the step. Failed points keep their state and give no force.
-void advance_points(PointStore& points, int first, int last, Grid& grid, const TensorDamage& law, double dt,
+void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt,
                     const AdvanceOptions& options, AdvanceResult& result);
 
-inline void advance_points(PointStore& points, Grid& grid, const TensorDamage& law, double dt, AdvanceResult& result) {
+inline void advance_points(PointStore& points, Grid& grid, const Law& law, double dt, AdvanceResult& result) {
   advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, AdvanceOptions(), result);
 }
 
 // Adds the internal force of the present state; changes no point.
-void add_internal_force(const PointStore& points, Grid& grid, const TensorDamage& law);
+void add_internal_force(const PointStore& points, Grid& grid, const Law& law);
 
 }  // namespace mpdem
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../material/laws.h"
 #include "gather.h"
 #include "point_stress.h"
 #include "scatter.h"
@@ -99,44 +100,48 @@ void move_to_present(PointStore& points, const Grid& grid) {
   });
 }
 
-void UpdatedPass::project(const PointStore& points, Grid& grid, const TensorDamage& law, double density,
+void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, double density,
                           const Transfer& transfer) {
   std::fill(grid.mass.begin(), grid.mass.end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   const int n = static_cast<int>(points.blocks.size());
-  with_basis(grid.basis, [&](auto type) {
-    for (int b = 0; b < n; ++b)
-      if (points.meta[b].occupied)
-        give<decltype(type)>(points, b, lanes(points.meta[b].occupied), stress_of(points, b, law), grid, density, transfer);
+  with_law(law, [&](const auto& l) {
+    with_basis(grid.basis, [&](auto type) {
+      for (int b = 0; b < n; ++b)
+        if (points.meta[b].occupied)
+          give<decltype(type)>(points, b, lanes(points.meta[b].occupied), stress_of(points, b, l), grid, density, transfer);
+    });
   });
 }
 
-void UpdatedPass::advance(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
                           const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
   std::fill(grid.mass.begin(), grid.mass.end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   moves_.clear();
-  with_basis(grid.basis, [&](auto type) {
-    pass<decltype(type)>(points, grid, law, density, dt, dt_v, transfer, options, result);
-    relocate(points, grid, result);
-    for (int b : targets_) {
-      give<decltype(type)>(points, b, lanes(fresh_[b]), stress_of(points, b, law), grid, density, transfer);
-      fresh_[b] = 0;
-    }
+  with_law(law, [&](const auto& l) {
+    with_basis(grid.basis, [&](auto type) {
+      pass<decltype(type)>(points, grid, l, density, dt, dt_v, transfer, options, result);
+      relocate(points, grid, result);
+      for (int b : targets_) {
+        give<decltype(type)>(points, b, lanes(fresh_[b]), stress_of(points, b, l), grid, density, transfer);
+        fresh_[b] = 0;
+      }
+    });
   });
 }
 
-template <class Type>
-void UpdatedPass::pass(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+template <class Type, class L>
+void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v,
                        const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   const double* velocity = grid.velocity.data();
-  PointStress stress_at_end(points, law, dt, options, result);
+  PointStress<L> stress_at_end(points, law, dt, options, result);
   PassClock clock(result.ticks);
   // The lanes that stayed in their cell, of the blocks that wait.
-  std::uint8_t stayed[PointStress::kMost];
+  std::uint8_t stayed[PointStress<L>::kMost];
   int waiting = 0, given = 0;
   const auto give_waiting = [&](int b, const Sym3<vd>& stress) {
     give<Type>(points, b, lanes(stayed[given++]), stress, grid, density, transfer);

@@ -32,11 +32,11 @@ class UpdatedPass {
 
   // Needs grid.velocity at the middle of the step and, for flip, that acceleration times dt_v
   // went into it. Overwrites grid.mass, grid.momentum and grid.force with this rank's sums.
-  void advance(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+  void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
                const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
 
   // Mass, momentum and force of the points as they are.
-  static void project(const PointStore& points, Grid& grid, const TensorDamage& law, double density,
+  static void project(const PointStore& points, Grid& grid, const Law& law, double density,
                       const Transfer& transfer);
 
   // Points that changed their slot in the last step, by going to another cell or to another block of
@@ -52,8 +52,8 @@ class UpdatedPass {
   int lost() const { return lost_; }
 
  private:
-  template <class Type>
-  void pass(PointStore& points, Grid& grid, const TensorDamage& law, double density, double dt, double dt_v,
+  template <class Type, class L>
+  void pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v,
             const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
   void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
   bool pack(PointStore& points, const Grid& grid, int node);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "../material/laws.h"
 #include "gather.h"
 #include "point_stress.h"
 #include "scatter.h"
@@ -18,22 +19,28 @@ namespace {
 
 constexpr int kMostProducts = 200;
 
+template <class Type, class L>
+void add_products(const PointStore& points, const Grid& grid, const L& law, const double* x, double* out) {
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const BlockMeta& m = points.meta[b];
+    if (m.failed == m.occupied) continue;
+    const PointBlock& p = points.blocks[b];
+    const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
+    const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
+    const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
+                     0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
+    const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
+    const Sym3<vd> t =
+        m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
+    const vd live = select(lanes(m.failed), vd{}, p.volume);
+    scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
+  }
+}
+
 // out = -K x: the internal force that a displacement x adds.
-void add_stiffness_force(const PointStore& points, const Grid& grid, const TensorDamage& law, const double* x, double* out) {
-  with_basis(grid.basis, [&](auto type) {
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-      const BlockMeta& m = points.meta[b];
-      if (m.failed == m.occupied) continue;
-      const PointBlock& p = points.blocks[b];
-      const Weights<decltype(type)> s(p.X, m.base, 1.0 / grid.h);
-      const Mat3<vd> L = product(gather_gradient(x, m.column, s), inverse(p.F));
-      const Sym3<vd> e{L.a[0][0], L.a[1][1], L.a[2][2], 0.5 * (L.a[1][2] + L.a[2][1]),
-                       0.5 * (L.a[0][2] + L.a[2][0]), 0.5 * (L.a[0][1] + L.a[1][0])};
-      const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
-      const Sym3<vd> t = m.damaged ? law.stress(strain, points.damage[b].D) : law.elasticity().stress(strain);
-      const vd live = select(lanes(m.failed), vd{}, p.volume);
-      scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
-    }
+void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out) {
+  with_law(law, [&](const auto& l) {
+    with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, grid, l, x, out); });
   });
 }
 
@@ -56,7 +63,7 @@ double eigenvalue_bound(Basis basis, double largest_stiffness, double density, d
   return most * largest_stiffness / (density * h * h);
 }
 
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const TensorDamage& law,
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance) {
   // The vectors have the nodes of one part behind those of another.
   std::vector<std::size_t> first(parts.size() + 1, 0);

@@ -14,7 +14,7 @@
 
 #include <vector>
 
-#include "../material/tensor_damage.h"
+#include "../material/law.h"
 #include "grid.h"
 #include "point_store.h"
 
@@ -33,9 +33,9 @@ struct EigenvaluePart {
 };
 
 // Collective; bonds ascending. Of all of them together. Stops when the residual is below tolerance times the value.
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const TensorDamage& law,
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance = 1e-3);
-inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const TensorDamage& law,
+inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
                                              double tolerance = 1e-3) {
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }

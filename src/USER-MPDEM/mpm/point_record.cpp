@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "../material/laws.h"
+
 namespace mpdem {
 
 std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
@@ -16,6 +18,9 @@ std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
     found.check("its place", p.X[d], near);
     if (p.moving) found.check("its first place", p.X0[d], near);
   }
+  found.check_whole("the number of its law of damage", p.law, from(0.0, static_cast<double>(law_entries().size())));
+  if (p.law == 0 || p.law == kLawNumber<TensorDamage>)
+    for (double D : p.damage) found.check("its damage", D, from(-1.0, 1.0));
   constexpr double kRounding = 1.0 + 1e-9;
   found.check("its volume", p.volume, from(0.0, kRounding * of.volume));
   for (int k = 0; k < p.links; ++k) {

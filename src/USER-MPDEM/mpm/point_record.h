@@ -9,10 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "../material/law.h"
 #include "../parallel/record.h"
 #include "body.h"
 
 namespace mpdem {
+
+// Numbers that a law of damage may keep for a point.
+constexpr int kMostStateFields = Law::kMostFields;
 
 // Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
 // the body was created; the cement there has its reference at foot + moved.
@@ -47,7 +51,10 @@ struct PointRecord {
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
-  double damage[6] = {0, 0, 0, 0, 0, 0};
+  // State of a law of damage (material/law.h), and its law_number() of material/laws.h. 0: no law has taken it up yet, and it is the damage
+  // tensor that a file gave.
+  double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};
+  int law = 0;
   bool moving = false;  // has the next three
   double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
@@ -65,7 +72,8 @@ struct PointRecord {
     visit("its deformation", p.F, kFinite);
     visit.rotation("its frame", p.q);
     visit("its strain", p.strain, kFinite);
-    visit("its damage", p.damage, from(-1.0, 1.0));
+    visit("its damage", p.damage, kFinite);
+    visit("the number of its law of damage", p.law, kCount);
     visit("'is moving'", p.moving);
     if (visit.present(p.moving)) {
       visit("its first place", p.X0, kFinite);

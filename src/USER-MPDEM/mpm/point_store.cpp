@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "../material/laws.h"
+
 namespace mpdem {
 
 namespace {
@@ -23,7 +25,6 @@ void each_field(Store& s, int b, Record& r, F f) {
   f(s.blocks[b].F, r.F);
   f(s.blocks[b].q, r.q);
   f(s.blocks[b].strain, r.strain);
-  f(s.damage[b].D, r.damage);
   if (s.motion.empty()) return;
   f(s.motion[b].X0, r.X0);
   f(s.motion[b].v, r.v);
@@ -46,8 +47,13 @@ PointBlock empty_block() {
 
 }  // namespace
 
+const vd PointStore::kNoState[kMostStateFields] = {};
+
 void PointStore::clear() {
   each_array(*this, [](auto& array) { array.clear(); });
+  state_fields_ = kMostStateFields;
+  law_number_ = 0;
+  law_.reset();
   settled_ = 0;
   changed_ = false;
 }
@@ -60,6 +66,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
     const double* from = reinterpret_cast<const double*>(&in_record);
     for (std::size_t i = 0; i < components(in_block, in_record); ++i) to[kLanes * i] = from[i];
   });
+  set_state(slot, r.damage);
   if (!motion.empty() && !r.moving)
     for (int d = 0; d < 3; ++d) motion[b].X0[d][l] = r.X[d];
   BlockMeta& m = meta[b];
@@ -73,18 +80,44 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   tags[b][l] = tag;
 }
 
+vd* PointStore::change_state(int b) {
+  if (state_.empty()) state_.resize(blocks.size() * state_fields_);
+  return &state_[state_fields_ * static_cast<std::size_t>(b)];
+}
+
+void PointStore::set_law(const std::shared_ptr<const Law>& law) {
+  set_state_fields(law->fields());
+  law_ = law;
+  law_number_ = mpdem::law_number(*law);
+}
+
+void PointStore::set_state_fields(int fields) {
+  if (!state_.empty() && fields != state_fields_) {
+    std::vector<vd> next(fields * blocks.size());
+    for (std::size_t b = 0; b < blocks.size(); ++b)
+      std::copy_n(&state_[state_fields_ * b], std::min(fields, state_fields_), &next[fields * b]);
+    state_.swap(next);
+  }
+  state_fields_ = fields;
+}
+
+void PointStore::set_state(int slot, const double* numbers) {
+  int used = kMostStateFields;
+  while (used > 0 && numbers[used - 1] == 0.0) --used;
+  if (used == 0 && state_.empty()) return;
+  if (used > state_fields_) set_state_fields(kMostStateFields);
+  vd* s = change_state(slot / kLanes);
+  for (int i = 0; i < state_fields_; ++i) s[i][slot % kLanes] = numbers[i];
+}
+
 int PointStore::add(const PointRecord& r, int tag) {
   // The tail keeps one body a block, as everywhere.
   const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().body != r.body || meta.back().part != r.part;
   if (fresh) {
-    blocks.push_back(empty_block());
-    damage.emplace_back();
-    if (!motion.empty()) motion.emplace_back(PointMotion{});
-    meta.emplace_back();
+    if (blocks.empty()) law_number_ = r.law;
+    append_block();
     meta.back().body = r.body;
     meta.back().part = r.part;
-    tags.emplace_back();
-    tags.back().fill(0);
     tail_lanes_ = 0;
   }
   const int l = tail_lanes_++;  // never that of a point that left, whose links are still there
@@ -111,6 +144,8 @@ PointRecord PointStore::record(int slot) const {
     double* to = reinterpret_cast<double*>(&in_record);
     for (std::size_t i = 0; i < components(in_block, in_record); ++i) to[i] = from[kLanes * i];
   });
+  r.law = law_number_;
+  for (int i = 0; i < state_fields_; ++i) r.damage[i] = state(b)[i][l];
   Link of_point;
   of_point.slot = slot;
   const auto range = std::equal_range(links.begin(), links.end(), of_point, [](const Link& a, const Link& c) { return a.slot < c.slot; });
@@ -168,7 +203,10 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
   PointStore next;
   next.links.reserve(links.size());
   next.blocks.reserve(count);
-  next.damage.reserve(count);
+  next.state_fields_ = state_fields_;
+  next.law_ = law_;
+  next.law_number_ = law_number_;
+  if (!state_.empty()) next.state_.reserve(count * state_fields_);
   next.meta.reserve(count);
   next.tags.reserve(count);
   if (!motion.empty()) next.motion.reserve(count);
@@ -199,13 +237,17 @@ void PointStore::let_move() {
     for (int d = 0; d < 3; ++d) motion[b].X0[d] = blocks[b].X[d];
 }
 
-int PointStore::add_block(int body, int part, const int* base, double cell, Basis basis) {
+void PointStore::append_block() {
   blocks.push_back(empty_block());
-  damage.emplace_back();
+  if (!state_.empty()) state_.resize(blocks.size() * state_fields_);
   if (!motion.empty()) motion.emplace_back(PointMotion{});
   meta.emplace_back();
   tags.emplace_back();
   tags.back().fill(0);
+}
+
+int PointStore::add_block(int body, int part, const int* base, double cell, Basis basis) {
+  append_block();
   BlockMeta& m = meta.back();
   m.body = body;
   m.part = part;
@@ -227,7 +269,9 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
     for (std::size_t i = 0; i < sizeof source / sizeof(double); i += kLanes) t[i] = s[i];
   };
   copy(blocks[to], from.blocks[b]);
-  copy(damage[to], from.damage[b]);
+  double numbers[kMostStateFields] = {};
+  for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
+  set_state(new_slot, numbers);
   if (!motion.empty()) copy(motion[to], from.motion[b]);
   tags[to][new_lane] = from.tags[b][l];
   const BlockMeta& m = from.meta[b];
@@ -239,9 +283,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   hand_over(n.failed, m.failed);
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
-  const Sym3<vd>& D = damage[to].D;
-  n.damaged = n.damaged || (n.failed >> new_lane & 1) || D.xx[new_lane] != 0.0 || D.yy[new_lane] != 0.0 || D.zz[new_lane] != 0.0 ||
-              D.yz[new_lane] != 0.0 || D.xz[new_lane] != 0.0 || D.xy[new_lane] != 0.0;
+  n.damaged = n.damaged || (n.failed >> new_lane & 1) || std::any_of(numbers, numbers + kMostStateFields, [](double v) { return v != 0.0; });
 }
 
 void PointStore::empty_lane(int slot, double cell, Basis basis) {

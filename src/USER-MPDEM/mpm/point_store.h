@@ -18,9 +18,11 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "../material/corotational.h"
+#include "../material/law.h"
 #include "../numerics/tensor3.h"
 #include "basis.h"
 #include "point_record.h"
@@ -48,7 +50,7 @@ struct BlockMeta {
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t linked = 0;  // had a link to a grain when it was made
-  bool damaged = false;     // some lane has D != 0
+  bool damaged = false;     // some lane has a state of the law that is not 0
 };
 
 // Bit mask to lanes.
@@ -64,12 +66,7 @@ inline std::uint8_t bits(vmask m) {
 
 class PointStore {
  public:
-  struct Damage {
-    Sym3<vd> D;
-  };
-
   std::vector<PointBlock> blocks;
-  std::vector<Damage> damage;
   std::vector<PointMotion> motion;  // empty while the first reference stands
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
@@ -89,6 +86,23 @@ class PointStore {
   // Did points come or leave since arrange()?
   bool changed() const { return changed_; }
   int size() const;  // points
+
+  // State of the law of damage: state_fields() vectors a block. It takes no memory until some point has damage.
+  const vd* state(int b) const { return state_.empty() ? kNoState : &state_[state_fields_ * static_cast<std::size_t>(b)]; }
+  vd* change_state(int b);
+  // Of all blocks, one after the other; empty while they are all 0.
+  const std::vector<vd>& states() const { return state_; }
+  // As many numbers as the law of the points has; kMostStateFields of them until it is set: what a record brings.
+  int state_fields() const { return state_fields_; }
+  // That law. Null until it is set, in points that have come from a file or another rank; it stays when the command that made
+  // it is gone: the numbers are of no other.
+  const Law* law() const { return law_.get(); }
+  // PointRecord::law, of points that have come or of the law that is set.
+  int law_number() const { return law_number_; }
+  // Numbers above the count of the law must be 0.
+  void set_law(const std::shared_ptr<const Law>& law);
+  // The state of one point.
+  void set_state(int slot, const double* numbers);
 
   // Gives the points a motion, at rest, if they have none.
   void let_move();
@@ -111,7 +125,7 @@ class PointStore {
   template <class Self, class F>
   static void each_array(Self& s, F f) {
     f(s.blocks);
-    f(s.damage);
+    f(s.state_);
     f(s.motion);
     f(s.meta);
     f(s.tags);
@@ -120,7 +134,13 @@ class PointStore {
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   int tail_lanes_ = 0;       // used in the last block of the tail
   bool changed_ = false;
+  static const vd kNoState[kMostStateFields];
+  std::vector<vd> state_;
+  int state_fields_ = kMostStateFields, law_number_ = 0;
+  std::shared_ptr<const Law> law_;
   void set(int slot, const PointRecord& r, int tag);
+  void set_state_fields(int fields);
+  void append_block();
 };
 
 }  // namespace mpdem

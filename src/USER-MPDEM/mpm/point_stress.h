@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "advance_points.h"
+#include "point_state.h"
 
 namespace mpdem {
 
@@ -43,26 +44,32 @@ inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
 
 // Points whose damage may grow are few in their blocks, 3 of 8 where a crack opens. They wait, with their
 // blocks, until there are vectors full of them: a lane's step of the damage does not depend on the others.
+template <class L>
 class PointStress {
  public:
   static constexpr int kMost = 8 * kLanes;  // blocks that can wait
 
-  PointStress(PointStore& points, const TensorDamage& law, double dt, const AdvanceOptions& options,
-              AdvanceResult& result)
-      : points_(points), law_(law), result_(result), B0_(law.parameters().B0),
-        weakest_(B0_ * std::min(1.0, law.parameters().interface)), growth_(dt / (law.parameters().viscosity + dt)),
-        always_(!options.skip_undamaged && B0_ > 0.0) {}
+  PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, AdvanceResult& result)
+      : points_(points), law_(law), result_(result), always_(!options.skip_undamaged) {
+    if constexpr (L::kFields > 0) {
+      B_ = law.threshold();
+      weakest_ = B_ * std::min(1.0, law.interface());
+      growth_ = law.growth(dt);
+    }
+  }
 
   // Stress of block b in its material frame, zero in failed lanes; false: the block waits for
   // settle(). strain_start is that before the step.
   bool operator()(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
-    const BlockMeta& m = points_.meta[b];
-    if (m.damaged || always_) return damaged(b, strain_start, stress);
-    stress = law_.elasticity().stress(p.strain);
-    if (B0_ > 0.0) {
-      const double B = m.linked ? weakest_ : B0_;
-      if (any(TensorDamage::bound_undamaged(stress, p.strain) > B * B)) return damaged(b, strain_start, stress);
+    if constexpr (L::kFields == 0) {
+      stress = law_.elasticity().stress(p.strain);
+    } else {
+      const BlockMeta& m = points_.meta[b];
+      if (m.damaged || always_) return damaged(b, strain_start, stress);
+      stress = law_.elasticity().stress(p.strain);
+      const double B = m.linked ? weakest_ : B_;
+      if (any(L::square_bound(stress, p.strain) > B * B)) return damaged(b, strain_start, stress);
     }
     return true;
   }
@@ -74,7 +81,8 @@ class PointStress {
   void settle(PassClock& clock, Then&& then) {
     if (blocks_waiting_ == 0) return;
     clock.start_settling();
-    for (int first = 0; first < points_waiting_; first += kLanes) grow(first);
+    if constexpr (L::kFields > 0)
+      for (int first = 0; first < points_waiting_; first += kLanes) grow(first);
     clock.settled();
     for (int i = 0; i < blocks_waiting_; ++i) then(waiting_[i].block, waiting_[i].stress);
     clock.settled_scattered();
@@ -82,14 +90,15 @@ class PointStress {
   }
 
  private:
+  using State = typename L::State;
   static constexpr int kVectors = kMost / kLanes + 1;
 
   __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
-    const vd strength = select(lanes(m.linked), splat(law_.parameters().interface), splat(1.0));
-    const TensorDamage::Trial t = law_.trial(p.strain, points_.damage[b].D, active, strength);
+    const vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
+    const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b), active, strength);
     stress = blend(active, t.stress, Sym3<vd>{});
     ++result_.work.damaged_blocks;
     const std::uint8_t growing = bits(t.may_grow);
@@ -102,10 +111,12 @@ class PointStress {
     return false;
   }
 
-  static double* lane(Sym3<vd>& s, int l) { return reinterpret_cast<double*>(&s) + l; }
-  static const double* lane(const Sym3<vd>& s, int l) { return reinterpret_cast<const double*>(&s) + l; }
-  static void copy(Sym3<vd>& to, int l, const Sym3<vd>& from, int k) {
-    for (int i = 0; i < 6; ++i) lane(to, l)[kLanes * i] = lane(from, k)[kLanes * i];
+  // Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
+  template <class To, class From>
+  static void copy(To* to, int l, const From* from, int k, int vectors) {
+    double* t = reinterpret_cast<double*>(to) + l;
+    const double* f = reinterpret_cast<const double*>(from) + k;
+    for (int i = 0; i < vectors; ++i) t[kLanes * i] = f[kLanes * i];
   }
 
   // place: eight times the place of the block in waiting_ plus the lane.
@@ -113,9 +124,9 @@ class PointStress {
     const int l = place % kLanes, b = waiting_[place / kLanes].block, to = points_waiting_ % kLanes;
     Points& v = vectors_[points_waiting_ / kLanes];
     if (to == 0) v = Points{};
-    copy(v.strain_start, to, strain_start, l);
-    copy(v.strain, to, points_.blocks[b].strain, l);
-    copy(v.D, to, points_.damage[b].D, l);
+    copy(&v.strain_start, to, &strain_start, l, 6);
+    copy(&v.strain, to, &points_.blocks[b].strain, l, 6);
+    copy(&v.state, to, points_.state(b), l, L::kFields);
     v.strength[to] = strength[l];
     place_[points_waiting_++] = place;
   }
@@ -123,8 +134,8 @@ class PointStress {
   void grow(int first) {
     const int count = std::min(kLanes, points_waiting_ - first);
     Points& v = vectors_[first / kLanes];
-    const TensorDamage::Update u =
-        law_.update(v.strain_start, v.strain, v.D, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_);
+    const LawUpdate u =
+        law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_);
     result_.work.evaluations += u.evaluations;
     for (int k = 0; k < count; ++k) {
       if (!u.grown[k]) continue;
@@ -132,8 +143,8 @@ class PointStress {
       Waiting& w = waiting_[place_[first + k] / kLanes];
       const int b = w.block, l = place_[first + k] % kLanes;
       const double volume = points_.blocks[b].volume[l];
-      copy(w.stress, l, u.stress, k);
-      copy(points_.damage[b].D, l, v.D, k);
+      copy(&w.stress, l, &u.stress, k, 6);
+      copy(points_.change_state(b), l, &v.state, k, L::kFields);
       points_.meta[b].damaged = true;
       result_.dissipated += u.dissipated[k] * volume;
       if (!u.failed[k]) continue;
@@ -144,9 +155,9 @@ class PointStress {
   }
 
   PointStore& points_;
-  const TensorDamage& law_;
+  const L& law_;
   AdvanceResult& result_;
-  double B0_, weakest_, growth_;
+  double B_, weakest_, growth_;  // threshold of blocks that touch no grain, and of others
   bool always_;
 
   struct Waiting {
@@ -154,7 +165,8 @@ class PointStress {
     Sym3<vd> stress;
   };
   struct Points {
-    Sym3<vd> strain_start, strain, D;
+    Sym3<vd> strain_start, strain;
+    State state;
     vd strength;
   };
   int blocks_waiting_ = 0, points_waiting_ = 0;
@@ -162,14 +174,6 @@ class PointStress {
   Points vectors_[kVectors];
   int place_[kVectors * kLanes];
 };
-
-// Stress of a block in its present state, changing nothing.
-inline Sym3<vd> stress_of(const PointStore& points, int b, const TensorDamage& law) {
-  const PointBlock& p = points.blocks[b];
-  const BlockMeta& m = points.meta[b];
-  const Sym3<vd> s = m.damaged ? law.stress(p.strain, points.damage[b].D) : law.elasticity().stress(p.strain);
-  return blend(lanes(m.failed), Sym3<vd>{}, s);
-}
 
 }  // namespace mpdem
 

@@ -8,9 +8,10 @@
 
 #include <mpi.h>
 
-#include <sstream>
 #include <stdexcept>
 #include <string>
+
+#include "../numerics/text_of.h"
 
 namespace mpdem {
 
@@ -20,13 +21,6 @@ struct BadState : std::runtime_error {
 struct OnOneRank : BadState {
   using BadState::BadState;
 };
-
-template <class... T>
-std::string text_of(const T&... parts) {
-  std::ostringstream s;
-  (s << ... << parts);
-  return s.str();
-}
 
 // Collective. The text of the lowest rank that has one, on all ranks; empty if there is none.
 std::string first_text(MPI_Comm comm, const std::string& text);

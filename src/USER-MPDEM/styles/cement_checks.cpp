@@ -131,33 +131,6 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& ta
                        .c_str());
 }
 
-// Of the points of a bond.
-std::string trouble_with_damage(const std::string& command, const PointStore& points, const DamageParameters& p) {
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const BlockMeta& m = points.meta[b];
-    if (!m.damaged) continue;
-    const vd most = largest(eigen(points.damage[b].D));
-    for (int l = 0; l < kLanes; ++l) {
-      const bool failed = m.failed >> l & 1;
-      if (!(m.occupied >> l & 1)) continue;
-      const std::string who = text_of(command, "material point ", points.tags[b][l], " has ");
-      if (p.B0 == 0.0 && (failed || most[l] > 0.0))
-        return who + text_of("damage ", most[l], failed ? ", and has failed" : "", ", which needs 'damage tensor'");
-      if (!failed && most[l] > p.Dcut * (1.0 + 1e-9))
-        return who + text_of("damage ", most[l], ", above the cut-off ", p.Dcut,
-                                "; raise 'cutoff' or mark such points as failed in the file of create_cement");
-    }
-  }
-  return "";
-}
-
-// Cement from a file may come damaged; the cut-off is not known there.
-void check_initial_damage(LAMMPS* lmp, const std::string& command, const Bonds& bonds, const DamageParameters& p) {
-  std::string trouble;
-  for (const Bond& bond : bonds)
-    if (trouble.empty()) trouble = trouble_with_damage(command, bond.points, p);
-  stop_if_any(lmp, trouble);
-}
 // Frames stay those of the first run, whatever a fix that is defined again says.
 void check_axis(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o) {
   for (const Body& b : table) {

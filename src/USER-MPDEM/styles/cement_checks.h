@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "../cement/options.h"
-#include "../material/tensor_damage.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
 
@@ -31,7 +30,6 @@ CementPoints check_scene(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const L
 void check_box(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table);
 void check_cell(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell);
 void check_axis(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o);
-void check_initial_damage(LAMMPS_NS::LAMMPS* lmp, const std::string& command, const Bonds& bonds, const DamageParameters& p);
 // started: bodies of the table that moved before.
 void check_created_positions(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, double cell, int started);
 void count_points(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, LAMMPS_NS::bigint expected);

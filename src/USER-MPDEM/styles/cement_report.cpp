@@ -59,29 +59,12 @@ void CementReport::parameters(Cement& c, bigint points) {
   const Cement::DampedStep damped = c.damped_step(c.limiting_eigenvalue(lmp_->update->dt));
   const double limit = damped.step;
   if (lmp_->comm->me == 0 && !reported_) {
-    const auto& p = c.law().parameters();
+    const VtiConstants& e = c.law().elasticity().constants;
     std::string text = text_of(
         who_, points, " material points, ", table.size(), " bodies, cell ", o.cell,
-        "\n  elastic   Ep ", constants_.Ep, ", Ez ", constants_.Ez, ", nu_p ", constants_.nu_p, ", nu_zp ", constants_.nu_zp,
-        ", Gzp ", constants_.Gzp, ", C33 ", c.law().elasticity().C33, "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
-    if (p.B0 > 0.0) {
-      text += text_of("  damage    B0 ", p.B0, ", cut-off ", p.Dcut, p.monotone ? ", evolution monotone" : ", evolution full",
-                      ", zeta ", p.zeta, ", interface ", p.interface, ", viscosity ", p.viscosity, ", crack band exponent ", p.exponent, "\n");
-      const char* names[2] = {"along the axis", "in the plane  "};
-      const double E[2] = {constants_.Ez, constants_.Ep};
-      for (int i = 0; i < 2; ++i) {
-        const ImpliedStrength s = implied_strength(p, E[i]);
-        text += text_of("  implies   ", names[i], ": tensile strength ", s.tensile_strength, ", strain at onset ", s.onset_strain,
-                        ", at failure ", s.failure_strain, "\n");
-      }
-      const ImpliedStrength s = implied_strength(p, constants_.Ez);
-      const double band = localisation_cells(p);
-      text += text_of("  implies   energy per crack area ", s.work_per_volume * band * o.cell, " for a crack ", band,
-                      fracture_energy_ > 0.0 ? " cells wide\n"
-                                             : " cells wide: without regularization it is proportional to the cell\n");
-    } else {
-      text += "  damage    none\n";
-    }
+        "\n  elastic   Ep ", e.Ep, ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp,
+        ", Gzp ", e.Gzp, ", C33 ", c.law().elasticity().C33, "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
+    text += c.law().report(o.cell);
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
     text += text_of("  time step ", lmp_->update->dt, ", stable up to ", limit, c.eigenvalue_is_known() ? "" : " at least", "\n");
@@ -112,14 +95,12 @@ void CementReport::damping(Cement& c) {
 
 // Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
 void CementReport::warn(const Cement& c) const {
-  const DamageParameters& p = c.law().parameters();
-  if (p.B0 == 0.0) return;
-  const double strain = implied_strength(p, std::min(constants_.Ez, constants_.Ep)).failure_strain;
+  const Law& law = c.law();
+  if (law.inert()) return;
+  const VtiConstants& e = law.elasticity().constants;
+  const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
   if (strain > 1.0)
-    lmp_->error->warning("fix mpm", 0,
-                   text_of(who_, "cement fails at a strain of ", strain, ", with B0 ", p.B0, " and moduli ", constants_.Ez, " and ",
-                           constants_.Ep, ": check the units, which are those of pressure for all of them (Pa, not GPa, with 'units si')")
-                       .c_str());
+    lmp_->error->warning("fix mpm", 0, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()).c_str());
 }
 
 void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
@@ -243,11 +224,11 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
 // A jump that matters: it is no small part of the velocity, and the stress of the wave that it sends through the cement
 // is 1 % of the strength, or where there is no damage its strain is 1e-6.
 double CementReport::limit_of_jumps(const Cement& c) const {
-  const DamageParameters& p = c.law().parameters();
-  const double speed = c.law().elasticity().fastest_wave(c.inertia());
-  if (!(p.B0 > 0.0)) return 1e-6 * speed;
-  return 0.01 / (c.inertia() * speed) *
-         std::min(implied_strength(p, constants_.Ez).tensile_strength, implied_strength(p, constants_.Ep).tensile_strength);
+  const Law& law = c.law();
+  const VtiConstants& e = law.elasticity().constants;
+  const double speed = law.elasticity().fastest_wave(c.inertia());
+  if (law.inert()) return 1e-6 * speed;
+  return 0.01 / (c.inertia() * speed) * std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
 }
 
 void CementReport::jump(Cement& c) {

@@ -18,8 +18,7 @@ class CementReport {
  public:
   using bigint = LAMMPS_NS::bigint;
   // who: the command.
-  CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who, const VtiConstants& constants, double fracture_energy)
-      : lmp_(lmp), who_(std::move(who)), constants_(constants), fracture_energy_(fracture_energy) {}
+  CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
 
   // At the present step; collective. Found once a step, unless forgotten since.
   const CementTotals& totals(Cement& c);
@@ -48,8 +47,6 @@ class CementReport {
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
-  VtiConstants constants_;
-  double fracture_energy_;  // of the crack band, 0: no regularization
   bool reported_ = false, jump_told_ = false;
   bigint timed_from_ = 0;
   CementTotals totals_{};

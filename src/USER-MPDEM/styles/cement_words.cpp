@@ -6,49 +6,15 @@
 #include <cmath>
 
 #include "arguments.h"
+#include "law_words.h"
 
 namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "timestep", "quasistatic", "skip", "check", "events",
-                                            "and after 'damage tensor' B0, cutoff, evolution, zeta, interface, viscosity"};
-const std::vector<std::string> kDamageKeywords = {"B0", "cutoff", "evolution", "zeta", "interface", "viscosity"};
+                                            "regularization", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
-
-void take_damage(Arguments& args, DamageParameters& damage) {
-  if (args.choice("damage", {"none", "tensor"}) == "none") {
-    damage.B0 = 0.0;
-    return;
-  }
-  const auto next = [&args](const char* keyword) {
-    if (!args.accept(keyword)) return false;
-    args.once(keyword, "damage tensor");
-    return true;
-  };
-  while (true) {
-    if (next("B0")) damage.B0 = args.positive("damage tensor B0");
-    else if (next("cutoff")) {
-      damage.Dcut = args.number("damage tensor cutoff");
-      if (!(damage.Dcut > 0.0 && damage.Dcut < 1.0))
-        args.complain(text_of("'damage tensor cutoff ", damage.Dcut, "': must lie between 0 and 1, both excluded"));
-    } else if (next("evolution")) {
-      damage.monotone = args.choice("damage tensor evolution", {"monotone", "full"}) == "monotone";
-    } else if (next("zeta")) {
-      damage.zeta = args.number("damage tensor zeta");
-      if (!(damage.zeta > 0.0 && damage.zeta <= 1.0))
-        args.complain(text_of("'damage tensor zeta ", damage.zeta, "': tensile over compressive strength, must lie in (0, 1]"));
-    } else if (next("interface")) {
-      damage.interface = args.positive("damage tensor interface");
-    } else if (next("viscosity")) {
-      damage.viscosity = args.positive("damage tensor viscosity");
-    } else {
-      break;
-    }
-  }
-  if (damage.B0 == 0.0) args.complain("'damage tensor' needs 'B0', the energy per volume at which damage starts");
-}
 
 void take_transfer(Arguments& args, CementWords& w) {
   CementOptions& o = w.options;
@@ -119,12 +85,12 @@ CementWords take_cement_words(Arguments& args) {
   CementWords w;
   CementOptions& o = w.options;
   bool has_elastic = false;
-  DamageParameters& damage = w.damage;
+  VtiConstants constants;
+  LawChoice damage;
+  double fracture_energy = 0.0;  // of the crack band, 0: no regularization
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    if (is_one_of(key, kDamageKeywords))
-      args.complain("'" + key + "' belongs to the words of 'damage tensor', with no other keyword between; write it there: "
-                    "'damage tensor B0 ... " + (key == "B0" ? "" : key + " ...") + "'");
+    check_misplaced(args, key, damage);
     // one `skip` for each thing that may be skipped; `reproject` in two ways has a message of its own
     if (is_one_of(key, kKeywords) && key != "skip" && key != "reproject") args.once(key);
     if (key == "cell") {
@@ -142,16 +108,16 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "elastic") {
       if (args.choice(key, {"vti", "isotropic"}) == "isotropic") {
         const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
-        w.constants = VtiConstants::isotropic(E, nu);
+        constants = VtiConstants::isotropic(E, nu);
         if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
       } else {
-        w.constants.Ep = args.number("elastic vti Ep");
-        w.constants.Ez = args.number("elastic vti Ez");
-        w.constants.nu_p = args.number("elastic vti nu_p");
-        w.constants.nu_zp = args.number("elastic vti nu_zp");
-        w.constants.Gzp = args.number("elastic vti Gzp");
+        constants.Ep = args.number("elastic vti Ep");
+        constants.Ez = args.number("elastic vti Ez");
+        constants.nu_p = args.number("elastic vti nu_p");
+        constants.nu_zp = args.number("elastic vti nu_zp");
+        constants.Gzp = args.number("elastic vti Gzp");
       }
-      const std::string why = w.constants.violated_condition();
+      const std::string why = constants.violated_condition();
       if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
       has_elastic = true;
     } else if (key == "axis") {
@@ -168,9 +134,9 @@ CementWords take_cement_words(Arguments& args) {
         for (double& a : o.axis_direction) a /= length;
       }
     } else if (key == "damage") {
-      take_damage(args, damage);
+      damage = read_law(args);
     } else if (key == "regularization") {
-      w.fracture_energy = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
+      fracture_energy = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
       const bool automatic = args.accept("auto");
       args.once(automatic ? "reproject auto" : "reproject N");
@@ -193,19 +159,23 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {
-      args.unknown(key, kKeywords);
+      std::vector<std::string> known = kKeywords;
+      for (const std::string& word : law_words()) known.push_back(word);
+      args.unknown(key, known);
     }
   }
   if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
-  if (w.fracture_energy > 0.0) {
-    if (damage.B0 == 0.0) args.complain("'regularization crackband' needs 'damage tensor'");
+  const std::shared_ptr<Law> law = damage.make(VtiElasticity(constants));
+  if (fracture_energy > 0.0) {
+    if (!law->has_crack_energy()) args.complain("'regularization crackband' needs 'damage tensor'");
     try {
-      damage.exponent = crack_cell_exponent(damage, w.fracture_energy, o.cell);
+      law->set_crack_energy(fracture_energy, o.cell);
     } catch (const std::domain_error& e) {
       args.complain(text_of("'regularization crackband': ", e.what()));
     }
   }
+  w.law = law;
   check_together(args, w);
   return w;
 }

@@ -5,11 +5,12 @@
 #ifndef MPDEM_CEMENT_WORDS_H
 #define MPDEM_CEMENT_WORDS_H
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "../cement/options.h"
-#include "../material/tensor_damage.h"
+#include "../material/law.h"
 
 namespace mpdem {
 
@@ -17,9 +18,7 @@ class Arguments;
 
 struct CementWords {
   CementOptions options;
-  VtiConstants constants;
-  DamageParameters damage;
-  double fracture_energy = 0.0;  // of the crack band, 0: no regularization
+  std::shared_ptr<const Law> law;
   double step_fraction = 0.0;    // of the limit, 0: the script sets the time step
   std::string events;            // file, or empty
   bool tied_given = false, transfer_given = false;

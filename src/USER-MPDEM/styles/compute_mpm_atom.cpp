@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "../material/laws.h"
+#include "../mpm/point_state.h"
 #include "arguments.h"
 #include "atom.h"
 #include "memory.h"
@@ -39,6 +41,13 @@ vd component(const Sym3<vd>& s, int i) {
   return v[i];
 }
 
+// With those of the law.
+std::vector<std::string> names_of(const mpdem::Law& law) {
+  std::vector<std::string> all = kNames;
+  for (const std::string& name : law.columns()) all.push_back(name);
+  return all;
+}
+
 }  // namespace
 
 ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : Compute(lmp, iarg, narg, arg) {
@@ -48,8 +57,8 @@ ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : C
   vector_atom = nullptr;  // Compute does not set it
   cement_id_ = args.word("the ID of a fix mpm");
   if (!find_cement()) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
-  const std::string name = args.choice("quantity", kNames);
-  quantity_ = static_cast<int>(std::find(kNames.begin(), kNames.end(), name) - kNames.begin());
+  const std::vector<std::string> names = names_of(find_cement()->law());
+  name_ = args.choice("quantity", names);
   if (!args.empty()) args.unknown(args.word(""), {"nothing; one quantity a compute"});
 }
 
@@ -64,6 +73,41 @@ void ComputeMpmAtom::init() {
   cement_ = find_cement();
   if (!cement_)
     mpdem::stop_all(lmp, mpdem::text_of("compute mpm/atom (id ", id, "): fix mpm '", cement_id_, "' is gone"));
+  const std::vector<std::string> names = names_of(cement_->law());
+  quantity_ = static_cast<int>(std::find(names.begin(), names.end(), name_) - names.begin());
+  if (quantity_ == static_cast<int>(names.size()))
+    mpdem::stop_all(lmp, mpdem::text_of("compute mpm/atom (id ", id, "): fix mpm '", cement_id_, "' has 'damage ", cement_->law().name(),
+                                        "', whose points have no '", name_, "'; define the compute anew after the fix"));
+}
+
+// Of the points of a block, but for what depends on links.
+template <class L>
+vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law) const {
+  const mpdem::PointBlock& p = points.blocks[b];
+  const mpdem::BlockMeta& m = points.meta[b];
+  const auto state = mpdem::state_of<L>(points, b);
+  const mpdem::Mat3<vd> R = mpdem::rotation_matrix(p.q);
+  if (quantity_ == kDamage) return law.largest_damage(state);
+  if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
+  if (quantity_ == kDrive) {
+    const mpdem::LawDrive d = law.drive(p.strain, state);
+    const vd strength = mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.interface()), mpdem::splat(1.0));
+    return mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / (strength * d.B));
+  }
+  if (quantity_ <= kPressure) {
+    const Sym3<vd> s = mpdem::rotate(R, mpdem::stress_of(points, b, law));
+    const vd v = quantity_ == kStressMax  ? mpdem::largest(mpdem::eigen(s))
+                 : quantity_ == kPressure ? mpdem::trace(s) / -3.0
+                                          : component(s, quantity_ - kStressXX);
+    return mpdem::select(mpdem::lanes(m.failed), vd{}, v);
+  }
+  if (quantity_ <= kStrainXY) return component(mpdem::rotate(R, p.strain), quantity_ - kStrainXX);
+  if (quantity_ == kFailed) return mpdem::select(mpdem::lanes(m.failed), mpdem::splat(1.0), vd{});
+  if (quantity_ == kVolume) return p.volume;
+  if (quantity_ >= kAxisX && quantity_ <= kAxisZ) return R.a[quantity_ - kAxisX][2];
+  if (quantity_ == kBond) return mpdem::splat(m.body + 1.0);
+  if (quantity_ > kBond) return law.column(quantity_ - kBond - 1, p.strain, state);
+  return vd{};
 }
 
 void ComputeMpmAtom::compute_peratom() {
@@ -90,42 +134,10 @@ void ComputeMpmAtom::compute_peratom() {
 // Of the points of a bond, by blocks.
 void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
   const mpdem::PointStore& points = bond.points;
-  const mpdem::TensorDamage& law = cement_->law();
   value_.resize(points.blocks.size());
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-    const mpdem::PointBlock& p = points.blocks[b];
-    const mpdem::BlockMeta& m = points.meta[b];
-    const Sym3<vd>& D = points.damage[b].D;
-    const mpdem::Mat3<vd> R = mpdem::rotation_matrix(p.q);
-    vd& v = value_[b].v;
-    if (quantity_ == kDamage) {
-      v = mpdem::largest(mpdem::eigen(D));
-    } else if (quantity_ < kDrive) {
-      v = component(mpdem::rotate(R, D), quantity_ - kDamageXX);
-    } else if (quantity_ == kDrive) {
-      const mpdem::TensorDamage::Drive d = law.drive(p.strain, D);
-      const vd strength = mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.parameters().interface), mpdem::splat(1.0));
-      v = law.parameters().B0 > 0.0 ? mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / (strength * d.B)) : vd{};
-    } else if (quantity_ <= kPressure) {
-      Sym3<vd> s = mpdem::rotate(R, m.damaged ? law.stress(p.strain, D) : law.elasticity().stress(p.strain));
-      if (quantity_ == kStressMax) v = mpdem::largest(mpdem::eigen(s));
-      else if (quantity_ == kPressure) v = mpdem::trace(s) / -3.0;
-      else v = component(s, quantity_ - kStressXX);
-      v = mpdem::select(mpdem::lanes(m.failed), vd{}, v);
-    } else if (quantity_ <= kStrainXY) {
-      v = component(mpdem::rotate(R, p.strain), quantity_ - kStrainXX);
-    } else if (quantity_ == kFailed) {
-      v = mpdem::select(mpdem::lanes(m.failed), mpdem::splat(1.0), vd{});
-    } else if (quantity_ == kVolume) {
-      v = p.volume;
-    } else if (quantity_ >= kAxisX && quantity_ <= kAxisZ) {
-      v = R.a[quantity_ - kAxisX][2];
-    } else if (quantity_ == kBond) {
-      v = mpdem::splat(m.body + 1.0);
-    } else {
-      v = vd{};
-    }
-  }
+  mpdem::with_law(cement_->law(), [&](const auto& law) {
+    for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
+  });
   // 1 while attached to a grain, 2 once it has let go; the tag of that grain. Of two links those of the nearer grain.
   if (quantity_ == kAttached || quantity_ == kGrain)
     for (const mpdem::Link& k : points.links) {

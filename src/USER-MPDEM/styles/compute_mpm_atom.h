@@ -33,7 +33,10 @@ class ComputeMpmAtom : public Compute {
   FixMpm* find_cement() const;
   void find_values(const mpdem::Bond& bond, const mpdem::Body& body);
 
-  std::string cement_id_;
+  template <class L>
+  mpdem::vd value_of(const mpdem::PointStore& points, int block, const L& law) const;
+
+  std::string cement_id_, name_;
   FixMpm* cement_ = nullptr;
   int quantity_ = 0;
   int size_ = 0;

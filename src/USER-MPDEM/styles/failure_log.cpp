@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "../geometry/shape.h"
-#include "../numerics/eigen3.h"
+#include "../mpm/point_state.h"
 
 namespace mpdem {
 
@@ -47,20 +47,9 @@ void FailureLog::add(const Bond& bond, const Body& body, long step, double time)
     e.r = (X - e.z * axis).norm();
     e.theta = std::atan2(X.dot(e2), X.dot(e1));
 
-    const Spectral s =
-        eigen(rotate(rotation_matrix(points.blocks[b].q), points.damage[b].D));
-    int order[3] = {0, 1, 2};
-    std::sort(order, order + 3, [&](int i, int j) { return s.value[i][l] > s.value[j][l]; });
-    for (int i = 0; i < 3; ++i) {
-      e.damage[i] = s.value[order[i]][l];
-      e.direction[i] = s.axes.a[i][order[0]][l];
-    }
-    // A direction has no sign: the largest component is positive.
-    int most = 0;
-    for (int i = 1; i < 3; ++i)
-      if (std::fabs(e.direction[i]) > std::fabs(e.direction[most]) + 1e-9) most = i;
-    if (e.direction[most] < 0.0)
-      for (double& c : e.direction) c = -c;
+    const CrackOfPoint crack = crack_of(points, slot);
+    std::copy(crack.damage, crack.damage + 3, e.damage);
+    std::copy(crack.normal, crack.normal + 3, e.direction);
     events_.push_back(e);
   }
 }

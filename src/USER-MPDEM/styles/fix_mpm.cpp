@@ -56,9 +56,8 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   }
   step_fraction_ = words.step_fraction;
   failures_.name(words.events, static_cast<long>(update->ntimestep));
-  auto law = std::make_unique<mpdem::TensorDamage>(mpdem::VtiElasticity(words.constants), words.damage);
-  cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, std::move(law), static_cast<mpdem::CementHost&>(*this));
-  report_ = std::make_unique<mpdem::CementReport>(lmp, who(), words.constants, words.fracture_energy);
+  cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
+  report_ = std::make_unique<mpdem::CementReport>(lmp, who());
 }
 
 FixMpm::~FixMpm() = default;
@@ -98,7 +97,7 @@ void FixMpm::init() {
   cement_->set_density(points.density);
   mpdem::check_box(lmp, who(), table);
   mpdem::check_axis(lmp, who(), table, o);
-  mpdem::check_initial_damage(lmp, who(), avec_->bonds, law().parameters());
+  guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
   mpdem::check_cell(lmp, who(), table, o.cell);
   check_host_recipe(lmp, who(), *avec_);
   gravity_ = mpdem::find_gravity(lmp, this, *avec_);

@@ -66,7 +66,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // What fix mpm/couple hands over; one coupling at most.
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
 
-  const mpdem::TensorDamage& law() const { return cement_->law(); }
+  const mpdem::Law& law() const { return cement_->law(); }
   double cell() const { return cement_->options().cell; }
   AtomVecMpdem* cement() const { return avec_; }
   // Slots of the atoms, which fall behind while points change cells; before they are read.

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "../mpm/point_row.h"
+#include "../mpm/point_state.h"
 #include "../parallel/all_to_all.h"
 #include "arguments.h"
 #include "atom.h"
@@ -92,12 +94,19 @@ void WriteCement::command(int narg, char** arg) {
   std::vector<std::vector<GrainNow>> grains(comm->nprocs);
   std::vector<std::vector<PointNow>> points(comm->nprocs);
   double unframed[2] = {0, 0}, all[2];
+  std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
       PointNow p;
       p.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, p.x);
       p.record = avec->points_of(i).record(avec->slot[i]);
+      try {
+        const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points_of(i), avec->slot[i]);
+        std::copy(damage.begin(), damage.end(), p.record.damage);
+      } catch (const std::domain_error& e) {
+        unknown_law = text_of("write_cement: the damage of the points cannot be told, since ", e.what());
+      }
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
       points[0].push_back(p);
@@ -109,6 +118,7 @@ void WriteCement::command(int narg, char** arg) {
       grains[0].push_back(g);
     }
   }
+  mpdem::stop_if_any(lmp, unknown_law);
   MPI_Allreduce(unframed, all, 2, MPI_DOUBLE, MPI_SUM, world);
   if (all[0] > 0.0 && all[1] > 0.0)
     args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "law.h"
+
+#include "../numerics/text_of.h"
+
+namespace mpdem {
+
+std::string Law::report_of_strength() const {
+  const VtiConstants& c = elasticity_.constants;
+  const char* names[2] = {"along the axis", "in the plane  "};
+  const double E[2] = {c.Ez, c.Ep};
+  std::string text;
+  for (int i = 0; i < 2; ++i) {
+    const ImpliedStrength s = implied_strength(E[i]);
+    text += text_of("  implies   ", names[i], ": tensile strength ", s.tensile_strength, ", strain at onset ", s.onset_strain,
+                    ", at failure ", s.failure_strain, "\n");
+  }
+  return text;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A law of damage: elasticity, and what takes stiffness from it until a point fails. A law is one class in one
+// file, derived from LawOf<itself>, and one line in laws.h.
+//
+// What is asked once a run or once a report are the virtual functions of Law. What is asked in a loop over points are
+// members of the class itself, compiled into the loops by with_law() of laws.h. They work on eight points at a time,
+// in the material frame:
+//
+//   kName, kFields        its word after `damage`; numbers that a point keeps, at most kMostFields.
+//                         All of them are 0 in a point without damage.
+//   State                 these numbers for eight points: kFields times a vd
+//   words()               the words after its name, see LawWord; the constructor takes their values
+//   square_bound(stress, strain)       upper bound of Yeq^2 of undamaged points, without eigenvalues
+//   threshold()           B of undamaged points that touch no grain
+//   interface()           factor on B of points that touch a grain
+//   growth(dt)            share of the growth that a step allows, 1 without viscosity
+//   drive(strain, state)  driving force Yeq and its threshold B: damage grows where Yeq is above B
+//   stress(strain, state)
+//   trial(strain, state, active, strength)    stress, and the lanes that may grow, by a bound
+//   update(strain_start, strain, state, active, strength, growth)    the step, see LawUpdate
+//   largest_damage(state), damage(state)      from 0 to 1; as a tensor, for output
+//   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
+//   column(k, strain, state)  column k of columns()
+//
+// `strength` is the factor on B of each lane. A law without fields, one that does no damage, needs words() and
+// what output asks for alone.
+#ifndef MPDEM_LAW_H
+#define MPDEM_LAW_H
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "../numerics/simd.h"
+#include "vti_elasticity.h"
+
+namespace mpdem {
+
+// Energy by which a step of damage is booked.
+struct LawUpdate {
+  Sym3<vd> stress;
+  vd dissipated;  // energy per volume spent in this step by growth of damage
+  vd released;    // energy per volume given up by lanes that fail now
+  vmask grown, failed;
+  int evaluations;  // of the law, or of its derivative, for eight points each
+};
+
+// Stress, and the lanes whose damage may grow.
+struct LawTrial {
+  Sym3<vd> stress;
+  vmask may_grow;
+};
+
+struct LawDrive {
+  vd Yeq, B;
+};
+
+// What the parameters mean for uniaxial stress along a direction of modulus E.
+struct ImpliedStrength {
+  double tensile_strength, onset_strain, failure_strain, work_per_volume;
+};
+
+// A word of a script after the name of a law, with a number or one of `choices`.
+struct LawWord {
+  std::string name;
+  bool (*allowed)(double);
+  std::string range;                 // "must ..." of the numbers that are allowed
+  std::string needed_for;            // what it is, if the law cannot do without it
+  std::vector<std::string> choices;  // the value is the place in this list; empty: a number
+};
+
+// Values of the words that were given.
+class LawValues {
+ public:
+  void set(const std::string& word, double value) { value_[word] = value; }
+  bool has(const std::string& word) const { return value_.count(word) != 0; }
+  double get(const std::string& word, double otherwise) const {
+    const auto at = value_.find(word);
+    return at == value_.end() ? otherwise : at->second;
+  }
+
+ private:
+  std::map<std::string, double> value_;
+};
+
+inline bool is_positive(double v) { return v > 0.0; }
+inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
+inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
+
+class Law {
+ public:
+  static constexpr int kMostFields = 6;
+
+  explicit Law(const VtiElasticity& elasticity) : elasticity_(elasticity) {}
+  virtual ~Law() = default;
+
+  const VtiElasticity& elasticity() const { return elasticity_; }
+  virtual const char* name() const = 0;
+  virtual int fields() const = 0;
+  // No damage: points have no state, and none fails.
+  bool inert() const { return fields() == 0; }
+
+  // Largest damage of a point that has not failed.
+  virtual double cutoff() const { return 0.0; }
+  virtual ImpliedStrength implied_strength(double E) const = 0;
+  // The rest of "cement fails at a strain of 3, ...", with the numbers that make it so and what to check.
+  virtual std::string advice_on_strain() const { return ""; }
+  // Lines of the report of fix mpm.
+  virtual std::string report(double cell) const = 0;
+  // Those of implied_strength(), along the axis and in the plane.
+  std::string report_of_strength() const;
+
+  // Can its softening be chosen so that a crack takes the energy G_f per area?
+  virtual bool has_crack_energy() const { return false; }
+  // Does that. Throws std::domain_error with the range if there is no such softening.
+  virtual void set_crack_energy(double /* G_f */, double /* cell */) {}
+
+  // Its own columns of compute mpm/atom.
+  virtual std::vector<std::string> columns() const { return {}; }
+  // Is the state a damage tensor (xx yy zz yz xz xy) in the material frame?
+  virtual bool state_is_tensor() const { return false; }
+  // Numbers of the state from a damage tensor (xx yy zz yz xz xy) that a file gave. Throws std::domain_error
+  // if no state has that damage.
+  virtual void state_from_tensor(const double* D, double* state) const = 0;
+
+ protected:
+  // Laws are copied as objects of their own class alone.
+  Law(const Law&) = default;
+  Law& operator=(const Law&) = default;
+
+ private:
+  VtiElasticity elasticity_;
+};
+
+template <class L>
+class LawOf : public Law {
+ public:
+  using Law::Law;
+  const char* name() const final { return L::kName; }
+  int fields() const final { return L::kFields; }
+};
+
+}  // namespace mpdem
+
+#endif

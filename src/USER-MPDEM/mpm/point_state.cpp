@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "point_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "../material/laws.h"
+#include "../numerics/eigen3.h"
+#include "../numerics/text_of.h"
+
+namespace mpdem {
+
+namespace {
+
+// Largest damage of a point by numbers that no law has taken up yet.
+double largest_of(const double* D) {
+  Sym3<vd> tensor;
+  double* of = reinterpret_cast<double*>(&tensor);
+  for (int i = 0; i < 6; ++i)
+    for (int l = 0; l < kLanes; ++l) of[kLanes * i + l] = D[i];
+  return largest(eigen(tensor))[0];
+}
+
+std::string name_of_law(int number) { return law_entries()[number - 1].name; }
+
+// A tensor from a file.
+std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
+  const bool failed = points.meta[slot / kLanes].failed >> slot % kLanes & 1;
+  double D[kMostStateFields] = {}, state[kMostStateFields] = {};
+  for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
+  const bool damaged = std::any_of(D, D + kMostStateFields, [](double v) { return v != 0.0; });
+  if (law.inert() && (failed || damaged))
+    return text_of("damage ", largest_of(D), failed ? ", and has failed" : "", ", which needs 'damage tensor'");
+  if (!damaged) return "";
+  try {
+    law.state_from_tensor(D, state);
+    points.set_state(slot, state);
+    return "";
+  } catch (const std::domain_error& e) {
+    return text_of("damage ", largest_of(D), ", ", e.what());
+  }
+}
+
+}  // namespace
+
+std::vector<vd> largest_damages(const PointStore& points) {
+  std::vector<vd> all(points.meta.size());
+  with_law(*points.law(), [&](const auto& l) {
+    for (std::size_t b = 0; b < all.size(); ++b)
+      if (points.meta[b].damaged) all[b] = largest_damage_of(points, static_cast<int>(b), l);
+  });
+  return all;
+}
+
+CrackOfPoint crack_of(const PointStore& points, int slot) {
+  const int b = slot / kLanes, lane = slot % kLanes;
+  const Mat3<vd> R = rotation_matrix(points.blocks[b].q);
+  Sym3<vd> damage, opening;
+  with_law(*points.law(), [&](const auto& l) {
+    const auto state = state_of<std::decay_t<decltype(l)>>(points, b);
+    damage = l.damage(state);
+    opening = l.opening(points.blocks[b].strain, state);
+  });
+  const Spectral d = eigen(rotate(R, damage)), n = eigen(rotate(R, opening));
+  CrackOfPoint c;
+  for (int i = 0; i < 3; ++i) c.damage[i] = d.value[i][lane];
+  std::sort(c.damage, c.damage + 3, [](double x, double y) { return x > y; });
+  int first = 0, most = 0;
+  for (int i = 1; i < 3; ++i)
+    if (n.value[i][lane] > n.value[first][lane]) first = i;
+  for (int i = 0; i < 3; ++i) c.normal[i] = n.axes.a[i][first][lane];
+  for (int i = 1; i < 3; ++i)
+    if (std::fabs(c.normal[i]) > std::fabs(c.normal[most]) + 1e-9) most = i;
+  if (c.normal[most] < 0.0)
+    for (double& x : c.normal) x = -x;
+  return c;
+}
+
+std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
+  const int b = slot / kLanes, l = slot % kLanes;
+  std::array<double, 6> numbers{};
+  if (!points.law()) {
+    if (points.law_number() != 0 && points.law_number() != kLawNumber<TensorDamage> && !points.states().empty())
+      throw std::domain_error(text_of("their state is that of 'damage ", name_of_law(points.law_number()), "'; define fix mpm with that law and use 'run 0' before"));
+    for (int i = 0; i < points.state_fields(); ++i) numbers[i] = points.state(b)[i][l];
+    return numbers;
+  }
+  const Sym3<vd> D = with_law(*points.law(), [&](const auto& law) -> Sym3<vd> {
+    return law.damage(state_of<std::decay_t<decltype(law)>>(points, b));
+  });
+  return {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
+}
+
+std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
+  const Law& law = *shared;
+  const int number = points.law_number();
+  const bool other = number != 0 && number != law_number(law);
+  std::string trouble;
+  for (int b = 0; b < static_cast<int>(points.meta.size()) && trouble.empty(); ++b) {
+    const BlockMeta& m = points.meta[b];
+    if (!m.damaged) continue;
+    for (int l = 0; l < kLanes && trouble.empty(); ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      if (other)
+        trouble = text_of("a state of 'damage ", name_of_law(number), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
+      else if (number == 0)
+        trouble = take_up_tensor(points, kLanes * b + l, law);
+      if (!trouble.empty()) trouble = text_of("material point ", points.tags[b][l], " has ", trouble);
+    }
+  }
+  if (trouble.empty()) points.set_law(shared);
+  const auto beyond_cutoff = [&](const auto& l) {
+    for (int b = 0; b < static_cast<int>(points.meta.size()); ++b) {
+      const BlockMeta& m = points.meta[b];
+      if (!m.damaged) continue;
+      const vd most = largest_damage_of(points, b, l);
+      for (int k = 0; k < kLanes; ++k)
+        if (m.occupied >> k & 1 && !(m.failed >> k & 1) && most[k] > law.cutoff() * (1.0 + 1e-9))
+          return text_of("material point ", points.tags[b][k], " has damage ", most[k], ", above the cut-off ", law.cutoff(),
+                         "; raise 'cutoff' or mark such points as failed in the file of create_cement");
+    }
+    return std::string();
+  };
+  return trouble.empty() ? with_law(law, beyond_cutoff) : trouble;
+}
+
+}  // namespace mpdem

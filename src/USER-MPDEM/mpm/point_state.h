@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What the law of damage says of the points of a store, a block at a time: for loops inside with_law() of
+// material/laws.h.
+#ifndef MPDEM_POINT_STATE_H
+#define MPDEM_POINT_STATE_H
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../numerics/eigen3.h"
+#include "point_store.h"
+
+namespace mpdem {
+
+// State of a block as the type that the law has for it.
+template <class L>
+typename L::State state_of(const PointStore& points, int b) {
+  typename L::State s{};
+  if constexpr (L::kFields > 0) {
+    static_assert(sizeof s == L::kFields * sizeof(vd) && L::kFields <= kMostStateFields);
+    std::memcpy(&s, points.state(b), sizeof s);
+  }
+  return s;
+}
+
+// Stress of a block in its present state, zero in failed lanes.
+template <class L>
+Sym3<vd> stress_of(const PointStore& points, int b, const L& law) {
+  const PointBlock& p = points.blocks[b];
+  const BlockMeta& m = points.meta[b];
+  const Sym3<vd> s = m.damaged ? law.stress(p.strain, state_of<L>(points, b)) : law.elasticity().stress(p.strain);
+  return blend(lanes(m.failed), Sym3<vd>{}, s);
+}
+
+// From 0 to 1, of a block with damage.
+template <class L>
+vd largest_damage_of(const PointStore& points, int b, const L& law) {
+  return law.largest_damage(state_of<L>(points, b));
+}
+
+// Of all blocks of points that have a law.
+std::vector<vd> largest_damages(const PointStore& points);
+
+// Principal values of the damage of a point, falling, and the normal of its crack, both in global axes. A
+// normal has no sign: its largest component is positive. The store knows the law.
+struct CrackOfPoint {
+  double damage[3], normal[3];
+};
+CrackOfPoint crack_of(const PointStore& points, int slot);
+
+// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if its state is of a law that the store
+// must know for that, and does not.
+std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
+
+// Makes the states that points came with those of the law, and sets the law of the store: without a number of a law the
+// state is the damage tensor that a file gave. Text that begins with "material point" if the law cannot go on from one of them.
+std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& law);
+
+}  // namespace mpdem
+
+#endif
