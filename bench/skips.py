@@ -3,8 +3,7 @@
 """What each kind of `skip` of fix mpm saves: CPU seconds of the same run with it and without, in turns, medians.
 
     skip/undamaged  the ring of tests/system/scenes.py, pulled, too strong to be damaged
-    skip/failed, skip/detached
-                    the same pulled through failure
+    skip/failed     the same pulled through failure
     skip/resting    24 such bonds, coarse, in a row; one is pulled, the others are held still
 """
 import statistics
@@ -12,7 +11,7 @@ import statistics
 from bonds import cpu_seconds, failure
 from scenes import CALCITE, NEIGHBOURS, RADIUS, RING, cement, edit, host, launch, pair
 
-NAMES = [f"skip/{w}" for w in ("undamaged", "failed", "detached", "resting")]
+NAMES = [f"skip/{w}" for w in ("undamaged", "failed", "resting")]
 CELL = 2e-4
 BONDS = 24
 

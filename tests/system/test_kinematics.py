@@ -105,7 +105,7 @@ def test_skip(word, limit, skips_all, tmp_path, figures):
 
 def test_bodies_at_rest_sleep(tmp_path):
     script = pair(CELL / 2) + cement(CELL, DT) + "fix hold grains move linear 0 0 0\nrun 50\n"
-    assert "1 of 1 parts of bodies at rest" in run(script, tmp_path).output
+    assert "1 of 1 bonds at rest" in run(script, tmp_path).output
 
 
 def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
@@ -128,7 +128,7 @@ def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
                    "unfix push\nfix push last move linear 0 0 0\nrun 40 pre no\nrun 100\n")
         done = run(script, tmp_path / f"{on}{ranks}", ranks)
         if on == "yes" and ranks == 1:
-            assert "2 of 3 parts of bodies at rest" in done.output
+            assert "2 of 3 bonds at rest" in done.output
         return done.table()
 
     for ranks in (1, 2):
