@@ -59,16 +59,15 @@ Stepper::Stepper(const Method& method, double h, const std::vector<Point>& X, do
     : method_(method), law_(std::move(law)), density_(density) {
   grid.h = h;
   grid.basis = method.basis;
-  std::vector<int> live, tags, place;
+  int tag = 0;
   for (const Point& x : X) {
     PointRecord r;
     r.has_frame = true;
     std::copy(x.begin(), x.end(), r.X);
     r.volume = volume;
-    tags.push_back(static_cast<int>(tags.size()) + 1);
-    live.push_back(points.add(r, tags.back()));
+    points.add(r, ++tag);
   }
-  points.arrange(live, tags, h, place, {}, method.basis);
+  points.arrange(h, method.basis);
   if (method.updated) points.let_move();
   blocks_when_arranged_ = points.blocks.size();
   lay_out();
@@ -85,12 +84,7 @@ void Stepper::lay_out() {
 }
 
 void Stepper::arrange() {
-  std::vector<int> live, tags, place;
-  for_points([&](int b, int l) {
-    live.push_back(kLanes * b + l);
-    tags.push_back(points.tags[b][l]);
-  });
-  points.arrange(live, tags, grid.h, place, {}, method_.basis);
+  points.arrange(grid.h, method_.basis);
   blocks_when_arranged_ = points.blocks.size();
 }
 
@@ -140,7 +134,7 @@ void Stepper::step(double dt) {
 }
 
 void Stepper::step_total(double dt) {
-  if (method_.transfers) reproject_velocity(points, grid, density_, method_.transfer, dt, jump_);
+  if (method_.transfers) reproject_velocity(points, grid, {}, density_, method_.transfer, dt, jump_);
   grid.drift(dt, dt);
   grid.clear_force();
   advance_points(points, grid, *law_, dt, result_);
@@ -154,7 +148,7 @@ void Stepper::step_updated(double dt) {
   grid.drift(dt, 0.0);
   if (method_.transfer.method == Transfer::xpic && method_.transfer.order > 1) {
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.velocity[i] -= dt * grid.acceleration[i];
-    filter_velocity(points, grid, density_, method_.transfer.order);
+    filter_velocity(points, grid, {}, density_, method_.transfer.order);
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.velocity[i] += dt * grid.acceleration[i];
   }
   if (before_points) before_points(*this, dt);

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The step of fix mpm without LIGGGHTS and grains, for benchmarks: one free body on one
-// process, kernels and their order as in styles/fix_mpm_step.cpp and fix_mpm_updated.cpp.
+// process, kernels and their order as in cement/total.cpp and cement/updated.cpp.
 // SI or any other consistent units.
 #ifndef MPDEM_BENCH_STEPPER_H
 #define MPDEM_BENCH_STEPPER_H

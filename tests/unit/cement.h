@@ -55,9 +55,8 @@ class Cement {
       r.q[3] = q.z();
       slots.push_back(points.add(r, tags[i]));
     }
-    std::vector<int> place;
-    points.arrange(slots, tags, h, place, {}, basis);
-    slots = place;
+    const std::vector<int> place = points.arrange(h, basis);
+    for (int& s : slots) s = place[s];
     std::vector<Grid::Cell> cells;
     for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
     std::vector<char> fresh;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cement.h"
-#include "coupling/penalty_links.h"
+#include "cement/bond.h"
 
 namespace mpdem::test {
 
@@ -28,11 +28,9 @@ inline void copy(const Eigen::Quaterniond& q, double* to) {
 
 struct Scene {
   std::vector<Body> bodies{2};
-  PointStore points;
-  std::vector<int> slots;
-  Grid grid;
+  std::vector<Bond> bonds{2};
+  std::vector<int> slots[2];  // of the points of either, in the order they were made
   GrainSides sides;
-  PenaltyLinks links;
   std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
   Random random;
 
@@ -42,6 +40,7 @@ struct Scene {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
       Body& body = bodies[b];
+      bonds[b].body = b;
       const Vector n = random.direction();
       copy(random.vector(), body.origin);
       for (int s = 0; s < 2; ++s) {
@@ -67,31 +66,52 @@ struct Scene {
           k.attached = 1;
           copy(centre + body.radius[s] * (X - centre).normalized(), k.foot);
         }
-        slots.push_back(points.add(r, tag++));
+        slots[b].push_back(bonds[b].points.add(r, tag++));
       }
+      lay_out(bonds[b], p, basis);
     }
-    std::vector<int> tags(slots.size()), place;
-    std::iota(tags.begin(), tags.end(), 1);
-    points.arrange(slots, tags, kH, place, {}, basis);
-    slots = place;
-    links.build(points, bodies, p, kH, kDensity, basis);
-    std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
-    links.add_cells(cells);
-    std::vector<char> fresh;
-    grid.basis = basis;
-    grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
-    grid.lump_mass(points, kDensity);
     const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
-    sides.build(MPI_COMM_SELF, bodies, grid.keys, all);
-    links.bind(sides);
+    sides.build(MPI_COMM_SELF, bodies, {0, 1}, all);
+    for (Bond& b : bonds) b.side = sides.find(b.body, 0);
     place_grains(0.0, 0.0);
   }
 
+  void lay_out(Bond& b, const PenaltyParameters& p, Basis basis) {
+    const std::vector<int> place = b.points.arrange(kH, basis);
+    for (int& slot : slots[b.body]) slot = place[slot];
+    b.links = PenaltyLinks(b.points, bodies[b.body], p, kH, kDensity, basis);
+    std::vector<Grid::Cell> cells;
+    for (BlockMeta& m : b.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    b.links.add_cells(cells);
+    std::vector<char> fresh;
+    b.grid.basis = basis;
+    b.grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
+    b.grid.lump_mass(b.points, kDensity);
+  }
+  // As of the store now, on the grid as it is.
+  PenaltyLinks links_anew(const Bond& b) const {
+    PenaltyLinks links(b.points, bodies[b.body], b.links.parameters(), kH, kDensity, b.grid.basis);
+    EXPECT_TRUE(links.find_columns(b.grid));
+    return links;
+  }
   void tie() {
-    grid.tie(MPI_COMM_SELF, find_edge_ties(MPI_COMM_SELF, grid.basis, edges_of(grid)));
-    grid.lump_mass(points, kDensity);
-    links.find_masters(grid);
+    for (Bond& b : bonds) {
+      b.grid.tie(find_edge_ties(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
+      b.grid.lump_mass(b.points, kDensity);
+      b.links.find_masters(b.grid);
+    }
+  }
+  GrainSide* side(const Bond& b) { return &sides.sides[b.side]; }
+  const GrainSide* side(const Bond& b) const { return &sides.sides[b.side]; }
+  // Two numbers a node, of links to either side.
+  std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
+    std::vector<double> k(2 * b.grid.size(), 0.0);
+    b.links.add_stiffness(side(b), dt, k.data());
+    return k;
+  }
+  // All the mass that the penalty asks for, and what a cement of this eigenvalue does.
+  void set_added_mass(double dt = kDt, double lambda = 0.0) {
+    for (Bond& b : bonds) b.added.find(b.links, b.grid, side(b), {dt, lambda, false, kBound});
   }
 
   // Displacements and velocities of grains and nodes at random.
@@ -106,37 +126,59 @@ struct Scene {
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(displacement * random.uniform(-1, 1), random.direction()));
       copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), motion[i].q);
     }
-    for (double& u : grid.displacement) u = displacement * random.uniform(-1, 1);
-    for (double& v : grid.velocity) v = velocity * random.uniform(-1, 1);
-    grid.ties.extend(grid.displacement.data());
-    grid.ties.extend(grid.velocity.data());
+    for (Bond& b : bonds)
+      for (double& u : b.grid.displacement) u = displacement * random.uniform(-1, 1);
+    for (Bond& b : bonds)
+      for (double& v : b.grid.velocity) v = velocity * random.uniform(-1, 1);
+    for (Bond& b : bonds) {
+      b.grid.ties.extend(b.grid.displacement.data());
+      b.grid.ties.extend(b.grid.velocity.data());
+    }
     sides.distribute(bodies, motion);
+  }
+  // Accelerations of grains at random.
+  void accelerate_grains() {
+    for (GrainSides::Motion& m : motion) {
+      copy(random.vector(), m.a);
+      copy(random.vector(), m.alpha);
+    }
+    sides.distribute(bodies, motion);
+  }
+  double spring_energy() const {
+    double energy = 0.0;
+    for (const Bond& b : bonds) b.links.add_spring_energy(b.grid, side(b), energy);
+    return energy;
   }
   double energy() {
     sides.distribute(bodies, motion);
-    return links.spring_energy(grid, sides);
+    return spring_energy();
   }
   void add_force() {
     sides.distribute(bodies, motion);
     sides.clear_forces();
-    grid.clear_force();
-    links.add_force(grid, sides);
-    grid.sum_force();
+    for (Bond& b : bonds) {
+      b.grid.clear_force();
+      b.links.add_force(b.grid, side(b));
+      b.grid.sum_force();
+    }
   }
   void turn(int i, const Vector& rotation) {
     const Eigen::Quaterniond q(motion[i].q[0], motion[i].q[1], motion[i].q[2], motion[i].q[3]);
     copy(Eigen::Quaterniond(Eigen::AngleAxisd(rotation.norm(), rotation.normalized())) * q, motion[i].q);
   }
-  Vector node(int n) const {
+  static Vector node(const Grid& grid, int n) {
     const auto& k = grid.keys[n];
     return kH * Vector(k[1], k[2], k[3]) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
   }
+  static Vector at(const std::vector<double>& field, int n) { return {field[3 * n], field[3 * n + 1], field[3 * n + 2]}; }
+  // A nodal field of each bond.
+  std::vector<std::vector<double>> forces() const { return {bonds[0].grid.force, bonds[1].grid.force}; }
 
   // Resultant and moment about the origin of each body of nodal forces `f` and of what the
   // grains feel, over their sizes.
-  void expect_balanced(const std::vector<double>& f, double tolerance, const std::string& what) const {
+  void expect_balanced(const std::vector<std::vector<double>>& f, double tolerance, const std::string& what) const {
     Worst resultant, moment;
-    for (int b = 0; b < 2; ++b) {
+    for (const Bond& b : bonds) {
       Vector F = Vector::Zero(), M = Vector::Zero();
       double F_size = 0, M_size = 0;
       const auto add = [&](const Vector& x, const Vector& force, const Vector& torque) {
@@ -145,11 +187,11 @@ struct Scene {
         F_size += force.norm();
         M_size += x.norm() * force.norm();
       };
-      for (int n = 0; n < grid.size(); ++n)
-        if (body_of(grid.keys[n][0]) == b) add(node(n), {f[3 * n], f[3 * n + 1], f[3 * n + 2]}, Vector::Zero());
-      for (const GrainSide& s : sides.sides)
-        if (s.body == b)
-          add(Eigen::Map<const Vector>(s.x), Eigen::Map<const Vector>(s.force), Eigen::Map<const Vector>(s.torque));
+      for (int n = 0; n < b.grid.size(); ++n) add(node(b.grid, n), at(f[b.body], n), Vector::Zero());
+      for (int s = 0; s < 2; ++s) {
+        const GrainSide& g = side(b)[s];
+        add(Eigen::Map<const Vector>(g.x), Eigen::Map<const Vector>(g.force), Eigen::Map<const Vector>(g.torque));
+      }
       EXPECT_GT(F_size, 0.0);
       resultant.add(F.norm() / F_size);
       moment.add(M.norm() / M_size);

@@ -181,12 +181,7 @@ TEST_P(Updated, RelocationKeepsThePass) {
     if (g.mass[i] > 0.0)
       nodes[g.keys[i]] = {g.mass[i], g.momentum[3 * i], g.momentum[3 * i + 1], g.momentum[3 * i + 2],
                           g.force[3 * i], g.force[3 * i + 1], g.force[3 * i + 2]};
-  std::vector<int> live, tags, place;
-  lump.for_points([&](int b, int l) {
-    live.push_back(kLanes * b + l);
-    tags.push_back(lump.c.points.tags[b][l]);
-  });
-  lump.c.points.arrange(live, tags, kCell, place, {}, GetParam());
+  lump.c.points.arrange(kCell, GetParam());
   lump.lay_out();
   lump.project();
   double mass = 0, momentum = 0, force = 0;

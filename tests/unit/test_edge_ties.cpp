@@ -169,7 +169,7 @@ TEST(EdgeTies, ForceIsTransposedAndMassIsKept) {
   Cement c(kH, lattice(2, Vector(0.1, 0.3, -0.2), 4, inside), 0.3);
   const std::vector<EdgeTie> ties = ties_of(c);
   const std::vector<double> untied = c.grid.mass;
-  c.grid.tie(MPI_COMM_SELF, ties);
+  c.grid.tie(ties, true);
   EXPECT_EQ(c.grid.ties.size(), ties.size());
   c.grid.lump_mass(c.points, 1.0);
   double before = 0, after = 0, least = 1e9;
@@ -200,7 +200,7 @@ TEST(EdgeTies, BoundOfTheEigenvalueHolds) {
     for (double s : {0.0, 0.1, 0.25, 0.4}) {
       const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
       Cement c(kH, lattice(2, Vector(s, 0.5 * s, -s), 4, inside), kH * kH * kH / 8, Eigen::Quaterniond::Identity(), basis);
-      c.grid.tie(MPI_COMM_SELF, ties_of(c));
+      c.grid.tie(ties_of(c), true);
       c.grid.lump_mass(c.points, 2700.0);
       const double bound = eigenvalue_bound(basis, law.elasticity().largest_stiffness(), 2700.0, kH) * c.grid.largest_tie_factor();
       const EigenvalueEstimate e = largest_eigenvalue(MPI_COMM_SELF, c.points, c.grid, law);
@@ -292,7 +292,7 @@ TEST(EdgeTies, SheetsKeepSums) {
   double before = 0.0, after = 0.0;
   for (double m : c.grid.mass) before += m;
   const std::vector<EdgeTie> ties = find_edge_ties(MPI_COMM_SELF, Basis::quadratic, SlitBall::nodes(c.grid));
-  c.grid.tie(MPI_COMM_SELF, ties);
+  c.grid.tie(ties, true);
   c.grid.lump_mass(c.points, 1.0);
   for (double m : c.grid.mass) {
     EXPECT_GE(m, 0.0);

@@ -18,7 +18,6 @@ using test::kBound;
 using test::kDt;
 using test::Scene;
 using test::Vector;
-using Grain = GrainAccelerations::Grain;
 
 // edge nodes tied or free, basis, mass of the grains over that of the cement of a bond
 class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, double>> {
@@ -27,14 +26,22 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
   struct Setting : Scene {
     using Scene::Scene;
     std::vector<Grain> grains;
+    std::vector<GrainAccelerations::Vector6> load;  // of each
     GrainAccelerations accelerations;
+
+    std::vector<GrainAccelerations::OfBond> of_bonds() const {
+      std::vector<GrainAccelerations::OfBond> all;
+      for (const Bond& b : bonds) all.push_back({&b.added, &b.grid, b.side});
+      return all;
+    }
   };
   Setting setting(std::uint64_t seed) const {
     const auto& [tied, basis, mass] = GetParam();
     Setting s(seed, test::penalty(true, 0.0), basis);
     if (tied) s.tie();
     double cement = 0.0;
-    for (int n = 0; n < s.grid.size(); ++n) cement += 0.5 * s.grid.mass[n];
+    for (const Bond& b : s.bonds)
+      for (double m : b.grid.mass) cement += 0.5 * m;
     const std::vector<std::vector<int>> sides{{0}, {1, 2}, {3}};
     for (const std::vector<int>& of : sides) {
       Grain g;
@@ -45,6 +52,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
       for (bool& f : g.free) f = true;
       for (int i : of) s.motion[i].mass_ratio = 3.5 * of.size() * cement / g.mass;
       s.grains.push_back(g);
+      s.load.emplace_back(GrainAccelerations::Vector6::Zero());
     }
     return s;
   }
@@ -52,10 +60,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
 
 void prepare(Scene& s, double lambda = 0.0) {
   s.sides.distribute(s.bodies, s.motion);
-  std::fill(s.grid.penalty.begin(), s.grid.penalty.end(), 0.0);
-  s.links.add_stiffness(s.grid, s.sides, kDt);
-  s.grid.set_added_mass(kDt, lambda, false, kBound);
-  s.links.share_added_mass(s.grid, s.sides);
+  s.set_added_mass(kDt, lambda);
 }
 
 TEST_P(Accelerations, SolveTheEquationsOfMotion) {
@@ -63,16 +68,18 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
   s.place_grains(0.05, 1.0);
   prepare(s);
   int of_both = 0;
-  for (const PenaltyLinks::AddedMass& a : s.links.added_masses()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
+  for (const Bond& b : s.bonds)
+    for (const AddedMass::Share& a : b.added.shares()) of_both += a.mass[0] > 0.0 && a.mass[1] > 0.0;
   EXPECT_GT(of_both, 5);
   for (int turn = 0; turn < 4; ++turn) {
     // all free, then some prescribed, which all sides of a grain are told
-    for (Grain& g : s.grains) {
+    for (std::size_t n = 0; n < s.grains.size(); ++n) {
+      Grain& g = s.grains[n];
       Vector a = Vector::Zero(), alpha = Vector::Zero();
       for (int i = 0; i < 6; ++i) {
         g.free[i] = turn == 0 || s.random.index(3) != 0;
         if (!g.free[i]) (i < 3 ? a : alpha)[i % 3] = s.random.uniform(-1, 1);
-        g.load[i] = s.random.uniform(-1, 1);
+        s.load[n][i] = s.random.uniform(-1, 1);
       }
       for (int side : g.sides) {
         copy(a, s.motion[side].a);
@@ -81,28 +88,32 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     }
     s.sides.distribute(s.bodies, s.motion);
     s.sides.clear_forces();
-    for (std::size_t i = 0; i < s.grid.force.size(); ++i)
-      s.grid.force[i] = s.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
-    const std::vector<double> force = s.grid.force;
+    for (Bond& b : s.bonds)
+      for (std::size_t i = 0; i < b.grid.force.size(); ++i)
+        b.grid.force[i] = b.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
+    const std::vector<std::vector<double>> force = s.forces();
     const std::vector<GrainSide> before = s.sides.sides;
-    s.accelerations.find(MPI_COMM_SELF, s.links, s.grid, s.grains, s.sides, true);
-    s.links.carry_added_mass(s.grid, s.sides);
-    s.grid.update_acceleration();
+    s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.sides, true);
     test::Worst node, grain;
-    for (const PenaltyLinks::AddedMass& m : s.links.added_masses()) {
-      Vector rest(&force[3 * m.node]);
-      const Vector a(&s.grid.acceleration[3 * m.node]);
-      rest -= s.grid.mass[m.node] * a;
-      for (int side = 0; side < 2; ++side) {
-        const GrainSide& g = s.sides.sides[m.at[side]];
-        const Vector arm = s.node(m.node) - Vector(g.x);
-        rest -= m.mass[side] * (a - Vector(g.a) - Vector(g.alpha).cross(arm));
+    for (Bond& b : s.bonds) {
+      b.added.carry(b.grid, s.side(b));
+      b.grid.update_acceleration(b.added.of_nodes());
+      for (const AddedMass::Share& m : b.added.shares()) {
+        Vector rest(&force[b.body][3 * m.node]);
+        const Vector a(&b.grid.acceleration[3 * m.node]);
+        rest -= b.grid.mass[m.node] * a;
+        for (int side = 0; side < 2; ++side) {
+          const GrainSide& g = s.side(b)[side];
+          const Vector arm = s.node(b.grid, m.node) - Vector(g.x);
+          rest -= m.mass[side] * (a - Vector(g.a) - Vector(g.alpha).cross(arm));
+        }
+        node.add(rest.norm());
       }
-      node.add(rest.norm());
     }
-    for (const Grain& g : s.grains) {
+    for (std::size_t n = 0; n < s.grains.size(); ++n) {
+      const Grain& g = s.grains[n];
       const GrainSide& first = s.sides.sides[g.sides[0]];
-      Eigen::Matrix<double, 6, 1> rest = g.load, A;
+      Eigen::Matrix<double, 6, 1> rest = s.load[n], A;
       A << Vector(first.a), Vector(first.alpha);
       for (int side : g.sides) {
         const GrainSide& of = s.sides.sides[side];
@@ -127,15 +138,23 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
 
 // Of free nodes with links, then of grains.
 struct Unknowns {
-  std::vector<int> nodes, at, grain_of;  // at: place of each node, -1: none; grain_of: of each side
-  int first = 0, size = 0;               // of the grains, of all
+  struct Node {
+    int bond, node;
+  };
+  std::vector<Node> nodes;
+  std::vector<int> at[2], grain_of;  // at: place of each node of either bond, -1: none; grain_of: of each side
+  int first = 0, size = 0;           // of the grains, of all
 
-  Unknowns(const Scene& s, const std::vector<Grain>& grains) : at(s.grid.size(), -1), grain_of(s.sides.sides.size()) {
-    for (int n = 0; n < s.grid.size(); ++n)
-      if (s.grid.penalty[2 * n] + s.grid.penalty[2 * n + 1] > 0.0) {
-        at[n] = 3 * static_cast<int>(nodes.size());
-        nodes.push_back(n);
-      }
+  Unknowns(const Scene& s, const std::vector<Grain>& grains) : grain_of(s.sides.sides.size()) {
+    for (const Bond& b : s.bonds) {
+      at[b.body].assign(b.grid.size(), -1);
+      const std::vector<double> k = s.row_sums(b);
+      for (int n = 0; n < b.grid.size(); ++n)
+        if (k[2 * n] + k[2 * n + 1] > 0.0) {
+          at[b.body][n] = 3 * static_cast<int>(nodes.size());
+          nodes.push_back({b.body, n});
+        }
+    }
     for (std::size_t g = 0; g < grains.size(); ++g)
       for (int side : grains[g].sides) grain_of[side] = static_cast<int>(g);
     first = 3 * static_cast<int>(nodes.size());
@@ -150,7 +169,7 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
   const auto forces = [&] {
     s.add_force();
     Eigen::VectorXd f = Eigen::VectorXd::Zero(u.size);
-    for (std::size_t i = 0; i < u.nodes.size(); ++i) f.segment<3>(3 * i) = Vector(&s.grid.force[3 * u.nodes[i]]);
+    for (std::size_t i = 0; i < u.nodes.size(); ++i) f.segment<3>(3 * i) = Vector(&s.bonds[u.nodes[i].bond].grid.force[3 * u.nodes[i].node]);
     for (std::size_t side = 0; side < u.grain_of.size(); ++side) {
       f.segment<3>(u.first + 6 * u.grain_of[side]) += Vector(s.sides.sides[side].force);
       f.segment<3>(u.first + 6 * u.grain_of[side] + 3) += Vector(s.sides.sides[side].torque);
@@ -158,11 +177,12 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
     return f;
   };
   const auto displaced = [&](int j, double by) {
-    std::fill(s.grid.displacement.begin(), s.grid.displacement.end(), 0.0);
+    for (Bond& b : s.bonds) std::fill(b.grid.displacement.begin(), b.grid.displacement.end(), 0.0);
     s.motion = rest;
     if (j < u.first) {
-      s.grid.displacement[3 * u.nodes[j / 3] + j % 3] = by;
-      s.grid.ties.extend(s.grid.displacement.data());
+      Grid& grid = s.bonds[u.nodes[j / 3].bond].grid;
+      grid.displacement[3 * u.nodes[j / 3].node + j % 3] = by;
+      grid.ties.extend(grid.displacement.data());
     } else {
       const Vector direction = by * Vector::Unit((j - u.first) % 3);
       for (int side : grains[(j - u.first) / 6].sides) {
@@ -182,25 +202,27 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
 
 Eigen::MatrixXd mass_matrix(const Scene& s, const std::vector<Grain>& grains, const Unknowns& u) {
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(u.size, u.size);
-  for (std::size_t i = 0; i < u.nodes.size(); ++i) M.diagonal().segment<3>(3 * i).setConstant(s.grid.mass[u.nodes[i]]);
+  const auto mass_of = [&](const Unknowns::Node& n) { return s.bonds[n.bond].grid.mass[n.node]; };
+  for (std::size_t i = 0; i < u.nodes.size(); ++i) M.diagonal().segment<3>(3 * i).setConstant(mass_of(u.nodes[i]));
   for (std::size_t g = 0; g < grains.size(); ++g) {
     M.diagonal().segment<3>(u.first + 6 * g).setConstant(grains[g].mass);
     M.diagonal().segment<3>(u.first + 6 * g + 3).setConstant(grains[g].inertia);
   }
-  for (const PenaltyLinks::AddedMass& a : s.links.added_masses())
-    for (int side = 0; side < 2; ++side) {
-      const Vector r = s.node(a.node) - Vector(s.sides.sides[a.at[side]].x);
-      const int part[2] = {u.at[a.node], u.first + 6 * u.grain_of[a.at[side]]};
-      Eigen::Matrix<double, 3, 9> relative;
-      relative.leftCols<3>().setIdentity();
-      relative.middleCols<3>(3) = -Eigen::Matrix3d::Identity();
-      for (int d = 0; d < 3; ++d) relative.col(6 + d) = -Vector::Unit(d).cross(r);
-      const Eigen::Matrix<double, 9, 9> m = a.mass[side] * relative.transpose() * relative;
-      M.block<3, 3>(part[0], part[0]) += m.topLeftCorner<3, 3>();
-      M.block<3, 6>(part[0], part[1]) += m.topRightCorner<3, 6>();
-      M.block<6, 3>(part[1], part[0]) += m.bottomLeftCorner<6, 3>();
-      M.block<6, 6>(part[1], part[1]) += m.bottomRightCorner<6, 6>();
-    }
+  for (const Bond& b : s.bonds)
+    for (const AddedMass::Share& a : b.added.shares())
+      for (int side = 0; side < 2; ++side) {
+        const Vector r = s.node(b.grid, a.node) - Vector(s.side(b)[side].x);
+        const int part[2] = {u.at[b.body][a.node], u.first + 6 * u.grain_of[b.side + side]};
+        Eigen::Matrix<double, 3, 9> relative;
+        relative.leftCols<3>().setIdentity();
+        relative.middleCols<3>(3) = -Eigen::Matrix3d::Identity();
+        for (int d = 0; d < 3; ++d) relative.col(6 + d) = -Vector::Unit(d).cross(r);
+        const Eigen::Matrix<double, 9, 9> m = a.mass[side] * relative.transpose() * relative;
+        M.block<3, 3>(part[0], part[0]) += m.topLeftCorner<3, 3>();
+        M.block<3, 6>(part[0], part[1]) += m.topRightCorner<3, 6>();
+        M.block<6, 3>(part[1], part[0]) += m.bottomLeftCorner<6, 3>();
+        M.block<6, 6>(part[1], part[1]) += m.bottomRightCorner<6, 6>();
+      }
   return M;
 }
 
@@ -220,10 +242,10 @@ TEST_P(Accelerations, BoundOfTheTimeStepHolds) {
   for (double share : {0.0, 0.5, 0.95}) {
     const double lambda = share * kBound / (kDt * kDt);
     prepare(s, lambda);
-    EXPECT_GT(s.links.added_masses().size(), 10u);
+    EXPECT_GT(s.bonds[0].added.shares().size() + s.bonds[1].added.shares().size(), 10u);
     const Eigen::MatrixXd M = mass_matrix(s, s.grains, u);
     Eigen::MatrixXd both = K;
-    for (int i = 0; i < u.first; ++i) both(i, i) += lambda * s.grid.mass[u.nodes[i / 3]];
+    for (int i = 0; i < u.first; ++i) both(i, i) += lambda * s.bonds[u.nodes[i / 3].bond].grid.mass[u.nodes[i / 3].node];
     EXPECT_TRUE(is_stable(both, M, kBound)) << "cement at " << share;
     EXPECT_FALSE(is_stable(both, M, (std::get<2>(GetParam()) < 5 ? 0.1 : 0.5) * kBound)) << "cement at " << share;
   }

@@ -163,6 +163,148 @@ TEST_F(Ranks, HaloSum) {
     }
 }
 
+// Many arrays in one message a rank: the same bits as one after the other. Some parts no rank shares, or this one has nothing of.
+TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
+  constexpr int kParts = 6;
+  const double share[kParts] = {0.5, 0.0, 1.0, 0.05, 0.3, 0.8};
+  for (int width : {1, 3, 9}) {
+    std::vector<HaloSum> halo(kParts);
+    std::vector<std::vector<Key>> keys(kParts);
+    std::size_t shared = 0;
+    for (int p = 0; p < kParts; ++p) {
+      // of the part before the last rank 0 holds nothing, of the last only one rank holds anything
+      const bool none = (p == kParts - 2 && rank() == 0) || (p == kParts - 1 && rank() != ranks() - 1);
+      keys[p] = random_keys(random_, none ? 0.0 : share[p]);
+      for (Key& k : keys[p]) k[0] += 2 * p;
+      halo[p].build(MPI_COMM_WORLD, keys[p]);
+      shared += halo[p].shared_items();
+    }
+    EXPECT_EQ(shared > 0, ranks() > 1);
+    EXPECT_FALSE(halo.back().shares_any());
+    HaloSums all;
+    std::vector<HaloSum*> parts;
+    for (HaloSum& h : halo) parts.push_back(&h);
+    all.build(parts);
+    for (int round = 0; round < 2; ++round) {
+      std::vector<std::vector<double>> one(kParts), together;
+      for (int p = 0; p < kParts; ++p) {
+        one[p].resize(width * keys[p].size());
+        for (double& v : one[p]) v = random_.uniform(-1, 1) * std::pow(10.0, random_.uniform(-3, 3));
+      }
+      together = one;
+      for (int p = 0; p < kParts; ++p) halo[p].sum(one[p].data(), width);
+      std::vector<double*> values;
+      for (std::vector<double>& v : together) values.push_back(v.data());
+      all.sum(values, width);
+      for (int p = 0; p < kParts; ++p) {
+        EXPECT_EQ(std::memcmp(one[p].data(), together[p].data(), one[p].size() * sizeof(double)), 0) << "part " << p;
+      }
+    }
+  }
+}
+
+// Grids of several bonds laid out at once are those laid out one by one: nodes, columns, motion, halo. One bond came apart,
+// the motion of another is known to all, of some this rank has nothing.
+TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
+  constexpr int kBonds = 5;
+  constexpr double kSize = 0.5;
+  for (const int margin : {0, 2}) {
+    struct Made {
+      Grid grid;
+      std::vector<std::array<int, kMostColumns>> column;
+      std::vector<char> fresh;
+    };
+    std::vector<std::vector<std::array<int, 4>>> bases(kBonds);
+    std::vector<NodeKinematics> before(kBonds);
+    std::vector<std::map<int, int>> parent(kBonds);
+    std::vector<std::vector<Key>> extra(kBonds);
+    test::Random same(77);
+    for (int b = 0; b < kBonds; ++b) {
+      const bool apart = b == 2;
+      const int cells = b == 1 && rank() == 0 ? 0 : 12;
+      for (int i = 0; i < cells; ++i)
+        bases[b].push_back({field_of(b, apart ? random_.index(2) : 0), random_.index(5), random_.index(5), random_.index(5)});
+      if (apart) parent[b][field_of(b, 1)] = field_of(b, 0);
+      // a value belongs to its node, whoever knows it
+      for (int i = -1; i < 5; ++i)
+        for (int j = 0; j < 6; ++j)
+          for (int k = 0; k < 6; ++k) {
+            std::array<double, NodeKinematics::kWidth> v;
+            for (double& x : v) x = same.uniform(-1, 1);
+            if (b != 3 && (i + j + k + 9) % ranks() != rank()) continue;
+            before[b].keys.push_back({field_of(b, 0), i, j, k});
+            before[b].values.insert(before[b].values.end(), v.begin(), v.end());
+          }
+      if (b == 4) extra[b].push_back({field_of(b, 0), 40 + rank() % 2, 0, 0});
+    }
+    const auto cells_of = [&](int b, Made& m) {
+      std::vector<Grid::Cell> cells;
+      m.column.assign(bases[b].size(), {});
+      for (std::size_t i = 0; i < bases[b].size(); ++i) cells.push_back({bases[b][i][0], &bases[b][i][1], m.column[i].data()});
+      return cells;
+    };
+    std::vector<Made> one(kBonds), together(kBonds);
+    for (int b = 0; b < kBonds; ++b)
+      one[b].grid.build(MPI_COMM_WORLD, kSize, cells_of(b, one[b]), before[b], one[b].fresh, parent[b], margin, extra[b]);
+    std::vector<GridRequest> requests;
+    std::vector<int> asked;
+    for (int b = 0; b < kBonds; ++b) {
+      if (bases[b].empty() && before[b].keys.empty()) continue;
+      GridRequest r;
+      r.grid = &together[b].grid;
+      r.cells = cells_of(b, together[b]);
+      r.before = before[b];
+      r.parent_field = parent[b];
+      r.extra = extra[b];
+      requests.push_back(r);
+      asked.push_back(b);
+    }
+    build_grids(MPI_COMM_WORLD, kSize, margin, 1e9, requests);
+    int fresh = 0, known = 0;
+    for (std::size_t n = 0; n < asked.size(); ++n) {
+      const Made &a = one[asked[n]], &b = together[asked[n]];
+      EXPECT_EQ(a.grid.keys, b.grid.keys);
+      EXPECT_EQ(a.column, b.column);
+      EXPECT_EQ(a.fresh, requests[n].fresh);
+      EXPECT_EQ(a.grid.velocity, b.grid.velocity);
+      EXPECT_EQ(a.grid.displacement, b.grid.displacement);
+      EXPECT_EQ(a.grid.acceleration, b.grid.acceleration);
+      EXPECT_EQ(a.grid.mass.size(), b.grid.mass.size());
+      EXPECT_EQ(a.grid.force.size(), b.grid.force.size());
+      EXPECT_EQ(a.grid.halo.counts_here(), b.grid.halo.counts_here());
+      EXPECT_EQ(a.grid.halo.shared_items(), b.grid.halo.shared_items());
+      for (char f : a.fresh) (f ? fresh : known) += 1;
+    }
+    EXPECT_GT(fresh, 0);
+    EXPECT_GT(known, 0);
+    // the halos exchange the same
+    for (int b = 0; b < kBonds; ++b) {
+      std::vector<double> x(3 * one[b].grid.keys.size());
+      for (double& v : x) v = random_.uniform(-1, 1);
+      std::vector<double> y = x;
+      one[b].grid.halo.sum(x.data(), 3);
+      if (std::find(asked.begin(), asked.end(), b) == asked.end()) continue;
+      together[b].grid.halo.sum(y.data(), 3);
+      EXPECT_EQ(x, y);
+    }
+    // too large for one rank is too large for all, which hear of the same size
+    constexpr double kMost = 8e6;
+    if (rank() == ranks() - 1)
+      for (int i = 0; i < 20000; ++i) requests.back().extra.push_back({field_of(asked.back(), 0), 100 + i, 0, 0});
+    double told = 0.0;
+    try {
+      build_grids(MPI_COMM_WORLD, kSize, margin, kMost, requests);
+    } catch (const GridTooLarge& e) {
+      told = e.bytes;
+    }
+    double least = 0.0, largest = 0.0;
+    MPI_Allreduce(&told, &least, 1, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
+    MPI_Allreduce(&told, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    EXPECT_EQ(least, largest);
+    EXPECT_GT(largest, kMost);
+  }
+}
+
 // Cement dealt out to the ranks gives the masses and the forces that one rank gets alone.
 TEST_F(Ranks, GridIsThatOfOneRank) {
   const double h = 1e-4;
@@ -176,7 +318,6 @@ TEST_F(Ranks, GridIsThatOfOneRank) {
   for (double& v : whole.grid.velocity) v = same.uniform(-1, 1);
 
   PointStore points;
-  std::vector<int> slots, tags, place;
   for (std::size_t i = 0; i < X.size(); ++i) {
     // by thirds along x with a ragged edge
     const double share = X[i][0] / (4 * h) + 0.1 * same.uniform(-1, 1);
@@ -185,10 +326,9 @@ TEST_F(Ranks, GridIsThatOfOneRank) {
     r.has_frame = true;
     for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
     r.volume = 1e-13;
-    tags.push_back(static_cast<int>(i) + 1);
-    slots.push_back(points.add(r, tags.back()));
+    points.add(r, static_cast<int>(i) + 1);
   }
-  points.arrange(slots, tags, h, place);
+  points.arrange(h);
   std::vector<Grid::Cell> cells;
   for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
   Grid grid;
@@ -250,18 +390,20 @@ TEST_F(Ranks, GrainSides) {
     }
   // side k belongs to rank k mod ranks, but the last to nobody in the second round
   for (bool lost : {false, true}) {
-    std::vector<Key> needed, owned;
+    std::vector<int> here;  // bonds with nodes on this rank
+    std::vector<Key> owned;
     std::vector<GrainSides::Motion> mine;
+    for (int b = 0; b < n; ++b)
+      if (random_.index(2) || b == n - 1) here.push_back(b);
     for (int k = 0; k < 2 * n; ++k) {
       const Key key{k / 2, k % 2, 0, 0};
-      if (random_.index(2) || k == 2 * n - 1) needed.push_back(key);
       if (k % ranks() == rank() && !(lost && k == 2 * n - 1)) {
         owned.push_back(key);
         mine.push_back(motions[k]);
       }
     }
     GrainSides sides;
-    sides.build(MPI_COMM_WORLD, bodies, needed, owned);
+    sides.build(MPI_COMM_WORLD, bodies, here, owned);
     sides.distribute(bodies, mine);
     EXPECT_EQ(sides.orphan() >= 0, lost);
     if (sides.orphan() >= 0) {
@@ -269,8 +411,17 @@ TEST_F(Ranks, GrainSides) {
     }
     std::vector<double> forces(12 * n, 0.0);
     sides.clear_forces();
-    for (const Key& k : needed) EXPECT_GE(sides.find(k[0], k[1]), 0);
-    for (const Key& k : owned) EXPECT_GE(sides.find(k[0], k[1]), 0);
+    // of either grain both sides are here, one behind the other
+    std::set<int> bonds(here.begin(), here.end());
+    for (const Key& k : owned) {
+      bonds.insert(k[0]);
+      EXPECT_EQ(sides.owned().at(&k - owned.data()), sides.find(k[0], k[1]));
+    }
+    EXPECT_EQ(sides.sides.size(), 2 * bonds.size());
+    for (int b : bonds) {
+      EXPECT_GE(sides.find(b, 0), 0);
+      EXPECT_EQ(sides.find(b, 1), sides.find(b, 0) + 1);
+    }
     EXPECT_EQ(sides.find(n, 0), -1);
     for (std::size_t i = 0; i < sides.sides.size(); ++i) {
       GrainSide& s = sides.sides[i];

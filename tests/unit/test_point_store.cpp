@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <numeric>
 #include <set>
 #include <vector>
@@ -76,10 +77,18 @@ struct Filled {
   Filled(std::uint64_t seed, int n) {
     test::Random random(seed);
     for (int i = 0; i < n; ++i) {
+      EXPECT_EQ(store.size(), i);
       records.push_back(random_record(random));
       tags.push_back(1000 + 7 * i);
       slots.push_back(store.add(records.back(), tags.back()));
+      EXPECT_TRUE(store.changed());
     }
+  }
+  // Answers the slots, of the points in the order they were given.
+  const std::vector<int>& arrange(const std::map<int, int>& new_part = {}) {
+    const std::vector<int> place = store.arrange(kCell, Basis::quadratic, new_part);
+    for (int& slot : slots) slot = place[slot];
+    return slots;
   }
 };
 
@@ -158,15 +167,14 @@ TEST(PointStore, ArrangeGroupsByBodyPartAndCell) {
   Filled f(83, 2000);
   std::size_t links = 0;
   for (const PointRecord& r : f.records) links += r.links;
-  std::vector<int> where;
-  f.store.arrange(f.slots, f.tags, kCell, where);
+  const std::vector<int> where = f.arrange();
   expect_arranged(f.store, f.records, f.tags, where);
   EXPECT_EQ(f.store.links.size(), links);
   // and again, from the new places
-  std::vector<int> again;
   const std::vector<double> before = content(f.store);
-  f.store.arrange(where, f.tags, kCell, again);
-  EXPECT_EQ(again, where);
+  const std::vector<int> again = f.store.arrange(kCell);
+  for (int slot : where) EXPECT_EQ(again[slot], slot);
+  EXPECT_EQ(std::count(again.begin(), again.end(), -1), static_cast<long>(again.size() - where.size()));
   EXPECT_EQ(content(f.store), before);
 }
 
@@ -175,55 +183,117 @@ TEST(PointStore, ArrangeDoesNotDependOnTheOrderOfArrival) {
   std::vector<int> order(f.records.size());
   std::iota(order.begin(), order.end(), 0);
   test::Random random(85);
-  std::vector<int> where;
-  f.store.arrange(f.slots, f.tags, kCell, where);
+  const std::vector<int> where = f.arrange();
   for (int n = 0; n < 5; ++n) {
     random.shuffle(order);
     PointStore other;
-    std::vector<int> slots, tags, place;
-    for (int i : order) {
-      slots.push_back(other.add(f.records[i], f.tags[i]));
-      tags.push_back(f.tags[i]);
-    }
-    other.arrange(slots, tags, kCell, place);
+    std::vector<int> slots;
+    for (int i : order) slots.push_back(other.add(f.records[i], f.tags[i]));
+    const std::vector<int> place = other.arrange(kCell);
     EXPECT_EQ(content(other), content(f.store));
-    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(place[i], where[order[i]]);
+    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(place[slots[i]], where[order[i]]);
   }
 }
 
-TEST(PointStore, ArrangeDropsWhatIsNotListedAndTakesInArrivals) {
+TEST(PointStore, ArrangeDropsWhatWasReleasedAndTakesInArrivals) {
   Filled f(86, 500);
-  std::vector<int> where;
-  f.store.arrange(f.slots, f.tags, kCell, where);
+  const std::vector<int> where = f.arrange();
+  EXPECT_FALSE(f.store.changed());
   std::vector<int> live, tags;
   std::vector<PointRecord> records;
-  for (std::size_t i = 0; i < f.records.size(); i += 3) {
+  std::set<int> gone;
+  for (std::size_t i = 0; i < f.records.size(); ++i) {
+    if (i % 3 != 0) {
+      f.store.release(where[i]);
+      gone.insert(where[i]);
+      EXPECT_TRUE(f.store.changed());
+      continue;
+    }
     live.push_back(where[i]);
     tags.push_back(f.tags[i]);
     records.push_back(f.records[i]);
   }
+  EXPECT_EQ(f.store.size(), static_cast<int>(live.size()));
   test::Random random(87);
   for (int n = 0; n < 40; ++n) {
     records.push_back(random_record(random));
     tags.push_back(100000 + n);
     live.push_back(f.store.add(records.back(), tags.back()));
+    EXPECT_FALSE(gone.count(live.back()));
     EXPECT_EQ(packed(f.store.record(live.back())), packed(records.back()));
+    // one that comes and leaves again before all are arranged, whose lane and links are nobody else's
+    PointRecord passing = random_record(random);
+    passing.links = 2;
+    const int slot = f.store.add(passing, 200000 + n);
+    f.store.release(slot);
+    EXPECT_TRUE(gone.insert(slot).second);
   }
-  std::vector<int> place;
-  f.store.arrange(live, tags, kCell, place);
-  expect_arranged(f.store, records, tags, place);
+  EXPECT_EQ(f.store.size(), static_cast<int>(live.size()));
+  std::size_t links = 0;
+  for (const PointRecord& r : records) links += r.links;
+  EXPECT_GT(f.store.links.size(), links);  // those of the released are still there
+  const std::vector<int> place = f.store.arrange(kCell);
+  for (int slot : gone) EXPECT_EQ(place[slot], -1);
+  for (int& slot : live) slot = place[slot];
+  expect_arranged(f.store, records, tags, live);
+  EXPECT_EQ(f.store.links.size(), links);
+  EXPECT_EQ(f.store.size(), static_cast<int>(live.size()));
+  EXPECT_FALSE(f.store.changed());
+
+  // All leave: nothing is left, and the store is as new.
+  for (int slot : live) f.store.release(slot);
+  EXPECT_EQ(f.store.size(), 0);
+  f.store.arrange(kCell);
+  EXPECT_TRUE(f.store.blocks.empty() && f.store.links.empty());
+}
+
+// What was released gives nothing to a pass that comes before the next arrange(), and has no state left that would.
+TEST(PointStore, ReleasedLanesAreEmpty) {
+  Filled f(92, 100);
+  f.arrange();
+  for (std::size_t i = 0; i < f.slots.size(); i += 2) f.store.release(f.slots[i]);
+  for (std::size_t i = 0; i < f.slots.size(); ++i) {
+    const int b = f.slots[i] / kLanes, l = f.slots[i] % kLanes;
+    const BlockMeta& m = f.store.meta[b];
+    EXPECT_EQ(m.occupied >> l & 1, i % 2);
+    if (i % 2 != 0) {
+      EXPECT_EQ(packed(f.store.record(f.slots[i])), packed(f.records[i]));
+      continue;
+    }
+    EXPECT_EQ(double(f.store.blocks[b].volume[l]), 0.0);
+    EXPECT_FALSE((m.failed | m.framed | m.linked) >> l & 1);
+  }
+}
+
+// Points of one slot keep the order of their links; slots ascend.
+TEST(PointStore, LinksFollowTheirPoints) {
+  Filled f(93, 300);
+  f.arrange();
+  std::size_t at = 0;
+  std::vector<int> by_slot(f.slots.size());
+  std::iota(by_slot.begin(), by_slot.end(), 0);
+  std::sort(by_slot.begin(), by_slot.end(), [&](int a, int b) { return f.slots[a] < f.slots[b]; });
+  for (int i : by_slot)
+    for (int k = 0; k < f.records[i].links; ++k, ++at) {
+      ASSERT_LT(at, f.store.links.size());
+      EXPECT_EQ(f.store.links[at].slot, f.slots[i]);
+      EXPECT_EQ(f.store.links[at].grain, f.records[i].link[k].grain);
+      EXPECT_EQ(f.store.links[at].area, f.records[i].link[k].area);
+      EXPECT_EQ(f.store.links[at].attached, f.records[i].link[k].attached);
+    }
+  EXPECT_EQ(at, f.store.links.size());
 }
 
 TEST(PointStore, ArrangeMovesPointsToOtherParts) {
   Filled f(90, 400);
-  std::vector<int> part, where;
+  std::map<int, int> part;
   test::Random random(91);
-  for (PointRecord& r : f.records) {
-    r.part = random.index(4);
-    part.push_back(r.part);
+  for (std::size_t i = 0; i < f.records.size(); ++i) {
+    if (random.index(3) == 0) continue;  // stays
+    f.records[i].part = random.index(4);
+    part[f.slots[i]] = f.records[i].part;
   }
-  f.store.arrange(f.slots, f.tags, kCell, where, part);
-  expect_arranged(f.store, f.records, f.tags, where);
+  expect_arranged(f.store, f.records, f.tags, f.arrange(part));
 }
 
 TEST(PointStore, Clear) {
@@ -231,6 +301,8 @@ TEST(PointStore, Clear) {
   f.store.clear();
   EXPECT_TRUE(f.store.blocks.empty() && f.store.states().empty() && f.store.meta.empty() && f.store.tags.empty() &&
               f.store.links.empty());
+  EXPECT_FALSE(f.store.changed());
+  EXPECT_EQ(f.store.size(), 0);
   test::Random random(89);
   EXPECT_EQ(f.store.add(random_record(random), 1), 0);
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "mpm/resting.h"
+#include "cement/resting.h"
 
 #include <cstring>
 
-#include "coupling/resting_links.h"
 #include "linked_bonds.h"
 
 namespace mpdem {
@@ -23,8 +22,6 @@ TEST(Resting, SleepsAndWakesExactly) {
   Cement one(kCell, test::scattered(random, kCell, 3, 8), kCell * kCell * kCell / 8);
   Cement two = one;
   Resting on, off;
-  on.bind(one.points, one.grid);
-  off.bind(two.points, two.grid);
   AdvanceOptions all;
   all.skip_resting = false;
   int slept = 0;
@@ -38,7 +35,7 @@ TEST(Resting, SleepsAndWakesExactly) {
     on.advance(one.points, one.grid, law, 1.0, AdvanceOptions(), a);
     off.advance(two.points, two.grid, law, 1.0, all, b);
     slept += on.asleep();
-    EXPECT_EQ(off.asleep(), 0);
+    EXPECT_FALSE(off.asleep());
     EXPECT_EQ(a.failed, b.failed);
     EXPECT_EQ(a.dissipated, b.dissipated);
     EXPECT_EQ(one.grid.force, two.grid.force) << "step " << n;
@@ -59,8 +56,6 @@ TEST(Resting, FirstDamageAtRestKeepsAwake) {
   for (PointBlock& p : one.points.blocks) p.strain.zz = splat(2e-3);
   Cement two = one;
   Resting on, off;
-  on.bind(one.points, one.grid);
-  off.bind(two.points, two.grid);
   AdvanceOptions all;
   all.skip_resting = false;
   for (int n = 0; n < 5; ++n) {
@@ -75,31 +70,24 @@ TEST(Resting, FirstDamageAtRestKeepsAwake) {
   }
 }
 
-// Bodies and grains come to rest and move on, together or not; with the links too all forces are the same to the bit.
+// Bonds and grains come to rest and move on, together or not; with the links too all forces are the same to the bit.
 TEST(Resting, LinksSleepAndWakeExactly) {
   DamageParameters p;
   p.B0 = 1e6;
   const TensorDamage law(VtiElasticity(VtiConstants{60, 40, 0.25, 0.2, 18}), p);
   for (const double damping : {0.0, 0.3}) {
     test::Scene one(163, test::penalty(true, damping)), two(163, test::penalty(true, damping));
-    Resting on, off;
-    RestingLinks kept, none;
-    on.bind(one.points, one.grid);
-    off.bind(two.points, two.grid);
-    kept.bind(one.links, on, one.sides);
-    none.bind(two.links, off, two.sides);
     AdvanceOptions all;
     all.skip_resting = false;
-    int slept = 0, halves = 0;
+    int slept = 0, alone = 0;
     for (int n = 0; n < 120; ++n) {
-      // 10 steps a stage: body 0 moves, a grain of body 0 moves, body 1 moves, or nothing
+      // 10 steps a stage: bond 0 moves, a grain of bond 0 moves, bond 1 moves, or nothing
       const int stage = n / 10 % 5;
-      for (int i = 0; i < one.grid.size(); ++i) {
-        const int field = one.grid.keys[i][0];
-        const bool moves = (stage == 1 && body_of(field) == 0) || (stage == 3 && body_of(field) == 1);
-        for (int d = 0; d < 3; ++d) one.grid.velocity[3 * i + d] = moves ? one.random.uniform(-1, 1) * 1e-3 : 0.0;
+      for (Bond& b : one.bonds) {
+        const bool moves = (stage == 1 && b.body == 0) || (stage == 3 && b.body == 1);
+        for (double& v : b.grid.velocity) v = moves ? one.random.uniform(-1, 1) * 1e-3 : 0.0;
+        two.bonds[b.body].grid.velocity = b.grid.velocity;
       }
-      two.grid.velocity = one.grid.velocity;
       GrainSides::Motion& m = one.motion[1];
       for (int d = 0; d < 3; ++d) {
         m.v[d] = stage == 2 ? one.random.uniform(-1, 1) * 1e-2 : 0.0;
@@ -107,19 +95,24 @@ TEST(Resting, LinksSleepAndWakeExactly) {
       }
       two.motion = one.motion;
       for (test::Scene* s : {&one, &two}) {
-        const bool first = s == &one;
-        AdvanceResult result;
-        s->grid.drift(0.0, 1.0);
         s->sides.distribute(s->bodies, s->motion);
         s->sides.clear_forces();
-        s->grid.clear_force();
-        (first ? on : off).advance(s->points, s->grid, law, 1.0, first ? AdvanceOptions() : all, result);
-        (first ? kept : none).add_force(s->links, first ? on : off, true, s->grid, s->sides);
+        for (Bond& b : s->bonds) {
+          AdvanceResult result;
+          b.grid.drift(0.0, 1.0);
+          b.grid.clear_force();
+          b.resting.advance(b.points, b.grid, law, 1.0, s == &one ? AdvanceOptions() : all, result);
+          b.resting.add_force(b.links, b.grid, s->side(b));
+          EXPECT_TRUE(s == &one || !b.resting.asleep());
+        }
       }
-      slept += kept.asleep();
-      halves += kept.asleep() == 1;
-      EXPECT_EQ(none.asleep(), 0);
-      EXPECT_EQ(std::memcmp(one.grid.force.data(), two.grid.force.data(), one.grid.force.size() * sizeof(double)), 0) << "step " << n;
+      const int asleep = one.bonds[0].resting.asleep() + one.bonds[1].resting.asleep();
+      slept += asleep;
+      alone += asleep == 1;
+      for (int b = 0; b < 2; ++b) {
+        const std::vector<double>&kept = one.bonds[b].grid.force, &anew = two.bonds[b].grid.force;
+        EXPECT_EQ(std::memcmp(kept.data(), anew.data(), kept.size() * sizeof(double)), 0) << "step " << n;
+      }
       for (std::size_t i = 0; i < one.sides.sides.size(); ++i)
         for (int d = 0; d < 3; ++d) {
           EXPECT_EQ(one.sides.sides[i].force[d], two.sides.sides[i].force[d]);
@@ -127,7 +120,7 @@ TEST(Resting, LinksSleepAndWakeExactly) {
         }
     }
     EXPECT_GT(slept, 60);
-    EXPECT_GT(halves, 20);
+    EXPECT_GT(alone, 20);
   }
 }
 

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A small host of the cement: spheres in a row along z with flat bonds between them, the last of which is pulled away from the
+// first. It calls the engine in the order that fix mpm does.
+#ifndef MPDEM_TESTS_CEMENT_HOST_H
+#define MPDEM_TESTS_CEMENT_HOST_H
+
+#include <map>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "cement/cement.h"
+#include "geometry/flat.h"
+#include "geometry/lattice_fill.h"
+
+namespace mpdem::test {
+
+struct Row {
+  int bonds = 1;
+  bool updated = false;
+  bool free_middle = false;  // grains between the first and the last follow forces
+  bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
+  double B0 = 9.6e3;
+  double speed = 4.0;        // at which the last grain leaves the first, once it is reached
+  double ramp = 4e-6;        // time until then
+};
+
+// SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
+constexpr double kYoung = 60e9, kGap = 8e-4, kRadius = 20e-3, kOuter = 1e-3, kSpacing = 1e-4, kPenalty = 6e14, kStep = 1e-8;
+
+inline MPI_Comm alone_or_together(bool together) { return together ? MPI_COMM_WORLD : MPI_COMM_SELF; }
+
+class RowOfGrains : public CementHost {
+ public:
+  Bonds bonds;
+  std::unique_ptr<Cement> cement;
+  int number = 0;
+  double work = 0.0;  // of prescribed grains of this rank on the cement
+  std::vector<std::array<int, 2>> failed;     // step and tag, of points of this rank
+  std::vector<std::array<int, 2>> separated;  // step and bond, the same on all ranks
+
+  // What goes into a restart file, on each rank its own.
+  struct Saved {
+    std::vector<double> state;  // of all ranks, on all
+    std::map<int, PointRecord> points;
+    std::map<int, GrainState> states;
+    std::vector<Grain> grains;
+    int number = 0;
+  };
+
+  RowOfGrains(MPI_Comm comm, const Row& row) : comm_(comm), row_(row) {
+    start();
+    for (int b = 0; b < row_.bonds; ++b) make_bond(b);
+    for (int g = 0; g <= row_.bonds; ++g) {
+      if (g % ranks_ != rank_) continue;
+      Grain grain;
+      grain.tag = 1 + g;
+      grain.x[2] = place_of(g, 0.0);
+      grain.radius = kRadius;
+      grain.mass = 2e-5;
+      grain.inertia = 0.4 * grain.mass * kRadius * kRadius;
+      const bool free = row_.free_middle && g > 0 && g < row_.bonds;
+      for (bool& f : grain.free) f = free;
+      GrainState& s = states_[grain.tag];
+      std::copy(grain.x, grain.x + 3, s.x);
+      s.placed = true;
+      own_.push_back(grain);
+    }
+    init();
+  }
+  RowOfGrains(MPI_Comm comm, const Row& row, const Saved& from, const std::vector<Body>& table) : comm_(comm), row_(row) {
+    start();
+    bonds.table = table;
+    for (const auto& p : from.points) slot_[p.first] = bonds.add(p.second, p.first);
+    number = from.number;
+    states_ = from.states;
+    own_ = from.grains;
+    RecordReader in(from.state.data() + 1, from.state.data() + from.state.size());
+    CementHead head;
+    in.read(head);
+    cement->restore(head, in);
+    EXPECT_EQ(in.trouble(), "");
+    init();
+  }
+
+  std::array<double, 3> initial_velocity(int) override { return {0.0, 0.0, 0.0}; }
+  void points_failed(const Bond& bond) override {
+    for (int slot : bond.failed) failed.push_back({number, bond.points.tags[slot / kLanes][slot % kLanes]});
+  }
+  void slots_changed(const Bond& bond) override {
+    for_points(bond, [&](int slot, int tag) { slot_[tag] = slot; });
+  }
+
+  // Start of a run.
+  void setup() {
+    set_step();
+    cement->grains().replace(take_grains());
+    cement->lay_out_run();
+    clear_forces();
+    cement->check_state();
+    cement->start_run();
+    first_ = true;
+  }
+  void run(int steps) {
+    for (int n = 0; n < steps; ++n) step();
+  }
+  void step() {
+    std::vector<Grain>& grains = cement->grains().grains;
+    ++number;
+    set_step();
+    if (first_) cement->take_up_commands();
+    first_ = false;
+    std::vector<std::array<double, 6>> before;
+    for (Grain& g : grains) {
+      before.push_back({});
+      std::copy(g.force, g.force + 6, before.back().begin());
+      half_kick(g);
+      GrainState& s = *g.state;
+      for (int d = 0; d < 3; ++d) g.x[d] += kStep * g.velocity[d];
+      if (!g.free[2]) {
+        g.x[2] = place_of(g.tag - 1, number * kStep);
+        g.velocity[2] = velocity_of(g.tag - 1, number * kStep);
+      }
+      for (int d = 0; d < 3; ++d) {
+        g.moved[d] = g.x[d] - s.x[d];
+        s.x[d] = g.x[d];
+      }
+    }
+    cement->grains().turn(kStep);
+    if (hand_over_at_ == number) hand_over();
+    clear_forces();
+    cement->step();
+    for (std::size_t n = 0; n < grains.size(); ++n) {
+      Grain& g = grains[n];
+      half_kick(g);
+      if (!g.free[2]) work -= 0.5 * (before[n][2] + g.force[2]) * g.moved[2];
+    }
+    cement->end_step();
+    for (int b = 0; b < row_.bonds; ++b)
+      if (cement->cracks().separated(b) && !was_separated_.count(b)) {
+        was_separated_.insert({b, number});
+        separated.push_back({number, b});
+      }
+  }
+  // In this step bond `row` goes from the rank that has it to another.
+  void hand_over_at(int step, int row, int to) { std::tie(hand_over_at_, handed_, to_) = std::make_tuple(step, row, to); }
+
+  Saved save() {
+    set_step();
+    cement->sync_slots();
+    Saved s;
+    s.state = cement->packed_state(CementHead());
+    int n = static_cast<int>(s.state.size());
+    MPI_Bcast(&n, 1, MPI_INT, 0, comm_);
+    s.state.resize(n);
+    MPI_Bcast(s.state.data(), n, MPI_DOUBLE, 0, comm_);
+    for (const Bond& b : bonds) for_points(b, [&](int slot, int tag) { s.points[tag] = b.points.record(slot); });
+    s.states = states_;
+    s.grains = cement->grains().grains;
+    s.number = number;
+    return s;
+  }
+
+  // Numbers of all ranks, in order of the ranks.
+  std::vector<double> gathered(const std::vector<double>& mine) const {
+    const int n = static_cast<int>(mine.size());
+    std::vector<int> count(ranks_), at(ranks_, 0);
+    MPI_Allgather(&n, 1, MPI_INT, count.data(), 1, MPI_INT, comm_);
+    for (int r = 1; r < ranks_; ++r) at[r] = at[r - 1] + count[r - 1];
+    std::vector<double> all(at.back() + count.back());
+    MPI_Allgatherv(mine.data(), n, MPI_DOUBLE, all.data(), count.data(), at.data(), MPI_DOUBLE, comm_);
+    return all;
+  }
+  double sum(double mine) const {
+    double all = 0.0;
+    MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    return all;
+  }
+  // Of all ranks, ascending.
+  std::vector<std::array<int, 2>> all_failed() const {
+    std::vector<double> mine;
+    for (const auto& f : failed) mine.insert(mine.end(), f.begin(), f.end());
+    const std::vector<double> all = gathered(mine);
+    std::vector<std::array<int, 2>> events;
+    for (std::size_t i = 0; i < all.size(); i += 2) events.push_back({static_cast<int>(all[i]), static_cast<int>(all[i + 1])});
+    std::sort(events.begin(), events.end());
+    return events;
+  }
+  // All that the state says, of all ranks: points and grains by their tags.
+  std::map<int, std::vector<double>> content() {
+    cement->sync_slots();
+    std::vector<double> mine;
+    const auto add = [&](int tag, const std::vector<double>& numbers) {
+      mine.push_back(tag);
+      mine.push_back(static_cast<double>(numbers.size()));
+      mine.insert(mine.end(), numbers.begin(), numbers.end());
+    };
+    for (const Bond& b : bonds)
+      for_points(b, [&](int slot, int tag) {
+        const PointRecord r = b.points.record(slot);
+        std::vector<double> numbers(numbers_of(r));
+        pack(r, numbers.data());
+        add(tag, numbers);
+      });
+    for (const Grain& g : cement->grains().grains) {
+      std::vector<double> numbers(g.x, g.x + 3);
+      numbers.insert(numbers.end(), g.velocity, g.velocity + 6);
+      numbers.insert(numbers.end(), g.force, g.force + 6);
+      add(-g.tag, numbers);
+    }
+    const std::vector<double> all = gathered(mine);
+    std::map<int, std::vector<double>> content;
+    for (auto at = all.begin(); at != all.end(); at += 2 + static_cast<long>(at[1]))
+      EXPECT_TRUE(content.emplace(static_cast<int>(at[0]), std::vector<double>(at + 2, at + 2 + static_cast<long>(at[1]))).second);
+    return content;
+  }
+  // Half of the difference of the forces on the grains of a bond, along z; on all ranks.
+  double tension(int row) { return cement->bond_states()[row].tension; }
+  int points_here() const {
+    int n = 0;
+    for (const Bond& b : bonds) n += b.points.size();
+    return n;
+  }
+  // How far the last grain is away from where it was against the first.
+  double stretch() const { return place_of(row_.bonds, number * kStep) - place_of(0, number * kStep) - row_.bonds * (2 * kRadius + kGap); }
+
+ private:
+  void start() {
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &ranks_);
+    DamageParameters p;
+    p.B0 = row_.B0;
+    CementOptions o;
+    o.cell = 2 * kSpacing;
+    o.axis = AxisRule::global;
+    o.updated = row_.updated;
+    o.tied = !row_.updated;
+    o.check_every = 20;
+    auto law = std::make_unique<TensorDamage>(VtiElasticity(VtiConstants::isotropic(kYoung, 0.0)), p);
+    cement = std::make_unique<Cement>(comm_, bonds, o, std::move(law), *this);
+  }
+  void init() {
+    set_step();
+    PenaltyParameters p;
+    p.kn = p.kt = kPenalty;
+    cement->set_density(2710);
+    cement->couple(nullptr);
+    cement->couple(&p);
+    cement->grains().replace(take_grains());
+  }
+  void set_step() {
+    StepInput now;
+    now.number = number;
+    now.dt = kStep;
+    cement->set_step(now);
+  }
+  std::vector<Grain> take_grains() {
+    std::vector<Grain> now = own_.empty() ? cement->grains().grains : std::move(own_);
+    own_.clear();
+    for (Grain& g : now) {
+      g.state = &states_.at(g.tag);
+      g.sides.clear();
+    }
+    return now;
+  }
+  void clear_forces() {
+    for (Grain& g : cement->grains().grains) std::fill(g.force, g.force + 6, 0.0);
+  }
+  static void half_kick(Grain& g) {
+    for (int d = 0; d < 6; ++d)
+      if (g.free[d]) g.velocity[d] += 0.5 * kStep * g.force[d] / (d < 3 ? g.mass : g.inertia);
+  }
+  // The first and the last leave each other to either side, the others stay where they are.
+  double share_of(int g) const { return g == 0 ? -0.5 : g == row_.bonds ? 0.5 : 0.0; }
+  double place_of(int g, double t) const {
+    const double way = t < row_.ramp ? 0.5 * row_.speed * t * t / row_.ramp : row_.speed * (t - 0.5 * row_.ramp);
+    return g * (2 * kRadius + kGap) + share_of(g) * way;
+  }
+  double velocity_of(int g, double t) const { return share_of(g) * row_.speed * std::min(1.0, t / row_.ramp); }
+
+  void make_bond(int row) {
+    const Flat shape(GrainPair{kRadius, kRadius, kGap, Vector3(0, 0, 1)}, kOuter, 0.0);
+    const std::vector<FillPoint> fill = fill_with_points(shape, kSpacing);
+    Body body;
+    for (int s = 0; s < 2; ++s) {
+      body.grain[s] = 1 + row + s;
+      body.radius[s] = kRadius;
+      const Vector3 centre = shape.pair().centre(s);
+      std::copy(centre.data(), centre.data() + 3, body.centre[s]);
+      body.attached_area[s] = shape.attached_area(s);
+    }
+    body.origin[2] = place_of(row, 0.0) + kRadius + 0.5 * kGap;
+    body.volume = shape.volume();
+    body.spacing = kSpacing;
+    body.thickness = shape.largest_thickness();
+    body.points = static_cast<int>(fill.size());
+    bonds.table.push_back(body);
+    for (std::size_t n = 0; n < fill.size(); ++n) {
+      const FillPoint& p = fill[n];
+      const int slice = static_cast<int>((p.X[0] / kOuter + 1.0) / 2.0 * ranks_);
+      if ((row_.whole_bonds ? row % ranks_ : std::max(0, std::min(ranks_ - 1, slice))) != rank_) continue;
+      PointRecord r;
+      r.body = row;
+      std::copy(p.X.data(), p.X.data() + 3, r.X);
+      r.volume = p.volume;
+      r.links = p.links;
+      for (int k = 0; k < p.links; ++k) {
+        r.link[k].grain = body.grain[p.link[k].side];
+        std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
+        r.link[k].area = p.link[k].area;
+        r.link[k].attached = true;
+      }
+      const int tag = 1000 + row * 100000 + static_cast<int>(n);
+      slot_[tag] = bonds.add(r, tag);
+    }
+  }
+  template <class F>
+  static void for_points(const Bond& bond, F f) {
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
+      for (int l = 0; l < kLanes; ++l)
+        if (bond.points.meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l, bond.points.tags[b][l]);
+  }
+  // As an exchange of atoms does: points leave one by one and come in an order of their own.
+  void hand_over() {
+    cement->sync_slots();
+    std::vector<double> mine;
+    if (Bond* b = bonds.find(handed_)) {
+      std::map<int, PointRecord> leaving;
+      for_points(*b, [&](int slot, int tag) { leaving[tag] = b->points.record(slot); });
+      for (auto p = leaving.rbegin(); p != leaving.rend(); ++p) {
+        mine.push_back(p->first);
+        mine.resize(mine.size() + numbers_of(p->second));
+        pack(p->second, &mine[mine.size() - numbers_of(p->second)]);
+        b->points.release(slot_.at(p->first));
+        slot_.erase(p->first);
+      }
+    }
+    const std::vector<double> all = gathered(mine);
+    if (rank_ == to_)
+      for (const double* at = all.data(); at != all.data() + all.size();) {
+        const int tag = static_cast<int>(*at++);
+        PointRecord r;
+        at = unpack(at, r);
+        slot_[tag] = bonds.add(r, tag);
+      }
+    cement->grains().replace(take_grains());
+    cement->lay_out_exchanged();
+  }
+
+  MPI_Comm comm_;
+  Row row_;
+  int rank_ = 0, ranks_ = 1;
+  bool first_ = true;
+  int hand_over_at_ = -1, handed_ = 0, to_ = 0;
+  std::map<int, int> slot_;  // of each point of this rank
+  std::map<int, int> was_separated_;
+  std::map<int, GrainState> states_;
+  std::vector<Grain> own_;  // until the engine has them
+};
+
+}  // namespace mpdem::test
+
+#endif

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The engine without LIGGGHTS, on 1, 2 and 4 ranks.
+#include "cement/cement.h"
+
+#include <cstring>
+
+#include "lanes.h"
+#include "cement_host.h"
+#include "mpi_ranks.h"
+
+namespace mpdem {
+namespace {
+
+using test::Row;
+using test::RowOfGrains;
+
+class Kinematic : public ::testing::TestWithParam<bool> {
+ protected:
+  Row row() const {
+    Row r;
+    r.updated = GetParam();
+    return r;
+  }
+};
+
+void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  int different = 0, first = 0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {
+    ASSERT_EQ(i->first, j->first);
+    const bool same = i->second.size() == j->second.size() &&
+                      std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) == 0;
+    if (!same && different++ == 0) first = i->first;
+  }
+  EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
+}
+
+// Springs side by side, with those of the links in series: E/(t + 2 E/k) on each ring of area, t = gap + r^2/R.
+double stiffness() {
+  const double t = test::kGap + 2.0 * test::kYoung / test::kPenalty;
+  return M_PI * test::kRadius * test::kYoung * std::log(1.0 + test::kOuter * test::kOuter / (test::kRadius * t));
+}
+
+TEST_P(Kinematic, ForceIsStiffnessTimesStretch) {
+  Row r = row();
+  r.B0 = 0.0;
+  r.speed = 0.2;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.setup();
+  host.run(200);  // a wave crosses in 17
+  double force = 0.0, stretch = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    host.step();
+    force += host.tension(0);
+    stretch += host.stretch();
+  }
+  test::expect_within(std::fabs(force / stretch / stiffness() - 1.0), 0.02, "force over stiffness times stretch");
+  EXPECT_EQ(host.sum(host.points_here()), host.bonds.table[0].points);
+}
+
+// Pulled through failure: the energies are those that the grains paid for, and all ranks together see what one alone sees.
+TEST_P(Kinematic, PulledThroughFailure) {
+  RowOfGrains host(MPI_COMM_WORLD, row()), alone(MPI_COMM_SELF, row());
+  double peak = 0.0;
+  int checked = 0;
+  host.setup();
+  alone.setup();
+  for (int part = 0; part < 30; ++part) {
+    host.run(20);
+    alone.run(20);
+    peak = std::max(peak, host.tension(0));
+    const CementTotals t = host.cement->totals(0.1);
+    const double work = host.sum(host.work);
+    if (host.number < 100) continue;
+    ++checked;
+    const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
+    test::expect_within(std::fabs(spent / work - 1.0), 1e-3, "energies against the work of the grains");
+    test::expect_within(std::fabs(t.external_work / work - 1.0), 1e-3, "work in the books against that of the grains");
+    test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the books");
+  }
+  EXPECT_EQ(checked, 26);
+  const CementTotals t = host.cement->totals(0.1);
+  EXPECT_EQ(t.separated, 1.0);
+  EXPECT_GT(t.failed, 50.0);
+  EXPECT_GT(t.dissipated + t.released, 0.5 * t.external_work);
+  EXPECT_LT(std::fabs(host.tension(0)), 0.05 * peak);
+  host.cement->check_state();
+  const auto failed = host.all_failed(), failed_alone = alone.all_failed();
+  EXPECT_EQ(static_cast<double>(failed.size()), t.failed);
+  EXPECT_EQ(host.separated.size(), 1u);
+  EXPECT_EQ(host.separated, alone.separated);
+  std::set<int> tags, tags_alone;
+  for (const auto& e : failed) EXPECT_TRUE(tags.insert(e[1]).second);
+  for (const auto& e : failed_alone) tags_alone.insert(e[1]);
+  EXPECT_EQ(tags, tags_alone);
+  EXPECT_EQ(failed, failed_alone);
+  if (test::ranks() > 1) EXPECT_LT(host.points_here(), host.bonds.table[0].points);
+}
+
+// In the middle of failure and after it: what the head, points and grains hold is all there is.
+TEST_P(Kinematic, RestartsToTheBit) {
+  Row r = row();
+  r.bonds = 2;
+  r.free_middle = true;
+  RowOfGrains whole(MPI_COMM_WORLD, r);
+  whole.setup();
+  for (int at : {250, 450}) {
+    whole.run(at - whole.number);
+    const RowOfGrains::Saved saved = whole.save();
+    RowOfGrains again(MPI_COMM_WORLD, r, saved, whole.bonds.table);
+    again.setup();
+    whole.setup();
+    whole.failed.clear();
+    whole.run(100);
+    again.run(100);
+    EXPECT_EQ(again.all_failed(), whole.all_failed());
+    EXPECT_EQ(again.cement->bodies_started(), 2);
+    expect_same_bits(whole.content(), again.content());
+    const CementTotals a = whole.cement->totals(0.1), b = again.cement->totals(0.1);
+    for (double CementTotals::*sum : {&CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
+      EXPECT_NEAR(a.*sum, b.*sum, 1e-12 * a.external_work);
+    EXPECT_EQ(a.separated, b.separated);
+    for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->bond_states()[bond].tension, again.cement->bond_states()[bond].tension);
+  }
+  EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
+}
+
+// A bond goes to another rank while it fails, and again when it has come apart; nobody sees it.
+TEST_P(Kinematic, HandsABondOver) {
+  Row r = row();
+  r.bonds = 3;
+  r.free_middle = true;
+  r.whole_bonds = true;
+  RowOfGrains stays(MPI_COMM_WORLD, r), goes(MPI_COMM_WORLD, r);
+  stays.setup();
+  goes.setup();
+  const int next = (1 + test::ranks() / 2) % test::ranks();
+  for (const auto& [at, row, to] : {std::tuple(150, 1, next), std::tuple(330, 1, 0), std::tuple(333, 0, test::ranks() - 1), std::tuple(520, 1, next)}) {
+    goes.hand_over_at(at, row, to);
+    const int steps = at + 2 - goes.number;
+    stays.run(steps);
+    goes.run(steps);
+    EXPECT_EQ(goes.bonds.find(row) != nullptr, test::rank() == to);
+    expect_same_bits(stays.content(), goes.content());
+  }
+  stays.run(50);
+  goes.run(50);
+  expect_same_bits(stays.content(), goes.content());
+  EXPECT_EQ(stays.all_failed(), goes.all_failed());
+  EXPECT_EQ(stays.separated, goes.separated);
+  EXPECT_GT(stays.all_failed().size(), 50u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(false, true),
+                         [](const ::testing::TestParamInfo<bool>& p) { return p.param ? "updated" : "total"; });
+
+}  // namespace
+}  // namespace mpdem
