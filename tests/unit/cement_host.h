@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cement/cement.h"
+#include "material/tensor_damage.h"
 #include "geometry/flat.h"
 #include "geometry/lattice_fill.h"
 
