@@ -127,17 +127,19 @@ TEST_P(Kinematic, RestartsToTheBit) {
   EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
 }
 
-// A bond goes to another rank while it fails, and again when it has come apart; nobody sees it.
+// A bond goes to another rank while it fails, and again later; nobody sees it. At steps after a check, where added mass is found
+// anew whether it goes or not: with it the bound of the sweeps for the accelerations of free grains, which rounds them.
 TEST_P(Kinematic, HandsABondOver) {
   Row r = row();
   r.bonds = 3;
   r.free_middle = true;
   r.whole_bonds = true;
+  r.speed = 16.0;
   RowOfGrains stays(MPI_COMM_WORLD, r), goes(MPI_COMM_WORLD, r);
   stays.setup();
   goes.setup();
   const int next = (1 + test::ranks() / 2) % test::ranks();
-  for (const auto& [at, row, to] : {std::tuple(150, 1, next), std::tuple(330, 1, 0), std::tuple(333, 0, test::ranks() - 1), std::tuple(520, 1, next)}) {
+  for (const auto& [at, row, to] : {std::tuple(141, 1, next), std::tuple(321, 1, 0), std::tuple(341, 0, test::ranks() - 1), std::tuple(521, 1, next)}) {
     goes.hand_over_at(at, row, to);
     stays.hand_over_at(at, -1, 0);  // with `updated` kinematics points are arranged at any exchange
     const int steps = at + 2 - goes.number;
