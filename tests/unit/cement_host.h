@@ -24,13 +24,13 @@ struct Row {
   bool updated = false;
   bool free_middle = false;  // grains between the first and the last follow forces
   bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
-  double B0 = 9.6e3;
+  double B0 = 9.6e3, exponent = 1.0;  // of the damage
   double speed = 4.0;        // at which the last grain leaves the first, once it is reached
   double ramp = 4e-6;        // time until then
 };
 
 // SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
-constexpr double kYoung = 60e9, kGap = 8e-4, kRadius = 20e-3, kOuter = 1e-3, kSpacing = 1e-4, kPenalty = 6e14, kStep = 1e-8;
+constexpr double kYoung = 60e9, kGap = 8e-4, kRadius = 20e-3, kOuter = 1e-3, kSpacing = 1e-4, kPenalty = 6e14, kStep = 4e-9;
 
 inline MPI_Comm alone_or_together(bool together) { return together ? MPI_COMM_WORLD : MPI_COMM_SELF; }
 
@@ -146,7 +146,7 @@ class RowOfGrains : public CementHost {
         separated.push_back({number, b});
       }
   }
-  // In this step bond `row` goes from the rank that has it to another.
+  // In this step bond `row` goes from the rank that has it to another; -1: atoms are exchanged, none of them moves.
   void hand_over_at(int step, int row, int to) { std::tie(hand_over_at_, handed_, to_) = std::make_tuple(step, row, to); }
 
   Saved save() {
@@ -234,6 +234,7 @@ class RowOfGrains : public CementHost {
     MPI_Comm_size(comm_, &ranks_);
     DamageParameters p;
     p.B0 = row_.B0;
+    p.exponent = row_.exponent;
     CementOptions o;
     o.cell = 2 * kSpacing;
     o.axis = AxisRule::global;

@@ -67,20 +67,20 @@ TEST_P(Kinematic, PulledThroughFailure) {
   int checked = 0;
   host.setup();
   alone.setup();
-  for (int part = 0; part < 30; ++part) {
+  for (int part = 0; part < 75; ++part) {
     host.run(20);
     alone.run(20);
     peak = std::max(peak, host.tension(0));
     const CementTotals t = host.cement->totals(0.1);
     const double work = host.sum(host.work);
-    if (host.number < 100) continue;
+    if (host.number < 200) continue;
     ++checked;
     const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
     test::expect_within(std::fabs(spent / work - 1.0), 1e-3, "energies against the work of the grains");
     test::expect_within(std::fabs(t.external_work / work - 1.0), 1e-3, "work in the books against that of the grains");
     test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the books");
   }
-  EXPECT_EQ(checked, 26);
+  EXPECT_EQ(checked, 66);
   const CementTotals t = host.cement->totals(0.1);
   EXPECT_EQ(t.separated, 1.0);
   EXPECT_GT(t.failed, 50.0);
@@ -127,18 +127,21 @@ TEST_P(Kinematic, RestartsToTheBit) {
   EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
 }
 
-// A bond goes to another rank while it fails, and again when it has come apart; nobody sees it.
+// A bond goes to another rank while it fails, and again later; nobody sees it. At steps after a check, where added mass is found
+// anew whether it goes or not: with it the bound of the sweeps for the accelerations of free grains, which rounds them.
 TEST_P(Kinematic, HandsABondOver) {
   Row r = row();
   r.bonds = 3;
   r.free_middle = true;
   r.whole_bonds = true;
+  r.speed = 16.0;
   RowOfGrains stays(MPI_COMM_WORLD, r), goes(MPI_COMM_WORLD, r);
   stays.setup();
   goes.setup();
   const int next = (1 + test::ranks() / 2) % test::ranks();
-  for (const auto& [at, row, to] : {std::tuple(150, 1, next), std::tuple(330, 1, 0), std::tuple(333, 0, test::ranks() - 1), std::tuple(520, 1, next)}) {
+  for (const auto& [at, row, to] : {std::tuple(141, 1, next), std::tuple(321, 1, 0), std::tuple(341, 0, test::ranks() - 1), std::tuple(521, 1, next)}) {
     goes.hand_over_at(at, row, to);
+    stays.hand_over_at(at, -1, 0);  // with `updated` kinematics points are arranged at any exchange
     const int steps = at + 2 - goes.number;
     stays.run(steps);
     goes.run(steps);
