@@ -83,7 +83,8 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
   std::array<double, 6> numbers{};
   if (!points.law()) {
     if (points.law_number() != 0 && points.law_number() != kLawNumber<TensorDamage> && !points.states().empty())
-      throw std::domain_error(text_of("their state is that of 'damage ", name_of_law(points.law_number()), "'; define fix mpm with that law and use 'run 0' before"));
+      throw std::domain_error(text_of("their state is that of 'damage ", name_of_law(points.law_number()),
+                                      "'; define fix mpm with that law and use 'run 0' before"));
     for (int i = 0; i < points.state_fields(); ++i) numbers[i] = points.state(b)[i][l];
     return numbers;
   }
