@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cement/cement.h"
+#include "material/no_damage.h"
 #include "material/tensor_damage.h"
 #include "geometry/flat.h"
 #include "geometry/lattice_fill.h"
@@ -241,7 +242,10 @@ class RowOfGrains : public CementHost {
     o.updated = row_.updated;
     o.tied = !row_.updated;
     o.check_every = 20;
-    auto law = std::make_unique<TensorDamage>(VtiElasticity(VtiConstants::isotropic(kYoung, 0.0)), p);
+    const VtiElasticity elasticity(VtiConstants::isotropic(kYoung, 0.0));
+    std::unique_ptr<Law> law;
+    if (row_.B0 > 0.0) law = std::make_unique<TensorDamage>(elasticity, p);
+    else law = std::make_unique<NoDamage>(elasticity);
     cement = std::make_unique<Cement>(comm_, bonds, o, std::move(law), *this);
   }
   void init() {

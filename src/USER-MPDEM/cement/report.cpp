@@ -51,6 +51,32 @@ struct PointSums {
   }
 };
 
+// What nodes that count on this rank tell: kinetic energy, that which central differences keep, momenta about the origin of the box.
+struct NodeSums {
+  double kinetic = 0, kept = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
+
+  // half: half a step.
+  void add(const Grid& grid, const double* origin, double half) {
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!grid.halo.counts_here()[i]) continue;
+      double v[3], x[3], kick[3];
+      for (int d = 0; d < 3; ++d) {
+        kick[d] = half * grid.acceleration[3 * i + d];
+        v[d] = grid.velocity[3 * i + d] + kick[d];
+        x[d] = origin[d] + grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+      }
+      const double mass = grid.mass[i];
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        kinetic += 0.5 * mass * v[d] * v[d];
+        kept += 0.5 * mass * (v[d] - kick[d]) * (v[d] + kick[d]);
+        momentum[d] += mass * v[d];
+        angular_momentum[d] += mass * (x[e] * v[g] - x[g] * v[e]);
+      }
+    }
+  }
+};
+
 }  // namespace
 
 CementTotals Cement::totals(double reach_of_box) {
@@ -67,33 +93,20 @@ CementTotals Cement::totals(double reach_of_box) {
          kReleased, kDamped, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
+  NodeSums of_nodes;
   for (const Bond& bond : bonds_) {
     of_points.add(bond.points, *law_);
-    const Body& body = bonds_.body(bond);
-    const Grid& grid = bond.grid;
-    for (int i = 0; i < grid.size(); ++i) {
-      if (!grid.halo.counts_here()[i]) continue;
-      double v[3], x[3], kick[3];
-      for (int d = 0; d < 3; ++d) {
-        kick[d] = 0.5 * dt_last_ * grid.acceleration[3 * i + d];
-        v[d] = grid.velocity[3 * i + d] + kick[d];
-        x[d] = body.origin[d] + grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
-      }
-      const double mass = grid.mass[i];
-      for (int d = 0; d < 3; ++d) {
-        sum[kKinetic] += 0.5 * mass * v[d] * v[d];
-        sum[kKept] += 0.5 * mass * (v[d] - kick[d]) * (v[d] + kick[d]);
-        sum[kP + d] += mass * v[d];
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        sum[kL + d] += mass * (x[e] * v[g] - x[g] * v[e]);
-      }
-    }
+    of_nodes.add(bond.grid, bonds_.body(bond).origin, 0.5 * dt_last_);
     const GrainSide* side = grains_.side_of(bond);
-    const double inertial = bond.added.energy(grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
-    bond.links.add_spring_energy(grid, side, sum[kCoupling]);
+    const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
+    bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
     sum[kCoupling] += inertial;
-    sum[kKept] += bond.added.energy(grid, side, 0.0, dt_last_) - inertial;
+    sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
   }
+  sum[kKinetic] = of_nodes.kinetic;
+  sum[kKept] += of_nodes.kept;
+  std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kP]);
+  std::copy(of_nodes.angular_momentum, of_nodes.angular_momentum + 3, &sum[kL]);
   sum[kPoints] = of_points.points;
   sum[kFailed] = of_points.failed;
   sum[kVolume] = of_points.volume;
