@@ -26,22 +26,23 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 struct PointSums {
   double points = 0, failed = 0, volume = 0, damaged_volume = 0, elastic = 0, most = 0;
 
-  void add(const PointStore& points_of, const Law& of_any_kind) {
-    with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law); });
+  void add(const PointStore& points_of, const Law& of_any_kind, bool with_energy) {
+    with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law, with_energy); });
   }
 
  private:
   template <class L>
-  void add_points(const PointStore& points_of, const L& law) {
+  void add_points(const PointStore& points_of, const L& law, bool with_energy) {
     for (std::size_t b = 0; b < points_of.blocks.size(); ++b) {
       const PointBlock& p = points_of.blocks[b];
       const BlockMeta& m = points_of.meta[b];
       points += __builtin_popcount(m.occupied);
       failed += __builtin_popcount(m.failed);
       volume += sum_lanes(p.volume);
-      const vd alive = select(lanes(m.failed), vd{}, p.volume);
-      const Sym3<vd> s = stress_of(points_of, static_cast<int>(b), law);
-      elastic += sum_lanes(0.5 * alive * contract(s, p.strain));
+      if (with_energy) {
+        const vd alive = select(lanes(m.failed), vd{}, p.volume);
+        elastic += sum_lanes(0.5 * alive * contract(stress_of(points_of, static_cast<int>(b), law), p.strain));
+      }
       if (!m.damaged) continue;
       const vd d = largest_damage_of(points_of, static_cast<int>(b), law);
       damaged_volume += sum_lanes(p.volume * d);
@@ -95,7 +96,7 @@ CementTotals Cement::totals(double reach_of_box) {
   PointSums of_points;
   NodeSums of_nodes;
   for (const Bond& bond : bonds_) {
-    of_points.add(bond.points, *law_);
+    of_points.add(bond.points, *law_, true);
     of_nodes.add(bond.grid, bonds_.body(bond).origin, 0.5 * dt_last_);
     const GrainSide* side = grains_.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
@@ -171,7 +172,7 @@ const std::vector<BondState>& Cement::bond_states() {
   }
   for (const Bond& b : bonds_) {
     PointSums of_bond;
-    of_bond.add(b.points, *law_);
+    of_bond.add(b.points, *law_, false);
     double* row = &sum[kRow * b.body + 2 * kSide];
     row[0] = of_bond.points;
     row[1] = of_bond.failed;

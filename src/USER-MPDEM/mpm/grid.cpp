@@ -290,10 +290,14 @@ void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
 void Grid::update_acceleration(const std::vector<double>& added_mass) {
   const int n = size();
+  const double* __restrict m = mass.data();
+  const double* __restrict c = added_mass.empty() ? nullptr : added_mass.data();
+  const double* __restrict f = force.data();
+  double* __restrict a = acceleration.data();
   for (int i = 0; i < n; ++i) {
-    const double m = added_mass.empty() ? mass[i] : mass[i] + added_mass[i];
-    const double r = m > 0.0 ? 1.0 / m : 0.0;
-    for (int c = 0; c < 3; ++c) acceleration[3 * i + c] = r * force[3 * i + c];
+    const double inertia = c ? m[i] + c[i] : m[i];
+    const double r = inertia > 0.0 ? 1.0 / inertia : 0.0;
+    for (int d = 0; d < 3; ++d) a[3 * i + d] = r * f[3 * i + d];
   }
   ties.extend(acceleration.data());
 }
