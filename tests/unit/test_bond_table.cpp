@@ -89,5 +89,38 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   EXPECT_EQ(value(host, 0, "external_work"), host.cement->totals(0.1).external_work);
 }
 
+// The half of the links at the second grain that lies at positive x has let go before the start; later whole rings do.
+TEST(BondTable, AttachedShareIsThatOfTheArea) {
+  Row r;
+  r.speed = 8.0;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  for (Bond& b : host.bonds)
+    for (Link& k : b.points.links) k.attached = k.grain == 1 || k.foot[0] < 0.0;
+  host.setup();
+  host.step();
+  EXPECT_NEAR(value(host, 0, "attached_grain1"), 1.0, 1e-12);
+  EXPECT_NEAR(value(host, 0, "attached_grain2"), 0.5, 1e-12);
+
+  RowOfGrains whole(MPI_COMM_WORLD, r);
+  whole.setup();
+  double last = 2.0;
+  int steps_of_loss = 0;
+  while (whole.number < 400) {
+    whole.run(10);
+    double area[2] = {0.0, 0.0};
+    for (const Bond& b : whole.bonds)
+      for (const Link& k : b.points.links) area[k.grain - 1] += k.attached ? k.area : 0.0;
+    const double cap = 2.0 * M_PI * test::kRadius * (test::kRadius - std::sqrt(test::kRadius * test::kRadius - test::kOuter * test::kOuter));
+    const double share[2] = {value(whole, 0, "attached_grain1"), value(whole, 0, "attached_grain2")};
+    for (int s = 0; s < 2; ++s) EXPECT_NEAR(share[s], whole.sum(area[s]) / cap, 1e-12);
+    EXPECT_EQ(share[0] + share[1] < 2.0 - 1e-9, value(whole, 0, "debonded") > 0.0);
+    EXPECT_LE(share[0] + share[1], last + 1e-12);
+    steps_of_loss += share[0] + share[1] < last - 1e-9;
+    last = share[0] + share[1];
+  }
+  EXPECT_GT(steps_of_loss, 0);
+  EXPECT_LT(last, 1.9);
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -30,6 +30,15 @@ double links(const PartOfBond& b) {
 
 double points(const PartOfBond& b) { return b.points.points; }
 
+// Of the area at one grain that the cement had when it was made.
+template <int side>
+double attached_share(const PartOfBond& b) {
+  double area = 0.0;
+  for (const Link& k : b.bond.points.links)
+    if (k.attached && k.grain == b.body.grain[side]) area += k.area;
+  return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
+}
+
 // The table: a line a column. Numbers of columns stand in scripts: append new ones.
 std::vector<BondColumn> columns() {
   return {
@@ -65,6 +74,8 @@ std::vector<BondColumn> columns() {
       {"damped_energy", "damped energy of all bonds", &CementTotals::damped},
       {"external_work", "work of the grains on all bonds", &CementTotals::external_work},
       {"energy_imbalance", "imbalance of the energy of all bonds", &CementTotals::imbalance},
+      {"attached_grain1", "share of the area of the cement at the first grain that is still attached", attached_share<0>},
+      {"attached_grain2", "the same at the second grain", attached_share<1>},
   };
 }
 
