@@ -4,7 +4,7 @@ import os
 import sys
 
 import pytest
-from scenes import cement, edit, executable, launch, pair, pull, restarted, run
+from scenes import cement, edit, executable, launch, pair, pull, restarted, run, thermo
 
 CELL, SPACING = 4e-4, 2e-4
 FIXES = cement(CELL, 2e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv", couple="kn auto kt auto csv 7 bond.csv")
@@ -124,3 +124,20 @@ def test_one_file_by_two_names(tmp_path, alias):
 def test_devices_take_both(tmp_path):
     script = edit(edit(FIRST, "events events.csv", "events /dev/null"), "csv 7 bond.csv", "csv 7 /dev/null")
     run(script + "run 20\n", tmp_path)
+
+
+def test_places_and_names(tmp_path):
+    """Value n of the vector, value n of the first row of the array and column n of the table are the same, to the last of them."""
+    script = pair(1e-4, gap=1e-4) + cement(2e-4, 2e-9, axis="radial", damage="damage tensor B0 9.6e3", couple="csv 250 bond.csv") + LEAVING + MOTION
+    names = (run(script + "run 0\n", tmp_path).directory / "bond.csv").read_text().splitlines()[0].split(",")[5:-1]
+    places = range(1, len(names) + 1)
+    script += thermo(250, [f"f_bond[{n}]" for n in places] + [f"f_bond[1][{n}]" for n in places])
+    result = run(script + "run 250\n", tmp_path)
+    row = (tmp_path / "bond.csv").read_text().splitlines()[-1].split(",")
+    assert row[0] == "250" and int(row[5 + names.index("failed")]) > 0 and len(row) == len(names) + 6
+    table = result.table()
+    for n, name in zip(places, names):
+        for value in (table[f"f_bond[{n}]"][-1], table[f"f_bond[1][{n}]"][-1]):
+            assert f"{value:.10g}" == row[4 + n], name
+    more = launch(script.replace(f"f_bond[{len(names)}]", f"f_bond[{len(names) + 1}]") + "run 0\n", tmp_path, 1)
+    assert more.status != 0

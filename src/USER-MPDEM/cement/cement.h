@@ -22,6 +22,7 @@
 #include "../mpm/largest_eigenvalue.h"
 #include "../parallel/halo_sum.h"
 #include "bond.h"
+#include "bond_table.h"
 #include "bonded_grains.h"
 #include "cracks.h"
 #include "energy_books.h"
@@ -49,21 +50,6 @@ struct StepInput {
   std::int64_t number = 0;  // of this step
   double dt = 0;
   double gravity[3] = {0, 0, 0};
-};
-
-struct CementTotals {
-  double points, failed, largest_damage, mean_damage;
-  double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
-  double momentum[3], angular_momentum[3];
-  double separated, debonding, internal, mixed;  // bonds
-};
-
-// One row a bond.
-struct BondState {
-  double force[2][3], torque[2][3], gap, tension;
-  double peak;  // largest tension at the steps asked for so far
-  double points, attached, debonded, failed, largest_damage, mean_damage;
-  double separated, share[2];  // of the separating surface at either grain
 };
 
 class Kinematics;

@@ -6,9 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../material/laws.h"
 #include "../mpm/gather.h"
-#include "../mpm/point_state.h"
 #include "cement.h"
 
 namespace mpdem {
@@ -21,36 +19,6 @@ void global_sum(std::vector<double>& v, MPI_Comm comm) {
 void global_max(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
 }
-
-// What points tell of themselves.
-struct PointSums {
-  double points = 0, failed = 0, volume = 0, damaged_volume = 0, elastic = 0, most = 0;
-
-  void add(const PointStore& points_of, const Law& of_any_kind, bool with_energy) {
-    with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law, with_energy); });
-  }
-
- private:
-  template <class L>
-  void add_points(const PointStore& points_of, const L& law, bool with_energy) {
-    for (std::size_t b = 0; b < points_of.blocks.size(); ++b) {
-      const PointBlock& p = points_of.blocks[b];
-      const BlockMeta& m = points_of.meta[b];
-      points += __builtin_popcount(m.occupied);
-      failed += __builtin_popcount(m.failed);
-      volume += sum_lanes(p.volume);
-      if (with_energy) {
-        const vd alive = select(lanes(m.failed), vd{}, p.volume);
-        elastic += sum_lanes(0.5 * alive * contract(stress_of(points_of, static_cast<int>(b), law), p.strain));
-      }
-      if (!m.damaged) continue;
-      const vd d = largest_damage_of(points_of, static_cast<int>(b), law);
-      damaged_volume += sum_lanes(p.volume * d);
-      for (int l = 0; l < kLanes; ++l)
-        if (m.occupied >> l & 1) most = std::max(most, d[l]);
-    }
-  }
-};
 
 // What nodes that count on this rank tell: kinetic energy, that which central differences keep, momenta about the origin of the box.
 struct NodeSums {
@@ -113,7 +81,7 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kVolume] = of_points.volume;
   sum[kDamaged] = of_points.damaged_volume;
   sum[kElastic] = of_points.elastic;
-  most[0] = of_points.most;
+  most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = books_.sums();
   sum[kDissipated] = books.dissipated;
   sum[kReleased] = books.released;
@@ -158,12 +126,13 @@ const std::vector<BondState>& Cement::bond_states() {
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!built_) return states_;
   constexpr int kSide = 9;  // force, torque, position of the grain
-  constexpr int kRow = 2 * kSide + 6;
-  std::vector<double> sum(kRow * n, 0.0), most(n, 0.0);
+  enum { kFailed = 2 * kSide, kVolume, kDamaged, kColumns };
+  const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
+  std::vector<double> sum(width * n, 0.0), most(n, 0.0);
   for (const BondedGrains::OwnedSide& o : grains_.owned()) {
     if (!penalty_) break;
     const GrainSide& s = grains_.sides.sides[o.at];
-    double* row = &sum[kRow * o.body + kSide * o.side];
+    double* row = &sum[width * o.body + kSide * o.side];
     for (int d = 0; d < 3; ++d) {
       row[d] = s.force[d];
       row[3 + d] = s.torque[d];
@@ -173,18 +142,17 @@ const std::vector<BondState>& Cement::bond_states() {
   for (const Bond& b : bonds_) {
     PointSums of_bond;
     of_bond.add(b.points, *law_, false);
-    double* row = &sum[kRow * b.body + 2 * kSide];
-    row[0] = of_bond.points;
-    row[1] = of_bond.failed;
-    row[2] = of_bond.volume;
-    row[3] = of_bond.damaged_volume;
-    most[b.body] = of_bond.most;
-    for (const Link& k : b.points.links) row[k.attached ? 4 : 5] += 1.0;
+    double* row = &sum[width * b.body];
+    row[kFailed] = of_bond.failed;
+    row[kVolume] = of_bond.volume;
+    row[kDamaged] = of_bond.damaged_volume;
+    most[b.body] = of_bond.largest_damage;
+    add_to_sums({b, bonds_.body(b), of_bond}, row + kColumns);
   }
   global_sum(sum, comm_);
   global_max(most, comm_);
   for (std::size_t i = 0; i < n; ++i) {
-    const double* row = &sum[kRow * i];
+    const double* row = &sum[width * i];
     BondState& b = states_[i];
     double axis[3], length = 0.0;
     for (int d = 0; d < 3; ++d) {
@@ -200,12 +168,10 @@ const std::vector<BondState>& Cement::bond_states() {
       }
     b.peak = std::max(peak[i], b.tension);
     b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
-    b.points = row[2 * kSide];
-    b.failed = row[2 * kSide + 1];
-    b.mean_damage = row[2 * kSide + 3] / row[2 * kSide + 2];
+    b.failed = row[kFailed];
+    b.mean_damage = row[kDamaged] / row[kVolume];
     b.largest_damage = most[i];
-    b.attached = row[2 * kSide + 4];
-    b.debonded = row[2 * kSide + 5];
+    b.sums.assign(row + kColumns, row + width);
     if (!cracks_.separated(i)) continue;
     const Separation& s = cracks_[i].separation;
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;

@@ -29,20 +29,12 @@ const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping
 // one at ten cells across, at no cost in time step (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
 
-const char* const kColumns[] = {"fx1", "fy1", "fz1", "mx1", "my1", "mz1", "fx2", "fy2", "fz2", "mx2", "my2", "mz2",
-                                "gap", "tension", "points", "attached", "debonded", "failed", "largest_damage",
-                                "mean_damage", "peak_tension", "separated", "share_grain1", "share_grain2", "elastic_energy", "kinetic_energy", "coupling_energy",
-                                "dissipated_energy", "released_energy", "damped_energy", "external_work",
-                                "energy_imbalance"};
-constexpr int kBondColumns = 24;  // the rest are sums over all bonds
-constexpr int kAllColumns = sizeof kColumns / sizeof kColumns[0];
-
 }  // namespace
 
 FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
   Arguments args(lmp, text_of("fix mpm/couple (id ", id, ")"), narg, arg, 3);
   scalar_flag = vector_flag = array_flag = 1;
-  size_vector = size_array_cols = kAllColumns;
+  size_vector = size_array_cols = static_cast<int>(mpdem::bond_columns().size());
   global_freq = 1;
   cement_id_ = args.word("the ID of a fix mpm");
   cement_ = find_cement();
@@ -161,7 +153,7 @@ void FixMpmCouple::open_table() {
   mpdem::check_only_writer(lmp, who, "csv", table_name_, this);
   if (table_open_) return;
   std::string header = "step,time,bond,grain1,grain2", trouble;
-  for (const char* c : kColumns) header += text_of(",", c);
+  for (const mpdem::BondColumn& c : mpdem::bond_columns()) header += text_of(",", c.name);
   if (comm->me == 0)
     trouble = table_.open(table_name_, header + ",mode", cement_->in_motion() ? static_cast<long>(table_from_) : mpdem::TableFile::kAnew);
   stop_if_not_written(trouble);
@@ -195,7 +187,7 @@ void FixMpmCouple::write_table() {
     for (int b = 0; b < bonds; ++b) {
       const mpdem::Body& body = cement_->cement()->bonds.table[b];
       mpdem::append(rows, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep, update->get_cur_time(), b + 1, body.grain[0], body.grain[1]);
-      for (int c = 0; c < kAllColumns; ++c) mpdem::append(rows, ",%.10g", value(b, c));
+      for (int c = 0; c < size_array_cols; ++c) mpdem::append(rows, ",%.10g", value(b, c));
       rows += "," + cement_->failure_mode(b) + "\n";
     }
     trouble = table_.write(rows);
@@ -203,24 +195,13 @@ void FixMpmCouple::write_table() {
   stop_if_not_written(trouble);
 }
 
+// Collective, unless found at this step already.
 double FixMpmCouple::value(int body, int column) {
-  if (column < kBondColumns) {
-    const mpdem::BondState& b = cement_->bonds()[body];
-    if (column < 12) {
-      const int side = column / 6, c = column % 6;
-      return c < 3 ? b.force[side][c] : b.torque[side][c - 3];
-    }
-    const double v[] = {b.gap, b.tension, b.points, b.attached, b.debonded, b.failed, b.largest_damage, b.mean_damage, b.peak,
-                        b.separated, b.share[0], b.share[1]};
-    return v[column - 12];
-  }
-  const mpdem::CementTotals& t = cement_->totals();
-  const double v[] = {t.elastic,  t.kinetic, t.coupling,      t.dissipated,
-                      t.released, t.damped,  t.external_work, t.imbalance};
-  return v[column - kBondColumns];
+  const mpdem::BondColumn& c = mpdem::bond_columns()[column];
+  return c.of_all() ? c.value(cement_->totals()) : c.value(cement_->bonds()[body]);
 }
 
-double FixMpmCouple::compute_scalar() { return value(0, 13); }
+double FixMpmCouple::compute_scalar() { return cement_->bonds()[0].tension; }
 double FixMpmCouple::compute_vector(int n) { return value(0, n); }
 double FixMpmCouple::compute_array(int row, int column) { return value(row, column); }
 

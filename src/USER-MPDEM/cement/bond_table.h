@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The table of bonds. A column is one line of the list in bond_table.cpp: its name, its words, and how its value is found.
+// The CSV file of fix mpm/couple, its vector, its array, their sizes and the check of doc/fix_mpm_couple.md follow from that
+// list. Scripts number the columns, so a new one is the last.
+#ifndef MPDEM_BOND_TABLE_H
+#define MPDEM_BOND_TABLE_H
+
+#include <variant>
+#include <vector>
+
+#include "bond.h"
+#include "point_sums.h"
+
+namespace mpdem {
+
+// Of all bonds.
+struct CementTotals {
+  double points, failed, largest_damage, mean_damage;
+  double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
+  double momentum[3], angular_momentum[3];
+  double separated, debonding, internal, mixed;  // bonds
+};
+
+// What one rank has of a bond.
+struct PartOfBond {
+  const Bond& bond;
+  const Body& body;
+  const PointSums& points;
+};
+
+// How many columns are sums of parts of a bond over ranks.
+int summed_columns();
+
+// Of one bond, over all ranks.
+struct BondState {
+  double force[2][3] = {}, torque[2][3] = {}, gap = 0.0, tension = 0.0;
+  double peak = 0.0;  // largest tension at the steps asked for so far
+  double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
+  double separated = 0.0, share[2] = {0.0, 0.0};  // of the separating surface at either grain
+  std::vector<double> sums = std::vector<double>(static_cast<std::size_t>(summed_columns()), 0.0);  // in the order of their columns
+};
+
+struct BondColumn {
+  const char* name;   // in the head of the CSV file
+  const char* words;  // in the table of doc/fix_mpm_couple.md
+  // A field or a function of the bond's state, a sum over all bonds, or what a rank's part of the bond adds to a sum over ranks.
+  std::variant<double BondState::*, double (*)(const BondState&), double CementTotals::*, double (*)(const PartOfBond&)> found;
+  int sum = -1;  // place in BondState::sums, set by bond_columns()
+
+  // Is the value the same for all bonds? The totals cost a pass over all points, the states of bonds another.
+  bool of_all() const { return std::holds_alternative<double CementTotals::*>(found); }
+  double value(const CementTotals& all) const { return all.*std::get<double CementTotals::*>(found); }
+  double value(const BondState& bond) const;
+};
+
+const std::vector<BondColumn>& bond_columns();
+
+// Adds what this rank has to the sums of the bond, BondState::sums.
+void add_to_sums(const PartOfBond& part, double* sums);
+
+}  // namespace mpdem
+
+#endif
