@@ -96,7 +96,9 @@ TEST_P(Kinematic, PulledThroughFailure) {
   for (const auto& e : failed_alone) tags_alone.insert(e[1]);
   EXPECT_EQ(tags, tags_alone);
   EXPECT_EQ(failed, failed_alone);
-  if (test::ranks() > 1) EXPECT_LT(host.points_here(), host.bonds.table[0].points);
+  if (test::ranks() > 1) {
+    EXPECT_LT(host.points_here(), host.bonds.table[0].points);
+  }
 }
 
 // In the middle of failure and after it: what the head, points and grains hold is all there is.

@@ -121,7 +121,7 @@ struct GridRequest {
 };
 
 // Collective, for grids of different bodies, ascending. Throws GridTooLarge on all ranks if those of any would take more
-// than most_bytes.
+// than most_bytes, which is the same number on all ranks.
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests);
 
 }  // namespace mpdem
