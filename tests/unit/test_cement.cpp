@@ -129,8 +129,8 @@ TEST_P(Kinematic, RestartsToTheBit) {
   EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
 }
 
-// A bond goes to another rank while it fails, and again later; nobody sees it. At steps after a check, where added mass is found
-// anew whether it goes or not: with it the bound of the sweeps for the accelerations of free grains, which rounds them.
+// A bond goes to another rank while it fails, and again later. At these steps, each after a check, the run goes on to the bit. At
+// other steps it goes on to rounding: an exchange lays the links out anew and finds the added mass anew.
 TEST_P(Kinematic, HandsABondOver) {
   Row r = row();
   r.bonds = 3;
