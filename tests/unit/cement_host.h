@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cement/cement.h"
+#include "coupling/penalty_traction.h"
 #include "material/no_damage.h"
 #include "material/tensor_damage.h"
 #include "geometry/flat.h"
@@ -92,6 +93,7 @@ class RowOfGrains : public CementHost {
   void points_failed(const Bond& bond) override {
     for (int slot : bond.failed) failed.push_back({number, bond.points.tags[slot / kLanes][slot % kLanes]});
   }
+  void links_let_go(const Bond&) override {}
   void slots_changed(const Bond& bond) override {
     for_points(bond, [&](int slot, int tag) { slot_[tag] = slot; });
   }
@@ -251,7 +253,7 @@ class RowOfGrains : public CementHost {
   void init() {
     set_step();
     PenaltyParameters p;
-    p.kn = p.kt = kPenalty;
+    p.law = std::make_shared<PenaltyTraction>(TractionStiffness{kPenalty, kPenalty});
     cement->set_density(2710);
     cement->couple(nullptr);
     cement->couple(&p);

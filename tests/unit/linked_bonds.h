@@ -12,6 +12,7 @@
 
 #include "cement.h"
 #include "cement/bond.h"
+#include "coupling/penalty_traction.h"
 
 namespace mpdem::test {
 
@@ -203,8 +204,7 @@ struct Scene {
 
 inline PenaltyParameters penalty(bool at_surface, double damping) {
   PenaltyParameters p;
-  p.kn = 900.0;
-  p.kt = 250.0;
+  p.law = std::make_shared<PenaltyTraction>(TractionStiffness{900.0, 250.0});
   p.damping = damping;
   p.at_surface = at_surface;
   return p;

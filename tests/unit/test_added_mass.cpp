@@ -199,7 +199,7 @@ TEST_P(AddedMassOfLinks, ActionIsReaction) {
       row_sums += row_sum(of_nodes, n);
     }
     for (const Link& k : b.points.links) {
-      const double spring = b.links.parameters().kn * k.area;
+      const double spring = b.links.parameters().law->stiffness().kn * k.area;
       const double mass = kDensity * b.points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
       stiffness += spring + 2.0 / kDt * 2.0 * b.links.parameters().damping * std::sqrt(spring * mass);
     }

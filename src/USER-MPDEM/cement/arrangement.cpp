@@ -100,7 +100,7 @@ void Cement::lay_out_run() {
     refresh_added_mass();
   });
   // New bodies may be cracked.
-  if (!cracks_.take_up(bonds_.table.size()) || !penalty_ || law_->inert()) return;
+  if (!cracks_.take_up(bonds_.table.size()) || !can_break()) return;
   Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, true);
   if (found.lay_out.empty()) return;
   lay_out_again(found.lay_out, std::move(found.parts));

@@ -33,6 +33,7 @@ struct Bond {
   std::size_t laid_out_blocks = 0;        // of points that the grid has nodes for
   std::size_t blocks_when_arranged = 0;
   std::vector<int> failed;                // slots that failed in this step, ascending
+  LinkStep link_step;                     // of the traction law
   std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
   std::vector<double> filtered;           // that of the part before the nodes move, xpic only
 

@@ -63,7 +63,7 @@ void Cement::step() {
 // After a check; not in it, where the forces of the step are still to be shown, and which may
 // be the step of a restart file.
 void Cement::look_for_cracks() {
-  if (!penalty_ || law_->inert()) return;
+  if (!can_break()) return;
   const bool after_check = (now_.number - 1) % options_.check_every == 0;
   if (!after_check && ((now_.number - 1) % kWatchEvery != 0 || !cracks_.some_path_is_cut(comm_))) return;
   timer_.start(StepTimer::kLayout);
@@ -84,9 +84,20 @@ void Cement::let_go(Bond& b) {
   if (penalty_) cracks_.watch(b);
 }
 
+// Traction laws may dissipate and let go of points that hold.
+void Cement::follow_links(Bond& b) {
+  b.links.follow(b.points, b.grid, grains_.side_of(b), b.link_step);
+  books_.dissipate(b.link_step.dissipated);
+  books_.release(b.link_step.released);
+  if (b.link_step.let_go.empty()) return;
+  host_.links_let_go(b);
+  cracks_.watch_links(b);
+}
+
 // Everything but the internal force, which is on the nodes already.
 void Cement::add_link_forces(Bond& b) {
   timer_.start(StepTimer::kCoupling);
+  follow_links(b);
   if (options_.updated) b.links.add_force(b.grid, grains_.side_of(b));
   else b.resting.add_force(b.links, b.grid, grains_.side_of(b));
   b.grid.ties.pull_back(b.grid.force.data());

@@ -41,6 +41,8 @@ class CementHost {
   virtual std::array<double, 3> initial_velocity(int tag) = 0;
   // Points of a bond failed in this step, Bond::failed; before they get other slots.
   virtual void points_failed(const Bond& bond) = 0;
+  // Links of a bond let go of points that did not fail, Bond::link_step.
+  virtual void links_let_go(const Bond& bond) = 0;
   // Slots of points of a bond changed.
   virtual void slots_changed(const Bond& bond) = 0;
 };
@@ -144,6 +146,8 @@ class Cement {
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true);
   void adopt(std::vector<BondLayout>& layouts);
   LayoutRules rules() const;
+  // Can points fail, or links let go?
+  bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
   std::vector<int> all_rows() const;
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;
@@ -170,6 +174,7 @@ class Cement {
   void look_for_cracks();
   void take_failed(Bond& b);
   void let_go(Bond& b);
+  void follow_links(Bond& b);
   void add_link_forces(Bond& b);
   void sum_shared(std::vector<double> Grid::*values, int width);
   void complete_forces();

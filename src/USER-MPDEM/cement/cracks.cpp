@@ -69,6 +69,14 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   return p;
 }
 
+// Points that failed, and links that let go of points that hold.
+double broken(const PointStore& points) {
+  int count = 0;
+  for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
+  for (const Link& k : points.links) count += !k.attached && !(points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
+  return count;
+}
+
 struct WholeBonds {
   Received<Sent> sent;
   std::vector<std::vector<CrackPoint>> points;  // of each row, in the order in which they are sent; empty elsewhere
@@ -111,12 +119,19 @@ bool Cracks::take_up(std::size_t rows) {
 }
 
 void Cracks::watch(const Bond& bond) {
+  for (int slot : bond.failed) note(bond, slot);
+}
+
+void Cracks::watch_links(const Bond& bond) {
+  for (int link : bond.link_step.let_go) note(bond, bond.points.links[link].slot);
+}
+
+// The point at this slot carries no path any more, or not to a grain.
+void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.body];
-  for (int slot : bond.failed) {
-    if (s.path_cut || s.separation.separated) return;
-    s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tags[slot / kLanes][slot % kLanes]);
-    any_path_cut_ = any_path_cut_ || s.path_cut;
-  }
+  if (s.path_cut || s.separation.separated) return;
+  s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tags[slot / kLanes][slot % kLanes]);
+  any_path_cut_ = any_path_cut_ || s.path_cut;
 }
 
 bool Cracks::some_path_is_cut(MPI_Comm comm) const {
@@ -138,10 +153,9 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   const int rows = static_cast<int>(bonds.table.size());
   int ranks;
   MPI_Comm_size(comm, &ranks);
-  // failed points, and whether the path is cut, of each row
+  // what broke, and whether the path is cut, of each row
   std::vector<double> now(2 * rows, 0.0);
-  for (const Bond& b : bonds)
-    for (const BlockMeta& m : b.points.meta) now[2 * b.body] += __builtin_popcount(m.failed);
+  for (const Bond& b : bonds) now[2 * b.body] = broken(b.points);
   for (int r = 0; r < rows; ++r) now[2 * r + 1] = states_[r].path_cut;
   MPI_Allreduce(MPI_IN_PLACE, now.data(), 2 * rows, MPI_DOUBLE, MPI_SUM, comm);
   std::vector<char> wanted(rows);

@@ -38,10 +38,12 @@ class Cracks {
   bool take_up(std::size_t rows);
   // Notes whether the path of a bond is cut by the points that fail in this step.
   void watch(const Bond& bond);
+  // The same of links that let go in this step of points that hold.
+  void watch_links(const Bond& bond);
   // Collective.
   bool some_path_is_cut(MPI_Comm comm) const;
 
-  // Collective. Looks at bonds in which points failed: those whose path is cut, and what has come apart already, if debris.
+  // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and what has come apart already, if debris.
   // The bonds that need a new layout, the same on all ranks, and their new parts on this one.
   struct Found {
     std::vector<int> lay_out;  // ascending
@@ -65,6 +67,7 @@ class Cracks {
   std::string mode(std::size_t row) const { return separated(row) ? mode_of(states_[row].separation) : "intact"; }
 
  private:
+  void note(const Bond& bond, int slot);
   Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
                      const std::vector<CrackPoint>& points) const;
 

@@ -108,7 +108,7 @@ CementTotals Cement::totals(double reach_of_box) {
   // With positions rounded as they are in the box, springs and cement have energies of this order even at
   // rest, more where the rounding of many steps adds up.
   const double strain = std::numeric_limits<double>::epsilon() * reach_of_box / options_.cell;
-  const double stiffest = std::max(law_->elasticity().C33, penalty_ ? penalty_->kn * options_.cell : 0.0);
+  const double stiffest = std::max(law_->elasticity().C33, penalty_ ? penalty_->law->stiffness().kn * options_.cell : 0.0);
   const double rounding = 100.0 * stiffest * sum[kVolume] * strain * strain;
   t.imbalance = scale > rounding ? (t.external_work + books_.start_energy() - kept) / scale : 0.0;
   for (int d = 0; d < 3; ++d) {

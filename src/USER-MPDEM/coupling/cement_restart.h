@@ -17,6 +17,9 @@ struct LinksSoFar {
   enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
   double kn = 0.0, kt = 0.0;
   bool at_surface = true;
+  int law = 0;  // traction_law_number()
+  static constexpr int kMostParameters = 6;
+  double parameter[kMostParameters] = {0, 0, 0, 0, 0, 0};  // of the law
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& l, Visitor& visit) {
@@ -24,11 +27,13 @@ struct LinksSoFar {
     visit("kn of the coupling", l.kn, kFinite);
     visit("kt of the coupling", l.kt, kFinite);
     visit("'at surface' of the coupling", l.at_surface);
+    visit("the number of the traction law", l.law, kCount);
+    visit("a parameter of the traction law", l.parameter, kFinite);
   }
 };
 
 struct CementHead {
-  static constexpr int kVersion = 6;
+  static constexpr int kVersion = 7;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;

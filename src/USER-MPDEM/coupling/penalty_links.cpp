@@ -4,16 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 #include "../mpm/gather.h"
 #include "../mpm/scatter.h"
+#include "traction_laws.h"
 
 namespace mpdem {
 
 namespace {
 // Of the links that the bits name, zero elsewhere.
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
+
+LinkSeparation separation_of(const vd* delta, const vd* n) {
+  return {delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
+}
 }  // namespace
 
 // Where the link was when its body was created.
@@ -36,6 +42,25 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   for (std::size_t i = 0; i < points.links.size(); ++i)
     if (points.links[i].attached || points.links[i].inert) items.push_back(item_of(points, body, static_cast<int>(i)));
   fill_blocks(points, body, items, blocks_);
+  take_states(points);
+}
+
+void PenaltyLinks::take_states(const PointStore& points) {
+  const int fields = p_.law->fields();
+  states_.assign(fields * blocks_.size(), vd{});
+  for (std::size_t b = 0; b < blocks_.size() && fields > 0; ++b)
+    for (int l = 0; l < kLanes; ++l)
+      for (int i = 0; i < fields && blocks_[b].link[l] >= 0; ++i) states_[fields * b + i][l] = points.links[blocks_[b].link[l]].state[i];
+}
+
+template <class L>
+typename L::State PenaltyLinks::state(const L&, std::size_t block) const {
+  typename L::State s{};
+  if constexpr (L::kFields > 0) {
+    static_assert(sizeof s == L::kFields * sizeof(vd), "a state is its fields");
+    std::memcpy(&s, &states_[L::kFields * block], sizeof s);
+  }
+  return s;
 }
 
 PenaltyLinks::Place PenaltyLinks::place_of(const LinkBlock& b) { return {b.part, b.base[0], b.base[1], b.base[2], b.side}; }
@@ -162,6 +187,7 @@ bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, con
   blocks_.resize(stay.size() + anew.size());
   std::merge(stay.begin(), stay.end(), anew.begin(), anew.end(), blocks_.begin(),
              [](const LinkBlock& a, const LinkBlock& b) { return place_of(a) < place_of(b); });
+  take_states(points);
   return all;
 }
 
@@ -202,9 +228,9 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
 }
 
 template <class Type>
-void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n,
-                          vd* v, vd* f) const {
-  const double sqrt_kn = std::sqrt(p_.kn), sqrt_kt = std::sqrt(p_.kt);
+void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k,
+                          const vd* q, const vd* n, vd* v, vd* f) const {
+  const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
   gather_value(grid.velocity.data(), b.column, w, v);
   v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
   v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
@@ -216,87 +242,137 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
 
 double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, double later) const {
   double power = 0.0;
-  if (p_.damping == 0.0) return power;
-  with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
-      if (!b.attached) continue;
-      const GrainSide& s = side[b.side];
-      const Weights<Type> w(b.X, b.base, inverse_h_);
-      vd q[3], delta[3], n[3], v[3], f[3], a[3];
-      place<Type>(b, grid, s, q, delta, n);
-      damper(b, grid, s, w, q, n, v, f);
-      gather_value(grid.acceleration.data(), b.column, w, a);
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        power -= sum_lanes(f[d] * (v[d] + later * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e]))));
+  if (p_.damping == 0.0 || blocks_.empty()) return power;
+  with_traction(*p_.law, [&](const auto& law) {
+    with_basis(basis_, [&](auto type) {
+      using Type = decltype(type);
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        const LinkBlock& b = blocks_[i];
+        if (!b.attached) continue;
+        const GrainSide& s = side[b.side];
+        const Weights<Type> w(b.X, b.base, inverse_h_);
+        vd q[3], delta[3], n[3], v[3], f[3], a[3];
+        place<Type>(b, grid, s, q, delta, n);
+        damper(b, grid, s, w, law.secant(separation_of(delta, n), state(law, i)), q, n, v, f);
+        gather_value(grid.acceleration.data(), b.column, w, a);
+        for (int d = 0; d < 3; ++d) {
+          const int e = (d + 1) % 3, g = (d + 2) % 3;
+          power -= sum_lanes(f[d] * (v[d] + later * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e]))));
+        }
       }
-    }
+    });
   });
   return power;
 }
 
 void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
-  with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
-    for (const LinkBlock& b : blocks_) {
-      if (!b.attached) continue;
-      GrainSide& s = side[b.side];
-      vd q[3], delta[3], n[3], f[3];
-      place<Type>(b, grid, s, q, delta, n);
-      const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], area = of(b.attached, b.area);
-      for (int d = 0; d < 3; ++d) f[d] = -area * (p_.kt * delta[d] + (p_.kn - p_.kt) * dn * n[d]);
-      const Weights<Type> w(b.X, b.base, inverse_h_);
-      if (p_.damping > 0.0) {
-        vd v[3], by_damper[3];
-        damper(b, grid, s, w, q, n, v, by_damper);
-        for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
+  if (blocks_.empty()) return;
+  with_traction(*p_.law, [&](const auto& law) {
+    with_basis(basis_, [&](auto type) {
+      using Type = decltype(type);
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        const LinkBlock& b = blocks_[i];
+        if (!b.attached) continue;
+        GrainSide& s = side[b.side];
+        vd q[3], delta[3], n[3], f[3];
+        place<Type>(b, grid, s, q, delta, n);
+        const LinkSeparation apart = separation_of(delta, n);
+        const TractionSecant k = law.secant(apart, state(law, i));
+        const vd area = of(b.attached, b.area);
+        for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
+        const Weights<Type> w(b.X, b.base, inverse_h_);
+        if (p_.damping > 0.0) {
+          vd v[3], by_damper[3];
+          damper(b, grid, s, w, k, q, n, v, by_damper);
+          for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
+        }
+        scatter_value(grid.force.data(), b.column, w, f);
+        for (int d = 0; d < 3; ++d) {
+          const int e = (d + 1) % 3, g = (d + 2) % 3;
+          s.force[d] -= sum_lanes(f[d]);
+          s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
+        }
       }
-      scatter_value(grid.force.data(), b.column, w, f);
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        s.force[d] -= sum_lanes(f[d]);
-        s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
-      }
-    }
+    });
   });
 }
 
-// Of the springs of a block, lane by lane.
-vd PenaltyLinks::energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const {
+template <class L>
+vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const {
+  const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, s, q, delta, n); });
-  const vd dn = delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2];
-  const vd dd = delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2];
-  return 0.5 * of(b.attached, b.area) * (p_.kt * dd + (p_.kn - p_.kt) * dn * dn);
+  return of(b.attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
+}
+
+void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, LinkStep& step) {
+  step.dissipated = step.released = 0.0;
+  step.let_go.clear();
+  if (blocks_.empty() || p_.law->fields() == 0) return;
+  with_traction(*p_.law, [&](const auto& law) {
+    using L = std::decay_t<decltype(law)>;
+    if constexpr (L::kFields > 0) {
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        LinkBlock& b = blocks_[i];
+        if (!b.attached) continue;
+        vd q[3], delta[3], n[3];
+        with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, side[b.side], q, delta, n); });
+        const LinkSeparation apart = separation_of(delta, n);
+        typename L::State s = state(law, i);
+        const TractionUpdate u = law.update(apart, s);
+        if (!any(u.grown & lanes(b.attached))) continue;
+        const vd area = of(b.attached, b.area), left = area * law.energy(apart, s);
+        step.dissipated += sum_lanes(area * u.dissipated);
+        std::memcpy(&states_[L::kFields * i], &s, sizeof s);
+        std::uint8_t freed = 0;
+        for (int l = 0; l < kLanes; ++l) {
+          if (!(b.attached >> l & 1) || !u.grown[l]) continue;
+          for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
+          if (!u.let_go[l]) continue;
+          freed |= static_cast<std::uint8_t>(1u << l);
+          step.let_go.push_back(b.link[l]);
+        }
+        release(b, freed, left, points, step.released);
+      }
+    }
+  });
+  std::sort(step.let_go.begin(), step.let_go.end());
+}
+
+void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, PointStore& points, double& released) {
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(freed >> l & 1)) continue;
+    released += energy[l];
+    points.links[b.link[l]].attached = false;
+    points.links[b.link[l]].inert = true;
+  }
+  b.attached &= static_cast<std::uint8_t>(~freed);
 }
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
                           double& released) {
-  if (failed.empty()) return;
-  for (LinkBlock& b : blocks_) {
-    if (!b.attached) continue;
-    std::uint8_t freed = 0;
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(b.attached >> l & 1)) continue;
-      if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
-        freed |= static_cast<std::uint8_t>(1u << l);
+  if (failed.empty() || blocks_.empty()) return;
+  with_traction(*p_.law, [&](const auto& law) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      LinkBlock& b = blocks_[i];
+      if (!b.attached) continue;
+      std::uint8_t freed = 0;
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(b.attached >> l & 1)) continue;
+        if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
+          freed |= static_cast<std::uint8_t>(1u << l);
+      }
+      if (freed) release(b, freed, energy(law, i, grid, side[b.side]), points, released);
     }
-    if (!freed) continue;
-    const vd U = energy(b, grid, side[b.side]);
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(freed >> l & 1)) continue;
-      released += U[l];
-      points.links[b.link[l]].attached = 0;
-      points.links[b.link[l]].inert = true;
-    }
-    b.attached &= static_cast<std::uint8_t>(~freed);
-  }
+  });
 }
 
 void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, double& U) const {
-  for (const LinkBlock& b : blocks_)
-    if (b.attached) U += sum_lanes(energy(b, grid, side[b.side]));
+  if (blocks_.empty()) return;
+  with_traction(*p_.law, [&](const auto& law) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i)
+      if (blocks_[i].attached) U += sum_lanes(energy(law, i, grid, side[blocks_[i].side]));
+  });
 }
 
 template <class Type, class F>
@@ -375,7 +451,9 @@ void PenaltyLinks::drop_inertia(PointStore& points) {
 }
 
 void PenaltyLinks::add_stiffness(const GrainSide* side, double dt, double* penalty) const {
-  const double k = std::max(p_.kn, p_.kt), damper = 2.0 * std::sqrt(k) / dt;
+  if (blocks_.empty()) return;
+  const TractionStiffness& bound = p_.law->stiffness();
+  const double k = std::max(bound.kn, bound.kt), damper = 2.0 * std::sqrt(k) / dt;
   with_basis(basis_, [&](auto type) {
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
@@ -388,7 +466,7 @@ void PenaltyLinks::add_stiffness(const GrainSide* side, double dt, double* penal
 }
 
 std::size_t PenaltyLinks::memory_usage() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(LinkBlock) + reduced_.capacity() * sizeof(Reduced);
+  std::size_t bytes = blocks_.capacity() * sizeof(LinkBlock) + states_.capacity() * sizeof(vd) + reduced_.capacity() * sizeof(Reduced);
   for (const Reduced& r : reduced_) bytes += r.node.capacity() * sizeof(int) + r.weight.capacity() * sizeof(vd);
   return bytes;
 }

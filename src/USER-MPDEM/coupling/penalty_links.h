@@ -22,23 +22,33 @@
 // 442). The weights sum to one and reproduce linear fields, so momentum and angular momentum
 // stay exact; some are negative.
 //
+// That is the elastic law. The force per area by delta is a traction law, see traction_law.h.
+//
 // The links of one bond on one rank. Stiff links ask for added mass at the nodes: added_mass.h.
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "grain_sides.h"
+#include "traction_law.h"
 
 namespace mpdem {
 
 struct PenaltyParameters {
-  double kn = 0, kt = 0;  // pressure per length
-  double damping = 0;     // share of critical, of the spring with the mass of its point
+  std::shared_ptr<const TractionLaw> law;
+  double damping = 0;  // share of critical, of the spring with the mass of its point
   bool at_surface = true;
+};
+
+// What links of a law with a state did in a step.
+struct LinkStep {
+  double dissipated = 0, released = 0;  // energies: spent by the law, given up by links that let go
+  std::vector<int> let_go;              // links of the store that let go although their points hold
 };
 
 // `side` is always the first of the two sides of the bond, the second is behind it.
@@ -67,15 +77,18 @@ class PenaltyLinks {
   // After PointStore::sort_links().
   void renumber(const std::vector<int>& new_place);
 
-  // Penalty force of the present positions on nodes and grains.
+  // What the present positions do to the state of the traction law, in the links of the store too. Positions that stay change
+  // nothing. No work for a law without a state.
+  void follow(PointStore& points, const Grid& grid, const GrainSide* side, LinkStep& step);
+  // Force of the present positions and states on nodes and grains.
   void add_force(Grid& grid, GrainSide* side) const;
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
   // of the acceleration later.
   double damper_power(const Grid& grid, const GrainSide* side, double later) const;
-  // Adds the energy of the springs.
+  // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
-  // Frees the links of points that failed (slots, ascending), and adds the spring energy they gave up to `released`.
+  // Frees the links of points that failed (slots, ascending), and adds the energy they gave up to `released`.
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
   void drop_inertia(PointStore& points);
@@ -127,7 +140,14 @@ class PenaltyLinks {
   Item item_of(const PointStore& points, const Body& body, int link) const;
   // Appends the blocks of these links, which it sorts.
   void fill_blocks(const PointStore& points, const Body& body, std::vector<Item>& items, std::vector<LinkBlock>& blocks) const;
-  vd energy(const LinkBlock& b, const Grid& grid, const GrainSide& s) const;
+  // Stored, lane by lane.
+  template <class L>
+  vd energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const;
+  // Of a block, for its traction law.
+  template <class L>
+  typename L::State state(const L&, std::size_t block) const;
+  void release(LinkBlock& b, std::uint8_t freed, vd energy, PointStore& points, double& released);
+  void take_states(const PointStore& points);
   // Calls f(column, offset, weight) for the nodes of a block.
   template <class Type, class F>
   static void for_each_node(const Weights<Type>& w, F f);
@@ -137,14 +157,15 @@ class PenaltyLinks {
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
   // Velocity of the place against the grain's, and the force of the dampers by it.
   template <class Type>
-  void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, const vd* n, vd* v,
-              vd* f) const;
+  void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
+              const vd* n, vd* v, vd* f) const;
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
   double inverse_h_ = 0, density_ = 0;
   int body_ = 0;
   std::vector<LinkBlock> blocks_;
+  std::vector<vd> states_;   // of the traction law, its fields of each block; those of the store are the same
   std::vector<Move> moves_;  // of the places of each block in this step, `updated` only
   std::vector<Reduced> reduced_;
   std::vector<Place> concerned_;  // by the last move_places()

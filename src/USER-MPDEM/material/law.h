@@ -29,12 +29,12 @@
 #ifndef MPDEM_LAW_H
 #define MPDEM_LAW_H
 
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "../numerics/simd.h"
+#include "law_list.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {
@@ -62,33 +62,6 @@ struct LawDrive {
 struct ImpliedStrength {
   double tensile_strength, onset_strain, failure_strain, work_per_volume;
 };
-
-// A word of a script after the name of a law, with a number or one of `choices`.
-struct LawWord {
-  std::string name;
-  bool (*allowed)(double);
-  std::string range;                 // "must ..." of the numbers that are allowed
-  std::string needed_for;            // what it is, if the law cannot do without it
-  std::vector<std::string> choices;  // the value is the place in this list; empty: a number
-};
-
-// Values of the words that were given.
-class LawValues {
- public:
-  void set(const std::string& word, double value) { value_[word] = value; }
-  bool has(const std::string& word) const { return value_.count(word) != 0; }
-  double get(const std::string& word, double otherwise) const {
-    const auto at = value_.find(word);
-    return at == value_.end() ? otherwise : at->second;
-  }
-
- private:
-  std::map<std::string, double> value_;
-};
-
-inline bool is_positive(double v) { return v > 0.0; }
-inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
-inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
 
 class Law {
  public:

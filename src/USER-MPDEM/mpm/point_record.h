@@ -18,6 +18,9 @@ namespace mpdem {
 // Numbers that a law of damage may keep for a point.
 constexpr int kMostStateFields = Law::kMostFields;
 
+// Numbers that a traction law may keep for a link, see coupling/traction_law.h.
+constexpr int kMostLinkFields = 1;
+
 // Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
 // the body was created; the cement there has its reference at foot + moved.
 struct Link {
@@ -26,8 +29,9 @@ struct Link {
   double foot[3] = {0, 0, 0};
   double area = 0;            // of the grain's surface
   bool attached = false;      // has not let go
+  bool inert = false;         // has let go, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
-  bool inert = false;  // has let go, but its added mass still counts, see coupling/penalty_links.h
+  double state[kMostLinkFields] = {0};  // of its traction law; beside the flags, so that a link is no larger for it
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& k, Visitor& visit) {
@@ -38,6 +42,7 @@ struct Link {
     visit("'is attached' of a link", k.attached);
     visit("the way of a link", k.moved, kFinite);
     visit("'has added mass' of a link", k.inert);
+    visit("the state of a link", k.state, kFinite);
   }
 };
 

@@ -86,7 +86,7 @@ CementWords take_cement_words(Arguments& args) {
   CementOptions& o = w.options;
   bool has_elastic = false;
   VtiConstants constants;
-  LawChoice damage;
+  LawChoice damage{&law_entries().front(), {}};
   double fracture_energy = 0.0;  // of the crack band, 0: no regularization
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
@@ -134,7 +134,7 @@ CementWords take_cement_words(Arguments& args) {
         for (double& a : o.axis_direction) a /= length;
       }
     } else if (key == "damage") {
-      damage = read_law(args);
+      damage = read_choice(args, "damage", law_entries());
     } else if (key == "regularization") {
       fracture_energy = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
     } else if (key == "reproject") {
@@ -160,7 +160,7 @@ CementWords take_cement_words(Arguments& args) {
       o.check_every = args.integer(key, 1);
     } else {
       std::vector<std::string> known = kKeywords;
-      for (const std::string& word : law_words()) known.push_back(word);
+      for (const std::string& word : law_words("damage", law_entries())) known.push_back(word);
       args.unknown(key, known);
     }
   }

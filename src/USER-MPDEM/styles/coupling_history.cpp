@@ -2,8 +2,10 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "coupling_history.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "../coupling/traction_laws.h"
 #include "../parallel/agree.h"
 
 namespace mpdem {
@@ -20,21 +22,39 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
     if (p.at_surface != ran_.at_surface)
       return text_of("'at ", p.at_surface ? "surface" : "points", "', but the steps before were made with 'at ",
                                          ran_.at_surface ? "surface" : "points", "', and the load of the bonds would jump; use that");
-    if (differ(p.kn, ran_.kn) || differ(p.kt, ran_.kt))
-      return text_of("'kn' and 'kt' over 'length' are ", p.kn, " and ", p.kt, ", but were ", ran_.kn, " and ", ran_.kt,
+    const TractionStiffness k = p.law->stiffness();
+    if (differ(k.kn, ran_.kn) || differ(k.kt, ran_.kt))
+      return text_of("'kn' and 'kt' over 'length' are ", k.kn, " and ", k.kt, ", but were ", ran_.kn, " and ", ran_.kt,
                                          " in the steps before, and the load of the bonds would jump; use 'kn ", ran_.kn * cell, " kt ",
                                          ran_.kt * cell, "' with 'length cell', as in these");
+    const std::vector<double> values = p.law->parameters();
+    bool same = traction_law_number(*p.law) == ran_.law;
+    for (std::size_t i = 0; i < values.size(); ++i) same = same && !differ(values[i], ran_.parameter[i]);
+    if (!same) return text_of("'interface ", p.law->name(), "' with these words is not that of the steps before: '", words_so_far(), "'; use that");
   }
   id_ = id;
   return "";
 }
 
+// As a script has it.
+std::string CouplingHistory::words_so_far() const {
+  const std::vector<TractionEntry>& entries = traction_entries();
+  if (ran_.law < 1 || ran_.law > static_cast<int>(entries.size())) return text_of("number ", ran_.law, " of another program");
+  const TractionEntry& law = entries[ran_.law - 1];
+  std::string words = "interface " + law.name;
+  for (std::size_t i = 0; i < law.words.size(); ++i) words += text_of(" ", law.words[i].name, " ", ran_.parameter[i]);
+  return words;
+}
+
 void CouplingHistory::remember(const PenaltyParameters* p) {
   ran_.kind = p ? LinksSoFar::kLinks : LinksSoFar::kNone;
   if (!p) return;
-  ran_.kn = p->kn;
-  ran_.kt = p->kt;
+  ran_.kn = p->law->stiffness().kn;
+  ran_.kt = p->law->stiffness().kt;
   ran_.at_surface = p->at_surface;
+  ran_.law = traction_law_number(*p->law);
+  const std::vector<double> values = p->law->parameters();
+  std::copy(values.begin(), values.end(), ran_.parameter);
 }
 
 }  // namespace mpdem

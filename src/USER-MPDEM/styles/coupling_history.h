@@ -28,6 +28,7 @@ class CouplingHistory {
   void restore(const LinksSoFar& ran) { ran_ = ran; }
 
  private:
+  std::string words_so_far() const;
   std::string id_;
   LinksSoFar ran_;
   bool warned_ = false;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "../geometry/shape.h"
 #include "../mpm/point_state.h"
@@ -15,41 +16,59 @@ const char* const kHeader =
     "step,time,point,bond,grain,r,theta,z,damage1,damage2,damage3,direction_x,direction_y,direction_z,mode";
 }
 
+FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int slot) {
+  const PointStore& points = bond.points;
+  Event e{};
+  e.point = points.tags[slot / kLanes][slot % kLanes];
+  e.bond = bond.body + 1;
+
+  // Polar coordinates about the line of centres, from the coordinate axis most across it.
+  Vector3 axis, X;
+  for (int d = 0; d < 3; ++d) {
+    axis[d] = body.centre[1][d] - body.centre[0][d];
+    X[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
+  }
+  axis.normalize();
+  int least = 0;
+  for (int d = 1; d < 3; ++d)
+    if (std::fabs(axis[d]) < std::fabs(axis[least]) - 1e-12) least = d;
+  const Vector3 e1 = (Vector3::Unit(least) - axis[least] * axis).normalized(), e2 = axis.cross(e1);
+  e.z = X.dot(axis);
+  e.r = (X - e.z * axis).norm();
+  e.theta = std::atan2(X.dot(e2), X.dot(e1));
+
+  const CrackOfPoint crack = crack_of(points, slot);
+  std::copy(crack.damage, crack.damage + 3, e.damage);
+  std::copy(crack.normal, crack.normal + 3, e.direction);
+  return e;
+}
+
 void FailureLog::add(const Bond& bond, const Body& body, long step, double time) {
   if (name_.empty()) return;
   const PointStore& points = bond.points;
   for (int slot : bond.failed) {
-    const int b = slot / kLanes, l = slot % kLanes;
-    Event e{};
+    Event e = event_at(bond, body, slot);
     e.step = static_cast<double>(step);
     e.time = time;
-    e.point = points.tags[b][l];
-    e.bond = bond.body + 1;
     // of two links that of the nearer grain
-    const double place[3] = {points.created_at(b)[0][l], points.created_at(b)[1][l], points.created_at(b)[2][l]};
+    double place[3];
+    for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
     for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const Link& k, int s) { return k.slot < s; });
          k != points.links.end() && k->slot == slot; ++k)
       if (e.grain == 0.0 || k->grain == nearer) e.grain = k->grain;
+    events_.push_back(e);
+  }
+}
 
-    // Polar coordinates about the line of centres, from the coordinate axis most across it.
-    Vector3 axis, X;
-    for (int d = 0; d < 3; ++d) {
-      axis[d] = body.centre[1][d] - body.centre[0][d];
-      X[d] = place[d];
-    }
-    axis.normalize();
-    int least = 0;
-    for (int d = 1; d < 3; ++d)
-      if (std::fabs(axis[d]) < std::fabs(axis[least]) - 1e-12) least = d;
-    const Vector3 e1 = (Vector3::Unit(least) - axis[least] * axis).normalized(), e2 = axis.cross(e1);
-    e.z = X.dot(axis);
-    e.r = (X - e.z * axis).norm();
-    e.theta = std::atan2(X.dot(e2), X.dot(e1));
-
-    const CrackOfPoint crack = crack_of(points, slot);
-    std::copy(crack.damage, crack.damage + 3, e.damage);
-    std::copy(crack.normal, crack.normal + 3, e.direction);
+void FailureLog::add_links(const Bond& bond, const Body& body, long step, double time) {
+  if (name_.empty()) return;
+  for (int link : bond.link_step.let_go) {
+    const Link& k = bond.points.links[link];
+    Event e = event_at(bond, body, k.slot);
+    e.step = static_cast<double>(step);
+    e.time = time;
+    e.grain = k.grain;
     events_.push_back(e);
   }
 }
@@ -76,7 +95,9 @@ std::string FailureLog::write(MPI_Comm comm) {
   }
   MPI_Gatherv(events_.data(), mine, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
   events_.clear();
-  std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) { return a.step != b.step ? a.step < b.step : a.point < b.point; });
+  std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) { 
+    return std::tie(a.step, a.point, a.grain) < std::tie(b.step, b.point, b.grain);
+  });
   std::string rows;
   for (const Event& e : all)
     append(rows, "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,

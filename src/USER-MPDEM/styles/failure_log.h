@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Event log of fix mpm: one line for each point that fails. Events wait on their rank and are
+// Event log of fix mpm: one line for each point that fails, and for each link that lets go of a point that holds. Events wait on their rank and are
 // gathered at the checks, ordered by step and ID, so that the file is the same on any number
 // of ranks.
 #ifndef MPDEM_FAILURE_LOG_H
@@ -28,6 +28,7 @@ class FailureLog {
   bool is_open() const { return open_; }
 
   void add(const Bond& bond, const Body& body, long step, double time);
+  void add_links(const Bond& bond, const Body& body, long step, double time);
   // Collective. Opens the file, anew or where it was continued; why not, if so.
   std::string open(MPI_Comm comm, bool continued);
   // Collective. Writes what waits; why not, if so.
@@ -38,6 +39,8 @@ class FailureLog {
   struct Event {
     double step, time, point, bond, grain, r, theta, z, damage[3], direction[3];
   };
+  // Of the point at this slot, but for its grain.
+  static Event event_at(const Bond& bond, const Body& body, int slot);
   std::vector<Event> events_;
   std::string name_;
   TableFile file_;

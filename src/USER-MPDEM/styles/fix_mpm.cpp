@@ -307,6 +307,10 @@ void FixMpm::points_failed(const mpdem::Bond& bond) {
   failures_.add(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
 }
 
+void FixMpm::links_let_go(const mpdem::Bond& bond) {
+  failures_.add_links(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
+}
+
 void FixMpm::slots_changed(const mpdem::Bond& bond) {
   for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
     for (int l = 0; l < kLanes; ++l) {

@@ -77,6 +77,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
  private:
   std::array<double, 3> initial_velocity(int tag) override;
   void points_failed(const mpdem::Bond& bond) override;
+  void links_let_go(const mpdem::Bond& bond) override;
   void slots_changed(const mpdem::Bond& bond) override;
 
   template <class F>

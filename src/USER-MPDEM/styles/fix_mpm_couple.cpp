@@ -23,7 +23,7 @@ using namespace FixConst;
 
 namespace {
 
-const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv"};
+const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv", "interface"};
 
 // Where `kn auto` puts the penalty: stiff enough that the bond is 1 % softer than a perfect
 // one at ten cells across, at no cost in time step (doc/fix_mpm_couple.md).
@@ -53,12 +53,16 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
       at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
     } else if (key == "damping") {
       damping_ = args.not_negative(key);
+    } else if (key == "interface") {
+      interface_ = mpdem::read_choice(args, key, mpdem::traction_entries());
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
       table_from_ = update->ntimestep;
     } else {
-      args.unknown(key, kKeywords);
+      std::vector<std::string> known(kKeywords);
+      for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
+      args.unknown(key, known);
     }
   }
 }
@@ -78,8 +82,9 @@ void FixMpmCouple::init() {
   const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
-  p.kn = (kn_ < 0.0 ? automatic : kn_) * per_length;
-  p.kt = (kt_ < 0.0 ? automatic : kt_) * per_length;
+  p.law = interface_.make(mpdem::TractionStiffness{(kn_ < 0.0 ? automatic : kn_) * per_length, (kt_ < 0.0 ? automatic : kt_) * per_length});
+  const std::string wrong = p.law->trouble();
+  if (!wrong.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", p.law->name(), "': ", wrong));
   check_rounding("kn", kn_, per_length);
   check_rounding("kt", kt_, per_length);
   p.damping = damping_;

@@ -16,6 +16,7 @@ FixStyle(mpm/couple,FixMpmCouple)
 
 #include "fix.h"
 #include "fix_mpm.h"
+#include "law_words.h"
 
 namespace LAMMPS_NS {
 
@@ -46,6 +47,7 @@ class FixMpmCouple : public Fix {
   std::string cement_id_;
   FixMpm* cement_ = nullptr;
   double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto, auto, cell
+  mpdem::Choice<mpdem::TractionEntry> interface_{&mpdem::traction_entries().front(), {}};
   double damping_ = 0.0;
   bool at_surface_ = true;
   int table_every_ = 0;

@@ -25,29 +25,16 @@ bool has_word(const LawEntry& law, const std::string& name) {
 
 }  // namespace
 
-LawChoice read_law(Arguments& args) {
-  std::vector<std::string> names;
-  for (const LawEntry& e : law_entries()) names.push_back(e.name);
-  const std::string name = args.choice("damage", names), law = "damage " + name;
-  LawChoice c;
-  while (c.entry->name != name) ++c.entry;
-  const auto next = [&] {
-    return std::find_if(c.entry->words.begin(), c.entry->words.end(), [&](const LawWord& w) { return args.accept(w.name); });
-  };
-  for (auto w = next(); w != c.entry->words.end(); w = next()) {
+LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words) {
+  LawValues values;
+  const auto next = [&] { return std::find_if(words.begin(), words.end(), [&](const LawWord& w) { return args.accept(w.name); }); };
+  for (auto w = next(); w != words.end(); w = next()) {
     args.once(w->name, law);
-    c.values.set(w->name, read_value(args, law, *w));
+    values.set(w->name, read_value(args, law, *w));
   }
-  for (const LawWord& w : c.entry->words)
-    if (!w.needed_for.empty() && !c.values.has(w.name)) args.complain("'" + law + "' needs '" + w.name + "', " + w.needed_for);
-  return c;
-}
-
-std::vector<std::string> law_words() {
-  std::vector<std::string> all;
-  for (const LawEntry& e : law_entries())
-    for (const LawWord& w : e.words) all.push_back((&w == &e.words.front() ? "and after 'damage " + e.name + "' " : "") + w.name);
-  return all;
+  for (const LawWord& w : words)
+    if (!w.needed_for.empty() && !values.has(w.name)) args.complain("'" + law + "' needs '" + w.name + "', " + w.needed_for);
+  return values;
 }
 
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen) {

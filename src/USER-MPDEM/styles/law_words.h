@@ -1,29 +1,54 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The words of a script from which a law of damage is made, see material/laws.h.
+// The words of a script from which a law is made: of damage, see material/laws.h, or of the traction of links, see
+// coupling/traction_laws.h.
 #ifndef MPDEM_LAW_WORDS_H
 #define MPDEM_LAW_WORDS_H
 
 #include <string>
 #include <vector>
 
+#include "../coupling/traction_laws.h"
 #include "../material/laws.h"
 #include "arguments.h"
 
 namespace mpdem {
 
-struct LawChoice {
-  const LawEntry* entry = &law_entries().front();
+template <class Entry>
+struct Choice {
+  const Entry* entry;  // of a list that stays
   LawValues values;
-  std::unique_ptr<Law> make(const VtiElasticity& elasticity) const { return entry->make(elasticity, values); }
+  template <class Given>
+  auto make(const Given& given) const {
+    return entry->make(given, values);
+  }
 };
+using LawChoice = Choice<LawEntry>;
 
-// The words after `damage`.
-LawChoice read_law(Arguments& args);
+// Values of the words of a law, `law` in messages.
+LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words);
+
+// The name and the words after a keyword.
+template <class Entry>
+Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std::vector<Entry>& entries) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) names.push_back(e.name);
+  const std::string name = args.choice(keyword, names);
+  Choice<Entry> c{entries.data(), {}};
+  while (c.entry->name != name) ++c.entry;
+  c.values = read_law_words(args, keyword + " " + name, c.entry->words);
+  return c;
+}
 
 // "and after 'damage tensor' B0, cutoff ..." of each law that has words.
-std::vector<std::string> law_words();
+template <class Entry>
+std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {
+  std::vector<std::string> all;
+  for (const Entry& e : entries)
+    for (const LawWord& w : e.words) all.push_back((&w == &e.words.front() ? "and after '" + keyword + " " + e.name + "' " : "") + w.name);
+  return all;
+}
 
 // Complains of a word of a law that stands elsewhere; returns if it is none.
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen);

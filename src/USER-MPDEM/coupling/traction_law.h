@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A traction law of the links between cement and grains: the force per area by the separation of their two places. A law is one
+// class in one file, derived from TractionLawOf<itself>, and one line in traction_laws.h. It knows nothing of nodes, grains and
+// added mass: these ask it for its stiffness alone.
+//
+// What is asked once a run are the virtual functions of TractionLaw. What is asked in the loop over blocks of links are members of
+// the class itself, compiled into the loop by with_traction() of traction_laws.h. They work on eight links at a time, in the frame
+// of the normal n of the grain's surface:
+//
+//   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
+//                           All of them are 0 in a link that was never loaded.
+//   State                   these numbers for eight links: kFields times a vd
+//   words()                 the words after its name, see LawWord; the constructor takes the stiffness and their values
+//   secant(delta, state)    stiffness kn and kt by which the traction is kn delta_n n + kt delta_t. At most stiffness().
+//   energy(delta, state)    per area, stored
+//
+// and of laws with a state
+//
+//   update(delta, state)    what the separation does to the state, see TractionUpdate. The same separation again changes nothing.
+#ifndef MPDEM_TRACTION_LAW_H
+#define MPDEM_TRACTION_LAW_H
+
+#include <string>
+#include <vector>
+
+#include "../material/law_list.h"
+#include "../numerics/simd.h"
+
+namespace mpdem {
+
+// Upper bound of the tangent, pressure per length. The links of every law start with it.
+struct TractionStiffness {
+  double kn = 0, kt = 0;
+};
+
+// Of eight links.
+struct LinkSeparation {
+  vd n;       // delta_n, positive where the place moved away from the grain
+  vd square;  // of the length of all of it
+  vd tangential_square() const { return max(square - n * n, vd{}); }
+};
+
+struct TractionSecant {
+  vd kn, kt;
+  // Energy per area of springs as stiff as that.
+  vd energy(const LinkSeparation& s) const { return 0.5 * (kt * s.square + (kn - kt) * s.n * s.n); }
+};
+
+struct TractionUpdate {
+  vd dissipated;         // energy per area, since the state before
+  vmask grown, let_go;   // the state changed; the link carries nothing from now on
+};
+
+class TractionLaw {
+ public:
+  explicit TractionLaw(TractionStiffness stiffness) : stiffness_(stiffness) {}
+  virtual ~TractionLaw() = default;
+
+  const TractionStiffness& stiffness() const { return stiffness_; }
+  virtual const char* name() const = 0;
+  virtual int fields() const = 0;
+  // Values of its words, in their order, at most LinksSoFar::kMostParameters: later runs must have the same.
+  virtual std::vector<double> parameters() const { return {}; }
+  // What is wrong with the words together; empty if nothing is.
+  virtual std::string trouble() const { return ""; }
+
+ protected:
+  // Laws are copied as objects of their own class alone.
+  TractionLaw(const TractionLaw&) = default;
+  TractionLaw& operator=(const TractionLaw&) = default;
+
+ private:
+  TractionStiffness stiffness_;
+};
+
+template <class L>
+class TractionLawOf : public TractionLaw {
+ public:
+  using TractionLaw::TractionLaw;
+  const char* name() const final { return L::kName; }
+  int fields() const final { return L::kFields; }
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Laws as a list of types: laws of damage (laws.h), traction laws of links (coupling/traction_laws.h). The class of an object is looked
+// up once a pass, so that loops are compiled for each class and make no virtual call. Words of a script after the name of a law.
+#ifndef MPDEM_LAW_LIST_H
+#define MPDEM_LAW_LIST_H
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <typeinfo>
+#include <vector>
+
+namespace mpdem {
+
+template <class... L>
+struct LawList {};
+
+// Calls f with `law` as an object of its own class. Throws std::logic_error if that is not in the list.
+template <class L, class... Rest, class Base, class F>
+decltype(auto) pick_law(LawList<L, Rest...>, const Base& law, F& f) {
+  if constexpr (sizeof...(Rest) > 0) {
+    if (typeid(law) != typeid(L)) return pick_law(LawList<Rest...>(), law, f);
+  } else if (typeid(law) != typeid(L)) {
+    throw std::logic_error(std::string("law ") + law.name() + " is not in the list of its header");
+  }
+  return f(static_cast<const L&>(law));
+}
+
+// Place of a class in a list, from 1 on.
+template <class Wanted, class L, class... Rest>
+constexpr int number_of(LawList<L, Rest...>) {
+  if constexpr (std::is_same_v<Wanted, L>) return 1;
+  else return 1 + number_of<Wanted>(LawList<Rest...>());
+}
+
+// A word of a script after the name of a law, with a number or one of `choices`.
+struct LawWord {
+  std::string name;
+  bool (*allowed)(double);
+  std::string range;                 // "must ..." of the numbers that are allowed
+  std::string needed_for;            // what it is, if the law cannot do without it
+  std::vector<std::string> choices;  // the value is the place in this list; empty: a number
+};
+
+// Values of the words that were given.
+class LawValues {
+ public:
+  void set(const std::string& word, double value) { value_[word] = value; }
+  bool has(const std::string& word) const { return value_.count(word) != 0; }
+  double get(const std::string& word, double otherwise) const {
+    const auto at = value_.find(word);
+    return at == value_.end() ? otherwise : at->second;
+  }
+
+ private:
+  std::map<std::string, double> value_;
+};
+
+inline bool is_positive(double v) { return v > 0.0; }
+inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
+inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
+
+// What a script says of a law: its name and its words.
+struct NamedLaw {
+  std::string name;
+  std::vector<LawWord> words;
+};
+
+}  // namespace mpdem
+
+#endif
