@@ -9,11 +9,12 @@
 #include <memory>
 
 #include "../mpm/point_record.h"
+#include "cohesive_traction.h"
 #include "penalty_traction.h"
 
 namespace mpdem {
 
-using TractionLaws = LawList<PenaltyTraction>;
+using TractionLaws = LawList<PenaltyTraction, CohesiveTraction>;
 
 // Calls f with the law as an object of its own class, so that f is compiled for each of them. Once a pass over a bond, never
 // inside a loop over links.

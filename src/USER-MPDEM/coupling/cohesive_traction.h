@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Bilinear cohesive law with damage: springs that soften past a strength and let go once they took an energy per area.
+//
+//   opening      lambda^2 = <delta_n>^2 + (kt/kn) delta_t^2,  <.> the positive part
+//   mixed mode   B = (kt/kn) delta_t^2/lambda^2, from 0 of opening to 1 of shear: the share of shear in the energy
+//   onset        lambda0 by (tn/t)^2 of either mode: (kn lambda0)^2 ((1 - B)/tn^2 + B (kt/kn)/tt^2) = 1
+//   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
+//   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
+//   traction     (1 - d) of the penalty, all of it under compression; none once d is 1
+//   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
+//
+// So a link takes tn and Gn under opening, tt and Gt under shear, of any steps. The onset is the quadratic criterion of stress, the
+// end the linear criterion of energies, both written in the opening of Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with
+// the damage of Turon, Camanho, Costa & Davila (Mech. Mater. 38 (2006) 1072).
+#ifndef MPDEM_COHESIVE_TRACTION_H
+#define MPDEM_COHESIVE_TRACTION_H
+
+#include "../numerics/text_of.h"
+#include "traction_law.h"
+
+namespace mpdem {
+
+class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
+ public:
+  static constexpr const char* kName = "cohesive";
+  static constexpr int kFields = 1;
+  struct State {
+    vd d;
+  };
+
+  static std::vector<LawWord> words() {
+    const std::string positive = "must be greater than 0";
+    return {{"tn", is_positive, positive, "the strength under opening, a pressure", {}},
+            {"tt", is_positive, positive, "the strength under shear, a pressure", {}},
+            {"Gn", is_positive, positive, "the energy per area that opening takes", {}},
+            {"Gt", is_positive, positive, "the energy per area that shear takes", {}}};
+  }
+
+  CohesiveTraction(TractionStiffness stiffness, const LawValues& values)
+      : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {}
+
+  std::vector<double> parameters() const override { return {tn_, tt_, Gn_, Gt_}; }
+  // The elastic energy at the strength has to be below G in every mode; it is if it is in both.
+  std::string trouble() const override {
+    const double of_n = 0.5 * tn_ * tn_ / stiffness().kn, of_t = 0.5 * tt_ * tt_ / stiffness().kt;
+    const auto told = [](const char* G, double value, double least, const char* t, const char* k) {
+      return text_of("'", G, " ", value, "' must be above ", least, ", the energy that the links store at '", t, "'; use a larger '", G, "', a smaller '", t,
+                     "' or a larger '", k, "'");
+    };
+    if (!(Gn_ > of_n)) return told("Gn", Gn_, of_n, "tn", "kn");
+    if (!(Gt_ > of_t)) return told("Gt", Gt_, of_t, "tt", "kt");
+    return "";
+  }
+
+  TractionSecant secant(const LinkSeparation& delta, State s) const {
+    const vd left = 1.0 - s.d;
+    const vd closed = select(s.d < 1.0, splat(1.0), vd{});
+    return {stiffness().kn * select(delta.n < 0.0, closed, left), stiffness().kt * left};
+  }
+  vd energy(const LinkSeparation& delta, State s) const { return secant(delta, s).energy(delta); }
+
+  TractionUpdate update(const LinkSeparation& delta, State& s) const {
+    const double kn = stiffness().kn, ratio = stiffness().kt / kn;
+    const vd open = max(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
+    const vd B = select(square > 0.0, shear / square, vd{});
+    const vd onset = 1.0 / (kn * sqrt((1.0 - B) / (tn_ * tn_) + ratio * B / (tt_ * tt_)));
+    const vd G = 1.0 / ((1.0 - B) / Gn_ + B / Gt_);
+    const vd end = 2.0 * G / (kn * onset), soft = end - onset, lambda = sqrt(square);
+    const vd d = select(lambda >= end, splat(1.0), end * (lambda - onset) / (lambda * soft));
+    TractionUpdate u;
+    u.grown = (lambda > onset) & (d > s.d);
+    u.let_go = u.grown & (d >= 1.0);
+    const auto spent = [&](vd at) { return G * onset * at / (end - at * soft); };
+    u.dissipated = select(u.grown, spent(d) - spent(s.d), vd{});
+    s.d = select(u.grown, min(d, splat(1.0)), s.d);
+    return u;
+  }
+
+ private:
+  double tn_, tt_, Gn_, Gt_;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "coupling/cohesive_traction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "linked_bonds.h"
+
+namespace mpdem {
+namespace {
+
+constexpr TractionStiffness kStiff{900.0, 250.0};
+constexpr double kTn = 3.0, kTt = 2.0, kGn = 0.02, kGt = 0.05;
+
+LawValues values(double tn = kTn, double tt = kTt, double Gn = kGn, double Gt = kGt) {
+  LawValues v;
+  v.set("tn", tn);
+  v.set("tt", tt);
+  v.set("Gn", Gn);
+  v.set("Gt", Gt);
+  return v;
+}
+
+// One link on a path of separations (n, t): work of its traction by trapezoids, and what became of it.
+struct Path {
+  CohesiveTraction law{kStiff, values()};
+  CohesiveTraction::State state{};
+  double n = 0, t = 0, work = 0, dissipated = 0, stored = 0, peak = 0, d = 0;
+  bool let_go = false;
+
+  void go(double to_n, double to_t, int steps) {
+    const double from_n = n, from_t = t;
+    TractionSecant before = law.secant(separation(), state);
+    for (int i = 1; i <= steps; ++i) {
+      const double dn = (to_n - from_n) / steps, dt = (to_t - from_t) / steps, old_n = n, old_t = t;
+      n = from_n + i * dn;
+      t = from_t + i * dt;
+      const TractionUpdate u = law.update(separation(), state);
+      dissipated += u.dissipated[0];
+      let_go = let_go || u.let_go[0];
+      const TractionSecant k = law.secant(separation(), state);
+      work += 0.5 * ((before.kn[0] * old_n + k.kn[0] * n) * dn + (before.kt[0] * old_t + k.kt[0] * t) * dt);
+      peak = std::max(peak, std::hypot(k.kn[0] * n, k.kt[0] * t));
+      before = k;
+    }
+    stored = law.energy(separation(), state)[0];
+    d = state.d[0];
+  }
+  LinkSeparation separation() const { return {splat(n), splat(n * n + t * t)}; }
+};
+
+TEST(CohesiveTraction, TakesItsStrengthAndEnergyOfEitherMode) {
+  for (int steps : {7, 20000}) {
+    Path opening, shear;
+    opening.go(2.01 * kGn / kTn, 0.0, steps);
+    shear.go(0.0, -2.01 * kGt / kTt, steps);
+    for (const Path* p : {&opening, &shear}) {
+      const bool open = p == &opening;
+      EXPECT_TRUE(p->let_go);
+      EXPECT_EQ(p->d, 1.0);
+      EXPECT_EQ(p->stored, 0.0);
+      EXPECT_NEAR(p->dissipated / (open ? kGn : kGt), 1.0, 1e-12);
+      if (steps < 1000) continue;
+      EXPECT_NEAR(p->work / (open ? kGn : kGt), 1.0, 1e-4);
+      EXPECT_NEAR(p->peak / (open ? kTn : kTt), 1.0, 1e-3);
+    }
+    Path held;
+    held.go(1.99 * kGn / kTn, 0.0, steps);
+    EXPECT_FALSE(held.let_go);
+  }
+}
+
+// Along a straight path the share of shear in the energy stays.
+TEST(CohesiveTraction, MixesByEnergyAndStress) {
+  for (double angle : {0.2, 0.7, 1.2}) {
+    Path p;
+    const double cn = std::cos(angle), ct = std::sin(angle), e = kStiff.kn * cn * cn + kStiff.kt * ct * ct, B = kStiff.kt * ct * ct / e;
+    p.go(cn, ct, 200000);
+    EXPECT_TRUE(p.let_go);
+    EXPECT_NEAR(p.dissipated * ((1 - B) / kGn + B / kGt), 1.0, 1e-12);
+    EXPECT_NEAR(p.work * ((1 - B) / kGn + B / kGt), 1.0, 1e-3);
+    const double a = 1.0 / std::hypot(kStiff.kn * cn / kTn, kStiff.kt * ct / kTt);  // where the stresses reach the strength
+    EXPECT_NEAR(p.peak / (a * std::hypot(kStiff.kn * cn, kStiff.kt * ct)), 1.0, 2e-2);
+  }
+}
+
+TEST(CohesiveTraction, DamageNeverHeals) {
+  Path p;
+  p.go(1.0 * kGn / kTn, 0.0, 5000);
+  const double d = p.d, spent = p.dissipated;
+  EXPECT_GT(d, 0.5);
+  EXPECT_LT(d, 1.0);
+  p.go(0.0, 0.0, 5000);
+  EXPECT_EQ(p.d, d);
+  EXPECT_EQ(p.dissipated, spent);
+  EXPECT_NEAR(p.work / spent, 1.0, 1e-4);  // back to the start along a straight line
+  p.go(1.0 * kGn / kTn, 0.0, 100);
+  EXPECT_EQ(p.d, d);
+  EXPECT_NEAR(p.law.secant(p.separation(), p.state).kn[0], (1 - d) * kStiff.kn, 1e-10);
+  p.go(-1.0, 0.0, 100);  // far into the grain
+  EXPECT_EQ(p.d, d);
+  EXPECT_EQ(p.law.secant(p.separation(), p.state).kn[0], kStiff.kn);
+  Path fresh;
+  fresh.go(-1.0, 0.0, 100);
+  EXPECT_EQ(fresh.d, 0.0);
+}
+
+TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
+  test::Random random(331);
+  for (int trial = 0; trial < 20; ++trial) {
+    Path p;
+    for (int leg = 0; leg < 12; ++leg) {
+      p.go(random.uniform(-0.3, 1.0) * kGn / kTn, random.uniform(-1.0, 1.0) * kGt / kTt, 4000);
+      EXPECT_NEAR(p.work, p.stored + p.dissipated, 1e-3 * kGn) << trial << ' ' << leg;
+    }
+    EXPECT_GT(p.d, 0.0);
+  }
+}
+
+TEST(CohesiveTraction, RefusesAnEnergyBelowTheElasticOne) {
+  const auto trouble = [](const LawValues& v) { return CohesiveTraction(kStiff, v).trouble(); };
+  EXPECT_EQ(trouble(values()), "");
+  EXPECT_NE(trouble(values(3.0, 2.0, 0.00499)).find("'Gn 0.00499' must be above 0.005"), std::string::npos);
+  EXPECT_NE(trouble(values(3.0, 2.0, 0.02, 0.0079)).find("'Gt 0.0079' must be above 0.008"), std::string::npos);
+}
+
+// Links of two bonds whose grains go away.
+TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
+  PenaltyParameters p = test::penalty(true, 0.0);
+  p.law = std::make_shared<CohesiveTraction>(kStiff, values());
+  test::Scene s(332, p);
+  s.place_grains(0.008, 0.0);
+  for (Bond& b : s.bonds) {
+    std::vector<Link>& links = b.points.links;
+    double area = 0.0, spent = 0.0;
+    for (const Link& k : links) area += k.attached * k.area;
+    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    spent += b.link_step.dissipated;
+    EXPECT_GT(spent, 0.0);
+    EXPECT_TRUE(std::any_of(links.begin(), links.end(), [](const Link& k) { return k.attached && k.state[0] > 0.0 && k.state[0] < 1.0; }));
+    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    EXPECT_EQ(b.link_step.dissipated, 0.0);
+    EXPECT_TRUE(b.link_step.let_go.empty());
+
+    PenaltyLinks anew = s.links_anew(b);
+    double stored = 0.0, of_anew = 0.0;
+    b.links.add_spring_energy(b.grid, s.side(b), stored);
+    anew.add_spring_energy(b.grid, s.side(b), of_anew);
+    EXPECT_GT(stored, 0.0);
+    EXPECT_NEAR(of_anew / stored, 1.0, 1e-14);
+
+    const auto held = std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; });
+    for (double& u : b.grid.displacement) u *= 100.0;
+    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    spent += b.link_step.dissipated;
+    const std::vector<int>& gone = b.link_step.let_go;
+    EXPECT_TRUE(std::is_sorted(gone.begin(), gone.end()));
+    for (int k : gone) EXPECT_TRUE(!links[k].attached && links[k].inert && links[k].state[0] == 1.0);
+    EXPECT_EQ(held - static_cast<long>(gone.size()), std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; }));
+    EXPECT_GT(gone.size(), links.size() / 2);
+    EXPECT_LT(spent, kGt * area);
+    EXPECT_TRUE(b.points.meta.front().failed == 0);
+  }
+}
+
+}  // namespace
+}  // namespace mpdem
