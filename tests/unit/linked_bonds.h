@@ -99,7 +99,6 @@ struct Scene {
     for (Bond& b : bonds) {
       b.grid.tie(find_edge_ties(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
       b.grid.lump_mass(b.points, kDensity);
-      b.links.find_masters(b.grid);
     }
   }
   GrainSide* side(const Bond& b) { return &sides.sides[b.side]; }
@@ -107,7 +106,7 @@ struct Scene {
   // Two numbers a node, of links to either side.
   std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
     std::vector<double> k(2 * b.grid.size(), 0.0);
-    b.links.add_stiffness(side(b), dt, k.data());
+    b.links.add_stiffness(b.grid, side(b), dt, k.data());
     return k;
   }
   // All the mass that the penalty asks for, and what a cement of this eigenvalue does.

@@ -448,7 +448,6 @@ TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   for (double f : s.sides.sides[0].transfer_force) EXPECT_EQ(f, 0.0);
 
   b.links = s.links_anew(b);
-  b.links.find_masters(b.grid);
   const std::vector<double> rest = s.row_sums(b);
   double largest = 0.0, less = 0.0;
   test::Worst worst;

@@ -108,7 +108,6 @@ class LayoutMaker {
       l.grid = std::move(grids[n]);
       if (rules_.options.tied) l.grid.tie(ties[n], any[n]);
       l.grid.lump_mass(l.points, rules_.density);
-      l.links.find_masters(l.grid);
     }
     return std::move(layouts_);
   }

@@ -11,7 +11,7 @@ namespace mpdem {
 void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s) {
   constexpr double kMargin = 1.05;
   std::vector<double> penalty(2 * grid.size(), 0.0);
-  links.add_stiffness(side, s.dt, penalty.data());
+  links.add_stiffness(grid, side, s.dt, penalty.data());
   grid.halo.sum(penalty.data(), 2);
   mass_.resize(grid.size());
   shares_.clear();

@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
-#include "../mpm/gather.h"
-#include "../mpm/scatter.h"
+#include "../mpm/lane_by_lane.h"
 #include "traction_laws.h"
 
 namespace mpdem {
@@ -36,13 +34,59 @@ double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) con
 
 PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
                            Basis basis)
-    : p_(parameters), basis_(basis), inverse_h_(1.0 / cell), density_(density) {
+    : p_(parameters), basis_(basis), inverse_h_(1.0 / cell), density_(density), columns_of_cell_(support(basis) * support(basis)) {
   if (!points.meta.empty()) body_ = points.meta.front().body;
   std::vector<Item> items;
-  for (std::size_t i = 0; i < points.links.size(); ++i)
-    if (points.links[i].attached || points.links[i].inert) items.push_back(item_of(points, body, static_cast<int>(i)));
-  fill_blocks(points, body, items, blocks_);
+  for (std::size_t i = 0; i < points.links.size(); ++i) {
+    const Link& k = points.links[i];
+    if (k.attached || k.inert)
+      items.push_back({body.grain[0] == k.grain ? 0 : 1, points.tags[k.slot / kLanes][k.slot % kLanes], static_cast<int>(i)});
+  }
+  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.side != b.side ? a.side < b.side : a.tag < b.tag; });
+  const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.side == 1; });
+  const auto blocks_of = [](std::ptrdiff_t links) { return (links + kLanes - 1) / kLanes; };
+  blocks_.reserve(blocks_of(second - items.begin()) + blocks_of(items.end() - second));
+  for (auto i = items.begin(); i != items.end();) {
+    LinkBlock b{};
+    b.side = i->side;
+    const Mat3<double> R = rotation_of(body.orientation[b.side]);
+    std::fill(b.link, b.link + kLanes, -1);
+    int lane = 0;
+    for (; lane < kLanes && i != items.end() && i->side == b.side; ++lane, ++i) set_lane(b, lane, points, body, i->link, R);
+    for (; lane < kLanes; ++lane)  // at the place of the first, without area
+      for (int d = 0; d < 3; ++d) {
+        b.X[d][lane] = b.X[d][0];
+        b.q0[d][lane] = b.q0[d][0];
+        b.base[d][lane] = b.base[d][0];
+      }
+    blocks_.push_back(b);
+  }
+  columns_.assign(kLanes * blocks_.size() * columns_of_cell_, 0);
+  parts_.assign(kLanes * blocks_.size(), 0);
+  for (std::size_t n = 0; n < blocks_.size(); ++n)
+    for (int l = 0; l < kLanes; ++l)
+      if (blocks_[n].link[l] >= 0) parts_[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part;
   take_states(points);
+}
+
+void PenaltyLinks::set_lane(LinkBlock& b, int lane, const PointStore& points, const Body& body, int link, const Mat3<double>& R) const {
+  const Link& k = points.links[link];
+  const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
+  b.link[lane] = link;
+  b.inert |= bit;
+  if (k.attached) b.attached |= bit;
+  b.area[lane] = k.area;
+  const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
+  b.damper[lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+  int base[3];
+  base_of(points, k, base);
+  double q[3];
+  for (int d = 0; d < 3; ++d) {
+    b.X[d][lane] = acts_at(points, k, d);
+    b.base[d][lane] = base[d];
+    q[d] = created(points, k, d) - body.centre[b.side][d];
+  }
+  for (int d = 0; d < 3; ++d) b.q0[d][lane] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
 }
 
 void PenaltyLinks::take_states(const PointStore& points) {
@@ -63,140 +107,91 @@ typename L::State PenaltyLinks::state(const L&, std::size_t block) const {
   return s;
 }
 
-PenaltyLinks::Place PenaltyLinks::place_of(const LinkBlock& b) { return {b.part, b.base[0], b.base[1], b.base[2], b.side}; }
-
-PenaltyLinks::Item PenaltyLinks::item_of(const PointStore& points, const Body& body, int link) const {
-  const Link& k = points.links[link];
-  const int b = k.slot / kLanes, l = k.slot % kLanes;
-  Item it{{points.meta[b].part, 0, 0, 0, body.grain[0] == k.grain ? 0 : 1}, points.tags[b][l], link};
-  for (int d = 0; d < 3; ++d) it.place[1 + d] = support_base(points.blocks[b].X[d][l], inverse_h_, cell_shift(basis_));
-  return it;
-}
-
-void PenaltyLinks::fill_blocks(const PointStore& points, const Body& body, std::vector<Item>& items,
-                               std::vector<LinkBlock>& blocks) const {
-  const double cell = 1.0 / inverse_h_, middle = cell_middle(basis_);
-  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
-    return a.place != b.place ? a.place < b.place : a.tag < b.tag;
-  });
-  std::size_t count = 0;
-  for (std::size_t i = 0, lane = 0; i < items.size(); ++i) {
-    lane = i > 0 && items[i].place == items[i - 1].place ? (lane + 1) % kLanes : 0;
-    count += lane == 0;
-  }
-  blocks.reserve(blocks.size() + count);
-
-  for (std::size_t i = 0; i < items.size();) {
-    LinkBlock b{};
-    const Item& first = items[i];
-    b.part = first.place[0];
-    b.side = first.place[4];
-    b.reduced = -1;
-    const Mat3<double> R = rotation_of(body.orientation[b.side]);
-    for (int d = 0; d < 3; ++d) {
-      b.base[d] = first.place[1 + d];
-      b.X[d] = splat((b.base[d] + middle) * cell);
-      b.q0[d] = splat(body.radius[b.side]);  // any direction will do where the area is zero
-    }
-    for (int l = 0; l < kLanes; ++l) b.link[l] = -1;
-    for (int l = 0; l < kLanes && i < items.size() && items[i].place == first.place; ++l, ++i) {
-      const Link& k = points.links[items[i].link];
-      b.link[l] = items[i].link;
-      b.inert |= static_cast<std::uint8_t>(1u << l);
-      const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-      b.area[l] = k.area;
-      b.damper[l] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
-      if (k.attached) b.attached |= static_cast<std::uint8_t>(1u << l);
-      double q[3];
-      for (int d = 0; d < 3; ++d) {
-        b.X[d][l] = acts_at(points, k, d);
-        q[d] = created(points, k, d) - body.centre[b.side][d];
-      }
-      for (int d = 0; d < 3; ++d) b.q0[d][l] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
-    }
-    blocks.push_back(b);
-  }
+// Cell of its point.
+void PenaltyLinks::base_of(const PointStore& points, const Link& k, int* base) const {
+  for (int d = 0; d < 3; ++d) base[d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, cell_shift(basis_));
 }
 
 void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
-  for (LinkBlock& b : blocks_) cells.push_back({field_of(body_, b.part), b.base, b.column});
+  for (std::size_t n = 0; n < blocks_.size(); ++n)
+    for (int l = 0; l < kLanes; ++l) {
+      const LinkBlock& b = blocks_[n];
+      const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
+      if (b.link[l] >= 0) cells.push_back({field_of(body_, parts_[kLanes * n + l]), base, columns(n, l)});
+    }
 }
 
 bool PenaltyLinks::find_columns(const Grid& grid) {
+  std::vector<Grid::Cell> cells;
+  add_cells(cells);
   bool all = true;
-  for (LinkBlock& b : blocks_) all = grid.find_columns(field_of(body_, b.part), b.base, b.column) && all;
+  for (const Grid::Cell& c : cells) all = grid.find_columns(c.field, c.base, c.column) && all;
   return all;
+}
+
+template <class Type>
+void PenaltyLinks::gather(const std::vector<double>& nodal, const LinkBlock& b, const Weights<Type>& w, vd* out) const {
+  gather_value_by_lane(nodal.data(), b.taken(), columns(b), w, out);
 }
 
 void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   with_basis(basis_, [&](auto type) {
     moves_.resize(blocks_.size());
     auto move = moves_.begin();
-    for (LinkBlock& b : blocks_) {
-      gather_value(grid.velocity.data(), b.column, Weights<decltype(type)>(b.X, b.base, inverse_h_), move->X);
+    for (const LinkBlock& b : blocks_) {
+      gather(grid.velocity, b, Weights<decltype(type)>(b.X, b.base, inverse_h_), move->X);
       for (vd& m : (move++)->X) m *= dt;
     }
   });
 }
 
 bool PenaltyLinks::move_places(PointStore& points) {
-  const double shift = cell_shift(basis_);
-  concerned_.clear();
+  gone_ = false;
   bool left = false;
   auto move = moves_.begin();
   for (LinkBlock& b : blocks_) {
     const vd* moved = (move++)->X;
-    bool changed = false;
     for (int l = 0; l < kLanes; ++l) {
       if (b.link[l] < 0) continue;
       Link& k = points.links[b.link[l]];
-      Place to = place_of(b);
+      int base[3];
+      base_of(points, k, base);
       for (int d = 0; d < 3; ++d) {
         k.moved[d] += moved[d][l];
-        b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of build(), to the bit
-        to[1 + d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, shift);
+        b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of a new layout, to the bit
+        left = left || base[d] != b.base[d][l];
       }
-      const bool crossed = !std::equal(b.base, b.base + 3, &to[1]);
-      if (crossed) concerned_.push_back(to);
-      left = left || crossed;
-      changed = changed || crossed || !(k.attached || k.inert);
+      gone_ = gone_ || !(k.attached || k.inert);
     }
-    if (changed) concerned_.push_back(place_of(b));
   }
-  return left;
+  return left || gone_;
 }
 
 bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, const Grid& grid) {
-  std::sort(concerned_.begin(), concerned_.end());
-  concerned_.erase(std::unique(concerned_.begin(), concerned_.end()), concerned_.end());
-  std::vector<Item> items;
-  std::vector<LinkBlock> stay, anew;
-  stay.reserve(blocks_.size());
-  for (const LinkBlock& b : blocks_) {
-    if (!std::binary_search(concerned_.begin(), concerned_.end(), place_of(b))) {
-      stay.push_back(b);
-      continue;
-    }
-    for (int link : b.link)
-      if (link >= 0 && (points.links[link].attached || points.links[link].inert)) items.push_back(item_of(points, body, link));
+  if (gone_) {
+    *this = PenaltyLinks(points, body, p_, 1.0 / inverse_h_, density_, basis_);
+    return find_columns(grid);
   }
-  fill_blocks(points, body, items, anew);
   bool all = true;
-  for (LinkBlock& b : anew) all = grid.find_columns(field_of(body_, b.part), b.base, b.column) && all;
-  // not inplace_merge: the buffer it takes from the library is not aligned as a block of lanes has to be
-  blocks_.resize(stay.size() + anew.size());
-  std::merge(stay.begin(), stay.end(), anew.begin(), anew.end(), blocks_.begin(),
-             [](const LinkBlock& a, const LinkBlock& b) { return place_of(a) < place_of(b); });
-  take_states(points);
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    LinkBlock& b = blocks_[n];
+    for (int l = 0; l < kLanes; ++l) {
+      if (b.link[l] < 0) continue;
+      int base[3];
+      base_of(points, points.links[b.link[l]], base);
+      if (base[0] == b.base[0][l] && base[1] == b.base[1][l] && base[2] == b.base[2][l]) continue;
+      set_lane(b, l, points, body, b.link[l], rotation_of(body.orientation[b.side]));
+      all = grid.find_columns(field_of(body_, parts_[kLanes * n + l]), base, columns(n, l)) && all;
+    }
+  }
   return all;
 }
 
 void PenaltyLinks::move_to_present(PointStore& points, const Grid& grid) const {
   with_basis(basis_, [&](auto type) {
     for (const LinkBlock& b : blocks_) {
-      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd u[3];
-      gather_value(grid.displacement.data(), b.column, w, u);
+      gather(grid.displacement, b, Weights<decltype(type)>(b.X, b.base, inverse_h_), u);
       for (int l = 0; l < kLanes; ++l)
         if (b.link[l] >= 0)
           for (int d = 0; d < 3; ++d) points.links[b.link[l]].moved[d] += u[d][l];
@@ -212,10 +207,10 @@ void PenaltyLinks::renumber(const std::vector<int>& new_place) {
 
 // Current vector q from the grain's centre, its deviation from R q0 and the direction n.
 template <class Type>
-void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta,
+void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta,
                          vd* n) const {
   vd u[3], r[3];
-  gather_value(grid.displacement.data(), b.column, Weights<Type>(b.X, b.base, inverse_h_), u);
+  gather(grid.displacement, b, w, u);
   for (int d = 0; d < 3; ++d) {
     // u last: what it is rounded to then is a part of itself and not of the place, so ranks agree
     const vd X = b.X[d] - s.x[d];
@@ -231,7 +226,7 @@ template <class Type>
 void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k,
                           const vd* q, const vd* n, vd* v, vd* f) const {
   const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
-  gather_value(grid.velocity.data(), b.column, w, v);
+  gather(grid.velocity, b, w, v);
   v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
   v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
   v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
@@ -252,9 +247,9 @@ double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, doubl
         const GrainSide& s = side[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
-        place<Type>(b, grid, s, q, delta, n);
+        place(b, grid, s, w, q, delta, n);
         damper(b, grid, s, w, law.secant(separation_of(delta, n), state(law, i)), q, n, v, f);
-        gather_value(grid.acceleration.data(), b.column, w, a);
+        gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
           power -= sum_lanes(f[d] * (v[d] + later * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e]))));
@@ -274,19 +269,19 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
         const LinkBlock& b = blocks_[i];
         if (!b.attached) continue;
         GrainSide& s = side[b.side];
+        const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], f[3];
-        place<Type>(b, grid, s, q, delta, n);
+        place(b, grid, s, w, q, delta, n);
         const LinkSeparation apart = separation_of(delta, n);
         const TractionSecant k = law.secant(apart, state(law, i));
         const vd area = of(b.attached, b.area);
         for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
-        const Weights<Type> w(b.X, b.base, inverse_h_);
         if (p_.damping > 0.0) {
           vd v[3], by_damper[3];
           damper(b, grid, s, w, k, q, n, v, by_damper);
           for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
         }
-        scatter_value(grid.force.data(), b.column, w, f);
+        scatter_value_by_lane(grid.force.data(), b.attached, columns(b), w, f);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
           s.force[d] -= sum_lanes(f[d]);
@@ -301,7 +296,7 @@ template <class L>
 vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const {
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
-  with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, s, q, delta, n); });
+  with_basis(basis_, [&](auto type) { place(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   return of(b.attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
@@ -316,7 +311,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
         LinkBlock& b = blocks_[i];
         if (!b.attached) continue;
         vd q[3], delta[3], n[3];
-        with_basis(basis_, [&](auto type) { place<decltype(type)>(b, grid, side[b.side], q, delta, n); });
+        with_basis(basis_, [&](auto type) { place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
         const LinkSeparation apart = separation_of(delta, n);
         typename L::State s = state(law, i);
         const TractionUpdate u = law.update(apart, s);
@@ -375,72 +370,6 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, do
   });
 }
 
-template <class Type, class F>
-void PenaltyLinks::for_each_node(const Weights<Type>& w, F f) {
-  constexpr int S = Type::kSupport;
-  for (int i = 0; i < S; ++i)
-    for (int j = 0; j < S; ++j) {
-      const vd wij = w.w[0][i] * w.w[1][j];
-      for (int k = 0; k < S; ++k) f(S * i + j, k, wij * w.w[2][k]);
-    }
-}
-
-template <class Type, class F>
-void PenaltyLinks::for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const {
-  if (b.reduced < 0) {
-    for_each_node(w, [&](int c, int l, vd weight) { f(b.column[c] + l, weight); });
-    return;
-  }
-  const Reduced& r = reduced_[b.reduced];
-  for (std::size_t n = 0; n < r.node.size(); ++n) f(r.node[n], r.weight[n]);
-}
-
-// Sum of the sizes of the weights: a row of the stiffness matrix of a link has the entries
-// k A |w_I| |w_J| at most.
-template <class Type>
-vd PenaltyLinks::row_sum(const LinkBlock& b, const Weights<Type>& w) const {
-  if (b.reduced >= 0) return reduced_[b.reduced].row_sum;
-  vd sum = splat(1.0);
-  for (int d = 0; d < 3; ++d) {
-    vd of_direction{};
-    for (int i = 0; i < Type::kSupport; ++i) of_direction += abs(w.w[d][i]);
-    sum *= of_direction;
-  }
-  return sum;
-}
-
-void PenaltyLinks::find_masters(const Grid& grid) {
-  reduced_.clear();
-  with_basis(basis_, [&](auto type) {
-    for (LinkBlock& b : blocks_) {
-      b.reduced = -1;
-      if (grid.ties.empty()) continue;
-      std::map<int, vd> weights;
-      bool tied = false;
-      for_each_node(Weights<decltype(type)>(b.X, b.base, inverse_h_), [&](int c, int l, vd weight) {
-        const int node = b.column[c] + l, row = grid.ties.row(node);
-        const auto add = [&](int to, vd w) {
-          const auto at = weights.emplace(to, vd{}).first;
-          at->second += w;
-        };
-        if (row < 0) add(node, weight);
-        else grid.ties.for_each_master(row, [&](int master, double share) { add(master, share * weight); });
-        tied = tied || row >= 0;
-      });
-      if (!tied) continue;
-      b.reduced = static_cast<int>(reduced_.size());
-      Reduced r;
-      r.row_sum = vd{};
-      for (const auto& w : weights) {
-        r.node.push_back(w.first);
-        r.weight.push_back(w.second);
-        r.row_sum += abs(w.second);
-      }
-      reduced_.push_back(std::move(r));
-    }
-  });
-}
-
 void PenaltyLinks::drop_inertia(PointStore& points) {
   for (LinkBlock& b : blocks_) {
     if (b.inert == b.attached) continue;
@@ -450,25 +379,77 @@ void PenaltyLinks::drop_inertia(PointStore& points) {
   }
 }
 
-void PenaltyLinks::add_stiffness(const GrainSide* side, double dt, double* penalty) const {
+namespace {
+
+// Weights that a place has at free nodes: those of its nodes, or of their masters where they are tied.
+class FreeWeights {
+ public:
+  explicit FreeWeights(const Grid& grid) : ties_(grid.ties), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
+
+  void clear() {
+    for (int n : nodes_) {
+      weight_[n] = 0.0;
+      used_[n] = 0;
+    }
+    nodes_.clear();
+  }
+  void add(int node, double weight) {
+    const int row = ties_.row(node);
+    if (row < 0) add_free(node, weight);
+    else ties_.for_each_master(row, [&](int master, double share) { add_free(master, share * weight); });
+  }
+  // A row of the stiffness matrix of a link has the entries k A |w_I| |w_J| at most.
+  double sum_of_sizes() const {
+    double sum = 0.0;
+    for (int n : nodes_) sum += std::fabs(weight_[n]);
+    return sum;
+  }
+  const std::vector<int>& nodes() const { return nodes_; }
+  double size_at(int node) const { return std::fabs(weight_[node]); }
+
+ private:
+  void add_free(int node, double weight) {
+    if (!used_[node]) nodes_.push_back(node);
+    used_[node] = 1;
+    weight_[node] += weight;
+  }
+  const EdgeTies& ties_;
+  std::vector<double> weight_;  // of each node
+  std::vector<char> used_;
+  std::vector<int> nodes_;      // that have one
+};
+
+}  // namespace
+
+void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const {
   if (blocks_.empty()) return;
   const TractionStiffness& bound = p_.law->stiffness();
   const double k = std::max(bound.kn, bound.kt), damper = 2.0 * std::sqrt(k) / dt;
+  FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    constexpr int S = Type::kSupport;
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
-      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * of(b.inert, b.area) + damper * of(b.inert, b.damper));
-      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-      const vd row = inertia * row_sum(b, w);
-      for_each_free_node(b, w, [&](long node, vd weight) { penalty[2 * node + b.side] += sum_lanes(row * abs(weight)); });
+      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * b.area + damper * b.damper);
+      const Weights<Type> w(b.X, b.base, inverse_h_);
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(b.inert >> l & 1)) continue;
+        const int* column = columns(b) + S * S * l;
+        free.clear();
+        for (int i = 0; i < S; ++i)
+          for (int j = 0; j < S; ++j)
+            for (int n = 0; n < S; ++n) free.add(column[S * i + j] + n, w.w[0][i][l] * w.w[1][j][l] * w.w[2][n][l]);
+        const double row = inertia[l] * free.sum_of_sizes();
+        for (int node : free.nodes()) penalty[2 * static_cast<long>(node) + b.side] += row * free.size_at(node);
+      }
     }
   });
 }
 
 std::size_t PenaltyLinks::memory_usage() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(LinkBlock) + states_.capacity() * sizeof(vd) + reduced_.capacity() * sizeof(Reduced);
-  for (const Reduced& r : reduced_) bytes += r.node.capacity() * sizeof(int) + r.weight.capacity() * sizeof(vd);
-  return bytes;
+  return blocks_.capacity() * sizeof(LinkBlock) + (states_.capacity() * sizeof(vd)) + (columns_.capacity() + parts_.capacity()) * sizeof(int) +
+         moves_.capacity() * sizeof(Move);
 }
 
 }  // namespace mpdem

@@ -28,7 +28,6 @@
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
-#include <array>
 #include <memory>
 #include <vector>
 
@@ -55,22 +54,19 @@ struct LinkStep {
 class PenaltyLinks {
  public:
   PenaltyLinks() = default;
-  // Lays out the links of the store in blocks of one cell and one side. Call add_cells() before the grid is built.
+  // Lays out the links of the store in blocks of one side. Call add_cells() before the grid is built.
   PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
                Basis basis = Basis::quadratic);
   void add_cells(std::vector<Grid::Cell>& cells);
-  // After the grid is built: nodes and weights of links that read tied nodes, with their masters.
-  void find_masters(const Grid& grid);
   // Instead of add_cells() where the grid stands already; false if it has not all the nodes.
   bool find_columns(const Grid& grid);
 
   // How far the cement carries the places of the links in dt, with the nodes as they are.
   void find_moves(const Grid& grid, double dt);
   // Moves them, and the cement's ends in the store, so far; true if the point of one left its
-  // cell: follow_points() then.
+  // cell, or if links are gone: follow_points() then.
   bool move_places(PointStore& points);
-  // The blocks that a new layout would have, of which only those change whose points did; false
-  // if the grid has not all the nodes. Without ties.
+  // The blocks that a new layout would have; false if the grid has not all the nodes. Without ties.
   bool follow_points(const PointStore& points, const Body& body, const Grid& grid);
   // The present becomes the reference of the cement's ends in the store; lay out anew then.
   void move_to_present(PointStore& points, const Grid& grid) const;
@@ -93,8 +89,8 @@ class PenaltyLinks {
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
   void drop_inertia(PointStore& points);
   // Row-summed stiffness of this rank's links, and of their dampers at this time step, added to two numbers a node,
-  // those of either side.
-  void add_stiffness(const GrainSide* side, double dt, double* penalty) const;
+  // those of either side. Links that read tied nodes burden the masters.
+  void add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const;
 
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
@@ -106,40 +102,38 @@ class PenaltyLinks {
     vd q0[3];   // in the grain's frame
     vd area;    // zero in empty lanes
     vd damper;  // damping coefficient over sqrt(k)
-    int part, side;
-    int reduced;               // index into reduced_; -1: reads no tied node
-    int base[3], column[kMostColumns];
-    int link[kLanes];
+    vint base[3];  // cells of the points
+    int link[kLanes];              // of the store; -1: empty
+    int side;
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
+    // Lanes with a link, attached or not.
+    std::uint8_t taken() const {
+      unsigned bits = 0;
+      for (int l = 0; l < kLanes; ++l) bits |= (link[l] >= 0 ? 1u : 0u) << l;
+      return static_cast<std::uint8_t>(bits);
+    }
   };
 
   struct Move {
     vd X[3];
   };
 
-  // Of a block: part, first node, side; blocks ascend in it.
-  using Place = std::array<int, 5>;
+  // Links lie in the order of their sides and of the IDs of their points, whatever cells these are in: those of a cell are
+  // few, and blocks of one cell would be half empty.
   struct Item {
-    Place place;
-    int tag, link;
+    int side, tag, link;
   };
 
-  // Free nodes that a block reads through ties, and how.
-  struct Reduced {
-    std::vector<int> node;
-    std::vector<vd> weight;
-    vd row_sum;
-  };
-
-  // Calls f(node, weight) for the free nodes of a block.
-  template <class Type, class F>
-  void for_each_free_node(const LinkBlock& b, const Weights<Type>& w, F f) const;
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
-  static Place place_of(const LinkBlock& b);
-  Item item_of(const PointStore& points, const Body& body, int link) const;
-  // Appends the blocks of these links, which it sorts.
-  void fill_blocks(const PointStore& points, const Body& body, std::vector<Item>& items, std::vector<LinkBlock>& blocks) const;
+  void base_of(const PointStore& points, const Link& k, int* base) const;
+  void set_lane(LinkBlock& b, int lane, const PointStore& points, const Body& body, int link, const Mat3<double>& R) const;
+  // Of a lane of a block, kSupport^2 of them.
+  int* columns(std::size_t block, int lane) { return &columns_[(kLanes * block + lane) * columns_of_cell_]; }
+  const int* columns(const LinkBlock& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
+  // Value of a nodal field at the places of a block.
+  template <class Type>
+  void gather(const std::vector<double>& nodal, const LinkBlock& b, const Weights<Type>& w, vd* out) const;
   // Stored, lane by lane.
   template <class L>
   vd energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const;
@@ -148,13 +142,8 @@ class PenaltyLinks {
   typename L::State state(const L&, std::size_t block) const;
   void release(LinkBlock& b, std::uint8_t freed, vd energy, PointStore& points, double& released);
   void take_states(const PointStore& points);
-  // Calls f(column, offset, weight) for the nodes of a block.
-  template <class Type, class F>
-  static void for_each_node(const Weights<Type>& w, F f);
   template <class Type>
-  vd row_sum(const LinkBlock& b, const Weights<Type>& w) const;
-  template <class Type>
-  void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, vd* q, vd* delta, vd* n) const;
+  void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
   // Velocity of the place against the grain's, and the force of the dampers by it.
   template <class Type>
   void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
@@ -163,12 +152,13 @@ class PenaltyLinks {
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
   double inverse_h_ = 0, density_ = 0;
-  int body_ = 0;
+  int body_ = 0, columns_of_cell_ = 0;
+  bool gone_ = false;               // some links have neither force nor added mass, by the last move_places()
   std::vector<LinkBlock> blocks_;
+  std::vector<int> columns_;        // of the lanes of the blocks, see Grid
+  std::vector<int> parts_;          // of the lanes
   std::vector<vd> states_;   // of the traction law, its fields of each block; those of the store are the same
   std::vector<Move> moves_;  // of the places of each block in this step, `updated` only
-  std::vector<Reduced> reduced_;
-  std::vector<Place> concerned_;  // by the last move_places()
 };
 
 }  // namespace mpdem

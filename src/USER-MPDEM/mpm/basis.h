@@ -56,6 +56,10 @@ struct Weights {
   Weights(const vd* X, const int* base, double inverse_h) {
     for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - base[d], inverse_h, w[d], dw[d]);
   }
+  // Of points of different cells, a base for each.
+  Weights(const vd* X, const vint* base, double inverse_h) {
+    for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - __builtin_convertvector(base[d], vd), inverse_h, w[d], dw[d]);
+  }
 };
 
 // With the first moments w_I (X_I - X) in the place of the gradients.

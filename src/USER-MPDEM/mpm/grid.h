@@ -53,8 +53,9 @@ class Grid {
 
   // A cell that needs its nodes, and where to put the first node of each column.
   struct Cell {
+    Cell(int field, const int* base, int* column) : field(field), base{base[0], base[1], base[2]}, column(column) {}
     int field;  // field_of(body, part)
-    const int* base;
+    int base[3];
     int* column;
   };
 

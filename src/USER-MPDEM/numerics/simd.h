@@ -16,6 +16,7 @@ namespace mpdem {
 constexpr int kLanes = 8;
 
 using vd = double __attribute__((vector_size(8 * kLanes)));
+using vint = std::int32_t __attribute__((vector_size(4 * kLanes)));
 using vmask = std::int64_t __attribute__((vector_size(8 * kLanes)));  // lane is 0 or -1
 
 inline vd splat(double a) { return vd{a, a, a, a, a, a, a, a}; }
