@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from axisymmetric_fe import TransverselyIsotropic, axis_radial, axis_uniform, converged_axial_stiffness
+from elastic_pair import measure
 from scenes import C33, RADIUS, VTI, cement, pair, run, shift, thermo
 
 DISTANCE, DURATION = 1e-8, 8e-6
@@ -73,3 +74,14 @@ def test_skew_bond(stiffness, figures):
     change = stiffness(1e-4, axis="bond", direction=SKEW) / stiffness(1e-4) - 1
     figures.note("skew bond against aligned, cell 1e-4: signed change", f"{change:+.4f}")
     figures.below("skew bond against aligned, cell 1e-4: change", abs(change), 0.015)
+
+
+def test_grid_across_a_thin_bond(tmp_path, figures):
+    """A ring as thin as two cells, with a node in its middle and with the grid half a cell off along the bond."""
+    words, cell = "outer 2.5e-3 inner 1.96e-3", 8e-4
+    exact = converged_axial_stiffness(RADIUS, 1.96e-3, 2.5e-3, 0.0, TransverselyIsotropic(*VTI), axis_uniform(0.0, 1.0)).value
+    error = {name: measure(tmp_path / name, "tension", "flat", f"{words} {grid}", cell) / exact - 1
+             for name, grid in (("middle", ""), ("off", f"grid 0 0 {cell / 2}"))}
+    figures.below("error of the stiffness with a node in the middle", abs(error["middle"]), 0.03)
+    figures.note("signed error of the stiffness, grid half a cell off", f"{error['off']:+.4f}")
+    assert error["off"] > 0.1  # what create_cement.md warns of

@@ -40,7 +40,7 @@ class Cement {
   // All of one volume, the material frame turned by q.
   Cement(double h, const std::vector<Vector>& X, double volume,
          const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0,
-         const std::vector<int>& sheet = {}) {
+         const std::vector<int>& sheet = {}, bool join = false) {
     std::vector<int> tags(X.size());
     std::iota(tags.begin(), tags.end(), 1);
     for (std::size_t i = 0; i < X.size(); ++i) {
@@ -55,10 +55,10 @@ class Cement {
       r.q[3] = q.z();
       slots.push_back(points.add(r, tags[i]));
     }
-    const std::vector<int> place = points.arrange(h, basis);
+    const std::vector<int> place = points.arrange(h, basis, {}, join);
     for (int& s : slots) s = place[s];
     std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
     std::vector<char> fresh;
     grid.basis = basis;
     grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh, {}, margin);

@@ -4,6 +4,7 @@
 
 #include "lanes.h"
 #include "mpm/gather.h"
+#include "mpm/lane_by_lane.h"
 #include "mpm/scatter.h"
 
 namespace mpdem {
@@ -306,6 +307,51 @@ TYPED_TEST(Transfers, ScatterAddsToWhatIsThere) {
   scatter_value(once.data(), b.column, s, T);
   scatter_value(twice.data(), b.column, s, T);
   for (int i = 0; i < 3 * kNodes; ++i) EXPECT_NEAR(twice[i], before[i] + once[i], 1e-15);
+}
+
+// Points of different cells, each with columns of its own, some of them shared: sums over the nodes one by one.
+TYPED_TEST(Transfers, LaneByLane) {
+  constexpr int S = TypeParam::kSupport;
+  test::Random random(83);
+  test::Worst gathered, scattered;
+  for (int n = 0; n < 50; ++n) {
+    std::vector<Block<TypeParam>> of_lane;
+    for (int l = 0; l < kLanes; ++l) of_lane.emplace_back(random);
+    of_lane[3] = of_lane[2];
+    vd X[3], T[3], out[3];
+    vint base[3];
+    int column[kLanes * S * S];
+    for (int l = 0; l < kLanes; ++l) {
+      for (int d = 0; d < 3; ++d) {
+        X[d][l] = of_lane[l].X[d][l];
+        base[d][l] = of_lane[l].base[d];
+        T[d][l] = random.uniform(-1, 1);
+      }
+      std::copy(of_lane[l].column, of_lane[l].column + S * S, column + S * S * l);
+    }
+    const Weights<TypeParam> s(X, base, kInverse);
+    std::vector<double> nodal(3 * kNodes), sum(3 * kNodes, 0.5), expected(sum);
+    for (double& v : nodal) v = random.uniform(-1, 1);
+    const std::uint8_t which = static_cast<std::uint8_t>(random.index(256));
+    gather_value_by_lane(nodal.data(), which, column, s, out);
+    scatter_value_by_lane(sum.data(), which, column, s, T);
+    for (int l = 0; l < kLanes; ++l) {
+      double value[3] = {0, 0, 0};
+      const Weights<TypeParam> w = of_lane[l].weights();
+      of_lane[l].for_nodes([&](int node, int i, int j, int k, const Vector&) {
+        if (!(which >> l & 1)) return;
+        const double weight = w.w[0][i][l] * w.w[1][j][l] * w.w[2][k][l];
+        for (int c = 0; c < 3; ++c) {
+          value[c] += weight * nodal[3 * node + c];
+          expected[3 * node + c] += weight * T[c][l];
+        }
+      });
+      for (int c = 0; c < 3; ++c) gathered.add(std::fabs(out[c][l] - value[c]));
+    }
+    for (std::size_t i = 0; i < sum.size(); ++i) scattered.add(std::fabs(sum[i] - expected[i]));
+  }
+  expect_within(gathered, 1e-15, "value at a lane");
+  expect_within(scattered, 3e-15, "sum at a node");
 }
 
 }  // namespace

@@ -277,8 +277,8 @@ void Cement::start_velocities(std::vector<BondLayout>& layouts) {
           for (int l = 0; l < kLanes; ++l) v[l] = n.velocity[3 * (kLanes * b + l) + d];
           rest[d] = inertia_ * p.volume * (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / options_.cell));
         }
-        scatter_value(momentum.data(), points.meta[b].column,
-                      Weights<decltype(type)>(p.X, points.meta[b].base, 1.0 / options_.cell), rest);
+        with_weights<decltype(type)>(p, points.meta[b], 1.0 / options_.cell,
+                                     [&](const auto& w) { scatter_value(momentum.data(), points.meta[b].column, w, rest); });
       }
     });
     grid.ties.bequeath(momentum.data(), 3);

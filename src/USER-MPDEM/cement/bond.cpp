@@ -27,6 +27,7 @@ Bond& Bonds::make(int body) {
 
 void Bonds::drop_empty() {
   here_.erase(std::remove_if(here_.begin(), here_.end(), [](const Bond& b) { return b.points.blocks.empty(); }), here_.end());
+  here_.shrink_to_fit();
 }
 
 std::size_t Bonds::memory_usage() const {

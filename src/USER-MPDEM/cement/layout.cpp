@@ -49,7 +49,7 @@ void set_frames(PointStore& points, const Body& body, const CementOptions& optio
 
 std::vector<Grid::Cell> cells_of(BondLayout& l) {
   std::vector<Grid::Cell> cells;
-  for (BlockMeta& m : l.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+  for (BlockMeta& m : l.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
   l.links.add_cells(cells);
   return cells;
 }
@@ -120,7 +120,7 @@ class LayoutMaker {
     l.points = std::move(r.points);
     l.points.set_law(rules_.law);
     if (rules_.arrange) {
-      l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot);
+      l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot, !o.updated);
       set_frames(l.points, body, o, *rules_.law);
     }
     if (rules_.penalty) l.links = PenaltyLinks(l.points, body, *rules_.penalty, o.cell, rules_.density, o.basis);

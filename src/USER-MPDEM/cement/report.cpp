@@ -208,9 +208,10 @@ void Cement::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   with_basis(options_.basis, [&](auto type) {
     for (std::size_t b = 0; b < bond.laid_out_blocks; ++b) {
       const BlockMeta& m = bond.points.meta[b];
-      const Weights<decltype(type)> w(bond.points.blocks[b].X, m.base, 1.0 / options_.cell);
-      gather_value(bond.grid.displacement.data(), m.column, w, motion[b].u);
-      gather_value(velocity.data(), m.column, w, motion[b].v);
+      with_weights<decltype(type)>(bond.points.blocks[b], m, 1.0 / options_.cell, [&](const auto& w) {
+        gather_value(bond.grid.displacement.data(), m.column, w, motion[b].u);
+        gather_value(velocity.data(), m.column, w, motion[b].v);
+      });
     }
   });
 }

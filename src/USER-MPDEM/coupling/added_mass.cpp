@@ -73,6 +73,7 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
   for (const Share& a : shares_) {
     double r[2][3], of_grain[2][3], *f = &grid.force[3 * a.node];
     for (int n = 0; n < 2; ++n) {
+      if (a.mass[n] == 0.0) continue;  // most nodes have links to one side alone
       a.lever_arm(grid, side[n], r[n]);
       acceleration_at(side[n], r[n], of_grain[n]);
       for (int d = 0; d < 3; ++d) f[d] += a.mass[n] * of_grain[n][d];
@@ -80,6 +81,7 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
     if (!counts[a.node]) continue;
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     for (int n = 0; n < 2; ++n) {
+      if (a.mass[n] == 0.0) continue;
       double relative[3];
       for (int d = 0; d < 3; ++d) relative[d] = inverse * f[d] - of_grain[n][d];
       add_to_grain(r[n], relative, a.mass[n], side[n]);

@@ -81,7 +81,7 @@ void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& si
           to[3 + d] += share * (r[e] * f[g] - r[g] * f[e]);
         }
         MassMoments::add(c * (1.0 - share), r, to + 6);
-        MassMoments::add(share * a.mass[1 - s], r, to + 6 + MassMoments::kSize);
+        if (a.mass[1 - s] != 0.0) MassMoments::add(share * a.mass[1 - s], r, to + 6 + MassMoments::kSize);
       }
     }
   }

@@ -11,6 +11,31 @@ namespace mpdem {
 
 namespace {
 
+// Of one block, with its weights s: strain at the end of the step, and the force if the stress does not wait.
+template <class L, class W>
+inline void advance_block(PointStore& points, int b, const W& s, const double* velocity, double* force, double dt, PointStress<L>& stress_at_end,
+                          PassClock& clock) {
+  const BlockMeta& m = points.meta[b];
+  PointBlock& p = points.blocks[b];
+  Mat3<vd> dF = gather_gradient(velocity, m.column, s);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) dF.a[i][j] *= dt;
+  clock.gathered();
+
+  const Sym3<vd> strain_start = p.strain;
+  // The debris of a crack may turn inside out; its state is frozen.
+  if (m.failed) dF = keep(lanes(m.failed), Mat3<vd>{}, dF);
+  advance_strain(p.F, dF, p.q, p.strain);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];
+  Sym3<vd> stress;
+  const bool known = stress_at_end(b, strain_start, stress);
+  clock.stressed();
+  if (!known) return;
+  scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
+  clock.scattered();
+}
+
 template <class Type, class L>
 void advance(PointStore& points, int first, int last, Grid& grid, const L& law, double dt,
              const AdvanceOptions& options, AdvanceResult& result) {
@@ -22,34 +47,16 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
   const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
-    scatter_gradient(force, m.column, Weights<Type>(p.X, m.base, inverse_h), weighted_piola(p.F, p.q, stress, p.volume));
+    with_weights<Type>(p, m, inverse_h,
+                       [&](const auto& s) { scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume)); });
   };
   for (int b = first; b < last; ++b) {
-    BlockMeta& m = points.meta[b];
+    const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied && options.skip_failed) continue;
-    clock.start(b);
-    PointBlock& p = points.blocks[b];
-    const Weights<Type> s(p.X, m.base, inverse_h);
-    Mat3<vd> dF = gather_gradient(velocity, m.column, s);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) dF.a[i][j] *= dt;
-    clock.gathered();
-
-    const Sym3<vd> strain_start = p.strain;
-    // The debris of a crack may turn inside out; its state is frozen.
-    if (m.failed) dF = keep(lanes(m.failed), Mat3<vd>{}, dF);
-    advance_strain(p.F, dF, p.q, p.strain);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];
-    Sym3<vd> stress;
-    if (stress_at_end(b, strain_start, stress)) {
-      clock.stressed();
-      scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
-      clock.scattered();
-    } else {
-      clock.stressed();
-      if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
-    }
+    clock.start();
+    with_weights<Type>(points.blocks[b], m, inverse_h,
+                       [&](const auto& s) { advance_block(points, b, s, velocity, force, dt, stress_at_end, clock); });
+    if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
   }
   stress_at_end.settle(clock, scatter_waiting);
 }
@@ -62,8 +69,9 @@ void add_force(const PointStore& points, Grid& grid, const L& law) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
     const PointBlock& p = points.blocks[b];
-    const Weights<Type> s(p.X, m.base, inverse_h);
-    scatter_gradient(grid.force.data(), m.column, s, weighted_piola(p.F, p.q, stress_of(points, b, law), p.volume));
+    with_weights<Type>(p, m, inverse_h, [&](const auto& s) {
+      scatter_gradient(grid.force.data(), m.column, s, weighted_piola(p.F, p.q, stress_of(points, b, law), p.volume));
+    });
   }
 }
 

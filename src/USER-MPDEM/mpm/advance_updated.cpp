@@ -19,8 +19,8 @@ const Mat3<vd>& unit() {
 }
 
 // Affine part of the velocity at the points of a block.
-template <class Type>
-Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Type>& s, const vd* X, const int* base,
+template <class Type, int Joined>
+Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Type, Joined>& s, const vd* X, const int* base,
                      double h, const Mat3<vd>& gradient) {
   if constexpr (Type::kAffine == 0.0) return gradient;  // equal for tents
   Mat3<vd> C = gather_gradient(velocity, column, with_moments(s, X, base, h));
@@ -30,14 +30,13 @@ Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Ty
   return C;
 }
 
-// Mass, momentum and internal force of the lanes in `which` of block b.
-template <class Type>
-void give(const PointStore& points, int b, vmask which, const Sym3<vd>& stress, Grid& grid, double density,
+// Mass, momentum and internal force of the lanes in `which` of block b, with these weights.
+template <class W>
+void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<vd>& stress, Grid& grid, double density,
           const Transfer& transfer) {
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const PointMotion& u = points.motion[b];
-  const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
   const vd volume = select(which, p.volume, vd{});
   const vd mass = density * volume;
   scatter_scalar(grid.mass.data(), m.column, s, mass);
@@ -52,6 +51,12 @@ void give(const PointStore& points, int b, vmask which, const Sym3<vd>& stress, 
     scatter_value(grid.momentum.data(), m.column, s, momentum);
   }
   if (m.failed != m.occupied) scatter_gradient(grid.force.data(), m.column, s, weighted_kirchhoff(p.q, stress, volume));
+}
+
+// Of a block where the points are now.
+template <class Type>
+Weights<Type> weights_of(const PointStore& points, int b, const Grid& grid) {
+  return Weights<Type>(points.blocks[b].X, points.meta[b].base, 1.0 / grid.h);
 }
 
 }  // namespace
@@ -71,16 +76,16 @@ void UpdatedPass::bind(const PointStore& points, const Grid& grid) {
 void UpdatedPass::start(PointStore& points, const Grid& grid, int first_body) {
   points.let_move();
   with_basis(grid.basis, [&](auto type) {
-    using Type = decltype(type);
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
       if (m.body < first_body) continue;
       const PointBlock& p = points.blocks[b];
-      const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
-      vd v[3];
-      const Mat3<vd> L = gather_value_and_gradient(grid.velocity.data(), m.column, s, v);
-      for (int d = 0; d < 3; ++d) points.motion[b].v[d] = v[d];
-      points.motion[b].C = affine_part<Type>(grid.velocity.data(), m.column, s, p.X, m.base, grid.h, L);
+      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) {
+        vd v[3];
+        const Mat3<vd> L = gather_value_and_gradient(grid.velocity.data(), m.column, s, v);
+        for (int d = 0; d < 3; ++d) points.motion[b].v[d] = v[d];
+        points.motion[b].C = affine_part(grid.velocity.data(), m.column, s, p.X, m.base, grid.h, L);
+      });
     }
   });
 }
@@ -90,9 +95,8 @@ void move_to_present(PointStore& points, const Grid& grid) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
-      const Weights<decltype(type)> s(p.X, m.base, 1.0 / grid.h);
       vd u[3];
-      gather_value(grid.displacement.data(), m.column, s, u);
+      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) { gather_value(grid.displacement.data(), m.column, s, u); });
       const vmask here = lanes(m.occupied);
       for (int d = 0; d < 3; ++d) p.X[d] += select(here, u[d], vd{});
       p.F = unit();
@@ -110,7 +114,9 @@ void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, 
     with_basis(grid.basis, [&](auto type) {
       for (int b = 0; b < n; ++b)
         if (points.meta[b].occupied)
-          give<decltype(type)>(points, b, lanes(points.meta[b].occupied), stress_of(points, b, l), grid, density, transfer);
+          with_weights<decltype(type)>(points.blocks[b], points.meta[b], 1.0 / grid.h, [&](const auto& s) {
+            give(points, b, s, lanes(points.meta[b].occupied), stress_of(points, b, l), grid, density, transfer);
+          });
     });
   });
 }
@@ -126,7 +132,7 @@ void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double
       pass<decltype(type)>(points, grid, l, density, dt, dt_v, transfer, options, result);
       relocate(points, grid, result);
       for (int b : targets_) {
-        give<decltype(type)>(points, b, lanes(fresh_[b]), stress_of(points, b, l), grid, density, transfer);
+        give(points, b, weights_of<decltype(type)>(points, b, grid), lanes(fresh_[b]), stress_of(points, b, l), grid, density, transfer);
         fresh_[b] = 0;
       }
     });
@@ -144,7 +150,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   std::uint8_t stayed[PointStress<L>::kMost];
   int waiting = 0, given = 0;
   const auto give_waiting = [&](int b, const Sym3<vd>& stress) {
-    give<Type>(points, b, lanes(stayed[given++]), stress, grid, density, transfer);
+    give(points, b, weights_of<Type>(points, b, grid), lanes(stayed[given++]), stress, grid, density, transfer);
   };
   const auto settle = [&] {
     given = 0;
@@ -156,13 +162,13 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
   for (int b = 0; b < n; ++b) {
     BlockMeta& m = points.meta[b];
     if (!m.occupied) continue;
-    clock.start(b);
+    clock.start();
     PointBlock& p = points.blocks[b];
     PointMotion& u = points.motion[b];
     const Weights<Type> s(p.X, m.base, inverse_h);
     vd v[3];
     Mat3<vd> dL = gather_value_and_gradient(velocity, m.column, s, v);
-    if (transfer.method == Transfer::apic) u.C = affine_part<Type>(velocity, m.column, s, p.X, m.base, grid.h, dL);
+    if (transfer.method == Transfer::apic) u.C = affine_part(velocity, m.column, s, p.X, m.base, grid.h, dL);
     if (keep_share > 0.0) {
       vd a[3];
       gather_value(grid.acceleration.data(), m.column, s, a);
@@ -193,7 +199,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
       for (int l = 0; l < kLanes; ++l)
         if (gone >> l & 1) moves_.push_back({kLanes * b + l, -1});
     if (known) {
-      give<Type>(points, b, staying, stress, grid, density, transfer);
+      give(points, b, weights_of<Type>(points, b, grid), staying, stress, grid, density, transfer);
     } else {
       stayed[waiting++] = bits(staying);
       if (stress_at_end.full()) settle();

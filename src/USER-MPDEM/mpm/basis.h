@@ -46,12 +46,42 @@ inline int support_base(double X, double inverse_h, double shift) {
   return static_cast<int>(std::floor(X * inverse_h - shift));
 }
 
-// 1-D factors of weights and gradients for the eight points of a block.
+// Blocks of points of two cells next to each other: the direction in which the second lies. They have a node more there.
+constexpr int kOneCell = -1;
+// Cubic splines have too many nodes for it to pay.
 template <class Type>
+constexpr bool kMayJoinCells = Type::kSupport < CubicBspline::kSupport;
+inline bool may_join_cells(Basis basis) {
+  return with_basis(basis, [](auto type) { return kMayJoinCells<decltype(type)>; });
+}
+
+// 1-D factors of weights and gradients for the eight points of a block.
+template <class Type, int Joined = kOneCell>
 struct Weights {
   static constexpr int kSupport = Type::kSupport;
-  vd w[3][kSupport];   // [direction][node]
-  vd dw[3][kSupport];  // per length
+  // Nodes in each direction.
+  static constexpr int kI = kSupport + (Joined == 0), kJ = kSupport + (Joined == 1), kK = kSupport + (Joined == 2);
+  static constexpr int nodes(int d) { return kSupport + (d == Joined); }
+  static constexpr int kMost = kSupport + (Joined != kOneCell);
+  vd w[3][kMost];   // [direction][node]
+  vd dw[3][kMost];  // per length
+
+  // Lanes of `second` are in the second cell, base is that of the first.
+  Weights(const vd* X, const int* base, vmask second, double inverse_h) {
+    static_assert(Joined != kOneCell, "blocks of two cells");
+    for (int d = 0; d < 3; ++d) {
+      if (d != Joined) {
+        Type::factors(X[d] * inverse_h - base[d], inverse_h, w[d], dw[d]);
+        continue;
+      }
+      vd of_cell[kSupport], slope[kSupport];
+      Type::factors(X[d] * inverse_h - select(second, splat(base[d] + 1), splat(base[d])), inverse_h, of_cell, slope);
+      for (int i = 0; i <= kSupport; ++i) {
+        w[d][i] = select(second, i > 0 ? of_cell[i - 1] : vd{}, i < kSupport ? of_cell[i] : vd{});
+        dw[d][i] = select(second, i > 0 ? slope[i - 1] : vd{}, i < kSupport ? slope[i] : vd{});
+      }
+    }
+  }
 
   Weights(const vd* X, const int* base, double inverse_h) {
     for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - base[d], inverse_h, w[d], dw[d]);
@@ -63,11 +93,11 @@ struct Weights {
 };
 
 // With the first moments w_I (X_I - X) in the place of the gradients.
-template <class Type>
-inline Weights<Type> with_moments(const Weights<Type>& s, const vd* X, const int* base, double h) {
-  Weights<Type> m(s);
+template <class Type, int Joined>
+inline Weights<Type, Joined> with_moments(const Weights<Type, Joined>& s, const vd* X, const int* base, double h) {
+  Weights<Type, Joined> m(s);
   for (int d = 0; d < 3; ++d)
-    for (int i = 0; i < Type::kSupport; ++i) m.dw[d][i] = s.w[d][i] * ((base[d] + i) * h - X[d]);
+    for (int i = 0; i < s.nodes(d); ++i) m.dw[d][i] = s.w[d][i] * ((base[d] + i) * h - X[d]);
   return m;
 }
 

@@ -253,6 +253,8 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
     weight_sum_.push_back(sum);
     first_.push_back(static_cast<int>(master_.size()));
   }
+  for (auto* v : {&slave_, &first_, &master_, &first_heir_, &heir_}) v->shrink_to_fit();
+  for (auto* v : {&weight_, &weight_sum_, &heir_share_}) v->shrink_to_fit();
 }
 
 std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {

@@ -13,17 +13,17 @@
 namespace mpdem {
 
 // G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
-template <class Type>
-inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type>& s) {
-  constexpr int S = Type::kSupport;
+template <class Type, int Joined>
+inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
+  using W = Weights<Type, Joined>;
   Mat3<vd> G{};
-  for (int i = 0; i < S; ++i) {
+  for (int i = 0; i < W::kI; ++i) {
     vd A[3]{}, B[3]{}, C[3]{};
-    for (int j = 0; j < S; ++j) {
-      const double* p = nodal + 3 * static_cast<long>(column[S * i + j]);
+    for (int j = 0; j < W::kJ; ++j) {
+      const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
       for (int c = 0; c < 3; ++c) {
         vd a = p[c] * s.w[2][0], b = p[c] * s.dw[2][0];
-        for (int k = 1; k < S; ++k) {
+        for (int k = 1; k < W::kK; ++k) {
           a += p[3 * k + c] * s.w[2][k];
           b += p[3 * k + c] * s.dw[2][k];
         }
@@ -42,17 +42,17 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
 }
 
 // out[c] = sum_I nodal_Ic N_I
-template <class Type>
-inline void gather_value(const double* __restrict nodal, const int* column, const Weights<Type>& s, vd* out) {
-  constexpr int S = Type::kSupport;
+template <class Type, int Joined>
+inline void gather_value(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, vd* out) {
+  using W = Weights<Type, Joined>;
   for (int c = 0; c < 3; ++c) out[c] = vd{};
-  for (int i = 0; i < S; ++i) {
+  for (int i = 0; i < W::kI; ++i) {
     vd A[3]{};
-    for (int j = 0; j < S; ++j) {
-      const double* p = nodal + 3 * static_cast<long>(column[S * i + j]);
+    for (int j = 0; j < W::kJ; ++j) {
+      const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
       for (int c = 0; c < 3; ++c) {
         vd a = p[c] * s.w[2][0];
-        for (int k = 1; k < S; ++k) a += p[3 * k + c] * s.w[2][k];
+        for (int k = 1; k < W::kK; ++k) a += p[3 * k + c] * s.w[2][k];
         A[c] += s.w[1][j] * a;
       }
     }
@@ -61,19 +61,19 @@ inline void gather_value(const double* __restrict nodal, const int* column, cons
 }
 
 // Both at once.
-template <class Type>
-inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type>& s,
+template <class Type, int Joined>
+inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s,
                                           vd* out) {
-  constexpr int S = Type::kSupport;
+  using W = Weights<Type, Joined>;
   Mat3<vd> G{};
   for (int c = 0; c < 3; ++c) out[c] = vd{};
-  for (int i = 0; i < S; ++i) {
+  for (int i = 0; i < W::kI; ++i) {
     vd A[3]{}, B[3]{}, C[3]{};
-    for (int j = 0; j < S; ++j) {
-      const double* p = nodal + 3 * static_cast<long>(column[S * i + j]);
+    for (int j = 0; j < W::kJ; ++j) {
+      const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
       for (int c = 0; c < 3; ++c) {
         vd a = p[c] * s.w[2][0], b = p[c] * s.dw[2][0];
-        for (int k = 1; k < S; ++k) {
+        for (int k = 1; k < W::kK; ++k) {
           a += p[3 * k + c] * s.w[2][k];
           b += p[3 * k + c] * s.dw[2][k];
         }

@@ -77,7 +77,10 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   h = cell_size;
   std::vector<Key> unique;
   unique.reserve(r.cells.size());
-  for (const Cell& c : r.cells) unique.push_back({c.field, c.base[0], c.base[1], c.base[2]});
+  for (const Cell& c : r.cells) {
+    unique.push_back(c.key());
+    if (c.joined != kOneCell) unique.push_back(c.next());
+  }
   sort_unique(unique);
 
   const int S = support(basis), columns_of_cell = S * S;
@@ -108,11 +111,22 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
       columns[columns_of_cell * u + n] = walk[n];
     }
   std::size_t u = 0;
-  for (const Cell& c : r.cells) {
-    const Key k{c.field, c.base[0], c.base[1], c.base[2]};
+  const auto columns_at = [&](const Key& k) {
     if (unique[u] != k && (++u == unique.size() || unique[u] != k))
       u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
-    std::copy(&columns[columns_of_cell * u], &columns[columns_of_cell * u] + columns_of_cell, c.column);
+    return &columns[columns_of_cell * u];
+  };
+  for (const Cell& c : r.cells) {
+    const int* of_cell = columns_at(c.key());
+    if (c.joined == kOneCell || c.joined == 2) {  // columns that just get longer
+      std::copy(of_cell, of_cell + columns_of_cell, c.column);
+      continue;
+    }
+    const int* of_next = columns_at(c.next());
+    const int more_i = c.joined == 0, more_j = c.joined == 1;
+    for (int i = 0; i < S + more_i; ++i)
+      for (int j = 0; j < S + more_j; ++j)
+        c.column[(S + more_j) * i + j] = i < S && j < S ? of_cell[S * i + j] : of_next[S * (i - more_i) + j - more_j];
   }
   inside_.clear();
   if (margin > 0) {
@@ -259,8 +273,9 @@ void Grid::lump_mass(const PointStore& points, double density) {
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-      const Weights<decltype(type)> s(points.blocks[b].X, points.meta[b].base, inverse_h);
-      scatter_scalar(mass.data(), points.meta[b].column, s, density * points.blocks[b].volume);
+      const BlockMeta& m = points.meta[b];
+      with_weights<decltype(type)>(points.blocks[b], m, inverse_h,
+                                   [&](const auto& s) { scatter_scalar(mass.data(), m.column, s, density * points.blocks[b].volume); });
     }
   });
   // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes

@@ -53,10 +53,18 @@ class Grid {
 
   // A cell that needs its nodes, and where to put the first node of each column.
   struct Cell {
-    Cell(int field, const int* base, int* column) : field(field), base{base[0], base[1], base[2]}, column(column) {}
+    Cell(int field, const int* base, int* column, int joined = kOneCell)
+        : field(field), base{base[0], base[1], base[2]}, column(column), joined(joined) {}
     int field;  // field_of(body, part)
     int base[3];
     int* column;
+    int joined;  // with the next cell in this direction: columns of a block of both, see basis.h
+    Key key() const { return {field, base[0], base[1], base[2]}; }
+    Key next() const {
+      Key k = key();
+      ++k[1 + joined];
+      return k;
+    }
   };
 
   // Collective. Lays out the nodes of `cells`, carries the motion over

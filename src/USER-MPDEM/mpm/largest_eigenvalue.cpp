@@ -25,15 +25,16 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, cons
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
     const PointBlock& p = points.blocks[b];
-    const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
-    const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
-    const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
-                     0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
-    const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
-    const Sym3<vd> t =
-        m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-    const vd live = select(lanes(m.failed), vd{}, p.volume);
-    scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
+    with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
+      const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
+      const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
+                       0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
+      const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
+      const Sym3<vd> t =
+          m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
+      const vd live = select(lanes(m.failed), vd{}, p.volume);
+      scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
+    });
   }
 }
 

@@ -14,14 +14,15 @@ namespace mpdem {
 
 struct PassTicks {
   std::uint64_t gather = 0, material = 0, scatter = 0;
+  unsigned blocks = 0;  // counted on from one bond to the next, so that not always the first of a bond is timed
 };
 
 class PassClock {
  public:
   explicit PassClock(PassTicks& ticks) : ticks_(ticks) {}
 
-  void start(int block) {
-    timed_ = block % kEvery == 0;
+  void start() {
+    timed_ = ticks_.blocks++ % kEvery == 0;
     if (timed_) last_ = now();
   }
   void gathered() { if (timed_) lap(ticks_.gather); }

@@ -167,10 +167,73 @@ int PointStore::size() const {
   return n;
 }
 
-std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part) {
-  struct Item {
-    int body, part, base[3], tag, slot;
-  };
+namespace {
+
+struct Item {
+  int body, part, base[3], tag, slot;
+};
+
+bool same_cell(const Item& a, const Item& b) {
+  return a.body == b.body && a.part == b.part && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
+}
+
+bool cell_before(const Item& a, const Item& b) {
+  if (a.body != b.body) return a.body < b.body;
+  if (a.part != b.part) return a.part < b.part;
+  for (int d = 0; d < 3; ++d)
+    if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
+  return false;
+}
+
+// Items of a block: from the first cell, and from the second, if there is one.
+struct Plan {
+  int first, count;
+  int second = 0, more = 0, joined = kOneCell;
+};
+
+// Blocks of items that are sorted by cells.
+std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
+  std::vector<Plan> plans;
+  std::vector<int> partial;  // blocks that are not full: the last of their cell, whose order they have
+  const int n = static_cast<int>(items.size());
+  for (int i = 0; i < n;) {
+    Plan p{i, 0};
+    while (p.count < kLanes && i < n && same_cell(items[p.first], items[i])) ++p.count, ++i;
+    if (p.count < kLanes) partial.push_back(static_cast<int>(plans.size()));
+    plans.push_back(p);
+  }
+  if (!join) return plans;
+  // The fullest of the next cells is taken, the last direction first, where a column just gets longer.
+  std::vector<char> gone(plans.size(), 0);
+  for (const int a : partial) {
+    Plan& p = plans[a];
+    if (gone[a] || p.more > 0) continue;
+    int best = -1;
+    for (int d = 2; d >= 0; --d) {
+      Item next = items[p.first];
+      ++next.base[d];
+      const auto at = std::lower_bound(partial.begin(), partial.end(), next, [&](int b, const Item& i) { return cell_before(items[plans[b].first], i); });
+      if (at == partial.end() || !same_cell(items[plans[*at].first], next)) continue;
+      const Plan& q = plans[*at];
+      if (gone[*at] || q.more > 0 || p.count + q.count > kLanes || q.count <= p.more) continue;
+      best = *at;
+      p.more = q.count;
+      p.joined = d;
+    }
+    if (best < 0) continue;
+    p.second = plans[best].first;
+    gone[best] = 1;
+  }
+  std::size_t kept = 0;
+  for (std::size_t b = 0; b < plans.size(); ++b)
+    if (!gone[b]) plans[kept++] = plans[b];
+  plans.resize(kept);
+  return plans;
+}
+
+}  // namespace
+
+std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part, bool join) {
   const double inverse_h = 1.0 / cell, shift = cell_shift(basis);
   std::vector<Item> items;
   items.reserve(kLanes * blocks.size());
@@ -184,46 +247,36 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
     for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h, shift);
     items.push_back(it);
   }
-  const auto same_cell = [](const Item& a, const Item& b) {
-    return a.body == b.body && a.part == b.part && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
-  };
-  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
-    if (a.body != b.body) return a.body < b.body;
-    if (a.part != b.part) return a.part < b.part;
-    for (int d = 0; d < 3; ++d)
-      if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
-    return a.tag < b.tag;
-  });
+  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return same_cell(a, b) ? a.tag < b.tag : cell_before(a, b); });
 
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < items.size(); ++count) {
-    const std::size_t first = i;
-    for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l) ++i;
-  }
+  const std::vector<Plan> plans = plan_blocks(items, join && may_join_cells(basis));
   PointStore next;
   next.links.reserve(links.size());
-  next.blocks.reserve(count);
+  next.blocks.reserve(plans.size());
   next.state_fields_ = state_fields_;
   next.law_ = law_;
   next.law_number_ = law_number_;
-  if (!state_.empty()) next.state_.reserve(count * state_fields_);
-  next.meta.reserve(count);
-  next.tags.reserve(count);
-  if (!motion.empty()) next.motion.reserve(count);
+  if (!state_.empty()) next.state_.reserve(plans.size() * state_fields_);
+  next.meta.reserve(plans.size());
+  next.tags.reserve(plans.size());
+  if (!motion.empty()) next.motion.reserve(plans.size());
   std::vector<int> new_slot(kLanes * blocks.size(), -1);
-  for (std::size_t i = 0; i < items.size();) {
-    next.add_block(items[i].body, items[i].part, items[i].base, cell, basis);
+  for (const Plan& p : plans) {
+    const Item& first = items[p.first];
+    next.add_block(first.body, first.part, first.base, cell, basis);
+    next.meta.back().joined = p.joined;
+    next.meta.back().second = static_cast<std::uint8_t>(((1u << p.more) - 1) << p.count);
     if (!motion.empty()) next.let_move();
-    const std::size_t first = i;
-    for (int l = 0; l < kLanes && i < items.size() && same_cell(items[first], items[i]); ++l, ++i) {
+    for (int l = 0; l < p.count + p.more; ++l) {
+      const Item& item = items[l < p.count ? p.first + l : p.second + l - p.count];
       const int slot = kLanes * (static_cast<int>(next.blocks.size()) - 1) + l;
-      const PointRecord r = record(items[i].slot);
-      next.set(slot, r, items[i].tag);
+      const PointRecord r = record(item.slot);
+      next.set(slot, r, item.tag);
       for (int k = 0; k < r.links; ++k) {
         next.links.push_back(r.link[k]);
         next.links.back().slot = slot;
       }
-      new_slot[items[i].slot] = slot;
+      new_slot[item.slot] = slot;
     }
   }
   *this = std::move(next);

@@ -47,9 +47,11 @@ struct PointMotion {
 struct BlockMeta {
   int body = 0, part = 0;
   int base[3] = {0, 0, 0};       // cell, see basis.h
+  int joined = kOneCell;         // direction in which the block has a second cell, see arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t linked = 0;  // had a link to a grain when it was made
+  std::uint8_t second = 0;  // is in the second cell
   bool damaged = false;     // some lane has a state of the law that is not 0
 };
 
@@ -62,6 +64,17 @@ inline std::uint8_t bits(vmask m) {
   unsigned r = 0;
   for (int l = 0; l < kLanes; ++l) r |= (m[l] ? 1u : 0u) << l;
   return static_cast<std::uint8_t>(r);
+}
+
+// Calls f with the weights of a block of points; compiled for blocks of one cell and for each direction of two.
+template <class Type, class F>
+decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
+  if constexpr (kMayJoinCells<Type>) {
+    if (m.joined == 0) return f(Weights<Type, 0>(p.X, m.base, lanes(m.second), inverse_h));
+    if (m.joined == 1) return f(Weights<Type, 1>(p.X, m.base, lanes(m.second), inverse_h));
+    if (m.joined == 2) return f(Weights<Type, 2>(p.X, m.base, lanes(m.second), inverse_h));
+  }
+  return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
 class PointStore {
@@ -79,7 +92,9 @@ class PointStore {
   // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
   // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
   // new_part: of the points of these slots, ascending, that go to another part.
-  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {});
+  // join: what is left of two cells next to each other, and fits in a block, shares one. Such a block has a third more
+  // nodes, but it is one for two. Not for points that change cells.
+  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool join = false);
 
   // A point that left for another rank. Its links go with the next arrange().
   void release(int slot);

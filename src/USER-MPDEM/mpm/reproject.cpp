@@ -18,22 +18,23 @@ void project(const PointStore& points, Grid& grid, const std::vector<double>& ad
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
-      const Weights<Type> s(p.X, m.base, 1.0 / grid.h);
-      const vd mass = density * p.volume;
-      vd v[3];
-      gather_value(field.data(), m.column, s, v);
-      for (int i = 0; i < 3; ++i) v[i] *= mass;
-      if (!affine) {
-        scatter_value(out.data(), m.column, s, v);
-        continue;
-      }
-      // The first moments of the weights take the place of their gradients.
-      const Weights<Type> moment = with_moments(s, p.X, m.base, grid.h);
-      Mat3<vd> C = gather_gradient(field.data(), m.column, Type::kAffine > 0.0 ? moment : s);
-      const vd scale = mass * (Type::kAffine > 0.0 ? Type::kAffine / (grid.h * grid.h) : 1.0);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) C.a[i][j] *= scale;
-      scatter_affine(out.data(), m.column, moment, v, C);
+      with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
+        const vd mass = density * p.volume;
+        vd v[3];
+        gather_value(field.data(), m.column, s, v);
+        for (int i = 0; i < 3; ++i) v[i] *= mass;
+        if (!affine) {
+          scatter_value(out.data(), m.column, s, v);
+          return;
+        }
+        // The first moments of the weights take the place of their gradients.
+        const auto moment = with_moments(s, p.X, m.base, grid.h);
+        Mat3<vd> C = gather_gradient(field.data(), m.column, Type::kAffine > 0.0 ? moment : s);
+        const vd scale = mass * (Type::kAffine > 0.0 ? Type::kAffine / (grid.h * grid.h) : 1.0);
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) C.a[i][j] *= scale;
+        scatter_affine(out.data(), m.column, moment, v, C);
+      });
     }
   });
   grid.halo.sum(out.data(), 3);

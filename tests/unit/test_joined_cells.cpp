@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Blocks of two cells against blocks of one: the same points, nodes, masses, strains and forces in fewer blocks.
+#include <map>
+#include <set>
+
+#include "cement.h"
+#include "mpm/gather.h"
+#include "mpm/largest_eigenvalue.h"
+#include "mpm/reproject.h"
+#include "mpm/scatter.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::kCell;
+using test::Vector;
+
+// Of a ball, so that cells at its surface are cut in all directions; anywhere in them, in two parts.
+std::vector<Vector> ball(test::Random& random, int points) {
+  std::vector<Vector> X;
+  while (static_cast<int>(X.size()) < points) {
+    const Vector x(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+    if (x.norm() < 2.0) X.push_back(kCell * (x + Vector(0.2, -0.1, 0.3)));
+  }
+  return X;
+}
+
+std::array<int, 3> cell_of(const PointStore& points, int b, int l) {
+  const BlockMeta& m = points.meta[b];
+  std::array<int, 3> base{m.base[0], m.base[1], m.base[2]};
+  if (m.second >> l & 1) ++base[m.joined];
+  return base;
+}
+
+class JoinedCells : public ::testing::TestWithParam<Basis> {
+ protected:
+  test::Random random{77};
+  std::vector<Vector> X = ball(random, 150);
+  std::vector<int> part = [this] {
+    std::vector<int> p;
+    for (const Vector& x : X) p.push_back(x[0] > 0.3 * kCell);
+    return p;
+  }();
+  double volume = std::pow(kCell, 3) / 8;
+  Eigen::Quaterniond q{Eigen::AngleAxisd(0.7, Vector(1, 2, 3).normalized())};
+  Cement apart{kCell, X, volume, q, GetParam(), 0, part, false}, joined{kCell, X, volume, q, GetParam(), 0, part, true};
+
+  // The largest difference over the largest value.
+  static double difference(const std::vector<double>& a, const std::vector<double>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double most = 0.0, largest = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      most = std::max(most, std::fabs(a[i] - b[i]));
+      largest = std::max(largest, std::fabs(a[i]));
+    }
+    EXPECT_GT(largest, 0.0);
+    return most / largest;
+  }
+};
+
+TEST_P(JoinedCells, FullerBlocks) {
+  const PointStore& p = joined.points;
+  const double shift = cell_shift(GetParam());
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    const int b = joined.slots[i] / kLanes, l = joined.slots[i] % kLanes;
+    EXPECT_EQ(p.tags[b][l], static_cast<int>(i) + 1);
+    EXPECT_EQ(p.meta[b].part, part_of(0, part[i]));
+    const std::array<int, 3> cell = cell_of(p, b, l);
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_EQ(double(p.blocks[b].X[d][l]), X[i][d]);
+      EXPECT_EQ(support_base(X[i][d], 1.0 / kCell, shift), cell[d]);
+    }
+  }
+  std::set<int> directions;
+  std::map<std::array<int, 4>, int> left;  // points of blocks of one cell that are not full
+  for (std::size_t b = 0; b < p.meta.size(); ++b) {
+    const BlockMeta& m = p.meta[b];
+    EXPECT_EQ(m.second & ~m.occupied, 0);
+    EXPECT_EQ(m.second != 0, m.joined != kOneCell);
+    EXPECT_NE(m.second, m.occupied);
+    if (m.joined != kOneCell) directions.insert(m.joined);
+    else if (m.occupied != 0xff) left[{m.part, m.base[0], m.base[1], m.base[2]}] = __builtin_popcount(m.occupied);
+  }
+  if (!may_join_cells(GetParam())) {
+    EXPECT_EQ(p.blocks.size(), apart.points.blocks.size());
+    return;
+  }
+  EXPECT_EQ(directions.size(), 3u);
+  EXPECT_LT(p.blocks.size(), 0.75 * apart.points.blocks.size());
+  // no two are left that fit into one
+  for (const auto& [cell, count] : left)
+    for (int d = 0; d < 3; ++d) {
+      std::array<int, 4> next = cell;
+      ++next[1 + d];
+      const auto at = left.find(next);
+      if (at != left.end()) EXPECT_GT(count + at->second, kLanes);
+    }
+}
+
+// A second arrangement changes nothing, nor does one after the points were apart.
+TEST_P(JoinedCells, DependOnThePointsAlone) {
+  PointStore again = joined.points;
+  const std::vector<int> same = again.arrange(kCell, GetParam(), {}, true);
+  for (int s : joined.slots) EXPECT_EQ(same[s], s);
+  PointStore other = apart.points;
+  const std::vector<int> moved = other.arrange(kCell, GetParam(), {}, true);
+  for (std::size_t i = 0; i < X.size(); ++i) EXPECT_EQ(moved[apart.slots[i]], joined.slots[i]);
+}
+
+TEST_P(JoinedCells, SameNodesAndMasses) {
+  EXPECT_EQ(apart.grid.keys, joined.grid.keys);
+  for (Cement* c : {&apart, &joined}) c->grid.lump_mass(c->points, test::kCalcite);
+  test::expect_within(difference(apart.grid.mass, joined.grid.mass), 1e-14, "masses");
+}
+
+TEST_P(JoinedCells, SameStepsAndEigenvalue) {
+  for (Cement* c : {&apart, &joined}) c->grid.lump_mass(c->points, test::kCalcite);
+  const TensorDamage law = test::law_of(1e4);
+  const double dt = 1e-9;
+  const double speed = GetParam() == Basis::linear ? 4.0 : 10.0;
+  for (double& v : apart.grid.velocity) v = speed * random.uniform(-1, 1);
+  joined.grid.velocity = apart.grid.velocity;
+  for (int step = 0; step < 60; ++step) {
+    const AdvanceResult a = apart.advance(law, dt), b = joined.advance(law, dt);
+    EXPECT_NEAR(a.dissipated, b.dissipated, 1e-11 * a.dissipated);
+  }
+  test::expect_within(difference(apart.grid.force, joined.grid.force), 1e-11, "forces after steps with damage");
+  double worst = 0.0, most = 0.0;
+  int damaged = 0;
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    const int s = apart.slots[i], t = joined.slots[i];
+    const test::Matrix e = test::tensor(apart.points.blocks[s / kLanes].strain, s % kLanes);
+    worst = std::max(worst, (e - test::tensor(joined.points.blocks[t / kLanes].strain, t % kLanes)).norm());
+    most = std::max(most, e.norm());
+    damaged += test::tensor(test::damage_of(apart.points, s / kLanes), s % kLanes).norm() > 0.0;
+  }
+  EXPECT_GT(damaged, 20);
+  test::expect_within(worst / most, 1e-12, "strains");
+
+  double lambda[2], *next = lambda;
+  for (Cement* c : {&apart, &joined}) {
+    *next++ = largest_eigenvalue(MPI_COMM_SELF, c->points, c->grid, law).value;
+    c->grid.clear_force();
+    add_internal_force(c->points, c->grid, law);
+  }
+  test::expect_within(difference(apart.grid.force, joined.grid.force), 1e-11, "forces of the state");
+  EXPECT_GT(lambda[0], 0.0);
+  EXPECT_NEAR(lambda[1] / lambda[0], 1.0, 1e-9);
+  for (bool apic : {false, true}) {
+    Transfer transfer;
+    transfer.method = apic ? Transfer::apic : Transfer::pic;
+    std::vector<double> jump[2];
+    std::size_t n = 0;
+    for (Cement* c : {&apart, &joined}) reproject_velocity(c->points, c->grid, {}, test::kCalcite, transfer, 0.0, jump[n++]);
+    test::expect_within(difference(jump[0], jump[1]), 1e-12, "jumps by a transfer");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bases, JoinedCells, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic));
+
+}  // namespace
+}  // namespace mpdem
