@@ -70,6 +70,12 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
   for (Bond& b : bonds_)
     if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
   shared_nodes_.build(halos);
+  if (options_.skip.nonlocal) {
+    const int cut = !halos.empty();
+    int any;
+    MPI_Allreduce(&cut, &any, 1, MPI_INT, MPI_MAX, comm_);
+    any_bond_is_cut_ = any != 0;
+  }
   for (int row : rows)
     if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
 }
@@ -214,6 +220,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.relaxation = penalty_ && options_.relax > 0.0
                        ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
                        : Relaxation();
+    b.near_threshold = options_.skip.nonlocal && is_near_threshold(b.points, *law_);
     b.failed.clear();
     b.jump.clear();
     b.laid_out_blocks = b.points.blocks.size();

@@ -14,6 +14,7 @@
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
 #include "../mpm/advance_updated.h"
+#include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "resting.h"
@@ -32,6 +33,8 @@ struct Bond {
   int side = 0;         // place of its first side, see GrainSides
   std::size_t laid_out_blocks = 0;        // of points that the grid has nodes for
   std::size_t blocks_when_arranged = 0;
+  bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
+  DriveAverage average;
   std::vector<int> failed;                // slots that failed in this step, ascending
   LinkStep link_step;                     // of the traction law
   std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
@@ -39,7 +42,7 @@ struct Bond {
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
   std::size_t memory_usage() const {
-    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage();
+    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage();
   }
 };
 

@@ -74,6 +74,8 @@ void Cement::look_for_cracks() {
 void Cement::take_failed(Bond& b) {
   b.failed.clear();
   b.failed.swap(advance_.failed);
+  if (!b.resting.asleep()) b.near_threshold = advance_.near_threshold;
+  advance_.near_threshold = false;
 }
 
 void Cement::let_go(Bond& b) {

@@ -172,6 +172,8 @@ class Cement {
 
   // phases of a step
   void look_for_cracks();
+  void average_drives();
+  std::vector<Bond*> cut_bonds_near_threshold();
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);
@@ -205,6 +207,7 @@ class Cement {
   double eigenvalue_ = 0.0;               // found for the present layout, 0: not yet
   int bodies_started_ = 0;                // the first of the table; the others are new and where they were made
   bool built_ = false, restored_ = false, any_added_mass_ = false;
+  bool any_bond_is_cut_ = false;  // of any rank
 };
 
 }  // namespace mpdem

@@ -26,6 +26,7 @@ struct CementOptions {
   double reproject_distortion = 0.0;     // 0: not by distortion
   AdvanceOptions skip;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
+  double length = 0.0;                   // that the drive of the damage is averaged over, 0: not at all
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

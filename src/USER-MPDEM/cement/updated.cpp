@@ -27,6 +27,7 @@ class Updated : public Kinematics {
     const double dt = c.now_.dt;
     c.timer_.start(StepTimer::kLayout);
     follow_points();
+    c.average_drives();
     c.grains_.clear_sudden_forces();
     if (c.any_added_mass_) c.grains_.expect_sudden_forces();
     kinetic_.clear();

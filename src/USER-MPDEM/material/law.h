@@ -18,7 +18,8 @@
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity
 //   drive(strain, state)  driving force Yeq and its threshold B: damage grows where Yeq is above B
 //   stress(strain, state)
-//   trial(strain, state, active, strength)    stress, and the lanes that may grow, by a bound
+//   lowest_threshold()    the least B that a point can have
+//   trial(strain, state)  stress, and bounds of drive and threshold
 //   update(strain_start, strain, state, active, strength, growth)    the step, see LawUpdate
 //   largest_damage(state), damage(state)      from 0 to 1; as a tensor, for output
 //   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
@@ -48,10 +49,11 @@ struct LawUpdate {
   int evaluations;  // of the law, or of its derivative, for eight points each
 };
 
-// Stress, and the lanes whose damage may grow.
+// Stress, and bounds without eigenvalues: damage may grow where square_bound is above the square of the threshold.
 struct LawTrial {
   Sym3<vd> stress;
-  vmask may_grow;
+  vd square_bound;     // of Yeq^2, from above
+  vd least_threshold;  // of B, from below
 };
 
 struct LawDrive {

@@ -46,6 +46,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
         cutoff_(values.get("cutoff", 0.9)), interface_(values.get("interface", 1.0)), kappa_at_cutoff_(kappa_of(cutoff_)) {}
 
   double threshold() const { return kappa0_; }
+  double lowest_threshold() const { return kappa0_; }
   double interface() const { return interface_; }
   double growth(double) const { return 1.0; }
   double cutoff() const override { return cutoff_; }
@@ -94,9 +95,8 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   }
   Sym3<vd> opening(const Sym3<vd>& strain, State) const { return strain; }
 
-  LawTrial trial(const Sym3<vd>& strain, State s, vmask active, vd strength) const {
-    const vd B = strength * max(s.kappa, splat(kappa0_));
-    return {stress(strain, s), active & (contract(strain, strain) > B * B)};
+  LawTrial trial(const Sym3<vd>& strain, State s) const {
+    return {stress(strain, s), contract(strain, strain), max(s.kappa, splat(kappa0_))};
   }
 
   // In closed form. The energies are those of TensorDamage::update, which balance to the order of the step, squared.

@@ -177,11 +177,10 @@ Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) co
   return evaluate(strain, damage).stress;
 }
 
-TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vmask active, vd strength) const {
+TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
   const Evaluation s = evaluate(strain, damage);
   // Cutting the negative part of Y only shortens it, and the tension weight is at most one: no eigenvalues below.
-  const vd B = strength * least_threshold(damage);
-  return {s.stress, active & (contract(s.Y, s.Y) > 2.0 * B * B)};
+  return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage)};
 }
 
 // A bound of B from below without eigenvalues, exact but for a thousandth where D has one principal value.

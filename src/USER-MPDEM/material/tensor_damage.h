@@ -19,6 +19,8 @@
 #ifndef MPDEM_TENSOR_DAMAGE_H
 #define MPDEM_TENSOR_DAMAGE_H
 
+#include <cmath>
+
 #include "../numerics/eigen3.h"
 #include "../numerics/simd.h"
 #include "../numerics/tensor3.h"
@@ -70,6 +72,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   const DamageParameters& parameters() const { return p_; }
   double threshold() const { return p_.B0; }
+  double lowest_threshold() const { return p_.exponent < 0.0 ? p_.B0 * std::pow(1.0 - p_.Dcut, -p_.exponent) : p_.B0; }
   double interface() const { return p_.interface; }
   double growth(double dt) const { return dt / (p_.viscosity + dt); }
 
@@ -97,10 +100,9 @@ class TensorDamage final : public LawOf<TensorDamage> {
   // be anything with eigenvalues below one.
   Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
-  // The same, and the lanes of `active` whose damage may grow: those where a bound of Yeq is above a bound of B.
-  // All others keep their damage.
+  // The same, and a bound of Yeq and one of B. Where the first is below the second points keep their damage.
   using Trial = LawTrial;
-  Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vmask active, vd strength = splat(1.0)) const;
+  Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
   using Update = LawUpdate;
 

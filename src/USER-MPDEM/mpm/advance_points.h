@@ -26,6 +26,8 @@ struct AdvanceOptions {
   bool skip_undamaged = true;  // no return map where a bound says that nothing grows
   bool skip_failed = true;     // nor anything else in blocks all of whose points failed
   bool skip_resting = true;    // nor in bodies all of whose nodes are at rest, see resting.h
+  // Damage is driven by averages, see drive_average.h. Points whose drive has none keep their damage.
+  bool nonlocal = false;
 };
 
 // How much there was to do for the damage.
@@ -37,6 +39,7 @@ struct DamageWork {
 struct AdvanceResult {
   double dissipated = 0.0, released = 0.0;  // energy of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
+  bool near_threshold = false;              // is_near_threshold() or has grown, nonlocal damage only
   PassTicks ticks;
   DamageWork work;
 };

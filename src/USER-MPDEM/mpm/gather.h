@@ -60,6 +60,23 @@ inline void gather_value(const double* __restrict nodal, const int* column, cons
   }
 }
 
+// Scalar field: out = sum_I nodal_I N_I
+template <class Type>
+inline void gather_scalar(const double* __restrict nodal, const int* column, const Weights<Type>& s, vd* out) {
+  constexpr int S = Type::kSupport;
+  *out = vd{};
+  for (int i = 0; i < S; ++i) {
+    vd A{};
+    for (int j = 0; j < S; ++j) {
+      const double* p = nodal + column[S * i + j];
+      vd a = p[0] * s.w[2][0];
+      for (int k = 1; k < S; ++k) a += p[k] * s.w[2][k];
+      A += s.w[1][j] * a;
+    }
+    *out += s.w[0][i] * A;
+  }
+}
+
 // Both at once.
 template <class Type, int Joined>
 inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s,

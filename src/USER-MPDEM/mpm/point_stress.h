@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "advance_points.h"
+#include "drive_average.h"
 #include "point_state.h"
 
 namespace mpdem {
@@ -50,10 +51,12 @@ class PointStress {
   static constexpr int kMost = 8 * kLanes;  // blocks that can wait
 
   PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, AdvanceResult& result)
-      : points_(points), law_(law), result_(result), always_(!options.skip_undamaged) {
+      : points_(points), law_(law), result_(result), always_(!options.skip_undamaged), nonlocal_(options.nonlocal) {
     if constexpr (L::kFields > 0) {
       B_ = law.threshold();
       weakest_ = B_ * std::min(1.0, law.interface());
+      const double near = kNearThreshold * law.lowest_threshold() * std::min(1.0, law.interface());
+      square_near_ = near * near;
       growth_ = law.growth(dt);
     }
   }
@@ -69,7 +72,11 @@ class PointStress {
       if (m.damaged || always_) return damaged(b, strain_start, stress);
       stress = law_.elasticity().stress(p.strain);
       const double B = m.linked ? weakest_ : B_;
-      if (any(L::square_bound(stress, p.strain) > B * B)) return damaged(b, strain_start, stress);
+      const vd square = L::square_bound(stress, p.strain);
+      if (!nonlocal_) return !any(square > B * B) || damaged(b, strain_start, stress);
+      look_how_near(square, lanes(m.occupied));
+      const vd a = amplification(b);
+      if (any(square * a * a > B * B)) return damaged(b, strain_start, stress);
     }
     return true;
   }
@@ -97,11 +104,16 @@ class PointStress {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
-    const vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
-    const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b), active, strength);
+    vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
+    const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b));
     stress = blend(active, t.stress, Sym3<vd>{});
     ++result_.work.damaged_blocks;
-    const std::uint8_t growing = bits(t.may_grow);
+    if (nonlocal_) {
+      look_how_near(t.square_bound, active);
+      strength /= max(amplification(b), splat(1e-100));
+    }
+    const vd threshold = strength * t.least_threshold;
+    const std::uint8_t growing = bits(active & (t.square_bound > threshold * threshold));
     if (growing == 0) return true;
     ++result_.work.growing_blocks;
     waiting_[blocks_waiting_] = {b, stress};
@@ -109,6 +121,14 @@ class PointStress {
       if (growing >> l & 1) wait(kLanes * blocks_waiting_ + l, strain_start, strength);
     ++blocks_waiting_;
     return false;
+  }
+
+  // 0 without an average: nothing grows.
+  vd amplification(int b) const {
+    return static_cast<std::size_t>(b) < points_.amplification.size() ? points_.amplification[b] : vd{};
+  }
+  void look_how_near(vd square, vmask active) {
+    if (!result_.near_threshold) result_.near_threshold = any(active & (square > square_near_));
   }
 
   // Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
@@ -146,6 +166,7 @@ class PointStress {
       copy(&w.stress, l, &u.stress, k, 6);
       copy(points_.change_state(b), l, &v.state, k, L::kFields);
       points_.meta[b].damaged = true;
+      result_.near_threshold = true;
       result_.dissipated += u.dissipated[k] * volume;
       if (!u.failed[k]) continue;
       result_.released += u.released[k] * volume;
@@ -158,7 +179,8 @@ class PointStress {
   const L& law_;
   AdvanceResult& result_;
   double B_, weakest_, growth_;  // threshold of blocks that touch no grain, and of others
-  bool always_;
+  double square_near_;
+  bool always_, nonlocal_;
 
   struct Waiting {
     int block;

@@ -136,7 +136,10 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "damage") {
       damage = read_choice(args, "damage", law_entries());
     } else if (key == "regularization") {
-      fracture_energy = args.choice(key, {"none", "crackband"}) == "none" ? 0.0 : args.positive("regularization crackband");
+      const std::string how = args.choice(key, {"none", "crackband", "nonlocal"});
+      if (how == "crackband") fracture_energy = args.positive("regularization crackband");
+      if (how == "nonlocal") o.length = args.positive("regularization nonlocal");
+      o.skip.nonlocal = how == "nonlocal";
     } else if (key == "reproject") {
       const bool automatic = args.accept("auto");
       args.once(automatic ? "reproject auto" : "reproject N");
