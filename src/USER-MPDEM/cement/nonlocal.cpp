@@ -41,7 +41,7 @@ void Cement::average_drives() {
     }
     b.average.start(b.points, b.grid, *law_);
     for (int k = 0; k < sweeps.count; ++k) b.average.sweep(b.points, b.grid, weight(k), k == sweeps.count - 1);
-    b.average.finish(b.points);
+    b.average.finish(b.points, *law_);
   }
   if (cut.empty()) return;
   std::vector<HaloSum*> halos;
@@ -63,7 +63,7 @@ void Cement::average_drives() {
     for (Bond* b : cut) b->average.sweep(b->points, b->grid, weight(k), last);
     if (!last) sum(&DriveAverage::sums);
   }
-  for (Bond* b : cut) b->average.finish(b->points);
+  for (Bond* b : cut) b->average.finish(b->points, *law_);
 }
 
 }  // namespace mpdem

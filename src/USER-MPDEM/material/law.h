@@ -18,6 +18,8 @@
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity
 //   drive(strain, state)  driving force Yeq and its threshold B: damage grows where Yeq is above B
 //   stress(strain, state)
+//   undamaged_drive(strain)            Yeq of the material without damage in that strain
+//   kDegree               Yeq of a strain c times as large is c^kDegree times as large, 1 or 2
 //   lowest_threshold()    the least B that a point can have
 //   trial(strain, state)  stress, and bounds of drive and threshold
 //   update(strain_start, strain, state, active, strength, growth)    the step, see LawUpdate

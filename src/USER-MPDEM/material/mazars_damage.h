@@ -28,7 +28,7 @@ namespace mpdem {
 class MazarsDamage final : public LawOf<MazarsDamage> {
  public:
   static constexpr const char* kName = "mazars";
-  static constexpr int kFields = 1;
+  static constexpr int kFields = 1, kDegree = 1;
   struct State {
     vd kappa;
   };
@@ -84,6 +84,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
 
   static vd square_bound(const Sym3<vd>&, const Sym3<vd>& strain) { return contract(strain, strain); }
 
+  static vd undamaged_drive(const Sym3<vd>& strain) { return equivalent(strain); }
   LawDrive drive(const Sym3<vd>& strain, State s) const { return {equivalent(strain), max(s.kappa, splat(kappa0_))}; }
   Sym3<vd> stress(const Sym3<vd>& strain, State s) const { return (1.0 - largest_damage(s)) * elasticity().stress(strain); }
   vd largest_damage(State s) const {

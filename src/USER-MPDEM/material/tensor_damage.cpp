@@ -194,6 +194,13 @@ vd TensorDamage::least_threshold(const Sym3<vd>& D) const {
   return (0.999 * p_.B0) * rough_power(max(keep, splat(1e-6)), -m);
 }
 
+vd TensorDamage::undamaged_drive(const Sym3<vd>& strain) const {
+  const Sym3<vd> stress = elasticity().stress(strain);
+  Sym3<vd> Y = sym_product(stress, strain);
+  const vd Yeq = drive_by(Y);
+  return tension_weight(stress) * Yeq;
+}
+
 TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
   Evaluation s = evaluate(strain, damage);
   return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage)};

@@ -63,7 +63,7 @@ ImpliedStrength implied_strength(const DamageParameters& p, double E);
 class TensorDamage final : public LawOf<TensorDamage> {
  public:
   static constexpr const char* kName = "tensor";
-  static constexpr int kFields = 6;
+  static constexpr int kFields = 6, kDegree = 2;
   using State = Sym3<vd>;  // D
 
   TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters) : LawOf(elasticity), p_(parameters) {}
@@ -95,6 +95,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
     const Sym3<vd> Y = sym_product(stress, strain);
     return 0.5 * contract(Y, Y);
   }
+
+  vd undamaged_drive(const Sym3<vd>& strain) const;
 
   // Stress for given strain and damage; `active` lanes only matter, D of the others may
   // be anything with eigenvalues below one.

@@ -11,6 +11,24 @@
 
 namespace mpdem {
 
+namespace {
+
+// What is averaged: the root of a norm of the strain, from the drive of the undamaged material in that strain.
+template <class L>
+vd root_of_norm(const L& law, const Sym3<vd>& strain) {
+  const vd root = sqrt(law.undamaged_drive(strain));
+  return L::kDegree == 2 ? sqrt(root) : root;
+}
+
+// Factor on the drive if that root changes by a factor.
+template <class L>
+vd drive_factor(vd root) {
+  const vd norm = root * root;
+  return L::kDegree == 2 ? norm * norm : norm;
+}
+
+}  // namespace
+
 AverageSweeps sweeps_for(double length, double cell, Basis basis) {
   const double sweeps = 6.0 * length * length / (support(basis) * cell * cell);
   // a weight of next to nothing is rounding
@@ -28,9 +46,7 @@ bool is_near_threshold(const PointStore& points, const Law& law) {
         const BlockMeta& m = points.meta[b];
         const Sym3<vd>& strain = points.blocks[b].strain;
         const vmask active = lanes(m.occupied & ~m.failed);
-        const vd square = m.damaged ? l.trial(strain, state_of<L>(points, b)).square_bound
-                                    : L::square_bound(l.elasticity().stress(strain), strain);
-        if (any(active & (square > near * near))) return true;
+        if (any(active & (L::square_bound(l.elasticity().stress(strain), strain) > near * near))) return true;
       }
     }
     return false;
@@ -46,7 +62,7 @@ void DriveAverage::start(const PointStore& points, const Grid& grid, const Law& 
   mean_.resize(grid.size());
   const double inverse_h = 1.0 / grid.h;
   with_law(law, [&](const auto& l) {
-    using L = std::decay_t<decltype(l)>;
+    using L [[maybe_unused]] = std::decay_t<decltype(l)>;
     with_basis(grid.basis, [&](auto type) {
       for (std::size_t b = 0; b < blocks; ++b) {
         const PointBlock& p = points.blocks[b];
@@ -54,8 +70,7 @@ void DriveAverage::start(const PointStore& points, const Grid& grid, const Law& 
         own_[b] = field_[b] = vd{};
         if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
-        const vd drive = l.drive(p.strain, state_of<L>(points, b)).Yeq;
-        own_[b] = field_[b] = select(active, drive, vd{});
+        if constexpr (L::kFields > 0) own_[b] = field_[b] = select(active, root_of_norm(l, p.strain), vd{});
         const Weights<decltype(type)> s(p.X, m.base, inverse_h);
         const vd V = select(active, p.volume, vd{});
         scatter_scalar(volume_.data(), m.column, s, V);
@@ -88,10 +103,14 @@ void DriveAverage::sweep(const PointStore& points, const Grid& grid, double weig
   });
 }
 
-void DriveAverage::finish(PointStore& points) const {
+void DriveAverage::finish(PointStore& points, const Law& law) const {
   points.amplification.resize(own_.size());
-  for (std::size_t b = 0; b < own_.size(); ++b)
-    points.amplification[b] = min(field_[b] / max(own_[b], splat(1e-300)), splat(kMostAmplification));
+  with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0)
+      for (std::size_t b = 0; b < own_.size(); ++b)
+        points.amplification[b] = min(drive_factor<L>(field_[b] / max(own_[b], splat(1e-300))), splat(kMostAmplification));
+  });
 }
 
 }  // namespace mpdem

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nonlocal damage: the driving force Yeq of the points of a bond (material/law.h) is averaged over a length before it is
-// compared with its threshold (Pijaudier-Cabot & Bazant, J. Eng. Mech. 113 (1987) 1512), on the grid of the bond:
+// Nonlocal damage: the strain that drives the damage of a point is an average over a length (Pijaudier-Cabot & Bazant, J. Eng. Mech.
+// 113 (1987) 1512), on the grid of the bond. With e the norm of the strain that the law has in its drive,
 //
-//   S Y = sum_I N_I(X_p) (sum_q N_I(X_q) V_q Y_q) / (sum_q N_I(X_q) V_q)
+//   ebar^(1/2) = S^k e^(1/2),   S f = sum_I N_I(X_p) (sum_q N_I(X_q) V_q f_q) / (sum_q N_I(X_q) V_q)
 //
 // S keeps constants, and with the volumes as weights it is symmetric and keeps the sum. It takes no neighbour list, and ends
 // where unfailed points share no node. A sweep adds (p + 1)/6 h^2 to the variance of the kernel with splines of degree p;
-// the average over the length L has the variance L^2: some whole sweeps and a last one of weight theta,
-// (1 - theta) Y + theta S Y.
+// the average over the length L has the variance L^2: some whole sweeps and a last one of weight theta, (1 - theta) f + theta S f.
 //
-// The law is asked with its threshold divided by the amplification a = average/Yeq of the point: its surface is then
-// a Yeq = B, and with laws homogeneous in the strain damage is what a strain would make whose drive is the average.
-// Its direction is that of the point. Where Yeq is next to nothing under a high average it has none: a is at
-// most kMostAmplification. Averages are those of the state that a step starts from.
+// The law is asked with its strain scaled by ebar/e, whose direction is that of the point: with a drive Yeq of degree n in the
+// strain, that is a threshold divided by the amplification a = (ebar/e)^n. Two choices make the band of a crack as wide for every
+// cell (doc/theory.md, tests/unit/test_localisation.cpp). The norm is that of the strain, not of the drive Yeq(D): where the
+// threshold B does not rise with damage, an average of Yeq(D) shrinks to a single layer of points. The root makes the band
+// nearly as wide in the end as in the beginning: the strain in it is some hundred times that beside it then.
+//
+// Where e is next to nothing beside high averages its direction says nothing: a is at most kMostAmplification.
+// Averages are those of the state that a step starts from. Failed points have no part in them.
 #ifndef MPDEM_DRIVE_AVERAGE_H
 #define MPDEM_DRIVE_AVERAGE_H
 
@@ -26,7 +29,8 @@
 namespace mpdem {
 
 constexpr double kMostAmplification = 100.0;
-// A bond is averaged while a point has this share of the lowest threshold of its law. No average is above the largest Yeq.
+// A bond is averaged while the undamaged material would have this share of the lowest threshold at some point: no average of the
+// strain is above the largest.
 constexpr double kNearThreshold = 0.9;
 
 // How often to sweep for the length L, and with what weight the last time.
@@ -46,7 +50,7 @@ class DriveAverage {
   void start(const PointStore& points, const Grid& grid, const Law& law);
   void sweep(const PointStore& points, const Grid& grid, double weight, bool last);
   // Gives the points their amplification.
-  void finish(PointStore& points) const;
+  void finish(PointStore& points, const Law& law) const;
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }

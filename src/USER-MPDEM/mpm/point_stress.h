@@ -109,7 +109,7 @@ class PointStress {
     stress = blend(active, t.stress, Sym3<vd>{});
     ++result_.work.damaged_blocks;
     if (nonlocal_) {
-      look_how_near(t.square_bound, active);
+      look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active);
       strength /= max(amplification(b), splat(1e-100));
     }
     const vd threshold = strength * t.least_threshold;
