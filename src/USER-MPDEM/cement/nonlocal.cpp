@@ -32,16 +32,15 @@ void Cement::average_drives() {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {
-      if (!std::binary_search(cut.begin(), cut.end(), &b)) b.points.amplification.clear();
+      if (!std::binary_search(cut.begin(), cut.end(), &b)) b.points.average.clear();
       continue;
     }
     if (!b.near_threshold) {
-      b.points.amplification.clear();
+      b.points.average.clear();
       continue;
     }
     b.average.start(b.points, b.grid, *law_);
     for (int k = 0; k < sweeps.count; ++k) b.average.sweep(b.points, b.grid, weight(k), k == sweeps.count - 1);
-    b.average.finish(b.points, *law_);
   }
   if (cut.empty()) return;
   std::vector<HaloSum*> halos;
@@ -63,7 +62,6 @@ void Cement::average_drives() {
     for (Bond* b : cut) b->average.sweep(b->points, b->grid, weight(k), last);
     if (!last) sum(&DriveAverage::sums);
   }
-  for (Bond* b : cut) b->average.finish(b->points, *law_);
 }
 
 }  // namespace mpdem

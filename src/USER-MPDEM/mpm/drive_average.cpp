@@ -8,26 +8,9 @@
 #include "gather.h"
 #include "point_state.h"
 #include "scatter.h"
+#include "strain_norm.h"
 
 namespace mpdem {
-
-namespace {
-
-// What is averaged: the root of a norm of the strain, from the drive of the undamaged material in that strain.
-template <class L>
-vd root_of_norm(const L& law, const Sym3<vd>& strain) {
-  const vd root = sqrt(law.undamaged_drive(strain));
-  return L::kDegree == 2 ? sqrt(root) : root;
-}
-
-// Factor on the drive if that root changes by a factor.
-template <class L>
-vd drive_factor(vd root) {
-  const vd norm = root * root;
-  return L::kDegree == 2 ? norm * norm : norm;
-}
-
-}  // namespace
 
 AverageSweeps sweeps_for(double length, double cell, Basis basis) {
   const double sweeps = 6.0 * length * length / (support(basis) * cell * cell);
@@ -53,10 +36,9 @@ bool is_near_threshold(const PointStore& points, const Law& law) {
   });
 }
 
-void DriveAverage::start(const PointStore& points, const Grid& grid, const Law& law) {
+void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
   const std::size_t blocks = points.blocks.size();
-  own_.resize(blocks);
-  field_.resize(blocks);
+  points.average.resize(blocks);
   volume_.assign(grid.size(), 0.0);
   sum_.assign(grid.size(), 0.0);
   mean_.resize(grid.size());
@@ -67,14 +49,14 @@ void DriveAverage::start(const PointStore& points, const Grid& grid, const Law& 
       for (std::size_t b = 0; b < blocks; ++b) {
         const PointBlock& p = points.blocks[b];
         const BlockMeta& m = points.meta[b];
-        own_[b] = field_[b] = vd{};
+        points.average[b] = vd{};
         if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
-        if constexpr (L::kFields > 0) own_[b] = field_[b] = select(active, root_of_norm(l, p.strain), vd{});
+        if constexpr (L::kFields > 0) points.average[b] = select(active, root_of_norm(l, p.strain), vd{});
         const Weights<decltype(type)> s(p.X, m.base, inverse_h);
         const vd V = select(active, p.volume, vd{});
         scatter_scalar(volume_.data(), m.column, s, V);
-        scatter_scalar(sum_.data(), m.column, s, V * own_[b]);
+        scatter_scalar(sum_.data(), m.column, s, V * points.average[b]);
       }
     });
   });
@@ -84,7 +66,7 @@ void DriveAverage::find_means() {
   for (std::size_t i = 0; i < sum_.size(); ++i) mean_[i] = volume_[i] > 0.0 ? sum_[i] / volume_[i] : 0.0;
 }
 
-void DriveAverage::sweep(const PointStore& points, const Grid& grid, double weight, bool last) {
+void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bool last) {
   find_means();
   if (!last) std::fill(sum_.begin(), sum_.end(), 0.0);
   const double inverse_h = 1.0 / grid.h;
@@ -97,19 +79,10 @@ void DriveAverage::sweep(const PointStore& points, const Grid& grid, double weig
       const Weights<decltype(type)> s(p.X, m.base, inverse_h);
       vd average;
       gather_scalar(mean_.data(), m.column, s, &average);
-      field_[b] = select(active, (1.0 - weight) * field_[b] + weight * average, vd{});
-      if (!last) scatter_scalar(sum_.data(), m.column, s, p.volume * field_[b]);
+      vd& f = points.average[b];
+      f = select(active, (1.0 - weight) * f + weight * average, vd{});
+      if (!last) scatter_scalar(sum_.data(), m.column, s, p.volume * f);
     }
-  });
-}
-
-void DriveAverage::finish(PointStore& points, const Law& law) const {
-  points.amplification.resize(own_.size());
-  with_law(law, [&](const auto& l) {
-    using L = std::decay_t<decltype(l)>;
-    if constexpr (L::kFields > 0)
-      for (std::size_t b = 0; b < own_.size(); ++b)
-        points.amplification[b] = min(drive_factor<L>(field_[b] / max(own_[b], splat(1e-300))), splat(kMostAmplification));
   });
 }
 

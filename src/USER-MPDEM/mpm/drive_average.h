@@ -16,8 +16,9 @@
 // threshold B does not rise with damage, an average of Yeq(D) shrinks to a single layer of points. The root makes the band
 // nearly as wide in the end as in the beginning: the strain in it is some hundred times that beside it then.
 //
-// Where e is next to nothing beside high averages its direction says nothing: a is at most kMostAmplification.
-// Averages are those of the state that a step starts from. Failed points have no part in them.
+// Where e is next to nothing beside high averages its direction says nothing: a is at most kMostAmplification. The average is that of the
+// state that a step starts from, e that of its end: what waves do to a point within a step has no part in its drive. Failed points
+// have no part in averages.
 #ifndef MPDEM_DRIVE_AVERAGE_H
 #define MPDEM_DRIVE_AVERAGE_H
 
@@ -47,19 +48,17 @@ bool is_near_threshold(const PointStore& points, const Law& law);
 // volumes() and sums(), after every sweep() but the last of sums().
 class DriveAverage {
  public:
-  void start(const PointStore& points, const Grid& grid, const Law& law);
-  void sweep(const PointStore& points, const Grid& grid, double weight, bool last);
-  // Gives the points their amplification.
-  void finish(PointStore& points, const Law& law) const;
+  // Leaves the norm itself in points.average, sweep() what it has become.
+  void start(PointStore& points, const Grid& grid, const Law& law);
+  void sweep(PointStore& points, const Grid& grid, double weight, bool last);
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
-  std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) + 2 * own_.capacity() * sizeof(vd); }
+  std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double); }
 
  private:
   void find_means();
   std::vector<double> volume_, sum_, mean_;  // of the nodes
-  std::vector<vd> own_, field_;              // of the points, 0 where they have failed
 };
 
 }  // namespace mpdem

@@ -84,8 +84,8 @@ class PointStore {
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
-  // Average of the drive over the drive itself, see drive_average.h; empty while nothing is averaged.
-  std::vector<vd> amplification;
+  // Of the root of the norm of strain, 0 where points have failed, see drive_average.h. Empty while nothing is averaged.
+  std::vector<vd> average;
 
   // Appends a point and returns its slot.
   int add(const PointRecord& r, int tag);
@@ -147,7 +147,7 @@ class PointStore {
     f(s.meta);
     f(s.tags);
     f(s.links);
-    f(s.amplification);
+    f(s.average);
   }
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   int tail_lanes_ = 0;       // used in the last block of the tail

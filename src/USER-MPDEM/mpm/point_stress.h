@@ -11,6 +11,7 @@
 #include "advance_points.h"
 #include "drive_average.h"
 #include "point_state.h"
+#include "strain_norm.h"
 
 namespace mpdem {
 
@@ -57,6 +58,8 @@ class PointStress {
       weakest_ = B_ * std::min(1.0, law.interface());
       const double near = kNearThreshold * law.lowest_threshold() * std::min(1.0, law.interface());
       square_near_ = near * near;
+      root_B_ = root_of_drive<L>(splat(law.lowest_threshold()))[0];
+      root_weakest_ = root_of_drive<L>(splat(law.lowest_threshold() * std::min(1.0, law.interface())))[0];
       growth_ = law.growth(dt);
     }
   }
@@ -75,8 +78,7 @@ class PointStress {
       const vd square = L::square_bound(stress, p.strain);
       if (!nonlocal_) return !any(square > B * B) || damaged(b, strain_start, stress);
       look_how_near(square, lanes(m.occupied));
-      const vd a = amplification(b);
-      if (any(square * a * a > B * B)) return damaged(b, strain_start, stress);
+      if (any(average(b) > (m.linked ? root_weakest_ : root_B_))) return damaged(b, strain_start, stress);
     }
     return true;
   }
@@ -110,7 +112,8 @@ class PointStress {
     ++result_.work.damaged_blocks;
     if (nonlocal_) {
       look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active);
-      strength /= max(amplification(b), splat(1e-100));
+      const vd a = drive_factor<L>(average(b) / max(root_of_norm(law_, p.strain), splat(1e-100)));
+      strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
     const vd threshold = strength * t.least_threshold;
     const std::uint8_t growing = bits(active & (t.square_bound > threshold * threshold));
@@ -124,8 +127,8 @@ class PointStress {
   }
 
   // 0 without an average: nothing grows.
-  vd amplification(int b) const {
-    return static_cast<std::size_t>(b) < points_.amplification.size() ? points_.amplification[b] : vd{};
+  vd average(int b) const {
+    return static_cast<std::size_t>(b) < points_.average.size() ? points_.average[b] : vd{};
   }
   void look_how_near(vd square, vmask active) {
     if (!result_.near_threshold) result_.near_threshold = any(active & (square > square_near_));
@@ -179,7 +182,7 @@ class PointStress {
   const L& law_;
   AdvanceResult& result_;
   double B_, weakest_, growth_;  // threshold of blocks that touch no grain, and of others
-  double square_near_;
+  double square_near_, root_B_, root_weakest_;
   bool always_, nonlocal_;
 
   struct Waiting {
