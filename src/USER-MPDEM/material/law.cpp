@@ -19,4 +19,14 @@ std::string Law::report_of_strength() const {
   return text;
 }
 
+std::string Law::report_of_band(double cell) const {
+  const std::optional<SofteningCurve> curve = softening_curve();
+  const std::optional<Localisation> band = curve ? localise(*curve, cutoff()) : std::nullopt;
+  std::string text = text_of("  nonlocal  length ", length_, ", ", length_ / cell, " cells");
+  if (!band) return text + "; the band of a crack is not known for these parameters\n";
+  const ImpliedStrength s = implied_strength(elasticity_.constants.Ez);
+  return text + text_of("; a crack takes ", band->energy * s.tensile_strength * s.onset_strain * length_, " per area in a band of ",
+                        band->width * length_, ", ", band->width * length_ / cell, " cells\n");
+}
+
 }  // namespace mpdem

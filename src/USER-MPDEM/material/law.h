@@ -38,6 +38,7 @@
 
 #include "../numerics/simd.h"
 #include "law_list.h"
+#include "localisation.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {
@@ -95,6 +96,15 @@ class Law {
   // Does that. Throws std::domain_error with the range if there is no such softening.
   virtual void set_crack_energy(double /* G_f */, double /* cell */) {}
 
+  // The length that its strain is averaged over, see mpm/drive_average.h; 0: none.
+  double length() const { return length_; }
+  void set_length(double length) { length_ = length; }
+  // Its curve in uniaxial tension, for the band that a length implies. None if it has none.
+  virtual std::optional<SofteningCurve> softening_curve() const { return std::nullopt; }
+  // With has_crack_energy(): chooses its softening so that a crack takes the energy G_f with the present length. Throws as
+  // set_crack_energy().
+  virtual void set_nonlocal_energy(double /* G_f */) {}
+
   // Its own columns of compute mpm/atom.
   virtual std::vector<std::string> columns() const { return {}; }
   // Is the state a damage tensor (xx yy zz yz xz xy) in the material frame?
@@ -107,9 +117,12 @@ class Law {
   // Laws are copied as objects of their own class alone.
   Law(const Law&) = default;
   Law& operator=(const Law&) = default;
+  // Line of the report of fix mpm: band and energy of a crack that the length implies.
+  std::string report_of_band(double cell) const;
 
  private:
   VtiElasticity elasticity_;
+  double length_ = 0.0;
 };
 
 template <class L>

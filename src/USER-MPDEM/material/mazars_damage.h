@@ -60,12 +60,25 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return text_of("with kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, " and cut-off ", cutoff_, ": check kappa0, a strain, and Bt, one over a strain");
   }
   std::string report(double cell) const override {
+    const std::string parameters = text_of("  damage    mazars: kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, ", cut-off ", cutoff_, ", interface ",
+                                           interface_, "\n", report_of_strength());
+    if (length() > 0.0) return parameters + report_of_band(cell);
     const double band = localisation_cells();
-    return text_of("  damage    mazars: kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, ", cut-off ", cutoff_, ", interface ", interface_, "\n",
-                   report_of_strength(), "  implies   energy per crack area ",
+    return text_of(parameters, "  implies   energy per crack area ",
                    implied_strength(elasticity().constants.Ez).work_per_volume * band * cell, " for a crack ", band,
                    " cells wide: it is proportional to the cell\n");
   }
+  // Uniaxial tension: strain over stress 1/(1 - d), threshold of the strain kappa/kappa0.
+  std::optional<SofteningCurve> softening_curve() const override {
+    const auto log_kappa = [law = *this](double x) { return std::log(law.kappa_of(-std::expm1(-x)) / law.kappa0_); };
+    const double step = 1e-4;
+    return SofteningCurve{[](double x) { return SofteningCurve::Value{x, 1.0}; },
+                          [log_kappa, step](double x) {
+                            return SofteningCurve::Value{x > 0.0 ? log_kappa(x) : 0.0,
+                                                         (log_kappa(x + step) - log_kappa(std::max(x - step, 0.0))) / (step + std::min(x, step))};
+                          }};
+  }
+
   // As that of tensor_damage.h: where the two layers of points beside a crack fail, the next two have reached a third of the strain.
   double localisation_cells() const {
     const double third = kappa_at_cutoff_ / 3.0, spent = work(third) - 0.5 * (1.0 - damage_at(third)) * third * third;

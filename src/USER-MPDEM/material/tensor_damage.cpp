@@ -91,6 +91,42 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell) {
   return m;
 }
 
+SofteningCurve softening_curve(const DamageParameters& p) {
+  const double rate = 0.5 * (1.0 + p.exponent);
+  return {[](double x) { return SofteningCurve::Value{2.0 * x, 2.0}; }, [rate](double x) { return SofteningCurve::Value{rate * x, rate}; }};
+}
+
+double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
+  // beyond, the band is not resolved by cells of the length, or as wide as nine lengths
+  constexpr double kLeast = -0.5, kMost = 2.0;
+  const double unit = std::sqrt(2.0) * p.B0 * length;
+  const auto log_energy = [&p](double m) {
+    DamageParameters q = p;
+    q.exponent = m;
+    const std::optional<Localisation> band = localise(softening_curve(q), q.Dcut);
+    if (!band) throw std::logic_error("no band for a crack");
+    return std::log(band->energy);
+  };
+  const double wanted = std::log(G_f / unit);
+  double lo = kLeast, hi = kMost, at_lo = log_energy(lo), at_hi = log_energy(hi);
+  if (!(wanted >= at_lo && wanted <= at_hi)) {
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack with the length ", length, ": with this B0 and cut-off it must lie between ",
+                                    unit * std::exp(at_lo), " and ", unit * std::exp(at_hi), ", or for this G_f the length between ",
+                                    length * std::exp(wanted - at_hi), " and ", length * std::exp(wanted - at_lo)));
+  }
+  // the logarithm is nearly a straight line: secants, each end moved in turn
+  double m = lo;
+  for (int k = 0; k < 40 && hi - lo > 1e-7; ++k) {
+    const double secant = at_hi > at_lo ? lo + (hi - lo) * (wanted - at_lo) / (at_hi - at_lo) : lo;
+    m = k % 3 == 2 ? 0.5 * (lo + hi) : secant;
+    const double here = log_energy(m);
+    if (std::fabs(here - wanted) < 1e-7) break;
+    (here < wanted ? lo : hi) = m;
+    (here < wanted ? at_lo : at_hi) = here;
+  }
+  return m;
+}
+
 std::vector<LawWord> TensorDamage::words() {
   return {{"B0", is_positive, "must be greater than 0", "the energy per volume at which damage starts", {}},
           {"cutoff", is_inside_0_1, "must lie between 0 and 1, both excluded", "", {}},
@@ -119,11 +155,14 @@ std::string TensorDamage::report(double cell) const {
   std::string text = text_of("  damage    B0 ", p_.B0, ", cut-off ", p_.Dcut, p_.monotone ? ", evolution monotone" : ", evolution full",
                              ", zeta ", p_.zeta, ", interface ", p_.interface, ", viscosity ", p_.viscosity, ", crack band exponent ",
                              p_.exponent, "\n", report_of_strength());
+  if (length() > 0.0) return text + report_of_band(cell);
   const double band = localisation_cells(p_);
   return text + text_of("  implies   energy per crack area ", implied_strength(elasticity().constants.Ez).work_per_volume * band * cell,
                         " for a crack ", band, crack_energy_set_ ? " cells wide\n"
                                                                 : " cells wide: without regularization it is proportional to the cell\n");
 }
+
+void TensorDamage::set_nonlocal_energy(double G_f) { p_.exponent = nonlocal_exponent(p_, G_f, length()); }
 
 void TensorDamage::set_crack_energy(double G_f, double cell) {
   p_.exponent = crack_cell_exponent(p_, G_f, cell);

@@ -57,6 +57,11 @@ double localisation_cells(const DamageParameters& p);
 // Exponent m that spends G_f on a crack of that width. Throws like crack_band_exponent.
 double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
 
+// Uniaxial tension: strain over stress (1 - D)^-2, threshold of the strain (1 - D)^(-(1+m)/2).
+SofteningCurve softening_curve(const DamageParameters& p);
+// Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws like crack_band_exponent.
+double nonlocal_exponent(const DamageParameters& p, double G_f, double length);
+
 // Theory: s = E e0^4/e^3 past the onset for exponent 0.
 ImpliedStrength implied_strength(const DamageParameters& p, double E);
 
@@ -82,6 +87,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
   std::string report(double cell) const override;
   bool has_crack_energy() const override { return true; }
   void set_crack_energy(double G_f, double cell) override;
+  std::optional<SofteningCurve> softening_curve() const override { return mpdem::softening_curve(p_); }
+  void set_nonlocal_energy(double G_f) override;
   bool state_is_tensor() const override { return true; }
   void state_from_tensor(const double* D, double* state) const override;
 

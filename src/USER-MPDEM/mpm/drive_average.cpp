@@ -13,7 +13,8 @@
 namespace mpdem {
 
 AverageSweeps sweeps_for(double length, double cell, Basis basis) {
-  const double sweeps = 6.0 * length * length / (support(basis) * cell * cell);
+  const double ratio = length / cell, degree_plus_1 = support(basis);
+  const double sweeps = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
   // a weight of next to nothing is rounding
   const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
   const double rest = sweeps - whole;

@@ -7,8 +7,9 @@
 //   ebar^(1/2) = S^k e^(1/2),   S f = sum_I N_I(X_p) (sum_q N_I(X_q) V_q f_q) / (sum_q N_I(X_q) V_q)
 //
 // S keeps constants, and with the volumes as weights it is symmetric and keeps the sum. It takes no neighbour list, and ends
-// where unfailed points share no node. A sweep adds (p + 1)/6 h^2 to the variance of the kernel with splines of degree p;
-// the average over the length L has the variance L^2: some whole sweeps and a last one of weight theta, (1 - theta) f + theta S f.
+// where unfailed points share no node. With splines of degree p a sweep adds (p + 1)/6 h^2 to the variance of the kernel, and
+// the strain of a point is an average with the variance (p + 1)/12 h^2 already. All together has the variance L^2: some whole
+// sweeps and a last one of weight theta, (1 - theta) f + theta S f.
 //
 // The law is asked with its strain scaled by ebar/e, whose direction is that of the point: with a drive Yeq of degree n in the
 // strain, that is a threshold divided by the amplification a = (ebar/e)^n. Two choices make the band of a crack as wide for every

@@ -88,6 +88,7 @@ CementWords take_cement_words(Arguments& args) {
   VtiConstants constants;
   LawChoice damage{&law_entries().front(), {}};
   double fracture_energy = 0.0;  // of the crack band, 0: no regularization
+  double nonlocal_energy = 0.0;  // 0: as the law and the length have it
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     check_misplaced(args, key, damage);
@@ -138,8 +139,11 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "regularization") {
       const std::string how = args.choice(key, {"none", "crackband", "nonlocal"});
       if (how == "crackband") fracture_energy = args.positive("regularization crackband");
-      if (how == "nonlocal") o.length = args.positive("regularization nonlocal");
       o.skip.nonlocal = how == "nonlocal";
+      if (o.skip.nonlocal) {
+        o.length = args.positive("regularization nonlocal");
+        if (args.accept("energy")) nonlocal_energy = args.positive("regularization nonlocal ... energy");
+      }
     } else if (key == "reproject") {
       const bool automatic = args.accept("auto");
       args.once(automatic ? "reproject auto" : "reproject N");
@@ -176,6 +180,22 @@ CementWords take_cement_words(Arguments& args) {
       law->set_crack_energy(fracture_energy, o.cell);
     } catch (const std::domain_error& e) {
       args.complain(text_of("'regularization crackband': ", e.what()));
+    }
+  }
+  if (o.skip.nonlocal) {
+    if (law->inert()) args.complain("'regularization nonlocal' needs a law of damage, 'damage tensor' for instance");
+    // a little less is rounding of numbers in a script
+    if (o.length < 0.999999 * o.cell)
+      args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
+                            o.length, "' or less, half of it for an energy of cracks within 3 %"));
+    law->set_length(o.length);
+    if (nonlocal_energy > 0.0) {
+      if (!law->has_crack_energy()) args.complain("'regularization nonlocal ... energy' needs 'damage tensor'");
+      try {
+        law->set_nonlocal_energy(nonlocal_energy);
+      } catch (const std::domain_error& e) {
+        args.complain(text_of("'regularization nonlocal ... energy': ", e.what()));
+      }
     }
   }
   w.law = law;
