@@ -54,10 +54,11 @@ void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
         if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
         if constexpr (L::kFields > 0) points.average[b] = select(active, root_of_norm(l, p.strain), vd{});
-        const Weights<decltype(type)> s(p.X, m.base, inverse_h);
         const vd V = select(active, p.volume, vd{});
-        scatter_scalar(volume_.data(), m.column, s, V);
-        scatter_scalar(sum_.data(), m.column, s, V * points.average[b]);
+        with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
+          scatter_scalar(volume_.data(), m.column, s, V);
+          scatter_scalar(sum_.data(), m.column, s, V * points.average[b]);
+        });
       }
     });
   });
@@ -77,12 +78,11 @@ void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bo
       const BlockMeta& m = points.meta[b];
       if (m.failed == m.occupied) continue;
       const vmask active = lanes(m.occupied & ~m.failed);
-      const Weights<decltype(type)> s(p.X, m.base, inverse_h);
-      vd average;
-      gather_scalar(mean_.data(), m.column, s, &average);
       vd& f = points.average[b];
-      f = select(active, (1.0 - weight) * f + weight * average, vd{});
-      if (!last) scatter_scalar(sum_.data(), m.column, s, p.volume * f);
+      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
+        f = select(active, (1.0 - weight) * f + weight * gather_scalar(mean_.data(), m.column, s), vd{});
+        if (!last) scatter_scalar(sum_.data(), m.column, s, p.volume * f);
+      });
     }
   });
 }

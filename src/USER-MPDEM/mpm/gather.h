@@ -61,20 +61,21 @@ inline void gather_value(const double* __restrict nodal, const int* column, cons
 }
 
 // Scalar field: out = sum_I nodal_I N_I
-template <class Type>
-inline void gather_scalar(const double* __restrict nodal, const int* column, const Weights<Type>& s, vd* out) {
-  constexpr int S = Type::kSupport;
-  *out = vd{};
-  for (int i = 0; i < S; ++i) {
+template <class Type, int Joined>
+inline vd gather_scalar(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
+  using W = Weights<Type, Joined>;
+  vd sum{};
+  for (int i = 0; i < W::kI; ++i) {
     vd A{};
-    for (int j = 0; j < S; ++j) {
-      const double* p = nodal + column[S * i + j];
+    for (int j = 0; j < W::kJ; ++j) {
+      const double* p = nodal + column[W::kJ * i + j];
       vd a = p[0] * s.w[2][0];
-      for (int k = 1; k < S; ++k) a += p[k] * s.w[2][k];
+      for (int k = 1; k < W::kK; ++k) a += p[k] * s.w[2][k];
       A += s.w[1][j] * a;
     }
-    *out += s.w[0][i] * A;
+    sum += s.w[0][i] * A;
   }
+  return sum;
 }
 
 // Both at once.
