@@ -27,6 +27,7 @@ struct Row {
   bool free_middle = false;  // grains between the first and the last follow forces
   bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
   double B0 = 9.6e3, exponent = 1.0;  // of the damage
+  double length = 0.0;       // that the strain is averaged over
   double speed = 4.0;        // at which the last grain leaves the first, once it is reached
   double ramp = 4e-6;        // time until then
 };
@@ -244,10 +245,13 @@ class RowOfGrains : public CementHost {
     o.updated = row_.updated;
     o.tied = !row_.updated;
     o.check_every = 20;
+    o.length = row_.length;
+    o.skip.nonlocal = row_.length > 0.0;
     const VtiElasticity elasticity(VtiConstants::isotropic(kYoung, 0.0));
     std::unique_ptr<Law> law;
     if (row_.B0 > 0.0) law = std::make_unique<TensorDamage>(elasticity, p);
     else law = std::make_unique<NoDamage>(elasticity);
+    law->set_length(row_.length);
     cement = std::make_unique<Cement>(comm_, bonds, o, std::move(law), *this);
   }
   void init() {
