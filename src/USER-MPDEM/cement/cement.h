@@ -172,6 +172,8 @@ class Cement {
 
   // phases of a step
   void look_for_cracks();
+  Cracks::Found look_at_bonds(bool debris);
+  void split_nodes();
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);
@@ -194,6 +196,7 @@ class Cement {
   EnergyBooks books_;
   Sheets sheets_;
   Cracks cracks_;
+  Splits splits_;
   StepTimer timer_;
   AdvanceResult advance_;  // of the bond at work
   HaloSums shared_nodes_;

@@ -26,6 +26,7 @@ struct CementOptions {
   double reproject_distortion = 0.0;     // 0: not by distortion
   AdvanceOptions skip;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
+  bool split = false;                    // nodes where material parts, see fracture/node_copies.h
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

@@ -23,6 +23,7 @@
 
 #include <mpi.h>
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,10 @@ struct TiedNodes {
   std::vector<double> mass;  // summed over ranks
   std::vector<char> sheets;  // of each: kNoSheets, kApart or kJoined with that of the other sheet, if there is one
   std::vector<char> edge;    // of each: may be tied as an edge
+  // The next node in direction -x +x -y +y -z +z, kNoNode if there is none; empty: that of the same field. See fracture/node_copies.h.
+  std::function<Key(const Key&, int direction)> next;
 };
+constexpr Key kNoNode{-1, 0, 0, 0};
 constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
 
 // Collective. Ties of the nodes of this rank.

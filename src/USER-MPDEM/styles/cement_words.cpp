@@ -156,6 +156,8 @@ CementWords take_cement_words(Arguments& args) {
       o.relax = args.not_negative("quasistatic: the second number, share of critical damping,");
     } else if (key == "events") {
       w.events = args.word("a file name for 'events'");
+    } else if (key == "cracks") {
+      o.split = args.choice(key, {"bonds", "split"}) == "split";
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {
