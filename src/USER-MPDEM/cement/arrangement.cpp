@@ -14,7 +14,7 @@
 
 namespace mpdem {
 
-LayoutRules Cement::rules() const {
+LayoutRules Cement::rules() {
   return {comm_, bonds_.table, options_, law_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr, options_.split ? &splits_ : nullptr};
 }
 
@@ -222,7 +222,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.links = std::move(l.links);
     b.added = AddedMass();
     b.resting = Resting();
-    b.relaxation = penalty_ && options_.relax > 0.0
+    b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
                        ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
                        : Relaxation();
     b.failed.clear();

@@ -145,7 +145,7 @@ class Cement {
   void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true);
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true);
   void adopt(std::vector<BondLayout>& layouts);
-  LayoutRules rules() const;
+  LayoutRules rules();
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);

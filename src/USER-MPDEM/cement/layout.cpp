@@ -93,15 +93,21 @@ class LayoutMaker {
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     std::vector<std::vector<EdgeTie>> ties;
     // A slave of this rank may have its masters on others, which then come here as nodes of no cell: a plan tells.
-    if ((rules_.options.tied || rules_.splits) && ranks > 1) {
+    const bool edges_known = rules_.splits && (!rules_.options.tied || rules_.splits->edges_known(rows_));
+    if (rules_.options.tied && ranks > 1 && !edges_known) {
       std::vector<Grid> plans(layouts_.size());
       build(plans, {}, false);
-      ties = rules_.splits ? split_ties(plans) : find(plans);
+      if (rules_.splits) rules_.splits->keep_edges(rows_, edges_at_start(plans));
+      else ties = find(plans);
     }
     std::vector<Grid> grids(layouts_.size());
     build(grids, ties, true);
-    if (rules_.splits) ties = split_ties(grids);
-    else if (rules_.options.tied && ranks == 1) ties = find(grids);
+    if (rules_.splits) {
+      if (ranks == 1 && !edges_known) rules_.splits->keep_edges(rows_, edges_at_start(grids));
+      for (const Grid& g : grids) ties.push_back(rules_.splits->ties(g.keys));
+    } else if (rules_.options.tied && ranks == 1) {
+      ties = find(grids);
+    }
     ties.resize(layouts_.size());
     const std::vector<char> any = tied_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
@@ -142,7 +148,7 @@ class LayoutMaker {
           for (const auto& m : t.masters) w.extra.push_back(m.first);
         }
       if (rules_.splits) {
-        const std::vector<Key> nodes = rules_.splits->canonical_nodes(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
+        const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
         w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
       }
       if (!with_motion) continue;
@@ -170,16 +176,7 @@ class LayoutMaker {
     return find_ties(rules_, all);
   }
 
-  // Collective. Of nodes that split: those at the edge, as they were at the start, and copies.
-  std::vector<std::vector<EdgeTie>> split_ties(std::vector<Grid>& grids) const {
-    const Splits& splits = *rules_.splits;
-    std::vector<EdgeTie> edges;
-    if (rules_.options.tied) edges = edges_at_start(grids);
-    std::vector<std::vector<EdgeTie>> ties;
-    for (const Grid& g : grids) ties.push_back(splits.ties(g.keys, edges));
-    return ties;
-  }
-
+  // Collective. Ties of nodes at the edge, as they were at the start, of bonds whose nodes split.
   std::vector<EdgeTie> edges_at_start(std::vector<Grid>& grids) const {
     const Splits& splits = *rules_.splits;
     std::vector<std::pair<Key, double>> all;

@@ -39,7 +39,7 @@ struct LayoutRules {
   const Cracks& cracks;
   double density = 0;                          // of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
-  const Splits* splits = nullptr;                    // null: nodes do not split
+  Splits* splits = nullptr;                    // null: nodes do not split
   bool arrange = true;                         // false: blocks stay as they are
 };
 

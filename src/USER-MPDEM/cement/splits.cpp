@@ -19,6 +19,7 @@ Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p
 struct SentPoint {
   int body;
   CopyPoint point;
+  SheetPoint place;
 };
 constexpr char kLookedAt = 1, kToCome = 2;
 
@@ -55,9 +56,10 @@ int rank_in(MPI_Comm comm) {
   return me;
 }
 
-CopyPoint copy_point(const PointStore& points, const Body& body, const CementOptions& options, int b, int l) {
-  CopyPoint p;
-  const SheetPoint place = sheet_point(points, body, b, l);
+SentPoint sent_point(const PointStore& points, int row, const Body& body, const CementOptions& options, int b, int l) {
+  SentPoint s{row, {}, sheet_point(points, body, b, l)};
+  CopyPoint& p = s.point;
+  SheetPoint& place = s.place;
   p.tag = points.tags[b][l];
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = place.cell[d];
@@ -69,8 +71,25 @@ CopyPoint copy_point(const PointStore& points, const Body& body, const CementOpt
   const double nearer = nearer_to_first(body, place.X);
   p.nearer = nearer_side(body, nearer);
   p.middle = in_the_middle(body, nearer);
+  place.sheet = p.nearer;
+  place.middle = p.middle;
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
-  return p;
+  return s;
+}
+
+std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
+  std::vector<CopyPoint> copies;
+  for (const SentPoint& s : points) copies.push_back(s.point);
+  return copies;
+}
+
+// Where the sides of a bond come close without touching.
+Crevice crevice_of(const std::vector<SentPoint>& points, const Body& body, const CementOptions& options) {
+  const double reach = sheet_reach(options.basis, options.cell);
+  std::vector<SheetPoint> near;
+  for (const SentPoint& s : points)
+    if (std::fabs(nearer_to_first(body, s.place.X)) <= reach) near.push_back(s.place);
+  return find_crevice(near, body, options.basis, options.cell);
 }
 
 template <class F>
@@ -81,16 +100,16 @@ void for_each_point(const PointStore& points, F f) {
 }
 
 // Points of the bonds asked for, on the ranks that look at these. Collective.
-std::vector<std::vector<CopyPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
   std::vector<std::vector<SentPoint>> out(ranks);
   for (const Bond& bond : bonds)
     if (wanted[bond.body])
       for_each_point(bond.points, [&](int b, int l) {
-        out[bond.body % ranks].push_back({bond.body, copy_point(bond.points, bonds.body(bond), options, b, l)});
+        out[bond.body % ranks].push_back(sent_point(bond.points, bond.body, bonds.body(bond), options, b, l));
       });
-  std::vector<std::vector<CopyPoint>> whole(wanted.size());
-  for (const SentPoint& s : all_to_all(comm, out).data) whole[s.body].push_back(s.point);
+  std::vector<std::vector<SentPoint>> whole(wanted.size());
+  for (const SentPoint& s : all_to_all(comm, out).data) whole[s.body].push_back(s);
   return whole;
 }
 
@@ -142,14 +161,17 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
   return found;
 }
 
-NewPartsOfBonds Splits::start(MPI_Comm comm, const Bonds& bonds, const CementOptions& options) {
+NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
   const int from = first(), to = static_cast<int>(bonds.table.size());
   if (from >= to && !is_restored_) return {};
   rows_.resize(to);
   const int ranks = ranks_of(comm), me = rank_in(comm), begin = is_restored_ ? 0 : from;
+  for (Bond& b : bonds)
+    for (BlockMeta& m : b.points.meta)
+      if (b.body >= from) m.looked_at = 0;
   std::vector<char> wanted(to, 0);
   std::fill(wanted.begin() + begin, wanted.end(), 1);
-  std::vector<std::vector<CopyPoint>> whole = collect(comm, bonds, options, wanted);
+  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, wanted);
   std::vector<int> rows;
   std::vector<CopyChange> changes;
   for (int r = begin; r < to; ++r) {
@@ -158,13 +180,22 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, const Bonds& bonds, const CementOpt
     if (r % ranks != me) continue;
     Row& row = rows_[r];
     row.known = true;
-    for (CopyPoint& p : whole[r]) {
+    std::vector<CopyPoint> points = copy_points(whole[r]);
+    std::map<int, int> parts;  // of another fix, before this one
+    for (CopyPoint& p : points) {
+      if (p.part != 0) parts[p.tag] = p.part;
       p.part = 0;
       p.failed = false;
     }
-    CopyLattice lattice(std::move(whole[r]), support(options.basis));
-    changes.back() = lattice.start(row.copies);
-    if (r >= from) continue;
+    const Crevice crevice = crevice_of(whole[r], bonds.table[r], options);
+    std::vector<SentPoint>().swap(whole[r]);
+    CopyLattice lattice(std::move(points), support(options.basis));
+    changes.back() = lattice.start(row.copies, crevice);
+    if (r >= from) {
+      for (const CopyChange::Moved& m : changes.back().moved) parts.erase(m.tag);
+      for (const auto& p : parts) changes.back().moved.push_back({p.first, 0});
+      continue;
+    }
     // a bond of a file has its copies from there
     changes.back() = CopyChange();
     row.copies.forget_rows();
@@ -173,38 +204,6 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, const Bonds& bonds, const CementOpt
     if (body_of(e.first[0]) % ranks == me) rows_[body_of(e.first[0])].copies.set(place_of(e.first), e.second);
   restored_.clear();
   is_restored_ = false;
-  return apply(comm, bonds, rows, changes);
-}
-
-NewPartsOfBonds Splits::start_again(MPI_Comm comm, const Bonds& bonds, const CementOptions& options) {
-  rows_.clear();
-  restored_.clear();
-  const int to = static_cast<int>(bonds.table.size());
-  const int ranks = ranks_of(comm), me = rank_in(comm);
-  rows_.resize(to);
-  std::vector<std::vector<CopyPoint>> whole = collect(comm, bonds, options, std::vector<char>(to, 1));
-  std::vector<int> rows;
-  std::vector<CopyChange> changes(to);
-  for (int r = 0; r < to; ++r) {
-    rows.push_back(r);
-    if (r % ranks != me) continue;
-    std::vector<int> failed;
-    std::map<int, int> part_before;
-    for (CopyPoint& p : whole[r]) {
-      if (p.failed) failed.push_back(p.tag);
-      part_before[p.tag] = p.part;
-      p.part = 0;
-      p.failed = false;
-    }
-    rows_[r].known = true;
-    CopyLattice lattice(std::move(whole[r]), support(options.basis));
-    lattice.start(rows_[r].copies);
-    lattice.fail(failed, rows_[r].copies);
-    CopyChange& c = changes[r];
-    for (const CopyPoint& p : lattice.points())
-      if (part_before[p.tag] != p.part) c.moved.push_back({p.tag, p.part});
-    for (const auto& row : rows_[r].copies.rows()) c.rows.push_back(row.first);
-  }
   return apply(comm, bonds, rows, changes);
 }
 
@@ -221,10 +220,10 @@ void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOption
   std::vector<char> to_come(wanted.size(), 0);
   for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
   if (std::find(to_come.begin(), to_come.end(), 1) == to_come.end()) return;
-  std::vector<std::vector<CopyPoint>> whole = collect(comm, bonds, options, to_come);
+  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, to_come);
   const int ranks = ranks_of(comm);
   for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
-    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(std::move(whole[r]), support(options.basis));
+    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), support(options.basis));
 }
 
 Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
@@ -292,12 +291,13 @@ Splits::Found Splits::come_apart(MPI_Comm comm, const Bonds& bonds, const Cement
 
 void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
+  for (Row& row : rows_) row.edges_known = false;
   if (ranks == 1) return;
   std::vector<std::vector<int>> ask(ranks);
   for (int r = 0; r < first(); ++r) {
     Row& row = rows_[r];
     if (r % ranks == me) continue;
-    if (!bonds.find(r)) row = Row();
+    if (!bonds.find(r)) row = Row();  // what is known of it grows old
     else if (!row.known) ask[r % ranks].push_back(r);
   }
   const Received<int> asked = all_to_all(comm, ask);
@@ -323,7 +323,26 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   for (const SentToward& t : all_to_all(comm, towards).data) rows_[t.body].copies.towards()[t.node].push_back(t.toward);
 }
 
-std::vector<Key> Splits::canonical_nodes(const PointStore& points, int body, int S) const {
+bool Splits::edges_known(const std::vector<int>& rows) const {
+  return std::all_of(rows.begin(), rows.end(), [&](int r) { return rows_[r].edges_known; });
+}
+
+void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges) {
+  for (int r : rows) {
+    rows_[r].edges.clear();
+    rows_[r].edges_known = true;
+  }
+  for (EdgeTie& t : edges) rows_[body_of(t.slave[0])].edges.push_back(std::move(t));
+}
+
+// What stands for a node of the start now; none if that has been split.
+Key Splits::now(const Key& at_start) const {
+  const int body = body_of(at_start[0]);
+  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start[0]), place_of(at_start));
+  return part < 0 ? kNoNode : key_at(body, part, place_of(at_start));
+}
+
+std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S) const {
   std::vector<Key> nodes;
   const NodeCopies& copies = rows_[body].copies;
   const Place* last = nullptr;
@@ -343,8 +362,12 @@ std::vector<Key> Splits::canonical_nodes(const PointStore& points, int body, int
           nodes.push_back(key_at(body, copies.canonical(part, p), p));
         }
   }
+  for (const EdgeTie& t : rows_[body].edges)
+    for (const auto* of_tie : {&t.masters, &t.heirs})
+      for (const auto& m : *of_tie) nodes.push_back(now(m.first));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
   return nodes;
 }
 
@@ -362,17 +385,13 @@ Key Splits::next(const Key& k, int direction) const {
   return key_at(body, first, p);
 }
 
-std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys, const std::vector<EdgeTie>& edges) const {
+std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
   std::vector<EdgeTie> ties;
-  // What stands for a node of the start now, if that has not been split.
-  const auto now = [&](const Key& at_start) {
-    const int part = rows_[body_of(at_start[0])].copies.canonical_of_first(part_of_field(at_start[0]), place_of(at_start));
-    return part < 0 ? kNoNode : key_at(body_of(at_start[0]), part, place_of(at_start));
-  };
   for (const Key& k : keys) {
     EdgeTie t;
     t.slave = k;
     const Key start = at_start(k);
+    const std::vector<EdgeTie>& edges = rows_[body_of(k[0])].edges;
     const auto edge = std::lower_bound(edges.begin(), edges.end(), start, [](const EdgeTie& a, const Key& b) { return a.slave < b; });
     if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
       for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);

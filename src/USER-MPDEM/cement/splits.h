@@ -25,7 +25,7 @@ class Splits {
  public:
   // Collective. Bonds that are new, from row `first()` of the table on: what comes apart at the start. Points that failed in a file are
   // looked at when look() comes.
-  NewPartsOfBonds start(MPI_Comm comm, const Bonds& bonds, const CementOptions& options);
+  NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options);
   int first() const { return static_cast<int>(rows_.size()); }
   // Collective. Bonds in which points failed since the last look.
   struct Found {
@@ -36,8 +36,6 @@ class Splits {
   // Collective. Bonds that came apart: pieces of their points, on the ranks that look at them.
   Found come_apart(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                    const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces);
-  // Collective. The points are to be laid out elsewhere: what was known of them is forgotten, and all is as at the start.
-  NewPartsOfBonds start_again(MPI_Comm comm, const Bonds& bonds, const CementOptions& options);
   // Collective. Copies of the bonds that came to this rank.
   void bring(MPI_Comm comm, const Bonds& bonds);
 
@@ -50,19 +48,25 @@ class Splits {
     is_restored_ = true;
   }
 
-  // Nodes that stand for those of the blocks of a bond.
-  std::vector<Key> canonical_nodes(const PointStore& points, int body, int support) const;
+  // Ties of nodes of the start at the edge, of these rows of the table on this rank, ascending in slave. They are kept until bring().
+  bool edges_known(const std::vector<int>& rows) const;
+  void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
+  // Nodes that stand for those of the blocks of a bond, and masters at the edge.
+  std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // A node as one of the start: its copy for a part.
   Key at_start(const Key& node) const;
   // The next one of the start, see TiedNodes.
   Key next(const Key& at_start, int direction) const;
-  // Ties of a grid with these keys. edges: of nodes of the start, ascending in slave, without those that points failed beside.
-  std::vector<EdgeTie> ties(const std::vector<Key>& keys, const std::vector<EdgeTie>& edges) const;
+  // Ties of a grid with these keys.
+  std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
 
  private:
+  Key now(const Key& at_start) const;
   struct Row {
     NodeCopies copies;
     bool known = false;                    // on this rank
+    std::vector<EdgeTie> edges;
+    bool edges_known = false;              // the same on all ranks
     std::shared_ptr<CopyLattice> lattice;  // on the rank that looks at the bond
   };
   void find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted);

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "crevice.h"
-
 namespace mpdem {
 
 const NodeCopies::Row* NodeCopies::row(const Place& node) const {
@@ -65,6 +63,8 @@ bool connected(const CopyPoint& a, const CopyPoint& b, int face) {
 
 Place place(const int* p) { return {p[0], p[1], p[2]}; }
 
+bool same_cell(const CopyPoint& a, const CopyPoint& b) { return std::equal(a.cell, a.cell + 3, b.cell); }
+
 bool before(const CopyPoint& a, const CopyPoint& b) {
   const Place x = place(a.cell), y = place(b.cell);
   return x != y ? x < y : a.tag < b.tag;
@@ -75,8 +75,20 @@ bool before(const CopyPoint& a, const CopyPoint& b) {
 CopyLattice::CopyLattice(std::vector<CopyPoint> points, int support) : points_(std::move(points)), S_(support) {
   std::sort(points_.begin(), points_.end(), before);
   const int n = static_cast<int>(points_.size());
-  at_.reserve(n);
-  for (int i = 0; i < n; ++i) at_.emplace(place(points_[i].cell), i);
+  std::unordered_map<Place, int, PlaceHash> at;
+  at.reserve(n);
+  for (int i = 0; i < n; ++i) at.emplace(place(points_[i].cell), i);
+  next_.resize(n);
+  for (int i = 0; i < n; ++i)
+    for (int face = 0; face < 6; ++face) {
+      Place c = place(points_[i].cell);
+      c[face / 2] += face % 2 == 0 ? -1 : 1;
+      const auto next = at.find(c);
+      next_[i][face] = next == at.end() ? -1 : next->second;
+    }
+  by_tag_.resize(n);
+  std::iota(by_tag_.begin(), by_tag_.end(), 0);
+  std::sort(by_tag_.begin(), by_tag_.end(), [&](int a, int b) { return points_[a].tag < points_[b].tag; });
   by_base_.resize(n);
   std::iota(by_base_.begin(), by_base_.end(), 0);
   std::stable_sort(by_base_.begin(), by_base_.end(), [&](int a, int b) { return place(points_[a].base) < place(points_[b].base); });
@@ -113,22 +125,21 @@ template <class F>
 void CopyLattice::for_each_neighbour(int i, F f) const {
   const CopyPoint& p = points_[i];
   const int n = static_cast<int>(points_.size());
-  const auto here = place(p.cell);
-  for (int j = at_.find(here)->second; j < n && place(points_[j].cell) == here; ++j)
-    if (j != i) f(j);
+  for (int j = i - 1; j >= 0 && same_cell(points_[j], p); --j) f(j);
+  for (int j = i + 1; j < n && same_cell(points_[j], p); ++j) f(j);
   for (int face = 0; face < 6; ++face) {
-    Place c = here;
-    c[face / 2] += face % 2 == 0 ? -1 : 1;
-    const auto next = at_.find(c);
-    if (next == at_.end()) continue;
-    for (int j = next->second; j < n && place(points_[j].cell) == c; ++j)
+    const int first = next_[i][face];
+    if (first < 0) continue;
+    for (int j = first; j < n && (j == first || same_cell(points_[j], points_[first])); ++j)
       if (connected(p, points_[j], face)) f(j);
   }
 }
 
-CopyChange CopyLattice::start(NodeCopies& copies) {
+CopyChange CopyLattice::start(NodeCopies& copies, const Crevice& crevice) {
+  crevice_ = &crevice;
   std::vector<int> all(by_base_);
   CopyChange change = split(nodes_of(all), copies);
+  crevice_ = nullptr;
   copies.start();
   find_towards(copies);
   return change;
@@ -143,12 +154,10 @@ std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
 }
 
 CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
-  std::vector<int> failed(tags), points;
-  std::sort(failed.begin(), failed.end());
-  for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-    if (!std::binary_search(failed.begin(), failed.end(), points_[i].tag)) continue;
-    points_[i].failed = true;
-    points.push_back(i);
+  std::vector<int> points;
+  for (int tag : tags) {
+    points.push_back(*std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int i, int t) { return points_[i].tag < t; }));
+    points_[points.back()].failed = true;
   }
   return split(nodes_of(points), copies);
 }
@@ -174,11 +183,18 @@ CopyChange CopyLattice::split(const std::vector<Place>& nodes, NodeCopies& copie
   return wanted_.empty() ? CopyChange() : colour(copies);
 }
 
+// Within a component all points have the same side and piece where these count, so its first stands for all.
+bool CopyLattice::is_way(int from, int to) const {
+  const CopyPoint &a = points_[from], &b = points_[to];
+  return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
+}
+
 // The copies of a node: do the points of one fall apart?
 void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   std::map<int, std::vector<int>> groups;
   const NodeCopies::Row* row = copies.row(node);
   for_each_point(node, [&](int p) { groups[row ? copies.at(points_[p].part, node).copy : 0].push_back(p); });
+  apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
   int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
   for (auto& g : groups) {
     std::sort(g.second.begin(), g.second.end());
@@ -196,7 +212,7 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
     seen_[first] = c;
     for (std::size_t n = 0; n < components[c].size(); ++n)
       for_each_neighbour(components[c][n], [&](int j) {
-        if (seen_[j] != kIn || points_[j].failed || points_[j].piece != points_[first].piece) return;
+        if (seen_[j] != kIn || points_[j].failed || !is_way(first, j)) return;
         seen_[j] = c;
         components[c].push_back(j);
       });

@@ -5,8 +5,8 @@
 // parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way leads from one to the
 // other that stays in the support, over points that hold and whose lattice cells share a face. At the tip of a crack there is such a way
 // around it, and the node is whole. Where the cement of one grain runs close to that of the other without touching it, as coatings do
-// beyond the ring in which they meet, nodes are split from the start: there, faces of lattice cells count only if the material
-// reaches them (touches()). Copies never join again.
+// beyond the ring in which they meet, nodes are split from the start: faces of lattice cells between the two count only if the material
+// reaches them (touches()), and at nodes where enough of it does (crevice.h). Copies never join again.
 //
 // Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl. Mech. Engrg. 193,
 // 2004, 3523-3540). The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
@@ -26,7 +26,7 @@
 #include <utility>
 #include <vector>
 
-#include "neighbours.h"
+#include "crevice.h"
 
 namespace mpdem {
 
@@ -107,8 +107,9 @@ class CopyLattice {
  public:
   // support: nodes a direction.
   CopyLattice(std::vector<CopyPoint> points, int support);
-  // At the start: all nodes.
-  CopyChange start(NodeCopies& copies);
+  // At the start: all nodes. In a crevice (crevice.h) there are those that are not joined: no way leads there from what is nearer to the one
+  // grain to what is nearer to the other.
+  CopyChange start(NodeCopies& copies, const Crevice& crevice = {});
   // These points failed, by their tags.
   CopyChange fail(const std::vector<int>& tags, NodeCopies& copies);
   // The bond has come apart: points, by their tags, and the piece (separation.h) that each goes with. Those of different pieces are not
@@ -136,6 +137,7 @@ class CopyLattice {
   void for_each_neighbour(int i, F f) const;
   std::vector<Place> nodes_of(const std::vector<int>& points) const;
   CopyChange split(const std::vector<Place>& nodes, NodeCopies& copies);
+  bool is_way(int from, int to) const;
   void look_at(const Place& node, const NodeCopies& copies);
   void part_group(const Place& node, const std::vector<int>& group, int& next);
   void grow(const std::vector<int>& group);
@@ -145,11 +147,14 @@ class CopyLattice {
 
   std::vector<CopyPoint> points_;  // ascending in cell and tag
   int S_;
-  std::unordered_map<Place, int, PlaceHash> at_;                    // first point of a cell of the lattice
+  std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
+  std::vector<int> by_tag_;               // points
   std::vector<int> by_base_;                                        // points
   std::unordered_map<Place, std::pair<int, int>, PlaceHash> base_;  // of those with a base: the first, and behind the last
   // while nodes are looked at
   std::vector<int> seen_;                       // a point
+  const Crevice* crevice_ = nullptr;            // at the start
+  bool apart_ = false;                          // sides, at this node
   std::map<int, std::map<Place, int>> wanted_;  // point, node, new copy
   std::map<Place, char> split_now_;
 };
