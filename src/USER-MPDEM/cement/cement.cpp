@@ -22,7 +22,12 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
   kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
 }
 
-Cement::~Cement() = default;
+// What comes after need not know of parts.
+Cement::~Cement() {
+  if (!options_.split) return;
+  for (Bond& b : bonds_)
+    for (BlockMeta& m : b.points.meta) m.part = m.looked_at = 0;
+}
 
 void Cement::set_density(double density) { inertia_ = options_.mass_scale * density; }
 
