@@ -4,7 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
-from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, thermo)
+from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, shift, thermo)
+from test_point_file import read, write
 
 CELL, ASKEW = 3e-4, (0.3, -0.2, 1.0)
 BOND = dict(direction=ASKEW, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (12.5e-3,))
@@ -80,3 +81,25 @@ def test_momentum(tmp_path, figures):
     scale = np.linalg.norm(P[:3, 0])
     figures.below("cracks split: drift of momentum", linear / scale, 1e-10)
     figures.below("cracks split: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
+
+
+def test_cut_but_for_a_point(tmp_path, figures):
+    """A crack through the middle that leaves one point: with shared nodes the bond holds and carries, with split ones it does not."""
+    words = "inner 1e-3 outer 2e-3"
+    scene = pair(CELL / 2, shape="flat", cement=words)
+    run(scene + "write_cement cement.txt\n", tmp_path)
+    columns = read(tmp_path / "cement.txt")
+    plane = abs(columns["z"]) < CELL / 2
+    first = np.flatnonzero(plane)[0]
+    bridge = (abs(columns["x"] - columns["x"][first]) < CELL / 8) & (abs(columns["y"] - columns["y"][first]) < CELL / 8)
+    force = {}
+    for name in ("whole", "bonds", "split"):
+        columns["failed"] = (plane & ~bridge & (name != "whole")).astype(float)
+        write(tmp_path / name / "cement.txt", columns)
+        t = run(edit(scene, f"shape flat {words}", "file cement.txt")
+                + cement(CELL, 8e-9, axis="radial", damage=f"damage tensor B0 9.6e9 cutoff 0.9 cracks {name.replace('whole', 'bonds')}")
+                + shift(1e-9, 2e-6) + thermo(5, ["f_bond", "f_bond[22]"]) + "run 1000\n", tmp_path / name).table()
+        force[name] = t["f_bond"][-100:].mean()
+        assert t["f_bond[22]"][-1] == (name == "split")
+    figures.note("cut but for a point, shared nodes: force over that of the whole bond", f"{force['bonds'] / force['whole']:.4f}")
+    figures.below("cut but for a point, split nodes: force over that of the whole bond", abs(force["split"] / force["whole"]), 1e-3)

@@ -41,7 +41,7 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
   if (other < 0 || points_[i].failed || points_[other].failed) return false;
   const int m = across_, width = 2 * m - 1, d = face / 2, e = (d + 1) % 3, g = (d + 2) % 3;
   std::array<int, 2> pairs[49];
-  bool cut[49];
+  bool cut[49], present[49];
   if (width * width > 49 || m == 1) {
     if (beside) *beside = {i, other};
     return true;
@@ -54,21 +54,34 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
       std::array<int, 3> next = here;
       next[d] += face % 2 == 0 ? -1 : 1;
       std::array<int, 2>& pair = pairs[width * j + k] = {at(here), at(next)};
+      present[width * j + k] = pair[0] >= 0 && pair[1] >= 0;
       cut[width * j + k] = std::any_of(pair.begin(), pair.end(), [&](int p) { return p >= 0 && points_[p].failed; });
     }
+  // Of the squares that hold most faces, which are not all of them at a rim.
+  int most = 0, j_whole = -1, k_whole = -1;
   for (int j0 = 0; j0 < m; ++j0)
     for (int k0 = 0; k0 < m; ++k0) {
       bool whole = true;
+      int faces = 0;
       for (int j = j0; j < j0 + m; ++j)
-        for (int k = k0; k < k0 + m; ++k) whole = whole && !cut[width * j + k];
-      if (!whole) continue;
-      for (int j = j0; j < j0 + m && beside; ++j)
-        for (int k = k0; k < k0 + m; ++k)
-          for (int p : pairs[width * j + k])
-            if (p >= 0) beside->push_back(p);
-      return true;
+        for (int k = k0; k < k0 + m; ++k) {
+          whole = whole && !cut[width * j + k];
+          faces += present[width * j + k];
+        }
+      if (faces > most) {
+        most = faces;
+        j_whole = -1;
+      }
+      if (faces < most || !whole || j_whole >= 0) continue;
+      j_whole = j0;
+      k_whole = k0;
     }
-  return false;
+  if (j_whole < 0) return false;
+  for (int j = j_whole; j < j_whole + m && beside; ++j)
+    for (int k = k_whole; k < k_whole + m; ++k)
+      for (int p : pairs[width * j + k])
+        if (p >= 0) beside->push_back(p);
+  return true;
 }
 
 std::vector<int> Neighbours::bridge(int i, int face) const {

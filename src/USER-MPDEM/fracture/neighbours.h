@@ -34,9 +34,9 @@ using JoinedNodes = std::vector<std::array<int, 3>>;
 class Neighbours {
  public:
   // joined: where there are sheets; support: nodes a direction.
-  // across: points that a bridge is wide at least, in both directions: a face between points that hold belongs to one if a square of so
-  // many faces around it has no failed point beside it. A narrower bridge is not resolved by a grid whose cells are as wide: it has
-  // fewer strains than its nodes have ways to move, and carries next to nothing.
+  // across: points that a bridge is wide at least, in both directions. A face between points that hold belongs to a bridge if a square of
+  // so many faces around it has no failed point beside it; at a rim, one of the squares that hold most faces. A narrower bridge is not
+  // resolved by a grid whose cells are as wide: it has fewer strains than its nodes have ways to move, and carries next to nothing.
   explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0, int across = 1);
   // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
