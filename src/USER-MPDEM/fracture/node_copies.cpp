@@ -225,6 +225,7 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
     for (std::size_t n = 0; n < rank.size(); ++n) of[rank[n]] = static_cast<int>(n);
     for (int i : group)
       if (seen_[i] >= 0) seen_[i] = of[seen_[i]];
+    find_middles(components, rank);
     grow(group);
     for (int i : group)
       if (seen_[i] > 0) wanted_[i][node] = next + seen_[i] - 1;
@@ -232,6 +233,29 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
     next += static_cast<int>(components.size()) - 1;
   }
   for (int i : group) seen_[i] = kOut;
+}
+
+void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
+  middles_.clear();
+  for (int c : rank) {
+    Middle m{static_cast<int>(components[c].size()), {0, 0, 0}};
+    for (int i : components[c])
+      for (int d = 0; d < 3; ++d) m.sum[d] += points_[i].cell[d];
+    middles_.push_back(m);
+  }
+}
+
+// Of two components as near, the larger; of those alike, that whose middle is nearer: mirrored cracks split alike.
+bool CopyLattice::goes_with(int i, int a, int b) const {
+  if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
+  long long distance[2] = {0, 0};
+  for (int d = 0; d < 3; ++d) {
+    const long long of_a = static_cast<long long>(middles_[a].size) * points_[i].cell[d] - middles_[a].sum[d];
+    const long long of_b = static_cast<long long>(middles_[b].size) * points_[i].cell[d] - middles_[b].sum[d];
+    distance[0] += of_a * of_a;
+    distance[1] += of_b * of_b;
+  }
+  return distance[0] != distance[1] ? distance[0] < distance[1] : a < b;
 }
 
 // Failed points go with the nearest that hold; what cannot be reached stays.
@@ -245,7 +269,7 @@ void CopyLattice::grow(const std::vector<int>& group) {
       for_each_neighbour(i, [&](int j) {
         if (seen_[j] != kIn) return;
         const auto c = claims.emplace(j, seen_[i]).first;
-        c->second = std::min(c->second, seen_[i]);
+        if (goes_with(j, seen_[i], c->second)) c->second = seen_[i];
       });
     front.clear();
     for (const auto& c : claims) {

@@ -14,7 +14,7 @@
 // meet. Nodes of several parts that are one copy are tied to that of the first part (`canonical`), whole nodes to that of part 0.
 //
 // Points that failed go with the nearest that hold, in steps from cell to cell in the support; those as near to several with the
-// largest. So each point keeps to one copy of a node until that is split, and the mass and momentum of a node are the sums of those of
+// largest, or of those alike with that whose middle is nearer. So each point keeps to one copy of a node until that is split, and the mass and momentum of a node are the sums of those of
 // its copies.
 // Serial, on all points of one bond; the result does not depend on their order.
 #ifndef MPDEM_NODE_COPIES_H
@@ -140,6 +140,8 @@ class CopyLattice {
   bool is_way(int from, int to) const;
   void look_at(const Place& node, const NodeCopies& copies);
   void part_group(const Place& node, const std::vector<int>& group, int& next);
+  void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
+  bool goes_with(int i, int a, int b) const;
   void grow(const std::vector<int>& group);
   CopyChange colour(NodeCopies& copies);
   int free_part(const Class& c, const std::map<Place, RowNow>& rows) const;
@@ -154,6 +156,11 @@ class CopyLattice {
   // while nodes are looked at
   std::vector<int> seen_;                       // a point
   const Crevice* crevice_ = nullptr;            // at the start
+  struct Middle {
+    int size;
+    long long sum[3];  // of the cells
+  };
+  std::vector<Middle> middles_;                 // of the components of a copy
   bool apart_ = false;                          // sides, at this node
   std::map<int, std::map<Place, int>> wanted_;  // point, node, new copy
   std::map<Place, char> split_now_;
