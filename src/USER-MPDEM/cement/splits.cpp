@@ -141,7 +141,8 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
   for (int r : rows) {
     const Bond* bond = bonds.find(r);
     if (!bond) continue;
-    const auto of_bond = std::equal_range(moved.begin(), moved.end(), SentPart{r, 0, 0}, [](const SentPart& a, const SentPart& b) { return a.body < b.body; });
+    const auto of_bond =
+        std::equal_range(moved.begin(), moved.end(), SentPart{r, 0, 0}, [](const SentPart& a, const SentPart& b) { return a.body < b.body; });
     if (of_bond.first == of_bond.second) continue;
     std::map<int, int>& part_of_slot = found[r].part_of_slot;
     for_each_point(bond->points, [&](int b, int l) {

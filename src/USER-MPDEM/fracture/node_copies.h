@@ -14,8 +14,8 @@
 // meet. Nodes of several parts that are one copy are tied to that of the first part (`canonical`), whole nodes to that of part 0.
 //
 // Points that failed go with the nearest that hold, in steps from cell to cell in the support; those as near to several with the
-// largest, or of those alike with that whose middle is nearer. So each point keeps to one copy of a node until that is split, and the mass and momentum of a node are the sums of those of
-// its copies.
+// largest, or of those alike with that whose middle is nearer. So each point keeps to one copy of a node until that is split, and the
+// mass and momentum of a node are the sums of those of its copies.
 // Serial, on all points of one bond; the result does not depend on their order.
 #ifndef MPDEM_NODE_COPIES_H
 #define MPDEM_NODE_COPIES_H
