@@ -17,7 +17,7 @@ def references():
 
 
 def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic=VTI, axis="global 0 0 1", basis="quadratic",
-            kn="auto", at="surface", duration=16e-6, ranks=1):
+            kn="auto", at="surface", duration=16e-6, ranks=1, cracks="bonds"):
     """Force per displacement of grain 2 (tension, shear: N/m) or moment per turn (torsion, bending: N m/rad).
 
     The grain is moved smoothly and then held for a quarter of the time, over which what is left of the vibration
@@ -28,7 +28,7 @@ def measure(directory, load, shape, words, cell, gap=0.0, radius=RADIUS, elastic
     half_box = (radius + 1e-3, radius + 1e-3, 2 * radius + gap / 2 + 1e-3)
     script = pair(cell / 2, gap=gap, cement=words, shape=shape, radius=radius, half_box=half_box)
     fixes = cement(cell, timestep, elastic=elastic, axis=axis, couple=f"kn {kn} kt {kn} at {at} damping 0.5")
-    script += edit(fixes, f"cell {cell:.15g} ", f"cell {cell:.15g} basis {basis} ")
+    script += edit(fixes, f"cell {cell:.15g} ", f"cell {cell:.15g} basis {basis} cracks {cracks} ")
     script += deform(load, amount, duration, timestep, 2 * radius + gap)
     script += "unfix pull\nfix pull second move linear 0 0 0\n"
     script += thermo(4, ["v_load"]) + f"run {round(duration / 4 / timestep)}\n"

@@ -66,6 +66,14 @@ def test_crevice(name, limit, tmp_path, figures):
     figures.below(f"{name}, tension: error with 2 and 3 cells across the shell", max(map(abs, errors)), limit)
 
 
+def test_crevice_of_split_nodes(tmp_path, figures):
+    """The same by copies of nodes; with any connection joining them the error is 6 %."""
+    exact = CASES["coating"]["stiffness"]["tension"]["value"]
+    error = measure_case(tmp_path, CASES["coating"], "tension", 2e-4, cracks="split") / exact - 1
+    figures.note("coating, tension, split nodes: signed error with cells of 0.0002", f"{error:+.4f}")
+    figures.below("coating, tension, split nodes: error with 2 cells across the shell", abs(error), 0.01)
+
+
 def test_one_cell_across_the_shell(tmp_path, figures):
     """8 cells across the ring of the bond are too coarse where the shell is thin beside it."""
     name = "coating across a gap"

@@ -14,8 +14,8 @@
 
 namespace mpdem {
 
-LayoutRules Cement::rules() const {
-  return {comm_, bonds_.table, options_, law_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr};
+LayoutRules Cement::rules() {
+  return {comm_, bonds_.table, options_, law_, sheets_, cracks_, inertia_, penalty_ ? &*penalty_ : nullptr, options_.split ? &splits_ : nullptr};
 }
 
 std::vector<int> Cement::all_rows() const {
@@ -52,7 +52,7 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
 // As mass goes back from the heirs of tied nodes to these where a bond came apart, its momentum and angular momentum are kept by a
 // rigid motion.
 void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange) {
-  const std::vector<int> untied = cracks_.untie(options_);
+  const std::vector<int> untied = options_.split ? built_ ? rows : std::vector<int>() : cracks_.untie(options_);
   const bool moves = built_ && !untied.empty();
   const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
   std::vector<LayoutRequest> requests;
@@ -95,7 +95,13 @@ void Cement::bind_grains() {
 }
 
 void Cement::lay_out_run() {
-  NewPartsOfBonds parts = sheets_.divide(comm_, bonds_, options_);
+  NewPartsOfBonds parts;
+  if (options_.split) {
+    parts = splits_.start(comm_, bonds_, options_);
+    splits_.bring(comm_, bonds_);
+  } else {
+    parts = sheets_.divide(comm_, bonds_, options_);
+  }
   remember_axis();
   // another time step, other added mass
   const bool changes = built_ && now_.dt != dt_last_;
@@ -107,7 +113,11 @@ void Cement::lay_out_run() {
   });
   // New bodies may be cracked.
   if (!cracks_.take_up(bonds_.table.size()) || !can_break()) return;
-  Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, true);
+  if (options_.split) {
+    Splits::Found split = splits_.look(comm_, bonds_, options_);
+    if (!split.lay_out.empty()) lay_out_again(split.lay_out, std::move(split.parts));
+  }
+  Cracks::Found found = look_at_bonds(true);
   if (found.lay_out.empty()) return;
   lay_out_again(found.lay_out, std::move(found.parts));
 }
@@ -121,6 +131,7 @@ void Cement::lay_out_exchanged() {
   // Slots of `updated` points were brought up to date for the exchange.
   const std::vector<int> rows = options_.updated ? all_rows() : agreed_rows(mine);
   if (!any && rows.empty()) return;
+  if (options_.split) splits_.bring(comm_, bonds_);
   lay_out(rows, {});
   bind_grains();
   refresh_added_mass(rows);
@@ -217,7 +228,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.links = std::move(l.links);
     b.added = AddedMass();
     b.resting = Resting();
-    b.relaxation = penalty_ && options_.relax > 0.0
+    b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
                        ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
                        : Relaxation();
     b.near_threshold = options_.skip.nonlocal && is_near_threshold(b.points, *law_);

@@ -22,7 +22,12 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
   kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
 }
 
-Cement::~Cement() = default;
+// What comes after need not know of parts.
+Cement::~Cement() {
+  if (!options_.split) return;
+  for (Bond& b : bonds_)
+    for (BlockMeta& m : b.points.meta) m.part = m.looked_at = 0;
+}
 
 void Cement::set_density(double density) { inertia_ = options_.mass_scale * density; }
 
@@ -65,10 +70,33 @@ void Cement::step() {
 void Cement::look_for_cracks() {
   if (!can_break()) return;
   const bool after_check = (now_.number - 1) % options_.check_every == 0;
-  if (!after_check && ((now_.number - 1) % kWatchEvery != 0 || !cracks_.some_path_is_cut(comm_))) return;
+  if (!after_check && (now_.number - 1) % kWatchEvery != 0) return;
+  if (options_.split) split_nodes();
+  if (!after_check && !cracks_.some_path_is_cut(comm_)) return;
   timer_.start(StepTimer::kLayout);
   if (after_check) drop_inert_added_mass();
-  lay_out_parts(cracks_.look(comm_, bonds_, sheets_, options_, after_check));
+  lay_out_parts(look_at_bonds(after_check));
+}
+
+// Bonds that hold by bridges alone that are narrower than a cell come apart there.
+Cracks::Found Cement::look_at_bonds(bool debris) {
+  Cracks::Found found = cracks_.look(comm_, bonds_, sheets_, options_, debris);
+  if (!options_.split) return found;
+  Splits::Found split = splits_.come_apart(comm_, bonds_, options_, found.pieces);
+  found.parts = std::move(split.parts);
+  found.lay_out.insert(found.lay_out.end(), split.lay_out.begin(), split.lay_out.end());
+  std::sort(found.lay_out.begin(), found.lay_out.end());
+  found.lay_out.erase(std::unique(found.lay_out.begin(), found.lay_out.end()), found.lay_out.end());
+  return found;
+}
+
+void Cement::split_nodes() {
+  timer_.start(StepTimer::kLayout);
+  Splits::Found split = splits_.look(comm_, bonds_, options_);
+  Cracks::Found found;
+  found.lay_out = std::move(split.lay_out);
+  found.parts = std::move(split.parts);
+  lay_out_parts(std::move(found));
 }
 
 void Cement::take_failed(Bond& b) {

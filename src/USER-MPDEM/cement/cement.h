@@ -145,7 +145,7 @@ class Cement {
   void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true);
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true);
   void adopt(std::vector<BondLayout>& layouts);
-  LayoutRules rules() const;
+  LayoutRules rules();
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
@@ -174,6 +174,8 @@ class Cement {
   void look_for_cracks();
   void average_drives();
   std::vector<Bond*> cut_bonds_near_threshold();
+  Cracks::Found look_at_bonds(bool debris);
+  void split_nodes();
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);
@@ -196,6 +198,7 @@ class Cement {
   EnergyBooks books_;
   Sheets sheets_;
   Cracks cracks_;
+  Splits splits_;
   StepTimer timer_;
   AdvanceResult advance_;  // of the bond at work
   HaloSums shared_nodes_;

@@ -36,13 +36,12 @@ void direction_of_centres(const Body& body, double* n) {
 
 // A point of block b; first_link: of each slot, into the links of the store.
 CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l, double damage, const std::vector<int>& first_link,
-                       const double* axis) {
+                       const double* axis, bool split) {
   const BlockMeta& m = points.meta[b];
   const int slot = kLanes * b + l;
   CrackPoint p;
   p.tag = points.tags[b][l];
-  p.part = piece_of(m.part);
-  p.sheet = sheet_of(m.part);
+  p.part = split ? 0 : piece_of(m.part);
   p.failed = m.failed >> l & 1;
   p.damage = static_cast<float>(std::max(damage, 0.0));
   const SheetPoint place = sheet_point(points, body, b, l);
@@ -52,6 +51,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   }
   const double nearer = nearer_to_first(body, place.X);
   p.nearer = nearer_side(body, nearer);
+  p.sheet = split ? p.nearer : sheet_of(m.part);
   p.middle = in_the_middle(body, nearer);
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
   for (int g = 0; g < 2; ++g) {
@@ -83,7 +83,7 @@ struct WholeBonds {
 };
 
 // Sends each of the bonds asked for to one rank, as a whole. Collective.
-WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& wanted) {
+WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& wanted, bool split) {
   int ranks;
   MPI_Comm_size(comm, &ranks);
   std::vector<std::vector<Sent>> out(ranks);
@@ -100,7 +100,7 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& w
     for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
       for (int l = 0; l < kLanes; ++l)
         if (points.meta[b].occupied >> l & 1)
-          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis)});
+          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, split)});
   }
   WholeBonds whole;
   whole.sent = all_to_all(comm, out);
@@ -145,6 +145,8 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   double face[3];
   direction_of_centres(body, face);
   for (double& f : face) f = std::fabs(f) * body.spacing * body.spacing;
+  if (options.split)
+    return separate(points, face, {}, 0, states_[row].separation.separated, std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))));
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), states_[row].separation.separated);
 }
 
@@ -173,7 +175,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   if (looked_at.empty()) return found;
 
   // The bonds that come to this rank are whole.
-  const WholeBonds whole = collect(comm, bonds, wanted);
+  const WholeBonds whole = collect(comm, bonds, wanted, options.split);
   std::vector<std::vector<Returned>> back(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
   constexpr int kRow = 5;  // separated, areas, has other parts
@@ -188,13 +190,17 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
     const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
     std::copy(row, row + 4, &result[kRow * n]);
   }
+  if (options.split)
+    for (int r : looked_at)
+      if (!whole.points[r].empty() && separations[r].separated && !states_[r].separation.separated)
+        for (std::size_t i = 0; i < whole.points[r].size(); ++i) found.pieces[r].push_back({whole.points[r][i].tag, separations[r].part[i]});
   std::vector<std::size_t> at(rows, 0);
   std::size_t n = 0;
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < whole.sent.count[rank]; ++i, ++n) {
       const Sent& s = whole.sent.data[n];
       const int part = separations[s.body].part[at[s.body]++];
-      if (part == s.point.part || options.updated) continue;  // `updated` fragments may meet again, so they share their nodes
+      if (part == s.point.part || options.updated || options.split) continue;  // `updated` fragments may meet again, so they share their nodes
       back[rank].push_back({s.body, s.slot, part});
       result[kRow * (std::lower_bound(looked_at.begin(), looked_at.end(), s.body) - looked_at.begin()) + 4] = 1.0;
     }
@@ -211,7 +217,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
       s.separation.separated = true;
       std::copy(row + 1, row + 3, s.separation.at_grain);
       s.separation.inside = row[3];
-      lay_out = lay_out || options.tied || options.relax > 0.0;
+      lay_out = lay_out || (options.tied && !options.split) || options.relax > 0.0;
     }
     if (lay_out) found.lay_out.push_back(looked_at[k]);
   }
@@ -239,14 +245,14 @@ std::vector<int> Cracks::untie(const CementOptions& options) {
 
 std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
                                          const std::vector<char>& wanted) const {
-  const WholeBonds whole = collect(comm, bonds, wanted);
+  const WholeBonds whole = collect(comm, bonds, wanted, options.split);
   constexpr int kWords = 5;
   std::vector<double> found(kWords * wanted.size(), 0.0);
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];
     if (points.empty()) continue;
     const int row = static_cast<int>(b);
-    const Ligament ligament = find_ligament(points, sheets.joined_nodes(row), support(options.basis));
+    const Ligament ligament = options.split ? find_ligament(points) : find_ligament(points, sheets.joined_nodes(row), support(options.basis));
     double* of_bond = &found[kWords * b];
     of_bond[0] = ligament.left();
     of_bond[1] = ligament.whole;

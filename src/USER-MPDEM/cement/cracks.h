@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../fracture/node_copies.h"
 #include "../fracture/separation.h"
 #include "bond.h"
 #include "sheets.h"
@@ -48,6 +49,7 @@ class Cracks {
   struct Found {
     std::vector<int> lay_out;  // ascending
     NewPartsOfBonds parts;
+    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: of bonds that came apart, on the ranks that looked
   };
   Found look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris);
   // Bonds that have ties now and come to a layout without them.

@@ -93,20 +93,27 @@ class LayoutMaker {
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     std::vector<std::vector<EdgeTie>> ties;
     // A slave of this rank may have its masters on others, which then come here as nodes of no cell: a plan tells.
-    if (rules_.options.tied && ranks > 1) {
+    const bool edges_known = rules_.splits && (!rules_.options.tied || rules_.splits->edges_known(rows_));
+    if (rules_.options.tied && ranks > 1 && !edges_known) {
       std::vector<Grid> plans(layouts_.size());
       build(plans, {}, false);
-      ties = find(plans);
+      if (rules_.splits) rules_.splits->keep_edges(rows_, edges_at_start(plans));
+      else ties = find(plans);
     }
     std::vector<Grid> grids(layouts_.size());
     build(grids, ties, true);
-    if (rules_.options.tied && ranks == 1) ties = find(grids);
+    if (rules_.splits) {
+      if (ranks == 1 && !edges_known) rules_.splits->keep_edges(rows_, edges_at_start(grids));
+      for (const Grid& g : grids) ties.push_back(rules_.splits->ties(g.keys));
+    } else if (rules_.options.tied && ranks == 1) {
+      ties = find(grids);
+    }
     ties.resize(layouts_.size());
     const std::vector<char> any = tied_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
-      if (rules_.options.tied) l.grid.tie(ties[n], any[n]);
+      if (rules_.options.tied || rules_.splits) l.grid.tie(ties[n], any[n]);
       l.grid.lump_mass(l.points, rules_.density);
     }
     return std::move(layouts_);
@@ -139,9 +146,14 @@ class LayoutMaker {
           for (const auto& h : t.heirs) w.extra.push_back(h.first);
           for (const auto& m : t.masters) w.extra.push_back(m.first);
         }
+      if (rules_.splits) {
+        const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
+        w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
+      }
       if (!with_motion) continue;
       w.before = std::move(requests_[n].before);
       w.parent_field = std::move(requests_[n].parts.parent_field);
+      w.source = std::move(requests_[n].parts.source);
     }
     const int margin = with_motion && rules_.options.updated ? UpdatedPass::kMargin : 0;
     try {
@@ -161,6 +173,32 @@ class LayoutMaker {
       all.push_back(&grids[n]);
     }
     return find_ties(rules_, all);
+  }
+
+  // Collective. Ties of nodes at the edge, as they were at the start, of bonds whose nodes split.
+  std::vector<EdgeTie> edges_at_start(std::vector<Grid>& grids) const {
+    const Splits& splits = *rules_.splits;
+    std::vector<std::pair<Key, double>> all;
+    for (std::size_t n = 0; n < grids.size(); ++n) {
+      const std::vector<double> mass = grids[n].mass_here(layouts_[n].points, rules_.density);
+      for (int i = 0; i < grids[n].size(); ++i) all.emplace_back(splits.at_start(grids[n].keys[i]), mass[i]);
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    TiedNodes nodes;
+    for (const auto& a : all) {
+      if (nodes.keys.empty() || nodes.keys.back() != a.first) {
+        nodes.keys.push_back(a.first);
+        nodes.mass.push_back(0.0);
+      }
+      nodes.mass.back() += a.second;
+    }
+    HaloSum halo;
+    halo.build(rules_.comm, nodes.keys);
+    halo.sum(nodes.mass.data(), 1);
+    nodes.sheets.assign(nodes.keys.size(), kNoSheets);
+    nodes.edge.assign(nodes.keys.size(), 1);
+    nodes.next = [&splits](const Key& k, int direction) { return splits.next(k, direction); };
+    return find_edge_ties(rules_.comm, rules_.options.basis, nodes);
   }
 
   // Of each layout, whether some rank has ties in it.

@@ -19,6 +19,7 @@
 #include "cracks.h"
 #include "options.h"
 #include "sheets.h"
+#include "splits.h"
 
 namespace mpdem {
 
@@ -38,6 +39,7 @@ struct LayoutRules {
   const Cracks& cracks;
   double density = 0;                          // of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
+  Splits* splits = nullptr;                    // null: nodes do not split
   bool arrange = true;                         // false: blocks stay as they are
 };
 

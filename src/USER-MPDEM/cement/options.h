@@ -27,6 +27,7 @@ struct CementOptions {
   AdvanceOptions skip;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
   double length = 0.0;                   // that the drive of the damage is averaged over, 0: not at all
+  bool split = false;                    // nodes where material parts, see fracture/node_copies.h
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

@@ -20,6 +20,7 @@ namespace mpdem {
 struct NewParts {
   std::map<int, int> part_of_slot;
   std::map<int, int> parent_field;
+  std::map<Key, Key> source;
 };
 using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
 

@@ -78,7 +78,14 @@ double Cement::stable_step() {
 // Of copies, since the layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   Sheets sheets(sheets_);
-  NewPartsOfBonds parts = sheets.divide(comm_, bonds_, options_);
+  Splits splits(splits_);
+  NewPartsOfBonds parts;
+  if (options_.split) {
+    parts = splits.start(comm_, bonds_, options_);
+    splits.bring(comm_, bonds_);
+  } else {
+    parts = sheets.divide(comm_, bonds_, options_);
+  }
   std::vector<LayoutRequest> requests;
   for (const Bond& b : bonds_) {
     requests.emplace_back();
@@ -89,7 +96,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   }
   CementOptions options(options_);
   options.updated = false;  // no margin
-  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_};
+  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_, nullptr, options_.split ? &splits : nullptr};
   std::vector<BondLayout> layouts = make_layout(rules, all_rows(), std::move(requests));
   std::vector<EigenvaluePart> of_layouts;
   for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid});

@@ -3,6 +3,7 @@
 //
 // State of the cement that points and grains do not hold, for restart files: coupling/cement_restart.h.
 #include <algorithm>
+#include <map>
 
 #include "../parallel/agree.h"
 #include "cement.h"
@@ -65,6 +66,13 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.work = sums[3];
   head.work_ahead = sums[4];
   head.eigenvalue = eigenvalue_;
+  std::vector<double> mine_of_copies;
+  for (const auto& row : splits_.rows_to_keep(comm_))
+    for (const NodeCopies::Entry& e : row.second)
+      append(CopyRow{body_of(row.first[0]), {row.first[1], row.first[2], row.first[3]}, e.part, e.copy, e.first}, mine_of_copies);
+  const std::vector<double> copies = gather(comm_, mine_of_copies);
+  head.split = options_.split;
+  head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(bonds_.table.size());
   head.nodes = static_cast<int>(nodes.size() / kMostNumbers<NodeRow>);
   std::vector<double> all = {CementHead::kVersion};
@@ -77,6 +85,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
            all);
   }
   all.insert(all.end(), nodes.begin(), nodes.end());
+  all.insert(all.end(), copies.begin(), copies.end());
   return all;
 }
 
@@ -90,6 +99,9 @@ void Cement::check_restored(const CementHead& head) const {
     throw BadState(text_of("'basis ", bases[static_cast<int>(options_.basis)], "' and 'kinematics ", name(options_.updated),
                            "' but the motion of the nodes in the restart file is that of basis ", bases[static_cast<int>(head.basis)],
                            " and kinematics ", name(head.updated), "; use these"));
+  const auto cracks = [](bool split) { return split ? "split" : "bonds"; };
+  if (head.split != options_.split)
+    throw BadState(text_of("'cracks ", cracks(options_.split), "' but the restart file was written with 'cracks ", cracks(head.split), "'; use that"));
   if (head.tied != options_.tied)
     throw BadState(text_of("nodes at the edge are ", edge(options_.tied), " but were ", edge(head.tied), " when the restart file was written; use 'edge ",
                            edge(head.tied), "' and the kinematics and re-projection of that run"));
@@ -125,7 +137,15 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
     in.read(row);
     in.check_whole("the bond of a node", body_of(row.field), from(0, static_cast<double>(table) - 1.0));
   }
+  std::map<Key, NodeCopies::Row> copies;
+  for (int n = 0; n < head.copies; ++n) {
+    CopyRow row;
+    in.read(row);
+    in.check_whole("the bond of a split node", row.body, from(0, static_cast<double>(table) - 1.0));
+    copies[{row.body, row.place[0], row.place[1], row.place[2]}].push_back({row.part, row.copy, row.first});
+  }
   if (!in.trouble().empty()) return;
+  if (options_.split) splits_.restore(head.bodies, std::move(copies));
   std::sort(rows.begin(), rows.end(), [](const NodeRow& a, const NodeRow& b) { return key_of(a) < key_of(b); });
   restored_nodes_.assign(table, NodeKinematics());
   for (const NodeRow& row : rows) {

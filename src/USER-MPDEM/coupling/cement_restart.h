@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond and a row a
-// node, one after the other. The points do not hold the motion of nodes.
+// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, a row a
+// node and rows of the nodes that are split, one after the other. The points do not hold the motion of nodes.
 #ifndef MPDEM_CEMENT_RESTART_H
 #define MPDEM_CEMENT_RESTART_H
 
@@ -33,7 +33,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 7;
+  static constexpr int kVersion = 8;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -44,7 +44,8 @@ struct CementHead {
   double eigenvalue = 0.0;  // 0: not known
   double auto_step = 0.0;   // what `timestep auto` found last
   LinksSoFar links;
-  int bodies = 0, nodes = 0;  // rows that follow
+  bool split = false;         // do nodes split, see fracture/node_copies.h
+  int bodies = 0, nodes = 0, copies = 0;  // rows that follow
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
@@ -66,6 +67,8 @@ struct CementHead {
     visit.part(h.links);
     visit("the number of bonds", h.bodies, from(0, kMaxBodies));
     visit("the number of nodes", h.nodes, kCount);
+    visit("'cracks split'", h.split);
+    visit("the number of copies of nodes", h.copies, kCount);
   }
 };
 
@@ -97,6 +100,22 @@ struct NodeRow {
     visit("the velocity of a node", n.velocity, kFinite);
     visit("the displacement of a node", n.displacement, kFinite);
     visit("the acceleration of a node", n.acceleration, kFinite);
+  }
+};
+
+// A part of a bond and a node that is split, see NodeCopies.
+struct CopyRow {
+  int body = 0, place[3] = {0, 0, 0};
+  int part = 0, copy = 0, first = 0;
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& c, Visitor& visit) {
+    constexpr int kMost = 1 << 30;
+    visit("the bond of a split node", c.body, from(0, kMaxBodies - 1));
+    visit("the place of a split node", c.place, from(-kMost, kMost));
+    visit("the part of a split node", c.part, from(0, kMaxParts - 1));
+    visit("the copy of a split node", c.copy, kCount);
+    visit("the first copy of a split node", c.first, kCount);
   }
 };
 

@@ -8,6 +8,7 @@
 #define MPDEM_NEIGHBOURS_H
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace mpdem {
@@ -33,15 +34,29 @@ using JoinedNodes = std::vector<std::array<int, 3>>;
 class Neighbours {
  public:
   // joined: where there are sheets; support: nodes a direction.
-  explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0);
+  // across: points that a bridge is wide at least, in both directions. A face between points that hold belongs to a bridge if a square of
+  // so many faces around it has no failed point beside it; at a rim, one of the squares that hold most faces. A narrower bridge is not
+  // resolved by a grid whose cells are as wide: it has fewer strains than its nodes have ways to move, and carries next to nothing.
+  explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0, int across = 1);
   // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
+  // Is there a point across that face, do both hold, and is the face one of a bridge?
+  bool bridged(int i, int face) const { return square(i, face, nullptr); }
+  // Points beside the square of faces that makes it one, i and that across the face among them.
+  std::vector<int> bridge(int i, int face) const;
   // Points in the order of their cells: what goes by it does not depend on the order in which they are given.
   const std::vector<int>& order() const { return order_; }
 
  private:
+  int at(const std::array<int, 3>& cell) const;
+  bool square(int i, int face, std::vector<int>* beside) const;
   std::vector<int> order_;
   std::vector<std::array<int, 6>> face_;
+  const std::vector<CrackPoint>& points_;
+  int across_;
+  std::vector<std::pair<std::array<int, 3>, int>> cells_;  // ascending
+  std::vector<int> first_;                                  // of cells_, behind those of an x
+  int least_x_ = 0;
 };
 
 }  // namespace mpdem

@@ -72,8 +72,10 @@ std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<Cr
     most = std::max(most, front.top().first);
     front.pop();
     if (points[i].attached[1]) return most;
-    for (int j : near.of(i))
-      if (j >= 0 && !seen[j] && !points[j].failed && points[j].part == points[i].part) see(j);
+    for (int f = 0; f < 6; ++f) {
+      const int j = near.of(i)[f];
+      if (j >= 0 && !seen[j] && points[j].part == points[i].part && near.bridged(i, f)) see(j);
+    }
   }
   return std::nullopt;
 }
@@ -91,15 +93,23 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
   for (std::size_t k = 0; k < queue.size(); ++k) {
     const int i = queue[k];
     if (points[i].attached[1]) {
-      for (int j = i; j != kStart; j = from[j]) path.push_back(points[j].tag);
+      for (int j = i; j != kStart; j = from[j]) {
+        path.push_back(points[j].tag);
+        for (int f = 0; f < 6 && from[j] != kStart; ++f)
+          if (near.of(j)[f] == from[j])
+            for (int b : near.bridge(j, f)) path.push_back(points[b].tag);
+      }
       std::sort(path.begin(), path.end());
+      path.erase(std::unique(path.begin(), path.end()), path.end());
       break;
     }
-    for (int j : near.of(i))
-      if (j >= 0 && from[j] == kUnseen && passable(j) && points[j].part == points[i].part) {
+    for (int f = 0; f < 6; ++f) {
+      const int j = near.of(i)[f];
+      if (j >= 0 && from[j] == kUnseen && passable(j) && points[j].part == points[i].part && near.bridged(i, f)) {
         from[j] = i;
         queue.push_back(j);
       }
+    }
   }
   return path;
 }
@@ -122,11 +132,12 @@ std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPo
       ++p.points;
       p.least_tag = std::min(p.least_tag, points[i].tag);
       for (int s = 0; s < 2; ++s) p.attached[s] = p.attached[s] || points[i].attached[s];
-      for (int j : near.of(i))
-        if (j >= 0 && !points[j].failed && piece_of[j] < 0 && points[j].part == p.part) {
-          piece_of[j] = static_cast<int>(pieces.size());
-          stack.push_back(j);
-        }
+      for (int f = 0; f < 6; ++f) {
+        const int j = near.of(i)[f];
+        if (j < 0 || piece_of[j] >= 0 || points[j].part != p.part || !near.bridged(i, f)) continue;
+        piece_of[j] = static_cast<int>(pieces.size());
+        stack.push_back(j);
+      }
     }
     pieces.push_back(p);
   }
@@ -187,9 +198,10 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
 
 }  // namespace
 
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again) {
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again,
+                    int across) {
   const int n = static_cast<int>(points.size());
-  const Neighbours near(points, joined, support);
+  const Neighbours near(points, joined, support, across);
   Separation result;
   result.part.resize(n);
   int next = 2;

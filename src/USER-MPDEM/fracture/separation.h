@@ -44,9 +44,9 @@ struct Separation {
 constexpr int kLeastLoose = 64;
 
 // face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
-// support: nodes a direction; again: the bond was separated before, so that points have the parts of a separation.
+// support: nodes a direction; across: of Neighbours; again: the bond was separated before, so that points have the parts of a separation.
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
-                    bool again = false);
+                    bool again = false, int across = 1);
 
 }  // namespace mpdem
 

@@ -23,7 +23,13 @@ using Code = int;
 constexpr int kNextOther = kDirections, kSecondOther = 2 * kDirections;
 constexpr Code kCopy = 1 << 3 * kDirections;
 
-Key neighbour(Key k, int direction, int steps, bool other = false) {
+using Next = std::function<Key(const Key&, int)>;
+
+Key neighbour(const Next& next, Key k, int direction, int steps, bool other = false) {
+  if (next) {
+    for (int n = 0; n < steps && k != kNoNode; ++n) k = next(k, direction);
+    return k;
+  }
   k[1 + direction / 2] += direction % 2 == 0 ? -steps : steps;
   if (other) k[0] = other_sheet(k[0]);
   return k;
@@ -48,7 +54,7 @@ int directions_of(Code code) { return (code & kCopy) ? 1 : __builtin_popcount(co
 
 // Calls f(master, weight, does it take mass) for what a code asks for.
 template <class F>
-void for_each_term(const Key& k, Code code, F f) {
+void for_each_term(const Next& next, const Key& k, Code code, F f) {
   if (code & kCopy) {
     f(copy_of(k), 1.0, true);
     return;
@@ -56,14 +62,14 @@ void for_each_term(const Key& k, Code code, F f) {
   const double share = 1.0 / directions_of(code);
   for (int n = 0; n < kDirections; ++n) {
     if (!(code >> n & 1)) continue;
-    f(neighbour(k, n, 1, code >> (kNextOther + n) & 1), 2.0 * share, true);
-    f(neighbour(k, n, 2, code >> (kSecondOther + n) & 1), -share, false);
+    f(neighbour(next, k, n, 1, code >> (kNextOther + n) & 1), 2.0 * share, true);
+    f(neighbour(next, k, n, 2, code >> (kSecondOther + n) & 1), -share, false);
   }
 }
 
 class Resolver {
  public:
-  explicit Resolver(const std::map<Key, Code>& codes) : codes_(codes) {}
+  Resolver(const Next& next, const std::map<Key, Code>& codes) : next_(next), codes_(codes) {}
 
   const EdgeTie& tie(const Key& k) {
     const auto known = done_.find(k);
@@ -72,7 +78,7 @@ class Resolver {
     t.slave = k;
     std::map<Key, double> weights, shares;
     const double share = 1.0 / directions_of(codes_.at(k));
-    for_each_term(k, codes_.at(k), [&](const Key& master, double weight, bool next) {
+    for_each_term(next_, k, codes_.at(k), [&](const Key& master, double weight, bool next) {
       const auto code = codes_.find(master);
       const bool is_free = code == codes_.end() || code->second == 0;
       if (is_free) {
@@ -91,6 +97,7 @@ class Resolver {
   }
 
  private:
+  const Next& next_;
   const std::map<Key, Code>& codes_;
   std::map<Key, EdgeTie> done_;
 };
@@ -101,18 +108,18 @@ class Surroundings {
   static constexpr int kWidth = 2;  // mass, is it joined
 
   // Collective. Nodes that stand for themselves or for both sheets, and their values, are looked up.
-  Surroundings(MPI_Comm comm, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
-      : wanted_(std::move(wanted)) {
+  Surroundings(MPI_Comm comm, const Next& next, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
+      : next_(next), wanted_(std::move(wanted)) {
     make_unique(wanted_);
     values_ = fetch_values(comm, kWidth, keys, values, wanted_, found_);
   }
 
   // Mass of the node some steps on, 0 if there is none; `other` says that it is one of the other sheet.
   double mass(const Key& k, bool has_sheets, bool joined, int direction, int steps, bool& other) const {
-    const int same = at(neighbour(k, direction, steps));
+    const int same = at(neighbour(next_, k, direction, steps));
     other = false;
     if (!has_sheets) return same < 0 ? 0.0 : values_[kWidth * same];
-    const int beside = at(neighbour(k, direction, steps, true));
+    const int beside = at(neighbour(next_, k, direction, steps, true));
     if (joined && same >= 0 && beside >= 0) return 0.0;  // here the crevice begins, and either is as good
     if (same >= 0) return values_[kWidth * same];
     if (beside < 0 || !(joined || values_[kWidth * beside + 1] != 0.0)) return 0.0;
@@ -125,6 +132,7 @@ class Surroundings {
     const int n = place_of(wanted_, k);
     return n >= 0 && found_[n] ? n : -1;
   }
+  const Next& next_;
   std::vector<Key> wanted_;
   std::vector<char> found_;
   std::vector<double> values_;
@@ -167,9 +175,9 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
     for (int n = 0; n < kDirections; ++n)
       for (int s = 1; s <= 2; ++s)
         for (bool other : {false, true})
-          if (!other || nodes.sheets[i] != kNoSheets) wanted.push_back(neighbour(keys[i], n, s, other));
+          if (!other || nodes.sheets[i] != kNoSheets) wanted.push_back(neighbour(nodes.next, keys[i], n, s, other));
   }
-  const Surroundings near(comm, present, values, std::move(wanted));
+  const Surroundings near(comm, nodes.next, present, values, std::move(wanted));
   for (int i : candidates) {
     double share[kDirections], least = below;
     Code code = 0, others = 0;
@@ -207,7 +215,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
   for (int more = 1; more;) {
     std::vector<Key> ask;
     for (const Key& k : open)
-      for_each_term(k, codes.at(k), [&](const Key& master, double, bool) {
+      for_each_term(nodes.next, k, codes.at(k), [&](const Key& master, double, bool) {
         if (!codes.count(master) && place_of(keys, master) < 0) ask.push_back(master);
       });
     make_unique(ask);
@@ -222,7 +230,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
     MPI_Allreduce(&mine, &more, 1, MPI_INT, MPI_MAX, comm);
   }
   std::vector<EdgeTie> ties;
-  Resolver resolver(codes);
+  Resolver resolver(nodes.next, codes);
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (own[i] != 0.0) ties.push_back(resolver.tie(keys[i]));
   return ties;
@@ -294,6 +302,14 @@ void EdgeTies::bequeath(double* values, int width) const {
       for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) values[width * heir_[n] + c] += heir_share_[n] * v;
       v = 0.0;
     }
+}
+
+void EdgeTies::take_of_heirs(double* values) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    double sum = 0.0;
+    for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) sum += heir_share_[n] * values[heir_[n]];
+    values[slave_[t]] = sum;
+  }
 }
 
 void EdgeTies::extend(double* values) const {

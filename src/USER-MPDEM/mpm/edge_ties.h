@@ -23,6 +23,7 @@
 
 #include <mpi.h>
 
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,10 @@ struct TiedNodes {
   std::vector<double> mass;  // summed over ranks
   std::vector<char> sheets;  // of each: kNoSheets, kApart or kJoined with that of the other sheet, if there is one
   std::vector<char> edge;    // of each: may be tied as an edge
+  // The next node in direction -x +x -y +y -z +z, kNoNode if there is none; empty: that of the same field. See fracture/node_copies.h.
+  std::function<Key(const Key&, int direction)> next;
 };
+constexpr Key kNoNode{-1, 0, 0, 0};
 constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
 
 // Collective. Ties of the nodes of this rank.
@@ -73,6 +77,8 @@ class EdgeTies {
   void pull_back_sizes(double* values) const;
   // ...or to their heirs, as mass does, `width` numbers a node.
   void bequeath(double* values, int width) const;
+  // Slaves take the mean of what their heirs have, in the same shares, one number a node.
+  void take_of_heirs(double* values) const;
   // Slaves take the value of their masters' polynomial, three numbers a node.
   void extend(double* values) const;
 

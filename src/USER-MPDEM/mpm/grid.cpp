@@ -140,9 +140,11 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 namespace {
 
 // Node whose motion a node takes over.
-Key source_of(Key k, const std::map<int, int>& parent_field) {
-  const auto it = parent_field.find(k[0]);
-  if (it != parent_field.end()) k[0] = it->second;
+Key source_of(Key k, const GridRequest& r) {
+  const auto own = r.source.find(k);
+  if (own != r.source.end()) return own->second;
+  const auto it = r.parent_field.find(k[0]);
+  if (it != r.parent_field.end()) k[0] = it->second;
   return k;
 }
 
@@ -155,10 +157,10 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   displacement.resize(3 * n);
   acceleration.resize(3 * n);
   r.fresh.resize(n);
-  const bool as_they_are = r.parent_field.empty();
+  const bool as_they_are = r.parent_field.empty() && r.source.empty();
   std::size_t w = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const Key k = as_they_are ? keys[i] : source_of(keys[i], r.parent_field);
+    const Key k = as_they_are ? keys[i] : source_of(keys[i], r);
     if (as_they_are && w < wanted.size() && i > 0) ++w;
     if (w >= wanted.size() || wanted[w] != k) w = std::lower_bound(wanted.begin(), wanted.end(), k) - wanted.begin();
     r.fresh[i] = !found[w];
@@ -191,8 +193,8 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   if (ranks == 1) {
     for (GridRequest& r : requests) {
       std::vector<Key> wanted(r.grid->keys);
-      if (!r.parent_field.empty()) {
-        for (Key& k : wanted) k = source_of(k, r.parent_field);
+      if (!r.parent_field.empty() || !r.source.empty()) {
+        for (Key& k : wanted) k = source_of(k, r);
         sort_unique(wanted);
       }
       std::vector<char> found;
@@ -217,7 +219,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
     const GridRequest& r = requests[n];
     for (std::size_t i = 0; i < r.before.keys.size(); ++i) held.push_back({r.before.keys[i], &r.before.values[W * i]});
     for (std::size_t i = 0; i < r.grid->keys.size(); ++i) {
-      wanted.push_back(source_of(r.grid->keys[i], r.parent_field));
+      wanted.push_back(source_of(r.grid->keys[i], r));
       nodes.push_back({r.grid->keys[i], static_cast<int>(n), static_cast<int>(i)});
     }
   }
@@ -268,8 +270,8 @@ void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
   any_ties_ = any;
 }
 
-void Grid::lump_mass(const PointStore& points, double density) {
-  std::fill(mass.begin(), mass.end(), 0.0);
+std::vector<double> Grid::mass_here(const PointStore& points, double density) const {
+  std::vector<double> mass(keys.size(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -278,6 +280,11 @@ void Grid::lump_mass(const PointStore& points, double density) {
                                    [&](const auto& s) { scatter_scalar(mass.data(), m.column, s, density * points.blocks[b].volume); });
     }
   });
+  return mass;
+}
+
+void Grid::lump_mass(const PointStore& points, double density) {
+  mass = mass_here(points, density);
   // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes
   // (sum w v)^2 <= (sum |w|) (sum |w| v^2) of the masters.
   tie_factor_.clear();

@@ -86,6 +86,8 @@ class Grid {
 
   // Collective among the ranks that share nodes. Lumped mass of the points, density uniform; that of tied nodes with their heirs.
   void lump_mass(const PointStore& points, double density);
+  // That of the points of this rank alone, each node for itself.
+  std::vector<double> mass_here(const PointStore& points, double density) const;
 
   void clear_force();
   void sum_force() {
@@ -125,6 +127,7 @@ struct GridRequest {
   std::vector<Grid::Cell> cells;
   NodeKinematics before;            // motion that this rank knows of the body; may be that of all ranks
   std::map<int, int> parent_field;  // of the parts that are new
+  std::map<Key, Key> source;  // nodes that take over the motion of others
   std::vector<Key> extra;
   std::vector<char> fresh;          // answer
 };

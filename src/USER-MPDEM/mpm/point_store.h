@@ -50,6 +50,7 @@ struct BlockMeta {
   int joined = kOneCell;         // direction in which the block has a second cell, see arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
+  std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
   std::uint8_t linked = 0;  // had a link to a grain when it was made
   std::uint8_t second = 0;  // is in the second cell
   bool damaged = false;     // some lane has a state of the law that is not 0

@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "timestep", "quasistatic", "skip", "check", "events"};
+                                            "regularization", "cracks", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
@@ -69,6 +69,9 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
                           "use 'edge free' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (transfers) o.tied = false;
+  if (o.split && transfers)
+    args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
+                          "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.updated && o.basis == Basis::linear)
     w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
                 "from cell to cell; use 'basis quadratic'";
@@ -163,6 +166,8 @@ CementWords take_cement_words(Arguments& args) {
       o.relax = args.not_negative("quasistatic: the second number, share of critical damping,");
     } else if (key == "events") {
       w.events = args.word("a file name for 'events'");
+    } else if (key == "cracks") {
+      o.split = args.choice(key, {"bonds", "split"}) == "split";
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {

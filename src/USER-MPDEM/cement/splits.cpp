@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "splits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "../parallel/agree.h"
+#include "../parallel/all_to_all.h"
+
+namespace mpdem {
+
+namespace {
+
+Place place_of(const Key& k) { return {k[1], k[2], k[3]}; }
+Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p[0], p[1], p[2]}; }
+
+struct SentPoint {
+  int body;
+  CopyPoint point;
+  SheetPoint place;
+};
+constexpr char kLookedAt = 1, kToCome = 2;
+
+struct SentTag {
+  int body, tag;
+};
+struct SentPart {
+  int body, tag, part;
+};
+struct SentSource {
+  int body, part, from;
+  Place node;
+};
+struct SentEntry {
+  int body;
+  Place node;
+  NodeCopies::Entry entry;
+};
+struct SentToward {
+  int body;
+  Place node;
+  NodeCopies::Toward toward;
+};
+
+int ranks_of(MPI_Comm comm) {
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  return ranks;
+}
+
+int rank_in(MPI_Comm comm) {
+  int me;
+  MPI_Comm_rank(comm, &me);
+  return me;
+}
+
+SentPoint sent_point(const PointStore& points, int row, const Body& body, const CementOptions& options, int b, int l) {
+  SentPoint s{row, {}, sheet_point(points, body, b, l)};
+  CopyPoint& p = s.point;
+  SheetPoint& place = s.place;
+  p.tag = points.tags[b][l];
+  for (int d = 0; d < 3; ++d) {
+    p.cell[d] = place.cell[d];
+    // blocks of points that came from elsewhere know of no cell yet
+    p.base[d] = support_base(points.blocks[b].X[d][l], 1.0 / options.cell, cell_shift(options.basis));
+  }
+  p.part = points.meta[b].part;
+  p.failed = points.meta[b].looked_at >> l & 1;
+  const double nearer = nearer_to_first(body, place.X);
+  p.nearer = nearer_side(body, nearer);
+  p.middle = in_the_middle(body, nearer);
+  place.sheet = p.nearer;
+  place.middle = p.middle;
+  for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
+  return s;
+}
+
+std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
+  std::vector<CopyPoint> copies;
+  for (const SentPoint& s : points) copies.push_back(s.point);
+  return copies;
+}
+
+// Where the sides of a bond come close without touching.
+Crevice crevice_of(const std::vector<SentPoint>& points, const Body& body, const CementOptions& options) {
+  const double reach = sheet_reach(options.basis, options.cell);
+  std::vector<SheetPoint> near;
+  for (const SentPoint& s : points)
+    if (std::fabs(nearer_to_first(body, s.place.X)) <= reach) near.push_back(s.place);
+  return find_crevice(near, body, options.basis, options.cell);
+}
+
+template <class F>
+void for_each_point(const PointStore& points, F f) {
+  for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
+    for (int l = 0; l < kLanes; ++l)
+      if (points.meta[b].occupied >> l & 1) f(b, l);
+}
+
+// Points of the bonds asked for, on the ranks that look at these. Collective.
+std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+  const int ranks = ranks_of(comm);
+  std::vector<std::vector<SentPoint>> out(ranks);
+  for (const Bond& bond : bonds)
+    if (wanted[bond.body])
+      for_each_point(bond.points, [&](int b, int l) {
+        out[bond.body % ranks].push_back(sent_point(bond.points, bond.body, bonds.body(bond), options, b, l));
+      });
+  std::vector<std::vector<SentPoint>> whole(wanted.size());
+  for (const SentPoint& s : all_to_all(comm, out).data) whole[s.body].push_back(s);
+  return whole;
+}
+
+}  // namespace
+
+// What changed, from the ranks that looked to those that have points of the bonds.
+NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes) {
+  const int ranks = ranks_of(comm);
+  std::vector<std::vector<int>> here(ranks);
+  for (int r : rows)
+    if (bonds.find(r)) here[r % ranks].push_back(r);
+  const Received<int> holders = all_to_all(comm, here);
+  std::vector<std::vector<SentPart>> parts(ranks);
+  std::vector<std::vector<SentSource>> sources(ranks);
+  std::vector<std::vector<SentEntry>> entries(ranks);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < holders.count[rank]; ++i, ++n) {
+      const int r = holders.data[n];
+      const CopyChange& c = changes[std::lower_bound(rows.begin(), rows.end(), r) - rows.begin()];
+      for (const CopyChange::Moved& m : c.moved) parts[rank].push_back({r, m.tag, m.part});
+      for (const CopyChange::Source& s : c.sources) sources[rank].push_back({r, s.part, s.from, s.node});
+      for (const Place& p : c.rows)
+        for (const NodeCopies::Entry& e : *rows_[r].copies.row(p)) entries[rank].push_back({r, p, e});
+    }
+  NewPartsOfBonds found;
+  std::vector<SentPart> moved = all_to_all(comm, parts).data;
+  std::sort(moved.begin(), moved.end(), [](const SentPart& a, const SentPart& b) { return a.body != b.body ? a.body < b.body : a.tag < b.tag; });
+  for (int r : rows) {
+    const Bond* bond = bonds.find(r);
+    if (!bond) continue;
+    const auto of_bond =
+        std::equal_range(moved.begin(), moved.end(), SentPart{r, 0, 0}, [](const SentPart& a, const SentPart& b) { return a.body < b.body; });
+    if (of_bond.first == of_bond.second) continue;
+    std::map<int, int>& part_of_slot = found[r].part_of_slot;
+    for_each_point(bond->points, [&](int b, int l) {
+      const int tag = bond->points.tags[b][l];
+      const auto m = std::lower_bound(of_bond.first, of_bond.second, tag, [](const SentPart& a, int t) { return a.tag < t; });
+      if (m == of_bond.second || m->tag != tag) return;
+      if (m->part >= kMaxParts) throw OnOneRank(text_of("a bond broke into more than ", kMaxParts, " parts"));
+      part_of_slot[kLanes * b + l] = m->part;
+    });
+  }
+  for (const SentSource& s : all_to_all(comm, sources).data) found[s.body].source[key_at(s.body, s.part, s.node)] = key_at(s.body, s.from, s.node);
+  const int me = rank_in(comm);
+  std::map<Key, NodeCopies::Row> changed;
+  for (const SentEntry& e : all_to_all(comm, entries).data)
+    if (e.body % ranks != me) changed[key_at(e.body, 0, e.node)].push_back(e.entry);
+  for (auto& c : changed) rows_[body_of(c.first[0])].copies.set(place_of(c.first), std::move(c.second));
+  return found;
+}
+
+NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
+  const int from = first(), to = static_cast<int>(bonds.table.size());
+  if (from >= to && !is_restored_) return {};
+  rows_.resize(to);
+  const int ranks = ranks_of(comm), me = rank_in(comm), begin = is_restored_ ? 0 : from;
+  for (Bond& b : bonds)
+    for (BlockMeta& m : b.points.meta)
+      if (b.body >= from) m.looked_at = 0;
+  std::vector<char> wanted(to, 0);
+  std::fill(wanted.begin() + begin, wanted.end(), 1);
+  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, wanted);
+  std::vector<int> rows;
+  std::vector<CopyChange> changes;
+  for (int r = begin; r < to; ++r) {
+    rows.push_back(r);
+    changes.emplace_back();
+    if (r % ranks != me) continue;
+    Row& row = rows_[r];
+    row.known = true;
+    std::vector<CopyPoint> points = copy_points(whole[r]);
+    std::map<int, int> parts;  // of another fix, before this one
+    for (CopyPoint& p : points) {
+      if (p.part != 0) parts[p.tag] = p.part;
+      p.part = 0;
+      p.failed = false;
+    }
+    const Crevice crevice = crevice_of(whole[r], bonds.table[r], options);
+    std::vector<SentPoint>().swap(whole[r]);
+    CopyLattice lattice(std::move(points), support(options.basis));
+    changes.back() = lattice.start(row.copies, crevice);
+    if (r >= from) {
+      for (const CopyChange::Moved& m : changes.back().moved) parts.erase(m.tag);
+      for (const auto& p : parts) changes.back().moved.push_back({p.first, 0});
+      continue;
+    }
+    // a bond of a file has its copies from there
+    changes.back() = CopyChange();
+    row.copies.forget_rows();
+  }
+  for (const auto& e : restored_)
+    if (body_of(e.first[0]) % ranks == me) rows_[body_of(e.first[0])].copies.set(place_of(e.first), e.second);
+  restored_.clear();
+  is_restored_ = false;
+  return apply(comm, bonds, rows, changes);
+}
+
+std::map<Key, NodeCopies::Row> Splits::rows_to_keep(MPI_Comm comm) const {
+  const int ranks = ranks_of(comm), me = rank_in(comm);
+  std::map<Key, NodeCopies::Row> kept;
+  for (int r = me; r < first(); r += ranks)
+    for (const auto& row : rows_[r].copies.rows()) kept[key_at(r, 0, row.first)] = row.second;
+  return kept;
+}
+
+// Collective. Points of those bonds that have to come as a whole.
+void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+  std::vector<char> to_come(wanted.size(), 0);
+  for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
+  if (std::find(to_come.begin(), to_come.end(), 1) == to_come.end()) return;
+  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, to_come);
+  const int ranks = ranks_of(comm);
+  for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
+    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), support(options.basis));
+}
+
+Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
+  Found found;
+  const int ranks = ranks_of(comm), me = rank_in(comm), n = static_cast<int>(bonds.table.size());
+  std::vector<std::vector<SentTag>> out(ranks);
+  for (Bond& bond : bonds)
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
+      const BlockMeta& m = bond.points.meta[b];
+      const int fresh = m.failed & ~m.looked_at;
+      for (int l = 0; l < kLanes && fresh; ++l)
+        if (fresh >> l & 1) out[bond.body % ranks].push_back({bond.body, bond.points.tags[b][l]});
+    }
+  bool mine = false;
+  for (const auto& to : out) mine = mine || !to.empty();
+  int some = mine, any;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
+  if (!any) return found;
+  std::map<int, std::vector<int>> failed;
+  for (const SentTag& s : all_to_all(comm, out).data) failed[s.body].push_back(s.tag);
+  std::vector<char> wanted(n, 0);
+  for (const auto& f : failed) wanted[f.first] = rows_[f.first].lattice ? kLookedAt : kToCome;
+  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  find_lattices(comm, bonds, options, wanted);
+  for (Bond& bond : bonds)
+    if (wanted[bond.body])
+      for (BlockMeta& m : bond.points.meta) m.looked_at = m.failed;
+  std::vector<int> rows;
+  std::vector<CopyChange> changes;
+  std::vector<char> changed(n, 0);
+  for (int r = 0; r < n; ++r) {
+    if (!wanted[r]) continue;
+    rows.push_back(r);
+    changes.emplace_back();
+    if (r % ranks != me) continue;
+    changes.back() = rows_[r].lattice->fail(failed[r], rows_[r].copies);
+    changed[r] = !changes.back().rows.empty();
+  }
+  found.parts = apply(comm, bonds, rows, changes);
+  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, changed.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (int r : rows)
+    if (changed[r]) found.lay_out.push_back(r);
+  return found;
+}
+
+Splits::Found Splits::come_apart(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                 const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces) {
+  Found found;
+  const int n = static_cast<int>(bonds.table.size());
+  std::vector<char> wanted(n, 0);
+  for (const auto& p : pieces) wanted[p.first] = rows_[p.first].lattice ? kLookedAt : kToCome;
+  MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  find_lattices(comm, bonds, options, wanted);
+  std::vector<CopyChange> changes;
+  for (int r = 0; r < n; ++r) {
+    if (!wanted[r]) continue;
+    found.lay_out.push_back(r);
+    changes.emplace_back();
+    const auto p = pieces.find(r);
+    if (p != pieces.end()) changes.back() = rows_[r].lattice->come_apart(p->second, rows_[r].copies);
+  }
+  if (!found.lay_out.empty()) found.parts = apply(comm, bonds, found.lay_out, changes);
+  return found;
+}
+
+void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
+  const int ranks = ranks_of(comm), me = rank_in(comm);
+  for (Row& row : rows_) row.edges_known = false;
+  if (ranks == 1) return;
+  std::vector<std::vector<int>> ask(ranks);
+  for (int r = 0; r < first(); ++r) {
+    Row& row = rows_[r];
+    if (r % ranks == me) continue;
+    if (!bonds.find(r)) row = Row();  // what is known of it grows old
+    else if (!row.known) ask[r % ranks].push_back(r);
+  }
+  const Received<int> asked = all_to_all(comm, ask);
+  std::vector<std::vector<SentEntry>> entries(ranks);
+  std::vector<std::vector<SentToward>> towards(ranks);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < asked.count[rank]; ++i, ++n) {
+      const int r = asked.data[n];
+      for (const auto& row : rows_[r].copies.rows())
+        for (const NodeCopies::Entry& e : row.second) entries[rank].push_back({r, row.first, e});
+      for (const auto& t : rows_[r].copies.towards())
+        for (const NodeCopies::Toward& to : t.second) towards[rank].push_back({r, t.first, to});
+    }
+  std::map<Key, NodeCopies::Row> rows;
+  for (const SentEntry& e : all_to_all(comm, entries).data) rows[key_at(e.body, 0, e.node)].push_back(e.entry);
+  for (const auto& to : ask)
+    for (int r : to) {
+      rows_[r].copies.clear();
+      rows_[r].known = true;
+    }
+  for (auto& r : rows) rows_[body_of(r.first[0])].copies.set(place_of(r.first), std::move(r.second));
+  for (const SentToward& t : all_to_all(comm, towards).data) rows_[t.body].copies.towards()[t.node].push_back(t.toward);
+}
+
+bool Splits::edges_known(const std::vector<int>& rows) const {
+  return std::all_of(rows.begin(), rows.end(), [&](int r) { return rows_[r].edges_known; });
+}
+
+void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges) {
+  for (int r : rows) {
+    rows_[r].edges.clear();
+    rows_[r].edges_known = true;
+  }
+  for (EdgeTie& t : edges) rows_[body_of(t.slave[0])].edges.push_back(std::move(t));
+}
+
+// What stands for a node of the start now; none if that has been split.
+Key Splits::now(const Key& at_start) const {
+  const int body = body_of(at_start[0]);
+  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start[0]), place_of(at_start));
+  return part < 0 ? kNoNode : key_at(body, part, place_of(at_start));
+}
+
+std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S) const {
+  std::vector<Key> nodes;
+  const NodeCopies& copies = rows_[body].copies;
+  const Place* last = nullptr;
+  Place base;
+  int part = -1;
+  for (const BlockMeta& m : points.meta) {
+    if (m.part == 0) continue;
+    const Place here{m.base[0], m.base[1], m.base[2]};
+    if (last && here == base && m.part == part) continue;
+    base = here;
+    part = m.part;
+    last = &base;
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j)
+        for (int k = 0; k < S; ++k) {
+          const Place p{base[0] + i, base[1] + j, base[2] + k};
+          nodes.push_back(key_at(body, copies.canonical(part, p), p));
+        }
+  }
+  for (const EdgeTie& t : rows_[body].edges)
+    for (const auto* of_tie : {&t.masters, &t.heirs})
+      for (const auto& m : *of_tie) nodes.push_back(now(m.first));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
+  return nodes;
+}
+
+Key Splits::at_start(const Key& k) const {
+  const int body = body_of(k[0]);
+  const NodeCopies& copies = rows_[body].copies;
+  return copies.empty() ? key_at(body, 0, place_of(k)) : key_at(body, copies.at(part_of_field(k[0]), place_of(k)).first, place_of(k));
+}
+
+Key Splits::next(const Key& k, int direction) const {
+  const int body = body_of(k[0]), first = rows_[body].copies.toward(place_of(k), part_of_field(k[0]), direction);
+  if (first < 0) return kNoNode;
+  Place p = place_of(k);
+  p[direction / 2] += direction % 2 == 0 ? -1 : 1;
+  return key_at(body, first, p);
+}
+
+std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
+  std::vector<EdgeTie> ties;
+  for (const Key& k : keys) {
+    EdgeTie t;
+    t.slave = k;
+    const Key start = at_start(k);
+    const std::vector<EdgeTie>& edges = rows_[body_of(k[0])].edges;
+    const auto edge = std::lower_bound(edges.begin(), edges.end(), start, [](const EdgeTie& a, const Key& b) { return a.slave < b; });
+    if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
+      for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
+      for (const auto& h : edge->heirs) t.heirs.emplace_back(now(h.first), h.second);
+    }
+    const bool whole = !t.masters.empty() && std::none_of(t.masters.begin(), t.masters.end(), [](const auto& m) { return m.first == kNoNode; }) &&
+                       std::none_of(t.heirs.begin(), t.heirs.end(), [](const auto& h) { return h.first == kNoNode; });
+    if (!whole) {
+      const int part = part_of_field(k[0]), stands = rows_[body_of(k[0])].copies.canonical(part, place_of(k));
+      if (stands == part) continue;
+      const Key master = key_at(body_of(k[0]), stands, place_of(k));
+      t.masters.assign(1, {master, 1.0});
+      t.heirs = t.masters;
+    }
+    std::sort(t.masters.begin(), t.masters.end());
+    ties.push_back(std::move(t));
+  }
+  return ties;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "node_copies.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace mpdem {
+
+const NodeCopies::Row* NodeCopies::row(const Place& node) const {
+  const auto row = rows_.find(node);
+  return row == rows_.end() ? nullptr : &row->second;
+}
+
+NodeCopies::Entry NodeCopies::at(int part, const Place& node) const {
+  if (const Row* r = row(node))
+    for (const Entry& e : *r)
+      if (e.part == part) return e;
+  return {part, 0, 0};
+}
+
+int NodeCopies::canonical(int part, const Place& node) const {
+  const Row* r = row(node);
+  if (!r) return 0;
+  const int mine = at(part, node).copy;
+  for (const Entry& e : *r)
+    if (e.copy == mine) return e.part;
+  return part;
+}
+
+int NodeCopies::canonical_of_first(int first, const Place& node) const {
+  const Row* r = row(node);
+  if (!r) return 0;
+  const Entry* found = nullptr;
+  for (const Entry& e : *r) {
+    if (e.first != first) continue;
+    if (found && found->copy != e.copy) return -1;
+    if (!found) found = &e;
+  }
+  return found ? found->part : -1;
+}
+
+void NodeCopies::start() {
+  for (auto& r : rows_)
+    for (Entry& e : r.second) e.first = e.copy;
+}
+
+int NodeCopies::toward(const Place& node, int first, int direction) const {
+  const auto row = towards_.find(node);
+  if (row == towards_.end()) return 0;
+  for (const Toward& t : row->second)
+    if (t.first == first) return t.to[direction];
+  return -1;
+}
+
+namespace {
+
+constexpr int kOut = -2, kIn = -1;  // of seen_: not of the group; not reached yet
+
+bool connected(const CopyPoint& a, const CopyPoint& b, int face) {
+  return a.nearer == b.nearer || a.middle || b.middle || touches(a.space[face] + b.space[face ^ 1]);
+}
+
+Place place(const int* p) { return {p[0], p[1], p[2]}; }
+
+bool same_cell(const CopyPoint& a, const CopyPoint& b) { return std::equal(a.cell, a.cell + 3, b.cell); }
+
+bool before(const CopyPoint& a, const CopyPoint& b) {
+  const Place x = place(a.cell), y = place(b.cell);
+  return x != y ? x < y : a.tag < b.tag;
+}
+
+}  // namespace
+
+CopyLattice::CopyLattice(std::vector<CopyPoint> points, int support) : points_(std::move(points)), S_(support) {
+  std::sort(points_.begin(), points_.end(), before);
+  const int n = static_cast<int>(points_.size());
+  std::unordered_map<Place, int, PlaceHash> at;
+  at.reserve(n);
+  for (int i = 0; i < n; ++i) at.emplace(place(points_[i].cell), i);
+  next_.resize(n);
+  for (int i = 0; i < n; ++i)
+    for (int face = 0; face < 6; ++face) {
+      Place c = place(points_[i].cell);
+      c[face / 2] += face % 2 == 0 ? -1 : 1;
+      const auto next = at.find(c);
+      next_[i][face] = next == at.end() ? -1 : next->second;
+    }
+  by_tag_.resize(n);
+  std::iota(by_tag_.begin(), by_tag_.end(), 0);
+  std::sort(by_tag_.begin(), by_tag_.end(), [&](int a, int b) { return points_[a].tag < points_[b].tag; });
+  by_base_.resize(n);
+  std::iota(by_base_.begin(), by_base_.end(), 0);
+  std::stable_sort(by_base_.begin(), by_base_.end(), [&](int a, int b) { return place(points_[a].base) < place(points_[b].base); });
+  for (int k = 0; k < n;) {
+    const Place base = place(points_[by_base_[k]].base);
+    const int first = k;
+    while (k < n && place(points_[by_base_[k]].base) == base) ++k;
+    base_[base] = {first, k};
+  }
+  seen_.assign(n, kOut);
+}
+
+template <class F>
+void CopyLattice::for_each_node(const int* base, F f) const {
+  int n = 0;
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
+}
+
+template <class F>
+void CopyLattice::for_each_point(const Place& node, F f) const {
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) {
+        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
+        if (cell == base_.end()) continue;
+        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
+      }
+}
+
+// Those connected with a point; all of a cell are.
+template <class F>
+void CopyLattice::for_each_neighbour(int i, F f) const {
+  const CopyPoint& p = points_[i];
+  const int n = static_cast<int>(points_.size());
+  for (int j = i - 1; j >= 0 && same_cell(points_[j], p); --j) f(j);
+  for (int j = i + 1; j < n && same_cell(points_[j], p); ++j) f(j);
+  for (int face = 0; face < 6; ++face) {
+    const int first = next_[i][face];
+    if (first < 0) continue;
+    for (int j = first; j < n && (j == first || same_cell(points_[j], points_[first])); ++j)
+      if (connected(p, points_[j], face)) f(j);
+  }
+}
+
+CopyChange CopyLattice::start(NodeCopies& copies, const Crevice& crevice) {
+  crevice_ = &crevice;
+  std::vector<int> all(by_base_);
+  CopyChange change = split(nodes_of(all), copies);
+  crevice_ = nullptr;
+  copies.start();
+  find_towards(copies);
+  return change;
+}
+
+std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
+  std::vector<Place> nodes;
+  for (int i : points) for_each_node(points_[i].base, [&](const Place& n, int) { nodes.push_back(n); });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
+  std::vector<int> points;
+  for (int tag : tags) {
+    points.push_back(*std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int i, int t) { return points_[i].tag < t; }));
+    points_[points.back()].failed = true;
+  }
+  return split(nodes_of(points), copies);
+}
+
+CopyChange CopyLattice::come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies) {
+  std::vector<OfPiece> sorted(pieces);
+  const auto by_tag = [](const OfPiece& a, const OfPiece& b) { return a.tag < b.tag; };
+  std::sort(sorted.begin(), sorted.end(), by_tag);
+  for (CopyPoint& p : points_) p.piece = std::lower_bound(sorted.begin(), sorted.end(), OfPiece{p.tag, 0}, by_tag)->piece;
+  std::vector<int> border;
+  for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
+    bool meets = false;
+    for_each_neighbour(i, [&](int j) { meets = meets || points_[j].piece != points_[i].piece; });
+    if (meets) border.push_back(i);
+  }
+  return split(nodes_of(border), copies);
+}
+
+CopyChange CopyLattice::split(const std::vector<Place>& nodes, NodeCopies& copies) {
+  wanted_.clear();
+  split_now_.clear();
+  for (const Place& n : nodes) look_at(n, copies);
+  return wanted_.empty() ? CopyChange() : colour(copies);
+}
+
+// Within a component all points have the same side and piece where these count, so its first stands for all.
+bool CopyLattice::is_way(int from, int to) const {
+  const CopyPoint &a = points_[from], &b = points_[to];
+  return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
+}
+
+// The copies of a node: do the points of one fall apart?
+void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
+  std::map<int, std::vector<int>> groups;
+  const NodeCopies::Row* row = copies.row(node);
+  for_each_point(node, [&](int p) { groups[row ? copies.at(points_[p].part, node).copy : 0].push_back(p); });
+  apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
+  int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
+  for (auto& g : groups) {
+    std::sort(g.second.begin(), g.second.end());
+    part_group(node, g.second, next);
+  }
+}
+
+void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int& next) {
+  for (int i : group) seen_[i] = kIn;
+  std::vector<std::vector<int>> components;
+  for (int first : group) {
+    if (points_[first].failed || seen_[first] != kIn) continue;
+    const int c = static_cast<int>(components.size());
+    components.emplace_back(1, first);
+    seen_[first] = c;
+    for (std::size_t n = 0; n < components[c].size(); ++n)
+      for_each_neighbour(components[c][n], [&](int j) {
+        if (seen_[j] != kIn || points_[j].failed || !is_way(first, j)) return;
+        seen_[j] = c;
+        components[c].push_back(j);
+      });
+  }
+  if (components.size() > 1) {
+    // the largest keeps the node
+    std::vector<int> rank(components.size()), of(components.size());
+    std::iota(rank.begin(), rank.end(), 0);
+    std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
+    for (std::size_t n = 0; n < rank.size(); ++n) of[rank[n]] = static_cast<int>(n);
+    for (int i : group)
+      if (seen_[i] >= 0) seen_[i] = of[seen_[i]];
+    find_middles(components, rank);
+    grow(group);
+    for (int i : group)
+      if (seen_[i] > 0) wanted_[i][node] = next + seen_[i] - 1;
+    split_now_[node] = 1;
+    next += static_cast<int>(components.size()) - 1;
+  }
+  for (int i : group) seen_[i] = kOut;
+}
+
+void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
+  middles_.clear();
+  for (int c : rank) {
+    Middle m{static_cast<int>(components[c].size()), {0, 0, 0}};
+    for (int i : components[c])
+      for (int d = 0; d < 3; ++d) m.sum[d] += points_[i].cell[d];
+    middles_.push_back(m);
+  }
+}
+
+// Of two components as near, the larger; of those alike, that whose middle is nearer: mirrored cracks split alike.
+bool CopyLattice::goes_with(int i, int a, int b) const {
+  if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
+  long long distance[2] = {0, 0};
+  for (int d = 0; d < 3; ++d) {
+    const long long of_a = static_cast<long long>(middles_[a].size) * points_[i].cell[d] - middles_[a].sum[d];
+    const long long of_b = static_cast<long long>(middles_[b].size) * points_[i].cell[d] - middles_[b].sum[d];
+    distance[0] += of_a * of_a;
+    distance[1] += of_b * of_b;
+  }
+  return distance[0] != distance[1] ? distance[0] < distance[1] : a < b;
+}
+
+// Failed points go with the nearest that hold; what cannot be reached stays.
+void CopyLattice::grow(const std::vector<int>& group) {
+  std::vector<int> front;
+  for (int i : group)
+    if (seen_[i] >= 0) front.push_back(i);
+  while (!front.empty()) {
+    std::map<int, int> claims;
+    for (int i : front)
+      for_each_neighbour(i, [&](int j) {
+        if (seen_[j] != kIn) return;
+        const auto c = claims.emplace(j, seen_[i]).first;
+        if (goes_with(j, seen_[i], c->second)) c->second = seen_[i];
+      });
+    front.clear();
+    for (const auto& c : claims) {
+      seen_[c.first] = c.second;
+      front.push_back(c.first);
+    }
+  }
+  for (int i : group)
+    if (seen_[i] == kIn) seen_[i] = 0;
+}
+
+bool CopyLattice::Class::operator<(const Class& o) const {
+  if (base != o.base) return base < o.base;
+  if (part != o.part) return part < o.part;
+  return std::lexicographical_compare(copy.begin(), copy.end(), o.copy.begin(), o.copy.end(),
+                                      [](const NodeCopies::Entry& a, const NodeCopies::Entry& b) { return a.copy < b.copy; });
+}
+
+CopyChange CopyLattice::colour(NodeCopies& copies) {
+  std::map<Class, std::vector<int>> classes;  // of the points that changed
+  for (const auto& w : wanted_) {
+    const CopyPoint& p = points_[w.first];
+    Class c{place(p.base), p.part, {}};
+    for_each_node(p.base, [&](const Place& n, int) {
+      NodeCopies::Entry e = copies.at(p.part, n);
+      const auto other = w.second.find(n);
+      if (other != w.second.end()) e.copy = other->second;
+      c.copy.push_back(e);
+    });
+    classes[c].push_back(w.first);
+  }
+  // rows of their nodes, as the points that did not change have them
+  std::map<Place, RowNow> rows;
+  for (const auto& n : split_now_) rows[n.first];
+  for (const auto& c : classes)
+    for_each_node(c.first.base.data(), [&](const Place& n, int) {
+      if (copies.row(n)) rows[n];
+    });
+  for (auto& r : rows)
+    for_each_point(r.first, [&](int p) {
+      if (!wanted_.count(p)) r.second[points_[p].part] = copies.at(points_[p].part, r.first);
+    });
+  CopyChange change;
+  for (const auto& c : classes) {
+    const int part = free_part(c.first, rows);
+    for_each_node(c.first.base.data(), [&](const Place& n, int at) {
+      const auto row = rows.find(n);
+      if (row != rows.end()) row->second[part] = {part, c.first.copy[at].copy, c.first.copy[at].first};
+      if (part != c.first.part) change.sources.push_back({n, part, c.first.part});
+    });
+    if (part == c.first.part) continue;
+    for (int i : c.second) {
+      points_[i].part = part;
+      change.moved.push_back({points_[i].tag, part});
+    }
+  }
+  for (const auto& r : rows) {
+    NodeCopies::Row row;
+    for (const auto& e : r.second) row.push_back(e.second);
+    copies.set(r.first, std::move(row));
+    change.rows.push_back(r.first);
+  }
+  return change;
+}
+
+int CopyLattice::free_part(const Class& c, const std::map<Place, RowNow>& rows) const {
+  const auto fits = [&](int part) {
+    bool all = true;
+    for_each_node(c.base.data(), [&](const Place& n, int at) {
+      const auto row = rows.find(n);
+      if (row == rows.end()) return;
+      const auto e = row->second.find(part);
+      all = all && (e == row->second.end() || e->second.copy == c.copy[at].copy);
+    });
+    return all;
+  };
+  if (fits(c.part)) return c.part;
+  int part = 0;
+  while (!fits(part)) ++part;
+  return part;
+}
+
+// By the classes, which know what each of their nodes is.
+void CopyLattice::find_towards(NodeCopies& copies) const {
+  std::map<Place, std::map<int, std::array<int, 6>>> found;
+  constexpr int kUnknown = -2, kNone = -1;
+  for (const auto& b : base_) {
+    std::map<int, char> parts;
+    for (int n = b.second.first; n < b.second.second; ++n) parts[points_[by_base_[n]].part] = 1;
+    bool near = false;
+    for_each_node(b.first.data(), [&](const Place& n, int) { near = near || copies.row(n); });
+    if (!near) continue;
+    for (const auto& p : parts)
+      for_each_node(b.first.data(), [&](const Place& n, int) {
+        std::array<int, 6> unknown;
+        unknown.fill(kUnknown);
+        std::array<int, 6>& to = found[n].emplace(copies.at(p.first, n).first, unknown).first->second;
+        for (int f = 0; f < 6; ++f) {
+          Place next = n;
+          next[f / 2] += f % 2 == 0 ? -1 : 1;
+          const int d = f / 2;
+          if (next[d] < b.first[d] || next[d] >= b.first[d] + S_) continue;
+          const int first = copies.at(p.first, next).first;
+          to[f] = to[f] == kUnknown || to[f] == first ? first : kNone;
+        }
+      });
+  }
+  copies.towards().clear();
+  // A node that cells beside these have too is whole, and so are its neighbours there.
+  for (const auto& n : found) {
+    const bool split = copies.row(n.first);
+    for (const auto& c : n.second) {
+      NodeCopies::Toward t{c.first, c.second};
+      for (int f = 0; f < 6; ++f) {
+        Place next = n.first;
+        next[f / 2] += f % 2 == 0 ? -1 : 1;
+        if (t.to[f] == kUnknown) t.to[f] = split || copies.row(next) ? kNone : 0;
+      }
+      copies.towards()[n.first].push_back(t);
+    }
+  }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A node is split into as many copies as there are connected parts of material in its support: what a crack has
+// parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way leads from one to the
+// other that stays in the support, over points that hold and whose lattice cells share a face. At the tip of a crack there is such a way
+// around it, and the node is whole. Where the cement of one grain runs close to that of the other without touching it, as coatings do
+// beyond the ring in which they meet, nodes are split from the start: faces of lattice cells between the two count only if the material
+// reaches them (touches()), and at nodes where enough of it does (crevice.h). Copies never join again.
+//
+// Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl. Mech. Engrg. 193,
+// 2004, 3523-3540). The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
+// its bond (body.h), and a part has one node at a place: classes are coloured, so that those of a part agree wherever they
+// meet. Nodes of several parts that are one copy are tied to that of the first part (`canonical`), whole nodes to that of part 0.
+//
+// Points that failed go with the nearest that hold, in steps from cell to cell in the support; those as near to several with the
+// largest, or of those alike with that whose middle is nearer. So each point keeps to one copy of a node until that is split, and the
+// mass and momentum of a node are the sums of those of its copies.
+// Serial, on all points of one bond; the result does not depend on their order.
+#ifndef MPDEM_NODE_COPIES_H
+#define MPDEM_NODE_COPIES_H
+
+#include <array>
+#include <map>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "crevice.h"
+
+namespace mpdem {
+
+using Place = std::array<int, 3>;  // of a node, or a cell
+
+struct PlaceHash {
+  std::size_t operator()(const Place& n) const {
+    return static_cast<std::size_t>(n[0]) * 73856093u ^ static_cast<std::size_t>(n[1]) * 19349663u ^ static_cast<std::size_t>(n[2]) * 83492791u;
+  }
+};
+
+// Of one bond: the nodes that are split.
+class NodeCopies {
+ public:
+  struct Entry {
+    int part, copy;
+    int first;  // copy at the start
+  };
+  using Row = std::vector<Entry>;  // ascending in part
+
+  bool empty() const { return rows_.empty(); }
+  const Row* row(const Place& node) const;
+  // Entry of a part; of a node that is whole {part, 0, 0}. The part must be known there.
+  Entry at(int part, const Place& node) const;
+  // Part whose node stands for that of this part.
+  int canonical(int part, const Place& node) const;
+  // The part whose node stands for the copy `first` of the start; -1 if that has been split since.
+  int canonical_of_first(int first, const Place& node) const;
+  const std::map<Place, Row>& rows() const { return rows_; }
+  void set(const Place& node, Row row) { rows_[node] = std::move(row); }
+  void forget_rows() { rows_.clear(); }
+  void clear() { *this = NodeCopies(); }
+  // What there is now is the start.
+  void start();
+
+  // Copy of the start that a copy of the start meets at the next node in direction -x +x -y +y -z +z; -1: none, or several.
+  int toward(const Place& node, int first, int direction) const;
+  struct Toward {
+    int first;
+    std::array<int, 6> to;
+  };
+  std::map<Place, std::vector<Toward>>& towards() { return towards_; }
+  const std::map<Place, std::vector<Toward>>& towards() const { return towards_; }
+
+ private:
+  std::map<Place, Row> rows_;
+  std::map<Place, std::vector<Toward>> towards_;  // of nodes that are split at the start, and of those beside them
+};
+
+// A point of the bond.
+struct CopyPoint {
+  int tag;
+  int cell[3];  // of the lattice
+  int base[3];  // first node of its support
+  int part;
+  int nearer;      // as in CrackPoint
+  float space[6];
+  bool failed, middle;
+  int piece = 0;
+};
+
+struct CopyChange {
+  struct Moved {
+    int tag, part;
+  };
+  std::vector<Moved> moved;  // points that change their part
+  // Node of a part, and the part whose node its points had there before.
+  struct Source {
+    Place node;
+    int part, from;
+  };
+  std::vector<Source> sources;
+  std::vector<Place> rows;  // of the copies, that changed
+};
+
+// The points of a bond, for as long as they stay in their cells.
+class CopyLattice {
+ public:
+  // support: nodes a direction.
+  CopyLattice(std::vector<CopyPoint> points, int support);
+  // At the start: all nodes. In a crevice (crevice.h) there are those that are not joined: no way leads there from what is nearer to the one
+  // grain to what is nearer to the other.
+  CopyChange start(NodeCopies& copies, const Crevice& crevice = {});
+  // These points failed, by their tags.
+  CopyChange fail(const std::vector<int>& tags, NodeCopies& copies);
+  // The bond has come apart: points, by their tags, and the piece (separation.h) that each goes with. Those of different pieces are not
+  // connected, whatever narrow bridge is between them.
+  struct OfPiece {
+    int tag, piece;
+  };
+  CopyChange come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies);
+  const std::vector<CopyPoint>& points() const { return points_; }
+
+ private:
+  struct Class {
+    Place base;
+    int part;  // so far
+    std::vector<NodeCopies::Entry> copy;  // of each node of the support
+    bool operator<(const Class& o) const;
+  };
+  using RowNow = std::map<int, NodeCopies::Entry>;
+
+  template <class F>
+  void for_each_node(const int* base, F f) const;
+  template <class F>
+  void for_each_point(const Place& node, F f) const;
+  template <class F>
+  void for_each_neighbour(int i, F f) const;
+  std::vector<Place> nodes_of(const std::vector<int>& points) const;
+  CopyChange split(const std::vector<Place>& nodes, NodeCopies& copies);
+  bool is_way(int from, int to) const;
+  void look_at(const Place& node, const NodeCopies& copies);
+  void part_group(const Place& node, const std::vector<int>& group, int& next);
+  void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
+  bool goes_with(int i, int a, int b) const;
+  void grow(const std::vector<int>& group);
+  CopyChange colour(NodeCopies& copies);
+  int free_part(const Class& c, const std::map<Place, RowNow>& rows) const;
+  void find_towards(NodeCopies& copies) const;
+
+  std::vector<CopyPoint> points_;  // ascending in cell and tag
+  int S_;
+  std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
+  std::vector<int> by_tag_;               // points
+  std::vector<int> by_base_;                                        // points
+  std::unordered_map<Place, std::pair<int, int>, PlaceHash> base_;  // of those with a base: the first, and behind the last
+  // while nodes are looked at
+  std::vector<int> seen_;                       // a point
+  const Crevice* crevice_ = nullptr;            // at the start
+  struct Middle {
+    int size;
+    long long sum[3];  // of the cells
+  };
+  std::vector<Middle> middles_;                 // of the components of a copy
+  bool apart_ = false;                          // sides, at this node
+  std::map<int, std::map<Place, int>> wanted_;  // point, node, new copy
+  std::map<Place, char> split_now_;
+};
+
+}  // namespace mpdem
+
+#endif

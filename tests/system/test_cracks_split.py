@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Nodes that split where a crack has parted the cement (`cracks split`): ranks, restart, momentum, energy, and that nothing pulls across."""
+import shutil
+
+import numpy as np
+import pytest
+from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, shift, thermo)
+from test_point_file import read, write
+
+CELL, ASKEW = 3e-4, (0.3, -0.2, 1.0)
+BOND = dict(direction=ASKEW, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (12.5e-3,))
+DAMAGE = "damage tensor B0 9.6e4 cutoff 0.9 cracks split"
+BEFORE, AFTER, EVERY = 216, 300, 4
+COLUMNS = ["id", "x", "y", "z", "vx", "vy", "vz", "c_damage", "c_failed", "c_stress_zz"]
+OUTPUT = point_quantities(["damage", "failed", "stress_zz"])
+SCALARS = ["f_bond", "f_bond[4]", "f_bond[17]", "f_bond[18]", "f_bond[22]", "f_cem[8]", "f_cem[12]"]
+
+
+def pulled(words=""):
+    return cement(CELL, 8e-9, axis="radial", damage=f"{DAMAGE} {words}") + pull(3.0, 2e-6, ASKEW) + OUTPUT + thermo(EVERY, SCALARS)
+
+
+def script(processors="* * *"):
+    return (pair(CELL / 2, processors=processors, **BOND) + pulled() + f"run {BEFORE}\nwrite_restart middle.restart\n" + dump(BEFORE + AFTER, COLUMNS[1:])
+            + f"run {AFTER}\n")
+
+
+@pytest.fixture(scope="module")
+def one_rank(tmp_path_factory):
+    return run(script(), tmp_path_factory.mktemp("one_rank"))
+
+
+def test_nothing_pulls_across(one_rank, figures):
+    t = one_rank.table()
+    apart = np.argmax(t["f_bond[22]"] > 0)
+    assert t["f_bond[18]"][BEFORE // EVERY] > 50 and BEFORE < EVERY * apart < BEFORE + AFTER - 100, EVERY * apart
+    force = t["f_bond"][apart:]
+    figures.below("cracks split: mean force after the bond came apart, over the peak", abs(force.mean()) / t["f_bond"].max(), 0.01)
+    figures.below("cracks split: energy imbalance through failure", abs(t["f_cem[12]"][10:]).max(), 0.01)
+
+
+@pytest.mark.parametrize("ranks, processors", [(2, "1 1 2"), (4, "2 2 1")])
+def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
+    other = run(script(processors), tmp_path, ranks)
+    a, b = one_rank.table(), other.table()
+    assert a["f_bond[18]"][-1] > 500 and (a["f_bond[18]"] == b["f_bond[18]"]).all() and (a["f_bond[22]"] == b["f_bond[22]"]).all()
+    figures.below(f"cracks split, {ranks} ranks cut {processors}: bond force against 1 rank, over the peak",
+                  (abs(a["f_bond"] - b["f_bond"]) / a["f_bond"].max()).max(), 1e-8)
+    p, q = one_rank.points(BEFORE + AFTER), other.points(BEFORE + AFTER)
+    figures.below(f"cracks split, {ranks} ranks: points failed on one and not the other, of {p['c_failed'].sum():.0f}",
+                  (p["c_failed"] != q["c_failed"]).sum(), 0)
+
+
+def test_restart(one_rank, tmp_path, figures):
+    shutil.copy(one_rank.directory / "middle.restart", tmp_path)
+    other = run(restarted("middle.restart") + pulled() + dump(BEFORE + AFTER, COLUMNS[1:]) + f"run {AFTER}\n", tmp_path)
+    p, q = one_rank.points(BEFORE + AFTER), other.points(BEFORE + AFTER)
+    different = [c for c in p if (p[c] != q[c]).any()]
+    assert not different, different
+    for name, column in other.table().items():
+        assert (one_rank.table()[name][-AFTER // EVERY - 1:] == column).all(), name
+    figures.note("cracks split, restart while points fail", f"{len(p)} columns equal to the bit")
+
+
+def test_other_word(one_rank, tmp_path):
+    shutil.copy(one_rank.directory / "middle.restart", tmp_path)
+    other = launch(edit(restarted("middle.restart") + pulled() + "run 1\n", "cracks split", "cracks bonds"), tmp_path)
+    assert other.status != 0 and "'cracks bonds' but the restart file was written with 'cracks split'" in other.output
+
+
+def test_momentum(tmp_path, figures):
+    """Free grains fly apart: what splits keeps momentum and angular momentum."""
+    leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
+    table = run(pair(CELL / 2, **{**BOND, "half_box": 3 * (16e-3,)})
+                + cement(CELL, 8e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 cracks split", couple="kn 2e12 kt 3e11")
+                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 1200\n",
+                tmp_path, ranks=2).table()
+    assert table["f_bond[22]"][-1] == 1
+    P = np.array([table[c] for c in MOMENTUM_COLUMNS])
+    linear, angular = (np.linalg.norm(p - p[:, :1], axis=0).max() for p in (P[:3], P[3:]))
+    scale = np.linalg.norm(P[:3, 0])
+    figures.below("cracks split: drift of momentum", linear / scale, 1e-10)
+    figures.below("cracks split: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
+
+
+def test_cut_but_for_a_point(tmp_path, figures):
+    """A crack through the middle that leaves one point: with shared nodes the bond holds and carries, with split ones it does not."""
+    words = "inner 1e-3 outer 2e-3"
+    scene = pair(CELL / 2, shape="flat", cement=words)
+    run(scene + "write_cement cement.txt\n", tmp_path)
+    columns = read(tmp_path / "cement.txt")
+    plane = abs(columns["z"]) < CELL / 2
+    first = np.flatnonzero(plane)[0]
+    bridge = (abs(columns["x"] - columns["x"][first]) < CELL / 8) & (abs(columns["y"] - columns["y"][first]) < CELL / 8)
+    force = {}
+    for name in ("whole", "bonds", "split"):
+        columns["failed"] = (plane & ~bridge & (name != "whole")).astype(float)
+        write(tmp_path / name / "cement.txt", columns)
+        t = run(edit(scene, f"shape flat {words}", "file cement.txt")
+                + cement(CELL, 8e-9, axis="radial", damage=f"damage tensor B0 9.6e9 cutoff 0.9 cracks {name.replace('whole', 'bonds')}")
+                + shift(1e-9, 2e-6) + thermo(5, ["f_bond", "f_bond[22]"]) + "run 1000\n", tmp_path / name).table()
+        force[name] = t["f_bond"][-100:].mean()
+        assert t["f_bond[22]"][-1] == (name == "split")
+    figures.note("cut but for a point, shared nodes: force over that of the whole bond", f"{force['bonds'] / force['whole']:.4f}")
+    figures.below("cut but for a point, split nodes: force over that of the whole bond", abs(force["split"] / force["whole"]), 1e-3)

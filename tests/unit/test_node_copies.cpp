@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A block of points, two in a cell and direction, that fail in planes or at random; connected parts are found again in the plainest way.
+#include "fracture/node_copies.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+namespace mpdem {
+namespace {
+
+constexpr int kSupport = 3;
+
+std::vector<CopyPoint> block(int nx, int ny, int nz) {
+  std::vector<CopyPoint> points;
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nz; ++k) {
+        CopyPoint p{};
+        p.tag = 1 + static_cast<int>(points.size());
+        const int cell[3] = {i, j, k};
+        for (int d = 0; d < 3; ++d) {
+          p.cell[d] = cell[d];
+          p.base[d] = cell[d] / 2 - 1;
+        }
+        points.push_back(p);
+      }
+  return points;
+}
+
+// The block with the parts that it has by now.
+class Pieces {
+ public:
+  explicit Pieces(std::vector<CopyPoint> points) : points_(points), lattice_(std::move(points), kSupport) {
+    take(lattice_.start(copies));
+    EXPECT_TRUE(copies.empty());
+  }
+
+  void fail(const std::vector<int>& tags) {
+    for (CopyPoint& p : points_) p.failed = p.failed || std::count(tags.begin(), tags.end(), p.tag);
+    take(lattice_.fail(tags, copies));
+  }
+
+  void come_apart(const std::vector<CopyLattice::OfPiece>& pieces) { take(lattice_.come_apart(pieces, copies)); }
+
+  // Of each node the points in its support that hold; which of them share its copy, and which are connected?
+  void check() const {
+    std::map<Place, std::vector<int>> nodes;
+    for (int i = 0; i < static_cast<int>(points_.size()); ++i)
+      for (int a = 0; a < 27; ++a) nodes[{points_[i].base[0] + a / 9, points_[i].base[1] + a / 3 % 3, points_[i].base[2] + a % 3}].push_back(i);
+    for (const auto& n : nodes) {
+      const std::vector<int> component = components(n.second);
+      std::map<int, int> of_copy, of_component;
+      for (std::size_t k = 0; k < n.second.size(); ++k) {
+        const CopyPoint& p = points_[n.second[k]];
+        const int stands = copies.canonical(p.part, n.first);
+        // what stands for a copy stands for itself
+        ASSERT_EQ(copies.canonical(stands, n.first), stands);
+        if (p.failed) continue;
+        ASSERT_EQ(of_copy.emplace(stands, component[k]).first->second, component[k]) << "shared by what is not connected";
+        ASSERT_EQ(of_component.emplace(component[k], stands).first->second, stands) << "not shared by what is connected";
+      }
+    }
+  }
+
+  std::map<int, int> parts() const {
+    std::map<int, int> of_tag;
+    for (const CopyPoint& p : points_) of_tag[p.tag] = p.part;
+    return of_tag;
+  }
+
+  NodeCopies copies;
+
+ private:
+  void take(const CopyChange& change) {
+    for (const CopyChange::Moved& m : change.moved) points_[m.tag - 1].part = m.part;
+  }
+
+  std::vector<int> components(const std::vector<int>& members) const {
+    std::vector<int> component(members.size());
+    for (std::size_t i = 0; i < members.size(); ++i) component[i] = static_cast<int>(i);
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < members.size(); ++i)
+        for (std::size_t j = 0; j < members.size(); ++j) {
+          const CopyPoint &a = points_[members[i]], &b = points_[members[j]];
+          int steps = 0;
+          for (int d = 0; d < 3; ++d) steps += std::abs(a.cell[d] - b.cell[d]);
+          if (a.failed || b.failed || steps != 1 || component[j] <= component[i]) continue;
+          component[j] = component[i];
+          more = true;
+        }
+    }
+    return component;
+  }
+
+  std::vector<CopyPoint> points_;
+  CopyLattice lattice_;
+};
+
+TEST(NodeCopies, OneFailedPointSplitsNothing) {
+  Pieces p(block(8, 8, 8));
+  p.fail({1 + 3 * 64 + 3 * 8 + 3});
+  EXPECT_TRUE(p.copies.empty());
+}
+
+// Up to the tip nodes are whole whose support the crack does not part.
+TEST(NodeCopies, CrackWithATip) {
+  std::vector<CopyPoint> points = block(12, 16, 6);
+  Pieces p(points);
+  std::vector<int> crack;
+  for (const CopyPoint& q : points)
+    if (q.cell[0] == 6 && q.cell[1] < 8) crack.push_back(q.tag);
+  p.fail(crack);
+  p.check();
+  std::set<int> split;
+  for (const auto& row : p.copies.rows()) {
+    split.insert(row.first[1]);
+    EXPECT_GE(row.first[0], 2);  // supports that the plane crosses
+    EXPECT_LE(row.first[0], 4);
+  }
+  // Cells 0 to 3 along y are cracked through: these nodes see no others.
+  EXPECT_EQ(split, (std::set<int>{-1, 0, 1, 2}));
+}
+
+TEST(NodeCopies, AnyFailuresInAnyOrder) {
+  for (unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937 random(seed);
+    std::vector<CopyPoint> points = block(10, 8, 8);
+    std::vector<int> tags;
+    for (const CopyPoint& q : points) tags.push_back(q.tag);
+    std::shuffle(tags.begin(), tags.end(), random);
+    Pieces p(points);
+    std::reverse(points.begin(), points.end());
+    std::vector<CopyPoint> again(points);
+    CopyLattice other(again, kSupport);
+    NodeCopies copies;
+    other.start(copies);
+    for (int n = 0; n < 6; ++n) {
+      std::vector<int> failed(tags.begin() + 80 * n, tags.begin() + 80 * (n + 1));
+      p.fail(failed);
+      std::reverse(failed.begin(), failed.end());
+      other.fail(failed, copies);
+      p.check();
+    }
+    EXPECT_GT(p.copies.rows().size(), 100u);
+    const std::map<int, int> parts = p.parts();
+    for (const CopyPoint& q : other.points()) ASSERT_EQ(q.part, parts.at(q.tag));
+  }
+}
+
+// New nodes take the motion of the copy that their points had.
+TEST(NodeCopies, SourcesAreThoseOfThePoints) {
+  std::vector<CopyPoint> points = block(12, 6, 6);
+  CopyLattice lattice(points, kSupport);
+  NodeCopies copies;
+  lattice.start(copies);
+  std::vector<int> crack;
+  for (const CopyPoint& q : points)
+    if (q.cell[0] == 5) crack.push_back(q.tag);
+  const CopyChange change = lattice.fail(crack, copies);
+  EXPECT_FALSE(change.moved.empty());
+  std::set<std::pair<Place, int>> have;
+  for (const CopyChange::Source& s : change.sources) {
+    EXPECT_EQ(s.from, 0);
+    have.insert({s.node, s.part});
+  }
+  for (const CopyPoint& q : lattice.points())
+    for (int a = 0; a < 27 && q.part != 0; ++a)
+      EXPECT_TRUE(have.count({Place{q.base[0] + a / 9, q.base[1] + a / 3 % 3, q.base[2] + a % 3}, q.part}));
+}
+
+TEST(NodeCopies, PiecesShareNoNode) {
+  std::vector<CopyPoint> points = block(8, 4, 4);
+  Pieces p(points);
+  std::vector<CopyLattice::OfPiece> pieces;
+  for (const CopyPoint& q : points) pieces.push_back({q.tag, q.cell[0] < 4 ? 0 : 1});
+  p.come_apart(pieces);
+  const std::map<int, int> parts = p.parts();
+  for (const CopyPoint& a : points)
+    for (const CopyPoint& b : points)
+      for (int n = 0; n < 27 && a.cell[0] < 4 && b.cell[0] >= 4; ++n) {
+        const Place node{a.base[0] + n / 9, a.base[1] + n / 3 % 3, a.base[2] + n % 3};
+        bool both = true;
+        for (int d = 0; d < 3; ++d) both = both && node[d] >= b.base[d] && node[d] < b.base[d] + kSupport;
+        if (both) ASSERT_NE(p.copies.canonical(parts.at(a.tag), node), p.copies.canonical(parts.at(b.tag), node));
+      }
+}
+
+// A fold of two layers that meet at one end: nodes beside the fold know which layer they go on in.
+TEST(NodeCopies, NextNodesAtTheStart) {
+  std::vector<CopyPoint> points;
+  for (CopyPoint p : block(16, 4, 6)) {
+    if (p.cell[0] >= 4 && (p.cell[2] == 2 || p.cell[2] == 3)) continue;
+    p.nearer = p.cell[2] < 3;
+    p.tag = 1 + static_cast<int>(points.size());
+    points.push_back(p);
+  }
+  CopyLattice lattice(points, kSupport);
+  NodeCopies copies;
+  lattice.start(copies);
+  ASSERT_FALSE(copies.empty());
+  int met = 0, forks = 0;
+  for (const CopyPoint& p : lattice.points())
+    for (int a = 0; a < 27; ++a)
+      for (int f = 0; f < 6; ++f) {
+        const Place node{p.base[0] + a / 9, p.base[1] + a / 3 % 3, p.base[2] + a % 3};
+        Place next = node;
+        next[f / 2] += f % 2 == 0 ? -1 : 1;
+        if (next[f / 2] < p.base[f / 2] || next[f / 2] >= p.base[f / 2] + kSupport) continue;
+        const int to = copies.toward(node, copies.at(p.part, node).first, f);
+        if (copies.row(node)) {
+          ASSERT_EQ(to, copies.at(p.part, next).first);
+          ++met;
+        } else if (copies.row(next) && to != -1) {  // whole, before a split one: one of its copies, if only that is met
+          ASSERT_EQ(to, copies.at(p.part, next).first);
+        } else if (copies.row(next)) {
+          ++forks;
+        } else {
+          ASSERT_EQ(to, 0);
+        }
+      }
+  EXPECT_GT(met, 1000);
+  EXPECT_GT(forks, 0);
+}
+
+}  // namespace
+}  // namespace mpdem
