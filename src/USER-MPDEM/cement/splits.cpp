@@ -346,21 +346,17 @@ Key Splits::now(const Key& at_start) const {
 std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S) const {
   std::vector<Key> nodes;
   const NodeCopies& copies = rows_[body].copies;
-  const Place* last = nullptr;
-  Place base;
-  int part = -1;
+  const BlockMeta* last = nullptr;
   for (const BlockMeta& m : points.meta) {
     if (m.part == 0) continue;
-    const Place here{m.base[0], m.base[1], m.base[2]};
-    if (last && here == base && m.part == part) continue;
-    base = here;
-    part = m.part;
-    last = &base;
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j)
-        for (int k = 0; k < S; ++k) {
-          const Place p{base[0] + i, base[1] + j, base[2] + k};
-          nodes.push_back(key_at(body, copies.canonical(part, p), p));
+    if (last && m.part == last->part && m.joined == last->joined && std::equal(m.base, m.base + 3, last->base)) continue;
+    last = &m;
+    // of both cells, where the block has two
+    for (int i = 0; i < S + (m.joined == 0); ++i)
+      for (int j = 0; j < S + (m.joined == 1); ++j)
+        for (int k = 0; k < S + (m.joined == 2); ++k) {
+          const Place p{m.base[0] + i, m.base[1] + j, m.base[2] + k};
+          nodes.push_back(key_at(body, copies.canonical(m.part, p), p));
         }
   }
   for (const EdgeTie& t : rows_[body].edges)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 
 #include "body.h"
 
@@ -244,17 +245,22 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   row_.assign(keys.size(), -1);
   first_.push_back(0);
   first_heir_.push_back(0);
+  const auto node = [&keys](const Key& k) {
+    const int n = place_of(keys, k);
+    if (n < 0) throw std::logic_error("a tie to a node that the grid does not have");
+    return n;
+  };
   for (const EdgeTie& t : ties) {
-    row_[place_of(keys, t.slave)] = static_cast<int>(slave_.size());
-    slave_.push_back(place_of(keys, t.slave));
+    slave_.push_back(node(t.slave));
+    row_[slave_.back()] = static_cast<int>(slave_.size()) - 1;
     for (const auto& h : t.heirs) {
-      heir_.push_back(place_of(keys, h.first));
+      heir_.push_back(node(h.first));
       heir_share_.push_back(h.second);
     }
     first_heir_.push_back(static_cast<int>(heir_.size()));
     double sum = 0.0;
     for (const auto& m : t.masters) {
-      master_.push_back(place_of(keys, m.first));
+      master_.push_back(node(m.first));
       weight_.push_back(m.second);
       sum += std::fabs(m.second);
     }

@@ -54,6 +54,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 // The same with places of nodes for keys; slaves, heirs and masters are all on this rank.
 class EdgeTies {
  public:
+  // Throws std::logic_error if one is not among the keys.
   void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   void clear();
   // What was bound, by the keys it was bound to, in the order of the slaves.
