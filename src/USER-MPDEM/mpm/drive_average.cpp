@@ -62,14 +62,17 @@ void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
       }
     });
   });
+  grid.ties.bequeath(volume_.data(), 1);
+  grid.ties.bequeath(sum_.data(), 1);
 }
 
-void DriveAverage::find_means() {
+void DriveAverage::find_means(const EdgeTies& ties) {
   for (std::size_t i = 0; i < sum_.size(); ++i) mean_[i] = volume_[i] > 0.0 ? sum_[i] / volume_[i] : 0.0;
+  ties.take_of_heirs(mean_.data());
 }
 
 void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bool last) {
-  find_means();
+  find_means(grid.ties);
   if (!last) std::fill(sum_.begin(), sum_.end(), 0.0);
   const double inverse_h = 1.0 / grid.h;
   with_basis(grid.basis, [&](auto type) {
@@ -85,6 +88,7 @@ void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bo
       });
     }
   });
+  if (!last) grid.ties.bequeath(sum_.data(), 1);
 }
 
 }  // namespace mpdem

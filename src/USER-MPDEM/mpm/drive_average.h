@@ -6,6 +6,7 @@
 //
 //   ebar^(1/2) = S^k e^(1/2),   S f = sum_I N_I(X_p) (sum_q N_I(X_q) V_q f_q) / (sum_q N_I(X_q) V_q)
 //
+// where tied nodes (edge_ties.h), copies of split nodes among them, give their sums to their heirs and have the means of these.
 // S keeps constants, and with the volumes as weights it is symmetric and keeps the sum. It takes no neighbour list, and ends
 // where unfailed points share no node. With splines of degree p a sweep adds (p + 1)/6 h^2 to the variance of the kernel, and
 // the strain of a point is an average with the variance (p + 1)/12 h^2 already. All together has the variance L^2: some whole
@@ -58,7 +59,7 @@ class DriveAverage {
   std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double); }
 
  private:
-  void find_means();
+  void find_means(const EdgeTies& ties);
   std::vector<double> volume_, sum_, mean_;  // of the nodes
 };
 
