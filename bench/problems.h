@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "stepper.h"
+#include "free_body.h"
 
 namespace mpdem::bench {
 
