@@ -54,6 +54,13 @@ def cpu_seconds():
     return used.ru_utime + used.ru_stime
 
 
+def told_by_cement(run):
+    """What fix mpm says of each run of a script: seconds, steps, bytes a point, and the shares of its phases in per cent."""
+    found = re.findall(r"fix mpm .*: (\S+) s in (\d+) steps, \S+ point steps per second, (\S+) bytes a point\n +(.*)", run.output)
+    return [{"seconds": float(s), "steps": int(n), "bytes/point": float(b), "said": said,
+             "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)}} for s, n, b, said in found]
+
+
 def failure(run):
     """What stopped the run, empty if nothing did."""
     return "" if run.status == 0 and not run.errors() else (run.errors() or [run.output[-200:]])[0]

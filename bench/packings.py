@@ -10,7 +10,7 @@ import os
 import re
 import statistics
 
-from bonds import failure, loop_seconds
+from bonds import failure, loop_seconds, told_by_cement
 from scenes import CALCITE, NEIGHBOURS, RADIUS, cement, edit, host, launch
 
 NAMES = ["packing/total", "packing/updated"]
@@ -43,11 +43,10 @@ def measure(names, directory, quick, tell):
                 assert not failure(run), failure(run)
                 taken.append(loop_seconds(run))
                 if ranks == 1:
-                    said = re.search(r"(\S+) point steps per second, (\S+) bytes a point\n +(.*)", run.output)
-                    points = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[1])
-                    bonds = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[2])
+                    said, = told_by_cement(run)
+                    points, bonds = map(int, re.search(r"(\d+) material points, (\d+) bodies", run.output).groups())
         one, two = (statistics.median(t) for t in times.values())
-        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": float(said[1]), "bytes/point": float(said[2]),
-                     "phases": said[3], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
+        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": points * said["steps"] / said["seconds"],
+                     "bytes/point": said["bytes/point"], "phases": said["said"], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
         tell(rows[-1])
     return rows

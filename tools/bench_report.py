@@ -32,7 +32,7 @@ ERRORS = {"bar": "vibrating bar: error of the displacement (–)", "cube": "stre
           "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
           "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
 PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
-QUICK = ["law", "skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+QUICK = ["law", "skip", "packing", "fail", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
 
@@ -192,6 +192,10 @@ def report(result):
     for r in result["packings"]:
         lines.append(f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
                      f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}")
+    for r in result["failures"]:
+        lines.append(f"\npulled to failure, {r['fail']}: {r['seconds']:.1f} s of CPU, {r['points']} points, {r['steps']} steps, "
+                     f"{r['points/s'] / 1e6:.2f} M points/s, {r['mode']}, peak {r['peak']:.4g} N\n  "
+                     + ", ".join(f"{p} {share:.0f} %" for p, share in r["phases"].items()))
     for r in result["skips"]:
         lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
@@ -222,11 +226,12 @@ def main():
             sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
     os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
     import bonds
+    import failures
     import packings
     import skips
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
              "law": output(damage, "--list").split(),
-             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES}
+             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -236,7 +241,7 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": []}
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
@@ -254,6 +259,8 @@ def main():
         result["accuracy"] += bonds.measure(names["bonds"], runs, args.quick, tell)
     if names["packings"]:
         result["packings"] = packings.measure(names["packings"], runs, args.quick, tell)
+    if names["failures"]:
+        result["failures"] = failures.measure(names["failures"], runs, args.quick, tell)
     if names["skips"]:
         result["skips"] = skips.measure(names["skips"], runs, args.quick, tell)
     if result["accuracy"]:

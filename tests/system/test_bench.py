@@ -41,6 +41,9 @@ def test_short_run(tmp_path, figures):
     # a tenth damages, in every step
     assert 0.09 < steps["step/total/quadratic/none/damaging"]["growing"] < 0.11
     assert {r["packing"]: r["bonds"] for r in result["packings"]} == {"total": 54, "updated": 54}
+    for r in result["failures"]:
+        assert r["broken"] and r["peak"] > 50 and abs(sum(r["phases"].values()) - 100) < 1, r
+    assert [r["fail"] for r in result["failures"]] == ["flat", "meniscus", "coating"]
     assert [r["skip"] for r in result["skips"]] == ["undamaged", "failed", "resting"]
     assert 0.008 < steps["step/updated/quadratic/apic/elastic"]["crossing"] < 0.012
 
