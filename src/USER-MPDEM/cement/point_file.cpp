@@ -9,17 +9,23 @@
 #include <limits>
 #include <map>
 #include <sstream>
+#include <type_traits>
+
+#include "../mpm/point_row.h"
 
 namespace mpdem {
 
 namespace {
 
-const std::vector<std::string> kPosition = {"x", "y", "z", "volume"}, kAxis = {"ax", "ay", "az"},
-                               kTensor = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"},
-                               kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"},
-                               kFailed = {"failed"}, kGrains = {"grain_i", "grain_j"}, kArea = {"area_i", "area_j"},
-                               kFoot = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
-                               kAttached = {"attached_i", "attached_j"};
+// Columns that come together or not at all.
+using Group = std::vector<std::string>;
+template <std::size_t n>
+Group group(const char* const (&names)[n]) {
+  return {names, names + n};
+}
+const Group kPosition = group(PointRow::kPlace), kAxis = group(PointRow::kAxis), kTensor = group(PointRow::kDamage),
+            kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"}, kFailed = group(PointRow::kFailed),
+            kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot), kAttached = group(PointRow::kAttached);
 // Attached points can be centroids of cells cut by the surface, feet of patches those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
 // So neither area nor volume of a point can be larger than what lies within that distance of it.
@@ -66,7 +72,7 @@ class Reader {
 class Columns {
  public:
   Columns(const std::vector<std::string>& names, const std::string& place) : count_(names.size()) {
-    std::map<std::string, const std::vector<std::string>*> known;
+    std::map<std::string, const Group*> known;
     std::string list;
     for (const auto* g : {&kPosition, &kAxis, &kTensor, &kPrincipal, &kFailed, &kGrains, &kArea, &kFoot, &kAttached})
       for (const std::string& n : *g) {
@@ -84,9 +90,10 @@ class Columns {
     if ((has(kFoot) || has(kAttached)) && !has(kArea)) stop(place, "columns 'foot_..' and 'attached_..' need 'area_i area_j'");
   }
   std::size_t count() const { return count_; }
-  bool has(const std::vector<std::string>& group) const {
+  bool has(const Group& group) const {
     return std::any_of(group.begin(), group.end(), [&](const std::string& n) { return column_.count(n) != 0; });
   }
+  bool has(const std::string& name) const { return column_.count(name) != 0; }
   int of(const std::string& name) const { return column_.at(name); }
   const std::map<std::string, int>& all() const { return column_; }
 
@@ -189,153 +196,224 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
   return shared_cell(p, corner, spacing, other) < 0;
 }
 
+// A row of the file as far as it has columns for it.
+class RowReader : public record_detail::Visitor<RowReader> {
+ public:
+  RowReader(const Columns& columns, const std::vector<double>& numbers, const std::string& place)
+      : columns_(columns), numbers_(numbers), place_(place) {}
+  template <class T>
+  void put(const char* name, T& field, Range) {
+    if (!columns_.has(std::string(name))) return;
+    const double v = numbers_[columns_.of(name)];
+    if constexpr (std::is_same_v<T, bool>) field = flag(v, name, place_);
+    else if constexpr (std::is_same_v<T, int>) field = grain_of(v, name, place_);
+    else field = v;
+  }
+
+ private:
+  const Columns& columns_;
+  const std::vector<double>& numbers_;
+  const std::string& place_;
+};
+
+// Reads a file for one pair of grains, then looks at the points together.
+class PointFile {
+ public:
+  PointFile(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& options)
+      : o_(options), pair_(pair), name_(name), file_(text, name), columns_(first_line(), file_.place()),
+        attach_(o_.attach > 0.0 ? o_.attach : o_.spacing) {}
+
+  PointCloud read() {
+    std::vector<std::string> words;
+    std::vector<double> numbers(columns_.count());
+    while (file_.next(words)) {
+      const std::string place = file_.place();
+      if (words.size() != columns_.count()) stop(place, words.size(), " numbers, but ", columns_.count(), " columns are named");
+      for (const auto& c : columns_.all()) numbers[c.second] = number(words[c.second], c.first, place);
+      if (is_of_others(numbers, place)) continue;
+      cloud_.points.push_back(point_of(numbers, place));
+      line_.push_back(file_.line());
+    }
+    check_whole();
+    find_corner();
+    find_lattice();
+    measure();
+    return std::move(cloud_);
+  }
+
+ private:
+  std::vector<std::string> first_line() {
+    std::vector<std::string> words;
+    if (!file_.next(words)) stop("file '", name_, "' is empty; a line with the names of the columns is needed, and one a point");
+    return words;
+  }
+
+  bool is_of_others(const std::vector<double>& numbers, const std::string& place) {
+    if (!columns_.has(kGrains)) return false;
+    int grain[2];
+    for (int s = 0; s < 2; ++s) grain[s] = grain_of(numbers[columns_.of(kGrains[s])], kGrains[s], place);
+    if (grain[0] == grain[1]) stop(place, "'grain_i' and 'grain_j' are both ", grain[0], "; two different grains are needed");
+    if (std::min(grain[0], grain[1]) == o_.tag[0] && std::max(grain[0], grain[1]) == o_.tag[1]) return false;
+    for (int g : grain) cloud_.other_grains.emplace(g, file_.line());
+    return true;
+  }
+
+  FillPoint point_of(const std::vector<double>& numbers, const std::string& place) {
+    PointRow row;
+    row.has_axis = columns_.has(kAxis);
+    RowReader reader(columns_, numbers, place);
+    PointRow::describe(row, reader);
+    FillPoint p;
+    p.X = o_.to_body(Vector3(row.x[0], row.x[1], row.x[2]));
+    p.volume = row.volume;
+    if (!(p.volume > 0.0)) stop(place, "volume ", p.volume, " must be greater than 0");
+    if (p.volume > kLargestVolume * std::pow(o_.spacing, 3))
+      stop(place, "volume ", p.volume, " is ", p.volume / std::pow(o_.spacing, 3), " times a cell of a lattice of spacing ", o_.spacing,
+           "; check the units of lengths and volumes and the spacing");
+    if (row.has_axis) {
+      p.axis = Vector3(row.axis[0], row.axis[1], row.axis[2]);
+      if (!(p.axis.norm() > 0.0)) stop(place, "axis 0 0 0: a direction is needed, or leave the columns 'ax ay az' out");
+      p.axis.normalize();
+    }
+    take_damage(row, numbers, place, p);
+    p.failed = row.failed;
+    for (int s = 0; s < 2; ++s) attach(row, s, place, p);
+    return p;
+  }
+
+  void take_damage(const PointRow& row, const std::vector<double>& numbers, const std::string& place, FillPoint& p) const {
+    if (columns_.has(kTensor)) {
+      std::copy(row.damage, row.damage + 6, p.damage);
+    } else if (columns_.has(kPrincipal)) {
+      std::array<double, 9> a;
+      for (int i = 0; i < 9; ++i) a[i] = numbers[columns_.of(kPrincipal[i])];
+      const Matrix3 D = principal_damage(a, place);
+      const double full[6] = {D(0, 0), D(1, 1), D(2, 2), D(1, 2), D(0, 2), D(0, 1)};
+      std::copy(full, full + 6, p.damage);
+    } else {
+      return;
+    }
+    const double* D = p.damage;
+    check_damage((Matrix3() << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2]).finished(), place);
+  }
+
+  void attach(const PointRow& row, int s, const std::string& place, FillPoint& p) {
+    const double R = pair_.radius(s);
+    const Vector3 from = p.X - pair_.centre(s);
+    const double r = from.norm();
+    if (r < R - 0.5 * o_.spacing)
+      stop(place, "the point lies ", R - r, " inside grain ", o_.tag[s], ", more than half the spacing, ", 0.5 * o_.spacing,
+           "; check the units and the place of the grains");
+    FillPoint::Attachment k;
+    k.side = s;
+    k.foot = pair_.centre(s) + R * from.normalized();
+    k.attached = !p.failed;
+    if (columns_.has(kArea)) {
+      if (!take_area(row.side[s], place, p, k)) return;
+    } else {
+      if (r - R > attach_) return;
+      // Where the cement is thinner than a layer it is the layer.
+      const double z = p.X.dot(pair_.n), rho = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
+      const bool between = z > pair_.height(0) && z < pair_.height(1) && rho < std::min(pair_.R1, pair_.R2);
+      const double layer = between ? std::min(attach_, std::max(pair_.thickness(rho), 1e-3 * attach_)) : attach_;
+      k.area = p.volume * R * R / (r * r * layer);
+    }
+    cloud_.attached_area[s] += k.area;
+    p.link[p.links++] = k;
+  }
+
+  // As the file gives it; false if there is none.
+  bool take_area(const PointRow::Side& side, const std::string& place, const FillPoint& p, FillPoint::Attachment& k) const {
+    const int s = k.side;
+    k.area = side.area;
+    if (!(k.area >= 0.0)) stop(place, "area ", k.area, " must not be negative");
+    if (k.area == 0.0) return false;
+    if (k.area > kLargestArea * o_.spacing * o_.spacing)
+      stop(place, "area ", k.area, " at grain ", o_.tag[s], " is ", k.area / (o_.spacing * o_.spacing), " times a face of a lattice of spacing ",
+           o_.spacing, "; check the units of lengths and areas and the spacing");
+    if (columns_.has(kFoot)) k.foot = o_.to_body(Vector3(side.foot[0], side.foot[1], side.foot[2]));
+    const double off = (k.foot - pair_.centre(s)).norm() - pair_.radius(s);
+    if (std::fabs(off) > 1e-6 * pair_.radius(s)) stop(place, "foot point is ", off, " off the surface of grain ", o_.tag[s]);
+    if ((k.foot - p.X).norm() > kFurthestFoot * o_.spacing)
+      stop(place, "the point is ", (k.foot - p.X).norm(), " from where it is attached to grain ", o_.tag[s], ", more than ", kFurthestFoot,
+           " spacings");
+    if (columns_.has(kAttached)) k.attached = side.attached && !p.failed;
+    return true;
+  }
+
+  void check_whole() const {
+    if (cloud_.points.empty()) {
+      if (columns_.has(kGrains) && file_.line() > 1)
+        stop("file '", name_, "' has no points of grains ", o_.tag[0], " and ", o_.tag[1], " (columns 'grain_i grain_j')");
+      stop("file '", name_, "' has no points");
+    }
+    for (int s = 0; s < 2; ++s)
+      if (cloud_.attached_area[s] == 0.0)
+        stop("file '", name_, "': nothing is attached to grain ", o_.tag[s], "; no point is within ", attach_,
+             " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains");
+    for (int s = 0; s < 2; ++s) {
+      const double sphere = 4.0 * M_PI * pair_.radius(s) * pair_.radius(s);
+      if (cloud_.attached_area[s] > kMostOfSphere * sphere)
+        stop("file '", name_, "': the attached area at grain ", o_.tag[s], " is ", cloud_.attached_area[s], " in all, more than its surface, ", sphere,
+             "; check the units of lengths and areas");
+    }
+  }
+
+  void find_corner() {
+    int other = -1, twice = shared_cell(cloud_.points, cloud_.corner, o_.spacing, other);
+    if (twice >= 0 || on_a_face(cloud_.points, o_.spacing)) {
+      cloud_.corner = beside_the_points(cloud_.points, o_.spacing);
+      twice = shared_cell(cloud_.points, cloud_.corner, o_.spacing, other);
+    }
+    if (twice < 0) return;
+    const double apart = (cloud_.points[twice].X - cloud_.points[other].X).norm();
+    const std::string place = file_.place(std::max(line_[twice], line_[other]));
+    const int earlier = std::min(line_[twice], line_[other]);
+    if (apart < 1e-6 * o_.spacing) stop(place, "the point repeats that of line ", earlier);
+    stop(place, "the point shares a cell of a lattice of spacing ", o_.spacing, " with that of line ", earlier, ", ", apart,
+         " away; points must lie on a cubic lattice along the axes of the box: use its spacing");
+  }
+
+  void find_lattice() {
+    for (const FillPoint& p : cloud_.points) cloud_.largest_volume = std::max(cloud_.largest_volume, p.volume);
+    std::vector<FillPoint> full;  // cut cells have their centroids off the middle
+    for (const FillPoint& p : cloud_.points)
+      if (p.volume > 0.99 * cloud_.largest_volume) full.push_back(p);
+    cloud_.lattice = beside_the_points(full, o_.spacing);
+    // one that is within rounding of where shapes have theirs is it
+    if (cloud_.lattice.cwiseAbs().maxCoeff() < 1e-3 * o_.spacing) cloud_.lattice.setZero();
+    cloud_.regular = is_lattice(cloud_.points, full, cloud_.lattice, o_.spacing);
+    if (!cloud_.regular) cloud_.lattice = cloud_.corner;
+  }
+
+  void measure() {
+    double low = 1e300, high = -1e300, thickest = 0.0;
+    for (const FillPoint& p : cloud_.points) {
+      const double z = p.X.dot(pair_.n), r = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
+      cloud_.volume += p.volume;
+      low = std::min(low, z);
+      high = std::max(high, z);
+      thickest = std::max(thickest, pair_.thickness(std::min(r, std::min(pair_.R1, pair_.R2))));
+    }
+    cloud_.thickness = std::min(thickest, high - low + o_.spacing);
+  }
+
+  const PointFileOptions& o_;
+  const GrainPair& pair_;
+  const std::string& name_;
+  Reader file_;
+  Columns columns_;
+  double attach_;
+  PointCloud cloud_;
+  std::vector<int> line_;  // of each point
+};
+
 }  // namespace
 
 std::string place_in_file(const std::string& name, int line) { return "file '" + name + "', line " + std::to_string(line) + ": "; }
 
-PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair,
-                       const PointFileOptions& o) {
-  Reader file(text, name);
-  std::vector<std::string> words;
-  if (!file.next(words)) stop("file '", name, "' is empty; a line with the names of the columns is needed, and one a point");
-  const Columns columns(words, file.place());
-  const bool tensor = columns.has(kTensor), principal = columns.has(kPrincipal), area_given = columns.has(kArea);
-  const double attach = o.attach > 0.0 ? o.attach : o.spacing;
-
-  PointCloud cloud;
-  std::vector<int> line;
-  std::vector<double> v(columns.count());
-  const auto value = [&](const std::string& n) { return v[columns.of(n)]; };
-  const auto vector = [&](const char* a, const char* b, const char* c) { return Vector3(value(a), value(b), value(c)); };
-  while (file.next(words)) {
-    const std::string place = file.place();
-    if (words.size() != columns.count())
-      stop(place, words.size(), " numbers, but ", columns.count(), " columns are named");
-    for (const auto& c : columns.all()) v[c.second] = number(words[c.second], c.first, place);
-    if (columns.has(kGrains)) {
-      int grain[2];
-      for (int s = 0; s < 2; ++s) grain[s] = grain_of(value(kGrains[s]), kGrains[s], place);
-      if (grain[0] == grain[1]) stop(place, "'grain_i' and 'grain_j' are both ", grain[0], "; two different grains are needed");
-      if (std::min(grain[0], grain[1]) != o.tag[0] || std::max(grain[0], grain[1]) != o.tag[1]) {
-        for (int g : grain) cloud.other_grains.emplace(g, file.line());
-        continue;
-      }
-    }
-    FillPoint p;
-    p.X = o.to_body(vector("x", "y", "z"));
-    p.volume = value("volume");
-    if (!(p.volume > 0.0)) stop(place, "volume ", p.volume, " must be greater than 0");
-    if (p.volume > kLargestVolume * std::pow(o.spacing, 3))
-      stop(place, "volume ", p.volume, " is ", p.volume / std::pow(o.spacing, 3), " times a cell of a lattice of spacing ", o.spacing,
-           "; check the units of lengths and volumes and the spacing");
-    if (columns.has(kAxis)) {
-      p.axis = vector("ax", "ay", "az");
-      if (!(p.axis.norm() > 0.0)) stop(place, "axis 0 0 0: a direction is needed, or leave the columns 'ax ay az' out");
-      p.axis.normalize();
-    }
-    if (tensor) {
-      for (int i = 0; i < 6; ++i) p.damage[i] = value(kTensor[i]);
-    } else if (principal) {
-      std::array<double, 9> a;
-      for (int i = 0; i < 9; ++i) a[i] = value(kPrincipal[i]);
-      const Matrix3 D = principal_damage(a, place);
-      const double full[6] = {D(0, 0), D(1, 1), D(2, 2), D(1, 2), D(0, 2), D(0, 1)};
-      std::copy(full, full + 6, p.damage);
-    }
-    const double* D = p.damage;
-    if (tensor || principal)
-      check_damage((Matrix3() << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2]).finished(), place);
-    if (columns.has(kFailed)) p.failed = flag(value("failed"), "failed", place);
-
-    for (int s = 0; s < 2; ++s) {
-      const double R = pair.radius(s);
-      const Vector3 from = p.X - pair.centre(s);
-      const double r = from.norm();
-      if (r < R - 0.5 * o.spacing)
-        stop(place, "the point lies ", R - r, " inside grain ", o.tag[s], ", more than half the spacing, ", 0.5 * o.spacing,
-             "; check the units and the place of the grains");
-      FillPoint::Attachment k;
-      k.side = s;
-      k.foot = pair.centre(s) + R * from.normalized();
-      k.attached = !p.failed;
-      if (area_given) {
-        k.area = value(kArea[s]);
-        if (!(k.area >= 0.0)) stop(place, "area ", k.area, " must not be negative");
-        if (k.area == 0.0) continue;
-        if (k.area > kLargestArea * o.spacing * o.spacing)
-          stop(place, "area ", k.area, " at grain ", o.tag[s], " is ", k.area / (o.spacing * o.spacing), " times a face of a lattice of spacing ",
-               o.spacing, "; check the units of lengths and areas and the spacing");
-        if (columns.has(kFoot)) k.foot = o.to_body(Vector3(value(kFoot[3 * s]), value(kFoot[3 * s + 1]), value(kFoot[3 * s + 2])));
-        const double off = (k.foot - pair.centre(s)).norm() - R;
-        if (std::fabs(off) > 1e-6 * R) stop(place, "foot point is ", off, " off the surface of grain ", o.tag[s]);
-        if ((k.foot - p.X).norm() > kFurthestFoot * o.spacing)
-          stop(place, "the point is ", (k.foot - p.X).norm(), " from where it is attached to grain ", o.tag[s], ", more than ", kFurthestFoot,
-               " spacings");
-        if (columns.has(kAttached)) k.attached = flag(value(kAttached[s]), kAttached[s], place) && !p.failed;
-      } else {
-        if (r - R > attach) continue;
-        // Where the cement is thinner than a layer it is the layer.
-        const double z = p.X.dot(pair.n), rho = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
-        const bool between = z > pair.height(0) && z < pair.height(1) && rho < std::min(pair.R1, pair.R2);
-        const double layer = between ? std::min(attach, std::max(pair.thickness(rho), 1e-3 * attach)) : attach;
-        k.area = p.volume * R * R / (r * r * layer);
-      }
-      cloud.attached_area[s] += k.area;
-      p.link[p.links++] = k;
-    }
-    cloud.points.push_back(p);
-    line.push_back(file.line());
-  }
-  if (cloud.points.empty()) {
-    if (columns.has(kGrains) && file.line() > 1)
-      stop("file '", name, "' has no points of grains ", o.tag[0], " and ", o.tag[1], " (columns 'grain_i grain_j')");
-    stop("file '", name, "' has no points");
-  }
-  for (int s = 0; s < 2; ++s)
-    if (cloud.attached_area[s] == 0.0)
-      stop("file '", name, "': nothing is attached to grain ", o.tag[s], "; no point is within ", attach,
-           " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains");
-
-  for (int s = 0; s < 2; ++s) {
-    const double sphere = 4.0 * M_PI * pair.radius(s) * pair.radius(s);
-    if (cloud.attached_area[s] > kMostOfSphere * sphere)
-      stop("file '", name, "': the attached area at grain ", o.tag[s], " is ", cloud.attached_area[s], " in all, more than its surface, ", sphere,
-           "; check the units of lengths and areas");
-  }
-
-  int other = -1, twice = shared_cell(cloud.points, cloud.corner, o.spacing, other);
-  if (twice >= 0 || on_a_face(cloud.points, o.spacing)) {
-    cloud.corner = beside_the_points(cloud.points, o.spacing);
-    twice = shared_cell(cloud.points, cloud.corner, o.spacing, other);
-  }
-  if (twice >= 0) {
-    const double apart = (cloud.points[twice].X - cloud.points[other].X).norm();
-    if (apart < 1e-6 * o.spacing)
-      stop(file.place(std::max(line[twice], line[other])), "the point repeats that of line ", std::min(line[twice], line[other]));
-    stop(file.place(std::max(line[twice], line[other])), "the point shares a cell of a lattice of spacing ", o.spacing, " with that of line ",
-         std::min(line[twice], line[other]), ", ", apart, " away; points must lie on a cubic lattice along the axes of the box: use its spacing");
-  }
-
-  for (const FillPoint& p : cloud.points) cloud.largest_volume = std::max(cloud.largest_volume, p.volume);
-  std::vector<FillPoint> full;  // cut cells have their centroids off the middle
-  for (const FillPoint& p : cloud.points)
-    if (p.volume > 0.99 * cloud.largest_volume) full.push_back(p);
-  cloud.lattice = beside_the_points(full, o.spacing);
-  // one that is within rounding of where shapes have theirs is it
-  if (cloud.lattice.cwiseAbs().maxCoeff() < 1e-3 * o.spacing) cloud.lattice.setZero();
-  cloud.regular = is_lattice(cloud.points, full, cloud.lattice, o.spacing);
-  if (!cloud.regular) cloud.lattice = cloud.corner;
-
-  double low = 1e300, high = -1e300, thickest = 0.0;
-  for (const FillPoint& p : cloud.points) {
-    const double z = p.X.dot(pair.n), r = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
-    cloud.volume += p.volume;
-    low = std::min(low, z);
-    high = std::max(high, z);
-    thickest = std::max(thickest, pair.thickness(std::min(r, std::min(pair.R1, pair.R2))));
-  }
-  cloud.thickness = std::min(thickest, high - low + o.spacing);
-  return cloud;
+PointCloud read_points(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& o) {
+  return PointFile(text, name, pair, o).read();
 }
 
 }  // namespace mpdem
