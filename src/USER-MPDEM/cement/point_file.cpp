@@ -220,7 +220,7 @@ class RowReader : public record_detail::Visitor<RowReader> {
 class PointFile {
  public:
   PointFile(const std::string& text, const std::string& name, const GrainPair& pair, const PointFileOptions& options)
-      : o_(options), pair_(pair), name_(name), file_(text, name), columns_(first_line(), file_.place()),
+      : o_(options), pair_(pair), name_(name), file_(text, name), columns_(first_line()),
         attach_(o_.attach > 0.0 ? o_.attach : o_.spacing) {}
 
   PointCloud read() {
@@ -242,10 +242,10 @@ class PointFile {
   }
 
  private:
-  std::vector<std::string> first_line() {
+  Columns first_line() {
     std::vector<std::string> words;
     if (!file_.next(words)) stop("file '", name_, "' is empty; a line with the names of the columns is needed, and one a point");
-    return words;
+    return Columns(words, file_.place());
   }
 
   bool is_of_others(const std::vector<double>& numbers, const std::string& place) {
