@@ -108,12 +108,12 @@ TEST_P(Kinematic, RestartsToTheBit) {
   r.free_middle = true;
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
-  for (int at : {250, 450}) {
+  for (int at : {300, 560}) {
     whole.run(at - whole.number);
     const RowOfGrains::Saved saved = whole.save();
     RowOfGrains again(MPI_COMM_WORLD, r, saved, whole.bonds.table);
     // with a shorter step from here on: the velocities that were kept lie half of the old one behind
-    whole.dt = again.dt = at == 250 ? 0.8 * test::kStep : 0.7 * test::kStep;
+    whole.dt = again.dt = at == 300 ? 0.8 * test::kStep : 0.7 * test::kStep;
     again.setup();
     whole.setup();
     whole.failed.clear();
