@@ -196,6 +196,9 @@ def report(result):
         lines.append(f"\npulled to failure, {r['fail']}: {r['seconds']:.1f} s of CPU, {r['points']} points, {r['steps']} steps, "
                      f"{r['points/s'] / 1e6:.2f} M points/s, {r['mode']}, peak {r['peak']:.4g} N\n  "
                      + ", ".join(f"{p} {share:.0f} %" for p, share in r["phases"].items()))
+    for r in result["separations"]:
+        if r["seconds"] is not None:
+            lines.append(f"\na bond of {r['bonds']} comes apart: {1e3 * r['seconds']:.2f} ms of CPU above a step, median of {r['separations']}")
     for r in result["skips"]:
         lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
@@ -228,10 +231,12 @@ def main():
     import bonds
     import failures
     import packings
+    import separations
     import skips
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
              "law": output(damage, "--list").split(),
-             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES}
+             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES,
+             "separations": separations.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -241,7 +246,8 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": []}
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": [],
+              "separations": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
@@ -261,6 +267,8 @@ def main():
         result["packings"] = packings.measure(names["packings"], runs, args.quick, tell)
     if names["failures"]:
         result["failures"] = failures.measure(names["failures"], runs, args.quick, tell)
+    if names["separations"]:
+        result["separations"] = separations.measure(names["separations"], runs, args.quick, tell)
     if names["skips"]:
         result["skips"] = skips.measure(names["skips"], runs, args.quick, tell)
     if result["accuracy"]:
