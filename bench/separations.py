@@ -14,7 +14,7 @@ from pathlib import Path
 from bonds import failure
 from scenes import CALCITE, NEIGHBOURS, RADIUS, cement, host, launch, thermo
 
-NAMES = ["separation/30", "separation/2700"]
+NAMES = ["separation/30", "separation/600", "separation/2700"]
 PULLED, CELL, STEP = 24, 4e-4, 2e-8
 
 
