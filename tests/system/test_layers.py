@@ -60,6 +60,25 @@ def test_an_include_upwards_is_found():
     assert not against_the_layers("mpm", kernel, "../parallel/halo_sum.h")
 
 
+def reaches_private_members(text):
+    """Whether code gets at private members of a class that it is no friend of."""
+    code = without_words(re.sub(r"\\\n", " ", text))
+    instantiation = r"\btemplate\s+(?:struct|class|union)?\s*[\w:]+\s*<[^;{]*&\s*[\w:]+::\w"  # may name private members
+    return bool(re.search(instantiation, code) or re.search(r"#\s*define\s+(?:private|protected|class)\b", code))
+
+
+def test_private_members_have_one_way_in():
+    found = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*") if p.suffix in (".h", ".cpp") and reaches_private_members(p.read_text())}
+    assert found == {"styles/private_access.cpp"}
+
+
+@pytest.mark.parametrize("code", ["template struct Expose<Tag, &Comm::bordergroup>;", "template class A<int Tag::*,\n  &LAMMPS_NS::Comm::x>;",
+                                  "#define OPEN(C, M) \\\n  template struct Expose<C##_##M, &C::M>;", "#define private public"])
+def test_a_way_in_is_found(code):
+    assert reaches_private_members(f"namespace n {{\n{code}\n}}\n")
+    assert not reaches_private_members(f"// {code.splitlines()[0]}\nint f(int (C::*p)()) {{ return g<A>(&C::f); }}\n".replace("\\\n", "\n"))
+
+
 def without_words(text):
     """C++ with comments, strings and characters blanked out, as long as it was."""
     def blank(found):
