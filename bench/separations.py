@@ -11,8 +11,8 @@ import os
 import statistics
 from pathlib import Path
 
-from bonds import failure
-from scenes import CALCITE, NEIGHBOURS, RADIUS, cement, host, launch, thermo
+from bonds import failure, grains_at
+from scenes import CALCITE, RADIUS, cement, launch, thermo
 
 NAMES = ["separation/30", "separation/600", "separation/2700"]
 PULLED, CELL, STEP = 24, 4e-4, 2e-8
@@ -20,12 +20,8 @@ PULLED, CELL, STEP = 24, 4e-4, 2e-8
 
 def script(bonds, columns, every, steps):
     across, deep, apart = 60, -(-bonds // 60), 2.2 * RADIUS
-    text = host() + (f"region box block {-RADIUS} {across * apart} {-RADIUS} {deep * apart} {-4 * RADIUS} {4 * RADIUS} units box\n"
-                     "create_box 2 box\n")
-    for n in range(bonds):
-        for z in (-RADIUS, RADIUS):
-            text += f"create_atoms 1 single {n % across * apart} {n // across * apart} {z} units box\n"
-    text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+    text = grains_at([(n % across * apart, n // across * apart, z) for n in range(bonds) for z in (-RADIUS, RADIUS)],
+                     (-RADIUS, -RADIUS, -4 * RADIUS), (across * apart, deep * apart, 4 * RADIUS))
     text += f"create_cement calcite contacts grains gap 1e-6 shape flat inner 5e-4 outer 2e-3 spacing {CELL / 2}\n"
     text += cement(CELL, STEP, elastic=CALCITE, damage="damage tensor B0 9.6e3")
     text = text.replace("damage tensor B0 9.6e3", "damage tensor B0 9.6e3 check 100000")
