@@ -55,10 +55,11 @@ def cpu_seconds():
 
 
 def told_by_cement(run):
-    """What fix mpm says of each run of a script: seconds, steps, bytes a point, and the shares of its phases in per cent."""
-    found = re.findall(r"fix mpm .*: (\S+) s in (\d+) steps, \S+ point steps per second, (\S+) bytes a point\n +(.*)", run.output)
-    return [{"seconds": float(s), "steps": int(n), "bytes/point": float(b), "said": said,
-             "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)}} for s, n, b, said in found]
+    """What fix mpm says of each run of a script: seconds, steps, points a second by CPU time, bytes a point, and the shares of
+    its phases in per cent."""
+    found = re.findall(r"fix mpm .*: (\S+) s in (\d+) steps, \S+ point steps per second, (\S+) by CPU time, (\S+) bytes a point\n +(.*)", run.output)
+    return [{"seconds": float(s), "steps": int(n), "points/s": float(rate), "bytes/point": float(b), "said": said,
+             "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)}} for s, n, rate, b, said in found]
 
 
 def failure(run):

@@ -39,7 +39,7 @@ def measure(names, directory, quick, tell):
         points = int(re.search(r"(\d+) material points, \d+ bodies", run.output)[1])
         in_cement = sum(t["seconds"] for t in told)
         rows.append({"fail": shape, "points": points, "steps": sum(t["steps"] for t in told), "seconds": seconds,
-                     "points/s": points * sum(t["steps"] for t in told) / in_cement, "broken": float(result["broken"]) == 1.0,
+                     "points/s": sum(t["steps"] for t in told) / sum(t["steps"] / t["points/s"] for t in told), "broken": float(result["broken"]) == 1.0,
                      "mode": result["mode"], "peak": float(result["peak"]),
                      "phases": {p: sum(t["seconds"] * t["phases"][p] for t in told) / in_cement for p in told[0]["phases"]},
                      "load": os.getloadavg()[0]})

@@ -4,7 +4,10 @@
 // The engine without LIGGGHTS, on 1, 2 and 4 ranks.
 #include "cement/cement.h"
 
+#include <chrono>
 #include <cstring>
+#include <ctime>
+#include <thread>
 
 #include "lanes.h"
 #include "cement_host.h"
@@ -162,6 +165,26 @@ TEST_P(Kinematic, HandsABondOver) {
 
 INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(false, true),
                          [](const ::testing::TestParamInfo<bool>& p) { return p.param ? "updated" : "total"; });
+
+TEST(StepTimer, CpuTimeIsWithoutWaiting) {
+  StepTimer timer;
+  timer.clear();
+  timer.start(StepTimer::kNodes);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  timer.start(StepTimer::kHalo);
+  timer.stop();
+  EXPECT_GE(timer.seconds()[StepTimer::kNodes], 0.06);
+  EXPECT_LT(timer.cpu_seconds(), 0.03);
+  timer.start(StepTimer::kNodes);
+  const std::clock_t from = std::clock();
+  while (std::clock() - from < CLOCKS_PER_SEC / 20) {
+  }
+  timer.stop();
+  timer.stop();
+  EXPECT_NEAR(timer.cpu_seconds(), 0.05, 0.03);
+  timer.clear();
+  EXPECT_EQ(timer.cpu_seconds(), 0.0);
+}
 
 }  // namespace
 }  // namespace mpdem
