@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Grid to points: values and gradients of a nodal vector field at the eight points of a block. The nodes of the block
-// are columns of consecutive nodes; `column` has the index of the first node of each. The sums are contracted one
-// direction at a time.
+// Grid to points: values and gradients of a nodal vector field at the eight points of a
+// block. Its nodes are columns of consecutive nodes (`column`, index of the first); the sums
+// are contracted one direction at a time.
 #ifndef MPDEM_GATHER_H
 #define MPDEM_GATHER_H
 
@@ -12,15 +12,11 @@
 
 namespace mpdem {
 
-namespace detail {
-
-// The gradient, and the value too if `kValue`.
-template <class Type, bool kValue>
-inline Mat3<vd> gather_sums(const double* __restrict nodal, const int* column, const Weights<Type>& s, vd* out) {
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
+template <class Type>
+inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type>& s) {
   constexpr int S = Type::kSupport;
   Mat3<vd> G{};
-  if constexpr (kValue)
-    for (int c = 0; c < 3; ++c) out[c] = vd{};
   for (int i = 0; i < S; ++i) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < S; ++j) {
@@ -37,21 +33,12 @@ inline Mat3<vd> gather_sums(const double* __restrict nodal, const int* column, c
       }
     }
     for (int c = 0; c < 3; ++c) {
-      if constexpr (kValue) out[c] += s.w[0][i] * A[c];
       G.a[c][0] += s.dw[0][i] * A[c];
       G.a[c][1] += s.w[0][i] * B[c];
       G.a[c][2] += s.w[0][i] * C[c];
     }
   }
   return G;
-}
-
-}  // namespace detail
-
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
-template <class Type>
-inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type>& s) {
-  return detail::gather_sums<Type, false>(nodal, column, s, nullptr);
 }
 
 // out[c] = sum_I nodal_Ic N_I
@@ -77,7 +64,32 @@ inline void gather_value(const double* __restrict nodal, const int* column, cons
 template <class Type>
 inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type>& s,
                                           vd* out) {
-  return detail::gather_sums<Type, true>(nodal, column, s, out);
+  constexpr int S = Type::kSupport;
+  Mat3<vd> G{};
+  for (int c = 0; c < 3; ++c) out[c] = vd{};
+  for (int i = 0; i < S; ++i) {
+    vd A[3]{}, B[3]{}, C[3]{};
+    for (int j = 0; j < S; ++j) {
+      const double* p = nodal + 3 * static_cast<long>(column[S * i + j]);
+      for (int c = 0; c < 3; ++c) {
+        vd a = p[c] * s.w[2][0], b = p[c] * s.dw[2][0];
+        for (int k = 1; k < S; ++k) {
+          a += p[3 * k + c] * s.w[2][k];
+          b += p[3 * k + c] * s.dw[2][k];
+        }
+        A[c] += s.w[1][j] * a;
+        B[c] += s.dw[1][j] * a;
+        C[c] += s.w[1][j] * b;
+      }
+    }
+    for (int c = 0; c < 3; ++c) {
+      out[c] += s.w[0][i] * A[c];
+      G.a[c][0] += s.dw[0][i] * A[c];
+      G.a[c][1] += s.w[0][i] * B[c];
+      G.a[c][2] += s.w[0][i] * C[c];
+    }
+  }
+  return G;
 }
 
 }  // namespace mpdem
