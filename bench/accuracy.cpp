@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Error and time of the step on problems with a known solution, see doc/performance.md.
-//   accuracy [--quick] [--list] [name ...]
+//   accuracy [--quick] [--list] [--periods N] [name ...]
 // Names (regular expressions) are problem/kinematics/basis/transfer. CSV on standard output:
 // seconds are CPU seconds of the steps, loads left out; error is the rms over the points of
 // the difference in displacement over a typical displacement, nan if the run broke down; drift
@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <regex>
 #include <stdexcept>
@@ -25,7 +26,7 @@ namespace {
 using namespace mpdem;
 using namespace mpdem::bench;
 
-constexpr int kEnergyCells = 16;
+constexpr int kEnergyCells = 12;
 
 std::vector<Point> lattice(const Problem& p, double h) {
   Point low, high;
@@ -222,10 +223,12 @@ void measure(const Problem& p, const Method& m, int cells) {
 
 int run(int argc, char** argv) {
   bool quick = false, list = false;
+  int periods = 1;
   std::string wanted;
   for (int i = 1; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--quick")) quick = true;
     else if (!std::strcmp(argv[i], "--list")) list = true;
+    else if (!std::strcmp(argv[i], "--periods") && i + 1 < argc) periods = std::atoi(argv[++i]);
     else wanted += (wanted.empty() ? "" : "|") + std::string(argv[i]);
   }
   struct Run {
@@ -233,7 +236,11 @@ int run(int argc, char** argv) {
     const Method* method;
     std::string name;
   };
-  const auto problems = all_problems();
+  if (periods < 1) {
+    std::fprintf(stderr, "accuracy: '--periods' must be 1 or more\n");
+    return 1;
+  }
+  const auto problems = all_problems(periods);
   std::vector<Run> all, chosen;
   for (const auto& p : problems)
     for (const Method& m : all_methods()) all.push_back({p.get(), &m, p->name + "/" + m.name()});
