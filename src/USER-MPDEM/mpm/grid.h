@@ -95,7 +95,7 @@ class Grid {
 
   // Factor of a bound of the largest eigenvalue that ties ask for: of a node, and the largest of this rank's.
   double tie_factor(int node) const { return tie_factor_.empty() ? 1.0 : tie_factor_[node]; }
-  double largest_tie_factor() const;
+  double largest_tie_factor() const { return largest_tie_factor_; }
 
   // a = f / (m + added mass), of each node; no added mass if empty.
   void update_acceleration(const std::vector<double>& added_mass = {});
@@ -116,6 +116,7 @@ class Grid {
 
   bool any_ties_ = false;  // on any rank
   std::vector<double> tie_factor_;  // of the bound, a node; empty without ties
+  double largest_tie_factor_ = 1.0;
   std::vector<char> inside_;  // of first nodes, with a margin only
 };
 
