@@ -4,15 +4,17 @@
 // Added mass of the nodes of one bond. It makes the penalty of the links semi-implicit.
 //
 // Where the row sum k of the penalty stiffness is too stiff for the time step, the inertia of the node is raised just
-// enough. A damper g acts on the velocity of half a step ago and counts as a spring 2 g/dt: a step is stable if k
-// dt^2 + 2 g dt <= 4 m. Added mass c is the inertia of the motion u - R of the node against its grain, R being the
-// motion of the grain at the place of the node. The force on the node is -c (u - R)''. The opposite force acts on the
-// grain at the same place, so momentum and angular momentum stay exact.
+// enough. A damper g acts on the velocity of half a step ago and counts as a spring 2 g/dt. A step is stable if
+//   k dt^2 + 2 g dt <= 4 m.
+// Added mass c is the inertia of the motion u - R of the node against its grain, R being the motion of the grain at
+// the place of the node. The force on the node is -c (u - R)''. The opposite force acts on the grain at the same
+// place, so momentum and angular momentum stay exact.
 //
-// A free grain gives way, and then the node's own mass does part of the work of c. For any t, (u - R)^2 <= (1 + t)
-// u^2 + (1 + 1/t) R^2. So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of
-// the grain against it (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h
-// has the accelerations of free grains.
+// A free grain gives way, and then the node's own mass does part of the work of c. For any t
+//   (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2.
+// So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of the grain against it
+// (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations
+// of free grains.
 #ifndef MPDEM_ADDED_MASS_H
 #define MPDEM_ADDED_MASS_H
 

@@ -14,8 +14,10 @@
 // and positive definite, so energy is kept, and the bound of the time step is rigorous (added_mass.h). The matrix of
 // each grain, 6 by 6, is solved directly. The coupling between grains is solved by Chebyshev's acceleration of block
 // Jacobi (Golub & Varga, Numer. Math. 3 (1961) 147). The number of sweeps follows from a bound of the spectral
-// radius: 2 R0.B R1 <= R0.W0 R0 + R1.W1 R1, with W the matrix of c0 c1/N about either grain. Whatever accelerations
-// come out, the links take from grains what they give to nodes.
+// radius,
+//   2 R0.B R1 <= R0.W0 R0 + R1.W1 R1,
+// with W the matrix of c0 c1/N about either grain. Whatever accelerations come out, the links take from grains what
+// they give to nodes.
 //
 // Prescribed components of the motion of a grain are not unknowns. Lengths are from the body's origin, force and
 // torque about the centre of the grain.

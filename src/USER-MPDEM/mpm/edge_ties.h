@@ -73,7 +73,7 @@ class EdgeTies {
   void pull_back_sizes(double* values) const;
   // Moves values of slaves to their heirs, as mass goes. `width` numbers a node.
   void bequeath(double* values, int width) const;
-  // Gives slaves the values of their masters, by the weights. Three numbers a node.
+  // Slaves take the value of their masters' polynomial, three numbers a node.
   void extend(double* values) const;
 
   std::size_t memory_usage() const;
