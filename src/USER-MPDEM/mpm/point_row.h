@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Text form of a point: a row of the file that write_cement writes and create_cement ... file reads. Names are those of the
-// columns (doc/write_cement.md), in their order. All is where it is now, in the box.
+// The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. Names are
+// those of the columns, in their order (doc/write_cement.md). A row has the point where it is now, in the box.
 #ifndef MPDEM_POINT_ROW_H
 #define MPDEM_POINT_ROW_H
 
@@ -16,7 +16,7 @@ struct PointRow {
     double foot[3] = {0, 0, 0};
     bool attached = false;
   };
-  // Names of the columns that come together or not at all.
+  // Names of columns. Those of one line come together or not at all.
   static constexpr const char *kGrain[2] = {"grain_i", "grain_j"}, *kPlace[4] = {"x", "y", "z", "volume"}, *kAxis[3] = {"ax", "ay", "az"},
                               *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"}, *kArea[2] = {"area_i", "area_j"},
                               *kFoot[6] = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
@@ -24,7 +24,7 @@ struct PointRow {
 
   int grain[2] = {0, 0};
   double x[3] = {0, 0, 0}, volume = 0.0;
-  bool has_axis = false;  // no column: all points have one or none has
+  bool has_axis = false;  // not a column: all points of a file have an axis, or none has
   double axis[3] = {0, 0, 0};
   double damage[6] = {0, 0, 0, 0, 0, 0};
   bool failed = false;
