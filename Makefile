@@ -72,7 +72,7 @@ liggghts-from-source: $(BUILD)/.setup
 # BENCH="vortex step/total"; see doc/performance.md.
 bench: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) -DMPDEM_BENCH=ON $(CMAKE_OPTIONS)
-	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step accuracy law liggghts-mpdem
+	cmake --build $(BUILD) --parallel $(JOBS) --target bench_step accuracy law cpu_clock liggghts-mpdem
 	/usr/bin/python3 tools/bench_report.py --build $(BUILD) $(BENCH)
 
 clean:

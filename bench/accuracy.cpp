@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Error and time of the step on problems with a known solution, see doc/performance.md.
-//   accuracy [--quick] [--list] [name ...]
+//   accuracy [--quick] [--list] [--periods N] [name ...]
 // Names (regular expressions) are problem/kinematics/basis/transfer. CSV on standard output:
 // seconds are CPU seconds of the steps, loads left out; error is the rms over the points of
 // the difference in displacement over a typical displacement, nan if the run broke down; drift
@@ -11,12 +11,14 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <regex>
 #include <stdexcept>
 
 #include "mpm/gather.h"
 #include "mpm/scatter.h"
+#include "mpm/reproject.h"
 #include "problems.h"
 
 namespace {
@@ -24,7 +26,7 @@ namespace {
 using namespace mpdem;
 using namespace mpdem::bench;
 
-constexpr int kEnergyCells = 16;
+constexpr int kEnergyCells = 12;
 
 std::vector<Point> lattice(const Problem& p, double h) {
   Point low, high;
@@ -46,8 +48,8 @@ std::vector<Point> lattice(const Problem& p, double h) {
   return X;
 }
 
-Point created_at(const Stepper& s, int b, int l) {
-  const vd* X = s.points.created_at(b);
+Point created_at(const FreeBody& s, int b, int l) {
+  const vd* X = s.points().created_at(b);
   return {X[0][l], X[1][l], X[2][l]};
 }
 
@@ -58,7 +60,7 @@ struct Load {
   std::vector<Problem::Facet> facets;
 
   // -V tau F^-T, tau = lambda ln J 1 + mu (F F^T - 1); with `updated` the gradients are those of the present.
-  Mat3<vd> neo_hookean(const Stepper& s, const PointBlock& p, vmask here) const {
+  Mat3<vd> neo_hookean(const FreeBody& s, const PointBlock& p, vmask here) const {
     const Problem::NeoHookean& k = *problem.neo_hookean();
     const Mat3<vd> F = p.F, cof = cofactor(F);
     const vd J = F.a[0][0] * cof.a[0][0] + F.a[0][1] * cof.a[0][1] + F.a[0][2] * cof.a[0][2];
@@ -80,11 +82,12 @@ struct Load {
   }
 
   template <class Type>
-  void add(Stepper& s, double t) const {
-    const double h = s.grid.h;
-    const std::vector<PointBlock>& blocks = s.points.blocks;
+  void add(FreeBody& s, double t, std::vector<double>& force) const {
+    const Grid& grid = s.grid();
+    const double h = grid.h;
+    const std::vector<PointBlock>& blocks = s.points().blocks;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-      const BlockMeta& m = s.points.meta[b];
+      const BlockMeta& m = s.points().meta[b];
       vd f[3] = {};
       for (int l = 0; l < kLanes; ++l)
         if (m.occupied >> l & 1) {
@@ -92,8 +95,8 @@ struct Load {
           for (int d = 0; d < 3; ++d) f[d][l] = problem.density * blocks[b].volume[l] * a[d];
         }
       const Weights<Type> w(blocks[b].X, m.base, 1.0 / h);
-      scatter_value(s.grid.force.data(), m.column, w, f);
-      if (problem.neo_hookean()) scatter_gradient(s.grid.force.data(), m.column, w, neo_hookean(s, blocks[b], lanes(m.occupied)));
+      scatter_value(force.data(), m.column, w, f);
+      if (problem.neo_hookean()) scatter_gradient(force.data(), m.column, w, neo_hookean(s, blocks[b], lanes(m.occupied)));
     }
     for (const Problem::Facet& facet : facets) {
       Point x = facet.X;
@@ -109,28 +112,35 @@ struct Load {
         base[d] = support_base(inside, 1.0 / h, Type::kShift);
         X[d] = splat(inside);
       }
-      if (!s.grid.find_columns(field_of(0, 0), base, column)) throw std::runtime_error("surface outside of the grid");
+      if (!grid.find_columns(field_of(0, 0), base, column)) throw std::runtime_error("surface outside of the grid");
       f[facet.normal][0] = facet.sense * facet.area * problem.traction(facet, t);
-      scatter_value(s.grid.force.data(), column, Weights<Type>(X, base, 1.0 / h), f);
+      scatter_value(force.data(), column, Weights<Type>(X, base, 1.0 / h), f);
     }
-    for (int i = 0; i < s.grid.size(); ++i)
-      if (problem.held({h * s.grid.keys[i][1], h * s.grid.keys[i][2], h * s.grid.keys[i][3]}))
-        for (int d = 0; d < 3; ++d) s.grid.force[3 * i + d] = s.grid.velocity[3 * i + d] = 0.0;
   }
-  void operator()(Stepper& s, double t) const {
-    with_basis(s.grid.basis, [&](auto type) { add<decltype(type)>(s, t); });
+  void operator()(FreeBody& s, double t, std::vector<double>& force) const {
+    with_basis(s.grid().basis, [&](auto type) { add<decltype(type)>(s, t, force); });
   }
 };
 
-// `updated` has no use for F; here it is kept for the neo-Hookean stress.
-void advance_deformation_gradient(Stepper& s, double dt) {
-  with_basis(s.grid.basis, [&](auto type) {
-    for (std::size_t b = 0; b < s.points.blocks.size(); ++b) {
-      PointBlock& p = s.points.blocks[b];
-      const BlockMeta& m = s.points.meta[b];
+// `updated` has no use for F; here it is kept for the neo-Hookean stress: by the velocity that the points will meet in the step.
+void advance_deformation_gradient(FreeBody& s) {
+  const Grid& grid = s.grid();
+  const double dt = s.dt();
+  std::vector<double> velocity(grid.velocity);
+  const Transfer& t = s.method().transfer;
+  if (t.method == Transfer::xpic && t.order > 1) {
+    s.grid().velocity.swap(velocity);
+    filter_velocity(s.points(), s.grid(), {}, s.density(), t.order);
+    s.grid().velocity.swap(velocity);
+  }
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += dt * grid.acceleration[i];
+  with_basis(grid.basis, [&](auto type) {
+    for (std::size_t b = 0; b < s.points().blocks.size(); ++b) {
+      PointBlock& p = s.points().blocks[b];
+      const BlockMeta& m = s.points().meta[b];
       const vmask here = lanes(m.occupied);
       vd v[3];
-      const Mat3<vd> L = gather_value_and_gradient(s.grid.velocity.data(), m.column, Weights<decltype(type)>(p.X, m.base, 1.0 / s.grid.h), v);
+      const Mat3<vd> L = gather_value_and_gradient(velocity.data(), m.column, Weights<decltype(type)>(p.X, m.base, 1.0 / grid.h), v);
       Mat3<vd> F;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
@@ -142,18 +152,18 @@ void advance_deformation_gradient(Stepper& s, double dt) {
   });
 }
 
-double error(const Problem& p, const Stepper& s) {
+double error(const Problem& p, const FreeBody& s) {
   double sum = 0.0;
   long n = 0;
-  with_basis(s.grid.basis, [&](auto type) {
-    for (std::size_t b = 0; b < s.points.blocks.size(); ++b) {
-      const PointBlock& q = s.points.blocks[b];
-      const BlockMeta& m = s.points.meta[b];
+  with_basis(s.grid().basis, [&](auto type) {
+    for (std::size_t b = 0; b < s.points().blocks.size(); ++b) {
+      const PointBlock& q = s.points().blocks[b];
+      const BlockMeta& m = s.points().meta[b];
       vd u[3];
       if (s.method().updated) {
-        for (int d = 0; d < 3; ++d) u[d] = q.X[d] - s.points.created_at(static_cast<int>(b))[d];
+        for (int d = 0; d < 3; ++d) u[d] = q.X[d] - s.points().created_at(static_cast<int>(b))[d];
       } else {
-        gather_value(s.grid.displacement.data(), m.column, Weights<decltype(type)>(q.X, m.base, 1.0 / s.grid.h), u);
+        gather_value(s.grid().displacement.data(), m.column, Weights<decltype(type)>(q.X, m.base, 1.0 / s.grid().h), u);
       }
       for (int l = 0; l < kLanes; ++l)
         if (m.occupied >> l & 1) {
@@ -170,23 +180,25 @@ void measure(const Problem& p, const Method& m, int cells) {
   const double h = 1.0 / cells;
   const std::vector<Point> X = lattice(p, h);
   const double volume = h * h * h / (2 * p.in_plane * p.in_plane);
-  Stepper s(m, h, X, volume, std::make_shared<NoDamage>(p.law()), p.density);
+  FreeBody s(m, h, X, volume, std::make_shared<NoDamage>(p.law()), p.density);
   double stable = s.stable_step();
   if (const Problem::NeoHookean* k = p.neo_hookean()) {
     const double E = k->mu * (3 * k->lambda + 2 * k->mu) / (k->lambda + k->mu), nu = k->lambda / (2 * (k->lambda + k->mu));
-    stable = Stepper(m, h, X, volume, std::make_shared<NoDamage>(VtiElasticity(VtiConstants::isotropic(E, nu))), p.density).stable_step();
-    s.before_points = advance_deformation_gradient;
+    stable = FreeBody(m, h, X, volume, std::make_shared<NoDamage>(VtiElasticity(VtiConstants::isotropic(E, nu))), p.density).stable_step();
+    if (m.updated) s.before_step = advance_deformation_gradient;
   }
   const int steps = static_cast<int>(std::ceil(p.looks[0] / (p.of_stable * stable)));
   const double dt = p.looks[0] / steps;
   double worst = 0.0, drift = NAN, seconds = NAN;
   int taken = 0;
   try {
-    s.start([&](const Point& x) { return p.velocity(x, -0.5 * dt); });
-    if (p.loaded()) s.load = Load{p, p.facets(h)};
-    s.accelerate();
+    if (p.loaded()) {
+      s.load = Load{p, p.facets(h)};
+      s.held = [&](const Point& x) { return p.held(x); };
+    }
+    s.start(dt, [&](const Point& x) { return p.velocity(x, -0.5 * dt); });
     for (double look : p.looks) {
-      for (; s.time() < look - 0.5 * dt; ++taken) s.step(dt);
+      for (; s.time() < look - 0.5 * dt; ++taken) s.step();
       const double e = error(p, s);
       worst = std::isfinite(e) ? std::max(worst, e) : NAN;
       if (std::isnan(worst)) break;
@@ -196,7 +208,7 @@ void measure(const Problem& p, const Method& m, int cells) {
       double start = 0.0;
       drift = 0.0;
       for (double t = s.time(); t < p.energy_until; t += dt) {
-        s.step(dt);
+        s.step();
         const double energy = s.kinetic_energy(0.5 * dt) + s.strain_energy();
         if (start == 0.0) start = energy;
         drift = std::max(drift, std::fabs(energy / start - 1.0));
@@ -211,10 +223,12 @@ void measure(const Problem& p, const Method& m, int cells) {
 
 int run(int argc, char** argv) {
   bool quick = false, list = false;
+  int periods = 1;
   std::string wanted;
   for (int i = 1; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--quick")) quick = true;
     else if (!std::strcmp(argv[i], "--list")) list = true;
+    else if (!std::strcmp(argv[i], "--periods") && i + 1 < argc) periods = std::atoi(argv[++i]);
     else wanted += (wanted.empty() ? "" : "|") + std::string(argv[i]);
   }
   struct Run {
@@ -222,7 +236,11 @@ int run(int argc, char** argv) {
     const Method* method;
     std::string name;
   };
-  const auto problems = all_problems();
+  if (periods < 1) {
+    std::fprintf(stderr, "accuracy: '--periods' must be 1 or more\n");
+    return 1;
+  }
+  const auto problems = all_problems(periods);
   std::vector<Run> all, chosen;
   for (const auto& p : problems)
     for (const Method& m : all_methods()) all.push_back({p.get(), &m, p->name + "/" + m.name()});

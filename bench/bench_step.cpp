@@ -51,15 +51,14 @@ std::vector<Point> stratified_cube(int cells) {
 }
 
 struct Cube {
-  Stepper s;
+  FreeBody s;
   int points;
   bool damaging;
 
   Cube(const Method& m, int cells, bool damaging)
       : s(m, kCell, stratified_cube(cells), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity), points(8 * cells * cells * cells),
         damaging(damaging) {
-    s.start([&](const Point&) { return kVelocity; });
-    s.accelerate();
+    s.start(kStep, [&](const Point&) { return kVelocity; });
     if (damaging) strain_tenth(0.1 * cells * kCell);
   }
 
@@ -68,30 +67,30 @@ struct Cube {
     std::mt19937 random(11);
     std::normal_distribution<double> normal;
     s.for_points([&](int b, int l) {
-      PointBlock& p = s.points.blocks[b];
+      PointBlock& p = s.points().blocks[b];
       if (p.X[0][l] >= front) return;
       vd* e = &p.strain.xx;
       for (int c = 0; c < 6; ++c) e[c][l] = normal(random);
       const LawDrive drive = cement().drive(p.strain, Sym3<vd>{});
       const double scale = std::sqrt(cement().threshold() / drive.Yeq[l]);
       for (int c = 0; c < 6; ++c) e[c][l] *= 1.001 * scale;
-      s.points.meta[b].damaged = true;
+      s.points().meta[b].damaged = true;
     });
     for (int n = 0; n < 40; ++n) step(0.005);
   }
 
   void step(double growth = kGrowth) {
     if (damaging)
-      for (std::size_t b = 0; b < s.points.blocks.size(); ++b)
-        if (s.points.meta[b].damaged) s.points.blocks[b].strain = splat(1.0 + growth) * s.points.blocks[b].strain;
-    s.step(kStep);
+      for (std::size_t b = 0; b < s.points().blocks.size(); ++b)
+        if (s.points().meta[b].damaged) s.points().blocks[b].strain = splat(1.0 + growth) * s.points().blocks[b].strain;
+    s.step();
   }
 
   // Share of the points whose damage grows in one more step.
   double growing() {
     std::vector<double> before(points + 1), after(points + 1);
     const auto note = [&](std::vector<double>& trace_of) {
-      s.for_points([&](int b, int l) { trace_of[s.points.tags[b][l]] = trace(state_of<TensorDamage>(s.points, b))[l]; });
+      s.for_points([&](int b, int l) { trace_of[s.points().tags[b][l]] = trace(state_of<TensorDamage>(s.points(), b))[l]; });
     };
     note(before);
     step();
@@ -127,22 +126,24 @@ constexpr double kFlops = 54 + 495 + 334 + 66 + 196 + 449 + 2;
 // Bytes between memory and core: all of the block read, F, frame and strain written, the
 // block's meta data, and 280 bytes a node in the drift, the pass and the acceleration.
 double bytes_moved(const Cube& c) {
-  return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid.size() / c.points;
+  return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid().size() / c.points;
 }
 
 void full_step(benchmark::State& state, const Method& m, int cells, bool damaging) {
   Cube& c = cube(m, cells, damaging);
-  const long crossed = c.s.crossings();
-  for (auto _ : state) c.step();
+  long crossings = 0;
+  for (auto _ : state) {
+    c.step();
+    crossings += c.s.crossings();
+  }
   const double steps = static_cast<double>(state.iterations());
-  const double crossings = static_cast<double>(c.s.crossings() - crossed);
   state.counters["points/s"] = rate(c.points, state);
   state.counters["points"] = c.points;
   state.counters["bytes/point"] = static_cast<double>(c.s.memory_usage()) / c.points;
   int used = 0;
-  for (const BlockMeta& block : c.s.points.meta) used += block.occupied != 0;
+  for (const BlockMeta& block : c.s.points().meta) used += block.occupied != 0;
   state.counters["fill"] = c.points / static_cast<double>(kLanes * used);
-  state.counters["crossing"] = crossings / steps / c.points;
+  state.counters["crossing"] = static_cast<double>(crossings) / steps / c.points;
   if (damaging) state.counters["growing"] = c.growing();
   if (!damaging && m.name() == "total/quadratic/none") {
     state.counters["flop/s"] = rate(kFlops * c.points, state);
@@ -154,27 +155,27 @@ void scalar_step(benchmark::State& state) {
   const TensorDamage law = cement();
   Cube c(Method(), 24, false);
   std::vector<ScalarPoint> p = scalar_points(c.s);
-  std::vector<double> velocity(c.s.grid.velocity), force(velocity.size());
+  std::vector<double> velocity(c.s.grid().velocity), force(velocity.size());
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] = std::sin(0.1 * static_cast<double>(i));
-  c.s.grid.velocity = velocity;
+  c.s.grid().velocity = velocity;
   // That it is the same method.
-  c.s.grid.clear_force();
+  c.s.grid().clear_force();
   AdvanceResult result;
-  advance_points(c.s.points, c.s.grid, c.s.law(), kStep, result);
+  advance_points(c.s.points(), c.s.grid(), c.s.law(), kStep, result);
   scalar_advance(p, velocity.data(), force.data(), kCell, law, kStep);
   double largest = 0, worst = 0;
   for (std::size_t i = 0; i < force.size(); ++i) {
     largest = std::max(largest, std::fabs(force[i]));
-    worst = std::max(worst, std::fabs(force[i] - c.s.grid.force[i]));
+    worst = std::max(worst, std::fabs(force[i] - c.s.grid().force[i]));
   }
   if (!(worst < 1e-11 * largest)) state.SkipWithError("the scalar kernel gives another force");
   long over = 0;
   for (auto _ : state) {
-    c.s.grid.velocity = velocity;
-    c.s.grid.drift(0.0, kStep);
+    c.s.grid().velocity = velocity;
+    c.s.grid().drift(0.0, kStep);
     std::fill(force.begin(), force.end(), 0.0);
     over += scalar_advance(p, velocity.data(), force.data(), kCell, law, kStep);
-    c.s.grid.update_acceleration();
+    c.s.grid().update_acceleration();
     for (double& v : velocity) v = -v;
   }
   benchmark::DoNotOptimize(over);

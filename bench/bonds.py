@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / "tests" / "system"), str(ROOT / "tests" / "verification")]
 
 from axisymmetric_fe import TransverselyIsotropic, axis_uniform, converged_axial_stiffness  # noqa: E402
-from scenes import RADIUS, VTI, cement, edit, launch, pair, shift, thermo  # noqa: E402
+from scenes import NEIGHBOURS, RADIUS, VTI, cement, edit, host, launch, pair, shift, thermo  # noqa: E402
 
 DEFAULT = "total/quadratic/none"
 # With a transfer in every step the stable step is smaller by sqrt(2).
@@ -54,9 +54,25 @@ def cpu_seconds():
     return used.ru_utime + used.ru_stime
 
 
+def told_by_cement(run):
+    """What fix mpm says of each run of a script: seconds, steps, points a second by CPU time, bytes a point, and the shares of
+    its phases in per cent."""
+    found = re.findall(r"fix mpm .*: (\S+) s in (\d+) steps, \S+ point steps per second, (\S+) by CPU time, (\S+) bytes a point\n +(.*)", run.output)
+    return [{"seconds": float(s), "steps": int(n), "points/s": float(rate), "bytes/point": float(b), "said": said,
+             "phases": {p: float(share) for p, share in re.findall(r"([a-z][a-z ]*) ([\d.e-]+) %", said)}} for s, n, rate, b, said in found]
+
+
 def failure(run):
     """What stopped the run, empty if nothing did."""
     return "" if run.status == 0 and not run.errors() else (run.errors() or [run.output[-200:]])[0]
+
+
+def grains_at(centres, low, high):
+    """A box from corner to corner with equal grains of radius RADIUS in it."""
+    box = " ".join(f"{a} {b}" for a, b in zip(low, high))
+    atoms = "".join(f"create_atoms 1 single {x} {y} {z} units box\n" for x, y, z in centres)
+    return (host() + f"region box block {box} units box\ncreate_box 2 box\n" + atoms
+            + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS)
 
 
 def stiffness(method, cell, directory):

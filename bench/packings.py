@@ -10,8 +10,8 @@ import os
 import re
 import statistics
 
-from bonds import failure, loop_seconds
-from scenes import CALCITE, NEIGHBOURS, RADIUS, cement, edit, host, launch
+from bonds import failure, grains_at, loop_seconds, told_by_cement
+from scenes import CALCITE, RADIUS, cement, edit, launch
 
 NAMES = ["packing/total", "packing/updated"]
 BEADS, CELL = 5, 8e-4
@@ -20,11 +20,7 @@ BEADS, CELL = 5, 8e-4
 def script(kinematics, quick):
     n = 3 if quick else BEADS
     low, high = -1.1 * RADIUS, 2 * RADIUS * (n - 1) + 1.1 * RADIUS
-    text = host() + f"region box block {low} {high} {low} {high} {low} {high} units box\ncreate_box 2 box\n"
-    for i in range(n**3):
-        x, y, z = (2 * RADIUS * k for k in (i % n, i // n % n, i // n**2))
-        text += f"create_atoms 1 single {x} {y} {z} units box\n"
-    text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+    text = grains_at([[2 * RADIUS * k for k in (i % n, i // n % n, i // n**2)] for i in range(n**3)], (low,) * 3, (high,) * 3)
     text += f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing {CELL / 2}\n"
     text += edit(cement(CELL, 4e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3"), "elastic vti", f"kinematics {kinematics} elastic vti")
     return (text + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\nfix motion grains nve/sphere\n'
@@ -43,11 +39,10 @@ def measure(names, directory, quick, tell):
                 assert not failure(run), failure(run)
                 taken.append(loop_seconds(run))
                 if ranks == 1:
-                    said = re.search(r"(\S+) point steps per second, (\S+) bytes a point\n +(.*)", run.output)
-                    points = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[1])
-                    bonds = int(re.search(r"(\d+) material points, (\d+) bodies", run.output)[2])
+                    said, = told_by_cement(run)
+                    points, bonds = map(int, re.search(r"(\d+) material points, (\d+) bodies", run.output).groups())
         one, two = (statistics.median(t) for t in times.values())
-        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": float(said[1]), "bytes/point": float(said[2]),
-                     "phases": said[3], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
+        rows.append({"packing": kinematics, "bonds": bonds, "points": points, "points/s": said["points/s"],
+                     "bytes/point": said["bytes/point"], "phases": said["said"], "one": one, "two": two, "speedup": one / two, "load": os.getloadavg()[0]})
         tell(rows[-1])
     return rows

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "stepper.h"
+#include "free_body.h"
 
 namespace mpdem::bench {
 
@@ -52,7 +52,8 @@ class Problem {
   double scale = 1.0;  // rms displacement that errors are divided by
 };
 
-std::vector<std::unique_ptr<Problem>> all_problems();
+// periods: of the vibrating bars.
+std::vector<std::unique_ptr<Problem>> all_problems(int periods);
 
 }  // namespace mpdem::bench
 

@@ -48,11 +48,11 @@ void spline(double t, double inverse_h, double* w, double* dw) {
 
 }  // namespace
 
-std::vector<ScalarPoint> scalar_points(const Stepper& s) {
+std::vector<ScalarPoint> scalar_points(const FreeBody& s) {
   std::vector<ScalarPoint> all;
   s.for_points([&](int b, int l) {
-    const PointBlock& p = s.points.blocks[b];
-    const BlockMeta& m = s.points.meta[b];
+    const PointBlock& p = s.points().blocks[b];
+    const BlockMeta& m = s.points().meta[b];
     ScalarPoint r;
     for (int i = 0; i < 3; ++i) {
       r.X[i] = p.X[i][l];

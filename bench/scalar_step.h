@@ -7,7 +7,7 @@
 #ifndef MPDEM_BENCH_SCALAR_STEP_H
 #define MPDEM_BENCH_SCALAR_STEP_H
 
-#include "stepper.h"
+#include "free_body.h"
 
 namespace mpdem::bench {
 
@@ -17,7 +17,7 @@ struct ScalarPoint {
   int column[9];
 };
 
-std::vector<ScalarPoint> scalar_points(const Stepper& s);
+std::vector<ScalarPoint> scalar_points(const FreeBody& s);
 
 // Adds the internal force at the end of the step; returns the number of points over the bound
 // of TensorDamage::square_bound.

@@ -8,8 +8,8 @@
 """
 import statistics
 
-from bonds import cpu_seconds, failure
-from scenes import CALCITE, NEIGHBOURS, RADIUS, RING, cement, edit, host, launch, pair
+from bonds import cpu_seconds, failure, grains_at
+from scenes import CALCITE, RADIUS, RING, cement, edit, launch, pair
 
 NAMES = [f"skip/{w}" for w in ("undamaged", "failed", "resting")]
 CELL = 2e-4
@@ -25,12 +25,8 @@ def pulled(quick, B0):
 
 def row_of_bonds(quick):
     cell, apart = 2 * CELL, 2.2 * RADIUS
-    text = host() + (f"region box block {-RADIUS} {BONDS * apart} {-RADIUS} {RADIUS} {-3 * RADIUS} {3 * RADIUS} units box\n"
-                     "create_box 2 box\n")
-    for n in range(BONDS):
-        for z in (-RADIUS, RADIUS):
-            text += f"create_atoms 1 single {n * apart} 0 {z} units box\n"
-    text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
+    text = grains_at([(n * apart, 0, z) for n in range(BONDS) for z in (-RADIUS, RADIUS)],
+                     (-RADIUS, -RADIUS, -3 * RADIUS), (BONDS * apart, RADIUS, 3 * RADIUS))
     for n in range(BONDS):
         text += f"create_cement calcite pair {2 * n + 1} {2 * n + 2} shape flat {RING} spacing {cell / 2}\n"
     return (text + cement(cell, 2e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3")

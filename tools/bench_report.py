@@ -3,7 +3,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """Runs the benchmarks and writes tables and figures; see doc/performance.md.
 
-    tools/bench_report.py [--quick] [--list] [--build DIR] [--out DIR] [NAME ...]
+    tools/bench_report.py [--quick] [--list] [--periods N] [--build DIR] [--out DIR] [NAME ...]
 
 NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all of
 them, which takes 15 to 25 minutes. Writes results.json, rates.csv,
@@ -28,22 +28,27 @@ DEFAULT = "total/quadratic/none"
 # first order; xpic2 by the square of that, and with apic the affine part takes it back.
 EXPECTED = {"none": 2, "flip": 2, "xpic2": 2, "pic": 1, "apic": 2}
 # What a diagram shows on its axis of errors, all relative.
-ERRORS = {"bar": "vibrating bar: error of the displacement (–)", "cube": "stretched cube: error of the displacement (–)",
+ERRORS = {"bar": "vibrating bar: error of the displacement (–)",
+          "thick-bar": "thick vibrating bar: error of the displacement (–)", "cube": "stretched cube: error of the displacement (–)",
           "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
           "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
-PROBLEMS = ("bar", "cube", "vortex", "published-vortex")
-QUICK = ["law", "skip", "packing", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
-         f"bar/{DEFAULT}", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
+PROBLEMS = ("bar", "thick-bar", "cube", "vortex", "published-vortex")
+QUICK = ["law", "skip", "packing", "fail", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+         f"bar/{DEFAULT}", "bar/total/linear/none", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
 
 def arguments():
     p = argparse.ArgumentParser(description="Runs the benchmarks and writes tables and figures.")
     p.add_argument("names", metavar="NAME", nargs="*", help="benchmarks, by the first parts of their names")
     p.add_argument("--quick", action="store_true", help="a short run of less than a minute: few cells, short times")
+    p.add_argument("--periods", metavar="N", type=int, default=1, help="how many periods the bars vibrate (1)")
     p.add_argument("--list", action="store_true", help="print the names")
     p.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build", help="build directory")
     p.add_argument("--out", metavar="DIR", type=Path, help="where to write (default: BUILD/bench/results)")
-    return p.parse_args()
+    args = p.parse_args()
+    if args.periods < 1:
+        p.error(f"--periods {args.periods}: must be 1 or more")
+    return args
 
 
 def output(*command):
@@ -71,8 +76,8 @@ def rates(program, names, quick):
     return [{"name": b["name"], "ms": b["cpu_time"], **{k: b[k] for k in keep if k in b}} for b in found]
 
 
-def accuracy(program, names, quick):
-    text = output(program, *(["--quick"] if quick else []), *(f"^{n}$" for n in names))
+def accuracy(program, names, quick, periods):
+    text = output(program, *(["--quick"] if quick else []), "--periods", periods, *(f"^{n}$" for n in names))
     rows = list(csv.DictReader(io.StringIO(text)))
     return [{k: v if k in ("problem", "method") else float(v) for k, v in r.items()} for r in rows]
 
@@ -192,6 +197,13 @@ def report(result):
     for r in result["packings"]:
         lines.append(f"\npacking {r['packing']}: {r['bonds']} bonds, {r['points']} points, {r['points/s'] / 1e6:.2f} M points/s, "
                      f"{r['bytes/point']:.0f} B/point, two ranks {r['speedup']:.2f} times as fast\n  {r['phases']}")
+    for r in result["failures"]:
+        lines.append(f"\npulled to failure, {r['fail']}: {r['seconds']:.1f} s of CPU, {r['points']} points, {r['steps']} steps, "
+                     f"{r['points/s'] / 1e6:.2f} M points/s, {r['mode']}, peak {r['peak']:.4g} N\n  "
+                     + ", ".join(f"{p} {share:.0f} %" for p, share in r["phases"].items()))
+    for r in result["separations"]:
+        if r["seconds"] is not None:
+            lines.append(f"\na bond of {r['bonds']} comes apart: {1e3 * r['seconds']:.2f} ms of CPU above a step, median of {r['separations']}")
     for r in result["skips"]:
         lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
@@ -222,11 +234,14 @@ def main():
             sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
     os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
     import bonds
+    import failures
     import packings
+    import separations
     import skips
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
              "law": output(damage, "--list").split(),
-             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES}
+             "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES,
+             "separations": separations.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -236,14 +251,15 @@ def main():
         return
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
-    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": []}
+    result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": [],
+              "separations": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
         write_csv(result["rates"], out / "rates.csv")
     if names["accuracy"]:
         tell(f"{len(names['accuracy'])} methods on problems with a known solution ...")
-        result["accuracy"] = accuracy(precise, names["accuracy"], args.quick)
+        result["accuracy"] = accuracy(precise, names["accuracy"], args.quick, args.periods)
     if names["law"]:
         tell(f"{len(names['law'])} kinds of paths of the law of damage ...")
         result["law"] = law(damage, names["law"], args.quick)
@@ -254,6 +270,10 @@ def main():
         result["accuracy"] += bonds.measure(names["bonds"], runs, args.quick, tell)
     if names["packings"]:
         result["packings"] = packings.measure(names["packings"], runs, args.quick, tell)
+    if names["failures"]:
+        result["failures"] = failures.measure(names["failures"], runs, args.quick, tell)
+    if names["separations"]:
+        result["separations"] = separations.measure(names["separations"], runs, args.quick, tell)
     if names["skips"]:
         result["skips"] = skips.measure(names["skips"], runs, args.quick, tell)
     if result["accuracy"]:

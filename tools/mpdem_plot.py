@@ -96,9 +96,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except run.Trouble as trouble:
-        sys.exit(f"mpdem_plot.py: {trouble}")
-    except OSError as trouble:
-        sys.exit(f"mpdem_plot.py: {trouble.filename}: {trouble.strerror}; check the path, its rights and the disk")
+    run.end_with_message("mpdem_plot.py", main)

@@ -117,9 +117,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except run.Trouble as trouble:
-        sys.exit(f"pair_table.py: {trouble}")
-    except OSError as trouble:
-        sys.exit(f"pair_table.py: {trouble.filename}: {trouble.strerror}; check the path, its rights and the disk")
+    run.end_with_message("pair_table.py", main)

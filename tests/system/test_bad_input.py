@@ -226,18 +226,26 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_message(tmp_path, name):
-    changes, needed = CASES[name]
+def run_changed(case, folder):
+    """Runs the good script with the changes of a case; the result, and the words that the message has to hold."""
+    changes, needed = case
     script = GOOD
     for old, new in changes:
         script = edit(script, old, new)
-    result = launch(script, tmp_path, 2)
-    errors = result.errors()
+    return launch(script, folder, 2), needed
+
+
+def expect_one(messages, needed, result):
+    assert len(messages) == 1, result.output[-1500:]
+    missing = [word for word in needed if word not in messages[0]]
+    assert not missing, messages[0]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_message(tmp_path, name):
+    result, needed = run_changed(CASES[name], tmp_path)
     assert result.status != 0, result.output[-1500:]
-    assert len(errors) == 1, result.output[-1500:]
-    missing = [word for word in needed if word not in errors[0]]
-    assert not missing, errors[0]
+    expect_one(result.errors(), needed, result)
 
 
 def test_the_unchanged_script_runs(tmp_path):
@@ -267,15 +275,9 @@ WARN = {
 
 @pytest.mark.parametrize("name", WARN)
 def test_warning(tmp_path, name):
-    changes, needed = WARN[name]
-    script = GOOD
-    for old, new in changes:
-        script = edit(script, old, new)
-    result = launch(script, tmp_path, 2)
+    result, needed = run_changed(WARN[name], tmp_path)
     assert result.status == 0 and not result.errors(), result.output[-1500:]
-    assert len(warnings(result)) == 1, warnings(result)
-    missing = [word for word in needed if word not in warnings(result)[0]]
-    assert not missing, warnings(result)[0]
+    expect_one(warnings(result), needed, result)
 
 
 def test_what_is_at_the_limit_is_taken(tmp_path):

@@ -31,6 +31,13 @@ def test_short_run(tmp_path, figures):
         figures.note(f"{problem}: order of total/quadratic/none", f"{order:.2f}")
         assert order >= 1.9
         assert (tmp_path / f"{problem}.png").stat().st_size > 5000
+    # Phase after one period of 4: lumped mass and consistent stiffness of tents against the central difference.
+    tents = [r for r in result["accuracy"] if (r["problem"], r["method"]) == ("bar", "total/linear/none")]
+    assert [r["cells"] for r in tents] == [6, 12, 24]
+    for r in tents:
+        h, dt = 1 / r["cells"], 4 / r["steps"]
+        late = 2 * math.pi * (math.pi / 2 * h) ** 2 / 24 * (1 - (dt / h) ** 2)
+        figures.below(f"bar, tents, {r['cells']:g} cells: error against the closed form, less 1", abs(r["error"] / late - 1), 0.01)
     assert result["orders"]["vortex/updated/quadratic/apic"] > 1.0
     law = {r["step"]: r for r in result["law"] if r["law"] == "law/turning/crackband"}
     order = math.log(law[0.025]["D"] / law[0.01]["D"]) / math.log(2.5)
@@ -41,6 +48,9 @@ def test_short_run(tmp_path, figures):
     # a tenth damages, in every step
     assert 0.09 < steps["step/total/quadratic/none/damaging"]["growing"] < 0.11
     assert {r["packing"]: r["bonds"] for r in result["packings"]} == {"total": 54, "updated": 54}
+    for r in result["failures"]:
+        assert r["broken"] and r["peak"] > 50 and abs(sum(r["phases"].values()) - 100) < 1, r
+    assert [r["fail"] for r in result["failures"]] == ["flat", "meniscus", "coating"]
     assert [r["skip"] for r in result["skips"]] == ["undamaged", "failed", "resting"]
     assert 0.008 < steps["step/updated/quadratic/apic/elastic"]["crossing"] < 0.012
 

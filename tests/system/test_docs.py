@@ -286,7 +286,7 @@ def test_files_that_pages_name_are_there():
             if not list(ROOT.glob(name)):
                 missing.append((name_of(page), name))
     package = ROOT / "src/USER-MPDEM"
-    for name in re.findall(r"`((?:material|mpm|coupling|geometry|styles|parallel|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()):
+    for name in re.findall(r"`((?:numerics|parallel|geometry|material|mpm|fracture|coupling|cement|styles|host)/[\w./*]+)`", (ROOT / "doc/theory.md").read_text()):
         if not list(package.glob(name)):
             missing.append(("doc/theory.md", name))
     assert not missing, missing

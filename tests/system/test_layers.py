@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 PACKAGE = Path(__file__).resolve().parents[2] / "src" / "USER-MPDEM"
 
 # What each room may include besides itself.
@@ -56,3 +58,77 @@ def test_an_include_upwards_is_found():
     assert "may include" in against_the_layers("mpm", kernel, "../coupling/penalty_links.h")
     assert "not of this package" in against_the_layers("mpm", kernel, "update.h")
     assert not against_the_layers("mpm", kernel, "../parallel/halo_sum.h")
+
+
+def reaches_private_members(text):
+    """Whether code gets at private members of a class that it is no friend of."""
+    code = without_words(re.sub(r"\\\n", " ", text))
+    instantiation = r"\btemplate\s+(?:struct|class|union)?\s*[\w:]+\s*<[^;{]*&\s*[\w:]+::\w"  # may name private members
+    return bool(re.search(instantiation, code) or re.search(r"#\s*define\s+(?:private|protected|class)\b", code))
+
+
+def test_private_members_have_one_way_in():
+    found = {p.relative_to(PACKAGE).as_posix() for p in PACKAGE.rglob("*") if p.suffix in (".h", ".cpp") and reaches_private_members(p.read_text())}
+    assert found == {"styles/private_access.cpp"}
+
+
+@pytest.mark.parametrize("code", ["template struct Expose<Tag, &Comm::bordergroup>;", "template class A<int Tag::*,\n  &LAMMPS_NS::Comm::x>;",
+                                  "#define OPEN(C, M) \\\n  template struct Expose<C##_##M, &C::M>;", "#define private public"])
+def test_a_way_in_is_found(code):
+    assert reaches_private_members(f"namespace n {{\n{code}\n}}\n")
+    assert not reaches_private_members(f"// {code.splitlines()[0]}\nint f(int (C::*p)()) {{ return g<A>(&C::f); }}\n".replace("\\\n", "\n"))
+
+
+def without_words(text):
+    """C++ with comments, strings and characters blanked out, as long as it was."""
+    def blank(found):
+        return re.sub(r"[^\n]", " ", found[0])
+    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', blank, text, flags=re.S)
+
+
+def functions(text):
+    """Head, first line and number of lines of every function with a body; a lambda belongs to what it stands in."""
+    text = re.sub(r"(?m)^\s*#.*$|^\w+Style\(.*\)$", lambda found: " " * len(found[0]), without_words(text))
+    text = re.sub(r"(?<=\w)\{[^{};]*\}", lambda found: re.sub(r"[^\n]", " ", found[0]), text)  # of a member
+    found, scopes, start = [], [], 0  # scopes: head and place of a function, or None for a room such as a namespace or a class
+    for at, letter in enumerate(text):
+        if letter == "{":
+            head = text[start:at].strip()
+            inside = any(s is not None for s in scopes)
+            room = re.match(r"(inline )?(namespace|(template <.*> ?)?(class|struct|union)|enum|extern)\b", head) and not re.search(r"\)\s*(const)?$", head)
+            scopes.append(None if room and not inside else (head, start + len(text[start:at]) - len(text[start:at].lstrip())))
+            start = at + 1
+        elif letter == "}":
+            scope = scopes.pop()
+            if scope is not None and all(s is None for s in scopes) and "(" in scope[0]:
+                first = text.count("\n", 0, scope[1])
+                found.append((scope[0], first + 1, text.count("\n", 0, at) - first + 1))
+            start = at + 1
+        elif letter == ";":
+            start = at + 1
+        elif letter == ":" and text[start:at].strip() in ("public", "private", "protected"):
+            start = at + 1
+    assert not scopes
+    return found
+
+
+def too_long(text, most=80):
+    return [f"{head.split('(')[0].split()[-1]} in line {line} has {lines} lines" for head, line, lines in functions(text) if lines > most]
+
+
+def test_functions_are_short():
+    files = [p for p in sorted(PACKAGE.rglob("*")) if p.suffix in (".h", ".cpp")]
+    assert sum(len(functions(p.read_text())) for p in files) > 800
+    found = [f"{p.relative_to(PACKAGE)}: {why}" for p in files for why in too_long(p.read_text())]
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize("opening", ["void A::f(int n) const {", "template <class T>\nT f(T a,\n   int b) {", "A::A(int a) : b_(a), c_{a} {",
+                                     "class B {\n public:\n  bool operator()(int a) override {", "auto f() -> std::vector<int> {",
+                                     "CommandStyle(x,X)\n\nclass X {\n  void f() {"])
+def test_a_long_function_is_found(opening):
+    def text(lines):
+        body = '  const auto g = [&](int i) { return i; };  // {\n  say("}{");\n' + "  if (a) { b = 1; }\n" * (lines - 4)
+        return "namespace n {\n" + opening + "\n" + body + "}\n" + "};\n" * ("class " in opening and "template" not in opening) + "}\n"
+    assert not too_long(text(75)), functions(text(75))
+    assert len(too_long(text(85))) == 1

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a run prints of itself: where its time went, and an error where there is no log."""
 import re
+import resource
 
 import pytest
 from scenes import cement, launch, pair, run
@@ -12,14 +13,20 @@ PHASES = ["scatter", "node update", "halo", "gather", "material", "coupling", "l
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_where_time_goes(ranks, tmp_path):
     """Two lines: seconds, steps and rates; the phases in per cent, those of the slowest rank each."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     out = run(SCENE + "run 200\n", tmp_path, ranks).output
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     number = r"([0-9.e+-]+)"
-    found = re.search(rf"^fix mpm \(id cem\): {number} s in 200 steps, {number} point steps per second, {number} bytes a point\n  (.*)$", out, re.M)
+    found = re.search(rf"^fix mpm \(id cem\): {number} s in 200 steps, {number} point steps per second, {number} by CPU time, {number} bytes a point\n  (.*)$", out, re.M)
     assert found, out[-2000:]
-    seconds, rate, size = (float(found[i]) for i in (1, 2, 3))
+    seconds, rate, by_cpu, size = (float(found[i]) for i in (1, 2, 3, 4))
     points = int(re.search(r"fix mpm \(id cem\): (\d+) material points", out)[1])
     assert abs(rate * seconds / (200 * points) - 1) < 1e-4 and 300 < size < 1e5
-    phases = found[4].split("; ")[0].split(", ")
+    # A rank takes no more CPU time than wall time, and no more than the whole program did.
+    cpu = 200 * points / by_cpu
+    assert 0.1 * seconds / ranks < cpu < 1.02 * seconds
+    assert cpu < after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    phases = found[5].split("; ")[0].split(", ")
     assert [re.sub(r" [0-9.]+ %$", "", p) for p in phases] == PHASES
     share = [float(p.split()[-2]) for p in phases]
     assert all(0 <= s <= 100 for s in share)

@@ -158,6 +158,14 @@ std::string shape_error(F f) {
   return {};
 }
 
+// Finds from the volume of each case the size that the case has.
+template <class Case, class Volume, class SizeOf>
+void expect_inverts(const std::vector<Case>& cases, double Case::*size, Volume volume, SizeOf size_of, double tolerance, const char* what) {
+  Worst worst;
+  for (const Case& c : cases) worst.add(std::fabs(size_of(c, volume(c)) / (c.*size) - 1.0), c.name());
+  expect_within(worst, tolerance, what);
+}
+
 // Volume of cement in a pair of grains, content by mass of the grains: glass, calcite.
 inline double volume_of_content(double content, double R) {
   return content * 2500.0 * 2.0 * (4.0 / 3.0) * M_PI * R * R * R / 2710.0;

@@ -42,6 +42,7 @@ class RowOfGrains : public CementHost {
   Bonds bonds;
   std::unique_ptr<Cement> cement;
   int number = 0;
+  double dt = kStep;
   double work = 0.0;  // of prescribed grains of this rank on the cement
   std::vector<std::array<int, 2>> failed;     // step and tag, of points of this rank
   std::vector<std::array<int, 2>> separated;  // step and bond, the same on all ranks
@@ -53,6 +54,7 @@ class RowOfGrains : public CementHost {
     std::map<int, GrainState> states;
     std::vector<Grain> grains;
     int number = 0;
+    double dt = kStep, time = 0.0;
   };
 
   RowOfGrains(MPI_Comm comm, const Row& row) : comm_(comm), row_(row) {
@@ -80,6 +82,8 @@ class RowOfGrains : public CementHost {
     bonds.table = table;
     for (const auto& p : from.points) slot_[p.first] = bonds.add(p.second, p.first);
     number = from.number;
+    dt = from.dt;
+    time_ = from.time;
     states_ = from.states;
     own_ = from.grains;
     RecordReader in(from.state.data() + 1, from.state.data() + from.state.size());
@@ -115,6 +119,7 @@ class RowOfGrains : public CementHost {
   void step() {
     std::vector<Grain>& grains = cement->grains().grains;
     ++number;
+    time_ += dt;
     set_step();
     if (first_) cement->take_up_commands();
     first_ = false;
@@ -124,17 +129,17 @@ class RowOfGrains : public CementHost {
       std::copy(g.force, g.force + 6, before.back().begin());
       half_kick(g);
       GrainState& s = *g.state;
-      for (int d = 0; d < 3; ++d) g.x[d] += kStep * g.velocity[d];
+      for (int d = 0; d < 3; ++d) g.x[d] += dt * g.velocity[d];
       if (!g.free[2]) {
-        g.x[2] = place_of(g.tag - 1, number * kStep);
-        g.velocity[2] = velocity_of(g.tag - 1, number * kStep);
+        g.x[2] = place_of(g.tag - 1, time_);
+        g.velocity[2] = velocity_of(g.tag - 1, time_);
       }
       for (int d = 0; d < 3; ++d) {
         g.moved[d] = g.x[d] - s.x[d];
         s.x[d] = g.x[d];
       }
     }
-    cement->grains().turn(kStep);
+    cement->grains().turn(dt);
     if (hand_over_at_ == number) hand_over();
     clear_forces();
     cement->step();
@@ -166,6 +171,8 @@ class RowOfGrains : public CementHost {
     s.states = states_;
     s.grains = cement->grains().grains;
     s.number = number;
+    s.dt = dt;
+    s.time = time_;
     return s;
   }
 
@@ -230,7 +237,7 @@ class RowOfGrains : public CementHost {
     return n;
   }
   // How far the last grain is away from where it was against the first.
-  double stretch() const { return place_of(row_.bonds, number * kStep) - place_of(0, number * kStep) - row_.bonds * (2 * kRadius + kGap); }
+  double stretch() const { return place_of(row_.bonds, time_) - place_of(0, time_) - row_.bonds * (2 * kRadius + kGap); }
 
  private:
   void start() {
@@ -266,7 +273,7 @@ class RowOfGrains : public CementHost {
   void set_step() {
     StepInput now;
     now.number = number;
-    now.dt = kStep;
+    now.dt = dt;
     cement->set_step(now);
   }
   std::vector<Grain> take_grains() {
@@ -281,9 +288,9 @@ class RowOfGrains : public CementHost {
   void clear_forces() {
     for (Grain& g : cement->grains().grains) std::fill(g.force, g.force + 6, 0.0);
   }
-  static void half_kick(Grain& g) {
+  void half_kick(Grain& g) const {
     for (int d = 0; d < 6; ++d)
-      if (g.free[d]) g.velocity[d] += 0.5 * kStep * g.force[d] / (d < 3 ? g.mass : g.inertia);
+      if (g.free[d]) g.velocity[d] += 0.5 * dt * g.force[d] / (d < 3 ? g.mass : g.inertia);
   }
   // The first and the last leave each other to either side, the others stay where they are.
   double share_of(int g) const { return g == 0 ? -0.5 : g == row_.bonds ? 0.5 : 0.0; }
@@ -366,6 +373,7 @@ class RowOfGrains : public CementHost {
   Row row_;
   int rank_ = 0, ranks_ = 1;
   bool first_ = true;
+  double time_ = 0.0;
   int hand_over_at_ = -1, handed_ = 0, to_ = 0;
   std::map<int, int> slot_;  // of each point of this rank
   std::map<int, int> was_separated_;

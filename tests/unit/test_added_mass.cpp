@@ -427,7 +427,9 @@ TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   double released = 0;
   b.links.let_go(b.points, failed, b.grid, s.side(b), released);
   for (const Link& k : b.points.links)
-    if (k.grain == s.bodies[0].grain[0]) EXPECT_FALSE(k.attached);
+    if (k.grain == s.bodies[0].grain[0]) {
+      EXPECT_FALSE(k.attached);
+    }
   EXPECT_EQ(s.row_sums(b), whole);
   s.set_added_mass();
   double held[2] = {0, 0}, left[2] = {0, 0};

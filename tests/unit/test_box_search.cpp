@@ -45,7 +45,9 @@ TEST(BoxSearch, FindsWhatIsThere) {
         search.holding(x, [&](int n) { found.push_back(n); });
         EXPECT_EQ(found, expected);
       }
-      if (count == 800 && widest > 0.1) EXPECT_GT(hits, 50);
+      if (count == 800 && widest > 0.1) {
+        EXPECT_GT(hits, 50);
+      }
     }
 }
 

@@ -96,12 +96,9 @@ TEST(Coating, ContentOfAPairOfBeads) {
 }
 
 TEST(Coating, ThicknessForVolumeInverts) {
-  test::Worst worst;
-  for (const CoatingCase& c : coating_cases()) {
-    const double V = Coating(c.pair, c.thickness, c.cap, c.inner).volume();
-    worst.add(std::fabs(Coating::thickness_for_volume(c.pair, V, c.cap, c.inner) / c.thickness - 1.0), c.name());
-  }
-  expect_within(worst, 1e-10, "thickness");
+  test::expect_inverts(
+      coating_cases(), &CoatingCase::thickness, [](const CoatingCase& c) { return Coating(c.pair, c.thickness, c.cap, c.inner).volume(); },
+      [](const CoatingCase& c, double V) { return Coating::thickness_for_volume(c.pair, V, c.cap, c.inner); }, 1e-10, "thickness");
 }
 
 TEST(Coating, InsideIsTheShellUpToTheCap) {

@@ -95,12 +95,9 @@ TEST(Hourglass, ClearanceBoxAndArea) {
 }
 
 TEST(Hourglass, OuterForVolumeInverts) {
-  test::Worst worst;
-  for (const HourglassCase& c : hourglass_cases()) {
-    const double V = Hourglass(c.pair, c.outer, c.waist, c.inner).volume();
-    worst.add(std::fabs(Hourglass::outer_for_volume(c.pair, V, c.waist, c.inner) / c.outer - 1.0), c.name());
-  }
-  expect_within(worst, 1e-9, "outer radius");
+  test::expect_inverts(
+      hourglass_cases(), &HourglassCase::outer, [](const HourglassCase& c) { return Hourglass(c.pair, c.outer, c.waist, c.inner).volume(); },
+      [](const HourglassCase& c, double V) { return Hourglass::outer_for_volume(c.pair, V, c.waist, c.inner); }, 1e-9, "outer radius");
 }
 
 TEST(Hourglass, WithoutAWaistIsFlat) {

@@ -96,7 +96,9 @@ TEST_P(JoinedCells, FullerBlocks) {
       std::array<int, 4> next = cell;
       ++next[1 + d];
       const auto at = left.find(next);
-      if (at != left.end()) EXPECT_GT(count + at->second, kLanes);
+      if (at != left.end()) {
+        EXPECT_GT(count + at->second, kLanes);
+      }
     }
 }
 

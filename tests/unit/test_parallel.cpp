@@ -468,7 +468,9 @@ TEST(MemoryLimit, IsThatOfTheMachineOrOfTheUser) {
   EXPECT_LE(share, machine / ranks());
   rlimit address;
   ASSERT_EQ(getrlimit(RLIMIT_AS, &address), 0);
-  if (given.rlim_cur == RLIM_INFINITY && address.rlim_cur == RLIM_INFINITY) EXPECT_GT(share, 0.999 * machine / ranks());
+  if (given.rlim_cur == RLIM_INFINITY && address.rlim_cur == RLIM_INFINITY) {
+    EXPECT_GT(share, 0.999 * machine / ranks());
+  }
 
   constexpr double kSmall = 1 << 28;  // Linux counts it but does not enforce it
   if (rank() == ranks() - 1) {

@@ -286,7 +286,9 @@ TEST_P(Links, LetGoInEachLane) {
       b.links.let_go(b.points, {slot}, b.grid, s.side(b), released);
       EXPECT_EQ(held - attached(b.points), links) << "slot " << slot;
       for (const Link& k : b.points.links)
-        if (k.slot == slot) EXPECT_FALSE(k.attached);
+        if (k.slot == slot) {
+          EXPECT_FALSE(k.attached);
+        }
       EXPECT_GT(released, gone);
       test::expect_within(std::fabs(before - s.energy() - (released - gone)) / whole, 1e-14, "energy of the links that let go");
     }

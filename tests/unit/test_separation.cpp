@@ -309,7 +309,9 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
     const Separation s = separate(points, kFace);
     EXPECT_EQ(s.inside, kWidth * kWidth);
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (level(points[i]) == at) EXPECT_EQ(s.part[i], at == 7);
+      if (level(points[i]) == at) {
+        EXPECT_EQ(s.part[i], at == 7);
+      }
   }
   // one column of failed points, of the height of the bond, between what holds to the one grain and what holds to the other
   std::vector<CrackPoint> points = column();
@@ -325,7 +327,9 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
   EXPECT_NEAR(s.at_grain[0], kLinkArea * kWidth * (kWidth / 2 - 1 + 0.5), 1e-12);
   EXPECT_NEAR(s.at_grain[1], kLinkArea * kWidth * (kWidth / 2 + 0.5), 1e-12);
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i].cell[0] == 0) EXPECT_EQ(s.part[i], level(points[i]) < kHeight / 2 ? 0 : 1);
+    if (points[i].cell[0] == 0) {
+      EXPECT_EQ(s.part[i], level(points[i]) < kHeight / 2 ? 0 : 1);
+    }
 }
 
 // What no step from cell to cell leads to goes with the nearer grain, when the bond comes apart and not later.

@@ -48,7 +48,8 @@ def lattice(cells, per_cell, width=2):
     return np.array([(a, b, c) for a in x for b in x for c in z]), s
 
 
-def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0):
+def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0, regularization=None):
+    """regularization: the words of fix mpm in place of a crack band with exponent m."""
     X, s = lattice(cells, per_cell)
     h = LENGTH / cells * cell_factor
     weak = np.abs(X[:, 2] - X[X[:, 2] > 0, 2].min()) < 0.1 * s
@@ -69,7 +70,7 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
         text += f"create_atoms 1 single 0 0 {side * (RADIUS + LENGTH / 2):.15g} units box\n"
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + scenes.NEIGHBOURS
     text += f"create_cement calcite pair 1 2 file bar.txt spacing {s:.15g}\n"
-    text += scenes.cement(h, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization crackband {Gf:.15g} "
+    text += scenes.cement(h, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {regularization or f'crackband {Gf:.15g}'} "
                           f"timestep auto 0.9 quasistatic 1 {damping}")
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     # Until the band, if it were two cells, has come to the strain at failure
@@ -86,7 +87,7 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
     layers = end["c_damage"][np.argsort(end["z"], kind="stable")].reshape(cells * per_cell, -1)
     profile = [round(float(d), 3) for d in layers.mean(axis=1) if d.max() > 0.02]
     spent = t["f_cem[8]"][-1] + t["f_cem[9]"][-1]
-    return {"width": spent / (math.sqrt(2) * B0 * work(m) * area) / h, "ratio": spent / (Gf * area), "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
+    return {"energy": spent / area, "width": spent / (math.sqrt(2) * B0 * work(m) * area) / h, "ratio": spent / (Gf * area), "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
             "peak": t["f_bond"].max() / area / (2**0.25 * math.sqrt(B0 * E)), "end": t["f_bond"][-1] / t["f_bond"].max(), "profile": profile, "table": t, "steps": t["step"][-1]}
 
 

@@ -4,6 +4,7 @@
 import csv
 import glob
 import os
+import sys
 
 import numpy as np
 
@@ -18,6 +19,16 @@ EXTRA_COLUMNS = ("id", "c_bond", "c_attached", "c_grain")  # read if there
 
 class Trouble(Exception):
     """One line for the user: the file and the cure."""
+
+
+def end_with_message(program, main):
+    """Calls main(); of what goes wrong the user sees one line."""
+    try:
+        main()
+    except Trouble as trouble:
+        sys.exit(f"{program}: {trouble}")
+    except OSError as trouble:
+        sys.exit(f"{program}: {trouble.filename}: {trouble.strerror}; check the path, its rights and the disk")
 
 
 class Bond:

@@ -151,6 +151,7 @@ void Cement::complete_forces() {
     if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
     for (int i = 0; i < b.grid.size() && weighs; ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
+    host_.add_node_forces(b);
   }
   if (any_added_mass_ && grains_.any_free()) {
     timer_.start(StepTimer::kCoupling);

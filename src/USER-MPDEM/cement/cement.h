@@ -45,6 +45,9 @@ class CementHost {
   virtual void links_let_go(const Bond& bond) = 0;
   // Slots of points of a bond changed.
   virtual void slots_changed(const Bond& bond) = 0;
+  // All forces of a step are on the nodes, those of tied nodes on their masters: adds forces from outside, which the books of energy do not
+  // know, or holds nodes. Ranks that share a node do the same to it.
+  virtual void add_node_forces(Bond&) {}
 };
 
 // When, and what acts everywhere.

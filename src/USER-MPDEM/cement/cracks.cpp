@@ -155,18 +155,20 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   const int rows = static_cast<int>(bonds.table.size());
   int ranks;
   MPI_Comm_size(comm, &ranks);
-  // what broke, and whether the path is cut, of each row
-  std::vector<double> now(2 * rows, 0.0);
-  for (const Bond& b : bonds) now[2 * b.body] = broken(b.points);
-  for (int r = 0; r < rows; ++r) now[2 * r + 1] = states_[r].path_cut;
-  MPI_Allreduce(MPI_IN_PLACE, now.data(), 2 * rows, MPI_DOUBLE, MPI_SUM, comm);
-  std::vector<char> wanted(rows);
+  // Whose path is cut; what broke of these. Debris is looked for in all: it may be in any bond that came apart.
+  std::vector<char> cut(rows), wanted(rows);
+  for (int r = 0; r < rows; ++r) cut[r] = states_[r].path_cut;
+  MPI_Allreduce(MPI_IN_PLACE, cut.data(), rows, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  std::vector<double> now(rows, 0.0);
+  for (const Bond& b : bonds)
+    if (debris || cut[b.body]) now[b.body] = broken(b.points);
+  MPI_Allreduce(MPI_IN_PLACE, now.data(), rows, MPI_DOUBLE, MPI_SUM, comm);
   std::vector<int> looked_at;
   for (int r = 0; r < rows; ++r) {
     State& s = states_[r];
-    wanted[r] = now[2 * r] != s.failed_seen && (s.separation.separated ? debris : now[2 * r + 1] != 0.0);
+    wanted[r] = (s.separation.separated ? debris : cut[r] != 0) && now[r] != s.failed_seen;
     if (wanted[r]) {
-      s.failed_seen = now[2 * r];
+      s.failed_seen = now[r];
       looked_at.push_back(r);
     }
     s.path_cut = false;

@@ -55,7 +55,7 @@ std::vector<Grid::Cell> cells_of(BondLayout& l) {
 }
 
 // Collective. Ties of each layout, from the masses on these grids.
-std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std::vector<const Grid*>& grids) {
+std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std::vector<int>& rows, const std::vector<const Grid*>& grids) {
   struct Node {
     Key key;
     double mass;
@@ -72,7 +72,7 @@ std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std:
     nodes.mass.push_back(n.mass);
     nodes.edge.push_back(!rules.cracks.separated(body_of(n.key[0])));
   }
-  nodes.sheets = rules.sheets.at(rules.comm, nodes.keys);
+  nodes.sheets = rules.sheets.at(rules.comm, rows, nodes.keys);
   std::vector<std::vector<EdgeTie>> ties(grids.size());
   std::size_t at = 0;
   for (EdgeTie& t : find_edge_ties(rules.comm, rules.options.basis, nodes)) {
@@ -172,7 +172,7 @@ class LayoutMaker {
       grids[n].lump_mass(layouts_[n].points, rules_.density);
       all.push_back(&grids[n]);
     }
-    return find_ties(rules_, all);
+    return find_ties(rules_, rows_, all);
   }
 
   // Collective. Ties of nodes at the edge, as they were at the start, of bonds whose nodes split.

@@ -90,7 +90,7 @@ JoinedNodes Sheets::joined_nodes(int body) const {
   return nodes;
 }
 
-std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<Key>& keys) const {
+std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<int>& rows, const std::vector<Key>& keys) const {
   const auto place = [](Key k) {
     k[0] = body_of(k[0]);
     return k;
@@ -101,7 +101,10 @@ std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<Key>& keys) const 
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<char> found;
-  fetch_values(comm, 1, joined_, std::vector<double>(joined_.size(), 0.0), wanted, found);
+  std::vector<Key> joined;
+  for (int row : rows)
+    for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(row)); k != joined_.end() && (*k)[0] == row; ++k) joined.push_back(*k);
+  fetch_values(comm, 1, joined, std::vector<double>(joined.size(), 0.0), wanted, found);
   std::vector<char> sheets(keys.size(), kNoSheets);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (!has_sheets_[body_of(keys[i][0])]) continue;

@@ -33,7 +33,7 @@ class Sheets {
   // Of a bond that this rank looks at as a whole.
   JoinedNodes joined_nodes(int body) const;
   // Collective. For each of the nodes, what find_edge_ties() asks.
-  std::vector<char> at(MPI_Comm comm, const std::vector<Key>& keys) const;
+  std::vector<char> at(MPI_Comm comm, const std::vector<int>& rows, const std::vector<Key>& keys) const;
 
  private:
   std::vector<signed char> has_sheets_;  // of each bond

@@ -71,7 +71,7 @@ void for_each(const std::vector<AddedMass::Share>& shares, const Grid& grid, Sid
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (const Share& a : shares_) {
-    double r[2][3], of_grain[2][3], *f = &grid.force[3 * a.node];
+    double r[2][3] = {}, of_grain[2][3] = {}, *f = &grid.force[3 * a.node];
     for (int n = 0; n < 2; ++n) {
       if (a.mass[n] == 0.0) continue;  // most nodes have links to one side alone
       a.lever_arm(grid, side[n], r[n]);

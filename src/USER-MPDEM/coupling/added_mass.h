@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Added mass of the nodes of one bond, which makes the penalty of its links semi-implicit.
+// Added mass of the nodes of one bond. It makes the penalty of the links semi-implicit.
 //
-// Semi-implicit in the node: where the row sum of the penalty stiffness k is too stiff for
-// the time step, the node's mass is raised just enough (Grid::set_added_mass). A damper g,
-// which acts on the velocity of half a step ago, counts as a spring 2 g/dt: a step is stable
-// if k dt^2 + 2 g dt <= 4 m. Added mass c is that of the motion u - R of the node against the grain (as if fixed to
-// it there); the force -c (u - R)'' acts on the grain with the opposite sign at the node's place, so momentum and
-// angular momentum stay exact. Where the node's own mass does part of the work of c but the grain R is free, since
-// (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2 for any t, links count (1 + t)-fold, with t the mass of the cement over
-// what the grain has of inertia against it (`mass_ratio`): the grain's own kinetic energy then covers the rest.
-// Accelerations of free grains: grain_accelerations.h.
+// Where the row sum k of the penalty stiffness is too stiff for the time step, the inertia of the node is raised just
+// enough. A damper g acts on the velocity of half a step ago and counts as a spring 2 g/dt. A step is stable if
+//   k dt^2 + 2 g dt <= 4 m.
+// Added mass c is the inertia of the motion u - R of the node against its grain, R being the motion of the grain at
+// the place of the node. The force on the node is -c (u - R)''. The opposite force acts on the grain at the same
+// place, so momentum and angular momentum stay exact.
+//
+// A free grain gives way, and then the node's own mass does part of the work of c. For any t
+//   (u - R)^2 <= (1 + t) u^2 + (1 + 1/t) R^2.
+// So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of the grain against it
+// (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations
+// of free grains.
 #ifndef MPDEM_ADDED_MASS_H
 #define MPDEM_ADDED_MASS_H
 
@@ -23,27 +26,28 @@
 
 namespace mpdem {
 
-// `side` is always the first of the two sides of the bond, the second is behind it.
+// `side` always points to the first of the two sides of the bond. The second follows it.
 class AddedMass {
  public:
-  // What is known of the eigenvalues of the cement, squares of angular frequencies.
+  // What is known of the eigenvalues of the cement. These are squares of angular frequencies.
   struct Stability {
     double dt = 0;
     double lambda = 0;             // largest of the cement
-    bool lambda_is_bound = false;  // of a grid without ties, see Grid::stable_inertia()
+    bool lambda_is_bound = false;  // that of a grid without ties, see Grid::tie_factor()
     double bound = 4;              // largest dt^2 lambda
   };
-  // Collective among the ranks that share the nodes. The least mass that keeps the central difference stable when the
-  // penalty of the links comes on top of the cement: every node gets dt^2 (lambda m + k) <= bound (m + c). Most nodes need none.
+  // Collective among the ranks that share the nodes. Finds the least mass that keeps the central difference stable
+  // when the penalty of the links comes on top of the cement: of every node dt^2 (lambda m + k) <= bound (m + c).
+  // Most nodes need none.
   void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s);
 
-  // Added mass of a node, whoever has the links.
+  // Added mass of a node, on whatever rank the links are.
   struct Share {
     int node;
     double mass[2];  // of the links to either side
     double X[3];     // of the node, reference
     double sum() const { return mass[0] + mass[1]; }
-    // From the centre of a grain.
+    // Vector from the centre of a grain to the node.
     void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
       for (int d = 0; d < 3; ++d) r[d] = X[d] + grid.displacement[3 * node + d] - s.x[d];
     }
@@ -53,30 +57,32 @@ class AddedMass {
   // Of each node.
   const std::vector<double>& of_nodes() const { return mass_; }
 
-  // It moves with its grain: force on nodes, after their sum over ranks, that takes it along, and its reaction on
-  // the grains, before theirs, with the acceleration that nodes will have by Grid::update_acceleration().
+  // Added mass moves with its grain. Adds the force that takes it along to the nodes, whose sum over ranks is
+  // complete, and its reaction to the grains, whose sum is still to come. The acceleration is that which nodes will
+  // have by Grid::update_acceleration().
   void carry(Grid& grid, GrainSide* side) const;
-  // It follows the jumps of its grains, as it follows their accelerations: c of a node of mass m takes it along with
-  // c / (m + c) of them, rate times which is added to the accelerations. grain_rate times the reaction is added to the
+  // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c
+  // / (m + c) of a jump. Adds rate times this share to the accelerations, and grain_rate times the reaction to the
   // forces of jumps on the grains.
   void follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const;
-  // The same as forces on nodes and grains; `at_start`: of added mass that moves with the
-  // nodes so far, whose jump is the velocity of the grains less that of the nodes.
+  // The same as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is the
+  // velocity of the grains less that of the nodes.
   void add_jumps(Grid& grid, GrainSide* side, bool at_start) const;
-  // Reaction to a transfer that changes the velocity of nodes, by the acceleration scale * field.
+  // Adds the reaction to a transfer to the grains. The transfer changes the velocity of nodes as the acceleration
+  // scale * field does.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSide* side) const;
 
-  // Work of that reaction on the grains for a change `field` of the velocity of the nodes, over its scale.
+  // Work of that reaction on the grains, over its scale.
   double work_of_reaction(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
-  // Power of its acceleration relative to the grains on the velocity `field` of the nodes.
+  // Power of added mass times its acceleration relative to the grains, on the velocity `field` of the nodes.
   double power(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
-  // Kinetic energy relative to the grains, m/2 v.w with v and w the stored velocity after the times `early` and `late`
-  // of the acceleration.
+  // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w
+  // that plus `late` times the acceleration.
   double energy(const Grid& grid, const GrainSide* side, double early = 0.0, double late = 0.0) const;
-  // The same before the jumps of the grains, with nodes after the time `later` of their
-  // acceleration: what it is at the end of a drift whose grains have moved already.
+  // Kinetic energy at the end of a drift whose grains have moved already: their velocities are taken without the last
+  // jumps, those of nodes with `later` times the acceleration.
   double energy_ahead(const Grid& grid, const GrainSide* side, double later) const;
-  // Mass at either side, of the nodes that count on this rank.
+  // Adds the mass at either side, of the nodes that this rank counts.
   void add_to_sides(const Grid& grid, double* mass) const;
 
   std::size_t memory_usage() const;

@@ -12,7 +12,7 @@
 
 namespace mpdem {
 
-// Links of the steps so far, which later steps must have too.
+// The links of the steps so far. Later steps must have the same.
 struct LinksSoFar {
   enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
   double kn = 0.0, kt = 0.0;
@@ -37,8 +37,8 @@ struct CementHead {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
-  double step = 0.0;       // that the stored velocities lie half of behind
-  int bodies_started = 0;  // the first of the table; the others are where they were made
+  double step = 0.0;       // stored velocities lie half of it behind the time
+  int bodies_started = 0;  // so many bonds of the table have moved; those after them are as they were made
   double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
   double time = 0.0;
   double eigenvalue = 0.0;  // 0: not known
@@ -73,7 +73,7 @@ struct CementHead {
 };
 
 struct BondRow {
-  double failed_seen = 0.0;  // points, when the bond was looked at
+  double failed_seen = 0.0;  // number of failed points when the bond was looked at last
   bool separated = false;
   double at_grain[2] = {0, 0}, inside = 0.0;  // area of the separating surface
   double peak = 0.0;  // largest tension

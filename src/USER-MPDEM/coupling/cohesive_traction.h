@@ -11,9 +11,10 @@
 //   traction     (1 - d) of the penalty, all of it under compression; none once d is 1
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
-// So a link takes tn and Gn under opening, tt and Gt under shear, of any steps. The onset is the quadratic criterion of stress, the
-// end the linear criterion of energies, both written in the opening of Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with
-// the damage of Turon, Camanho, Costa & Davila (Mech. Mater. 38 (2006) 1072).
+// So a link bears tn and takes Gn under opening, and tt and Gt under shear, however large the steps are. The onset is
+// the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the opening of
+// Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with the damage of Turon, Camanho, Costa & Davila (Mech.
+// Mater. 38 (2006) 1072).
 #ifndef MPDEM_COHESIVE_TRACTION_H
 #define MPDEM_COHESIVE_TRACTION_H
 
@@ -42,7 +43,8 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
       : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {}
 
   std::vector<double> parameters() const override { return {tn_, tt_, Gn_, Gt_}; }
-  // The elastic energy at the strength has to be below G in every mode; it is if it is in both.
+  // The elastic energy at the strength has to be below G in every mode. It is below G in mixed modes if it is so in
+  // both pure ones.
   std::string trouble() const override {
     const double of_n = 0.5 * tn_ * tn_ / stiffness().kn, of_t = 0.5 * tt_ * tt_ / stiffness().kt;
     const auto told = [](const char* G, double value, double least, const char* t, const char* k) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bonded grain: a rigid sphere. What its cement needs to know of it in a step. Six numbers are three of translation and three of rotation about the centre.
+// What the cement needs to know of a bonded grain in a step. A grain is a rigid sphere. Arrays of six have three
+// components of translation, then three of rotation about the centre.
 #ifndef MPDEM_GRAIN_H
 #define MPDEM_GRAIN_H
 
@@ -12,19 +13,19 @@
 
 namespace mpdem {
 
-// A bonded grain that this rank owns. All but `state`, which is the host's, is written by the host before the engine is
-// called; the engine adds to `force` and `velocity`.
+// A bonded grain that this rank owns. The host writes all members before it calls the engine. The engine adds to
+// `force` and `velocity`. `state` points to data of the host.
 struct Grain {
   int tag = 0;
   double x[3] = {0, 0, 0};                 // unwrapped
   double velocity[6] = {0, 0, 0, 0, 0, 0};
   double force[6] = {0, 0, 0, 0, 0, 0};    // all load so far in the step
   double mass = 0, inertia = 0, radius = 0;
-  bool free[6] = {};                       // follows forces; what does not is prescribed
-  double mass_ratio = 0;                   // of its cement's inertia to its own, see penalty_links.h; 0 if prescribed
-  double moved[3] = {0, 0, 0};             // in this step
+  bool free[6] = {};                       // the component follows forces; otherwise it is prescribed
+  double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
+  double moved[3] = {0, 0, 0};             // displacement in this step
   GrainState* state = nullptr;
-  std::vector<int> sides;                  // places in GrainSides::owned(), all of its sides
+  std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 
   bool any_free() const { return std::find(free, free + 6, true) != free + 6; }
 };

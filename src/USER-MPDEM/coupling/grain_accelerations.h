@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Accelerations of grains that the added mass of their links goes along with. Added mass c of a node is that
-// of its velocity relative to the grain: the kinetic energy of nodes u and grains R is
+// Accelerations of free grains whose links have added mass. The added mass c of a node is the inertia of its velocity
+// relative to the grain. The kinetic energy of nodes u and grains R is
 //
 //   m u'^2/2 + c (u' - P R')^2/2 + R'.M R'/2,   P R' = V + Omega x r
 //
-// so that with N = m + c a node has N u'' = f + c P R'', and without it the grains have
+// With N = m + c a node has N u'' = f + c P R''. Without the nodes the grains have
 //
 //   (M + sum P^T c (1 - c/N) P) R'' = F + sum P^T (c/N) f.
 //
-// A node with links to both grains, c = c0 + c1, couples these by -P0^T (c0 c1/N) P1. The mass matrix is
-// symmetric and positive definite, whence the energy is kept and the bound of the time step is rigorous
-// (added_mass.h). Grains are solved for one by one, 6 by 6; the coupling is taken in by Chebyshev's
-// acceleration of block Jacobi (Golub & Varga, Numer. Math. 3 (1961) 147), in as many sweeps as a bound of its
-// spectral radius asks for: 2 R0.B R1 <= R0.W0 R0 + R1.W1 R1, W the matrix of c0 c1/N about either grain.
-// Whatever accelerations come out, the links take from grains what they give to nodes.
+// A node with links to both grains, c = c0 + c1, couples these by -P0^T (c0 c1/N) P1. The mass matrix is symmetric
+// and positive definite, so energy is kept, and the bound of the time step is rigorous (added_mass.h). The matrix of
+// each grain, 6 by 6, is solved directly. The coupling between grains is solved by Chebyshev's acceleration of block
+// Jacobi (Golub & Varga, Numer. Math. 3 (1961) 147). The number of sweeps follows from a bound of the spectral
+// radius,
+//   2 R0.B R1 <= R0.W0 R0 + R1.W1 R1,
+// with W the matrix of c0 c1/N about either grain. Whatever accelerations come out, the links take from grains what
+// they give to nodes.
 //
-// What of the motion of a grain is prescribed is no unknown. Lengths from the body's origin, force and torque
-// about the grain's centre.
+// Prescribed components of the motion of a grain are not unknowns. Lengths are from the body's origin, force and
+// torque about the centre of the grain.
 #ifndef MPDEM_GRAIN_ACCELERATIONS_H
 #define MPDEM_GRAIN_ACCELERATIONS_H
 
@@ -42,7 +44,7 @@ struct MassMoments {
 
   static void add(double mass, const double* r, double* m);
   Eigen::Matrix<double, 6, 6> matrix() const;  // sum of P^T P
-  // Sum of P^T Q, Q of a centre from which places are e farther.
+  // Sum of P^T Q. Q is P of another centre, from which places are farther by the vector e.
   Eigen::Matrix<double, 6, 6> coupling(const double* e) const;
 };
 
@@ -51,22 +53,23 @@ class GrainAccelerations {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-  // What a bond has of added mass.
+  // The added mass of one bond.
   struct OfBond {
     const AddedMass* added;
     const Grid* grid;
     int side;  // place of its first side
   };
 
-  // Collective, once the forces on nodes are complete and those of links are with the sides of this rank: into
-  // the a and alpha of the sides. load: on each grain, but that of the links. fresh: the added mass changed since the last time.
+  // Collective. Writes accelerations into a and alpha of the sides. Forces on nodes must be complete, and forces of
+  // links be with the sides of this rank. load: that on each grain, without that of the links. fresh: the added mass
+  // changed since the last call.
   void find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains, const std::vector<Vector6>& load,
             GrainSides& sides, bool fresh);
 
   int sweeps() const { return sweeps_; }
 
  private:
-  // What ranks add up of a side: force and moment, moments of c (1 - c/N), and of c0 c1/N.
+  // Ranks add these numbers of a side up: force and moment, moments of c (1 - c/N), and of c0 c1/N.
   static constexpr int kWidth = 6 + 2 * MassMoments::kSize;
   struct Unknown {
     Matrix6 inverse;  // of the matrix of what is free

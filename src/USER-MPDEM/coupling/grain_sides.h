@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The two sides of every body: the grain there, its motion as seen by the links, and the
-// force and moment of the bond on it. A side is held by the rank that owns the grain and
-// by every rank with links to it; the owner hands out the motion, the forces of all are
-// added up, so a grain may live on any rank.
+// The two sides of every body. A side has the grain there, its motion as the links see it, and the force and moment
+// of the bond on it. The rank that owns the grain holds the side, and so does every rank with links to it. The owner
+// hands out the motion, and the forces of all holders are added up. So a grain may live on any rank.
 #ifndef MPDEM_GRAIN_SIDES_H
 #define MPDEM_GRAIN_SIDES_H
 
@@ -22,14 +21,13 @@ struct GrainSide {
   int tag;
   // motion, lengths from the body's origin
   double x[3], v[3], omega[3];
-  double a[3], alpha[3];  // rates of v and omega: what distribute() says until set_accelerations()
+  double a[3], alpha[3];  // rates of v and omega; those of distribute() until set_accelerations()
   double jump[6];         // change of v and omega in the last step that a and alpha did not foretell
-  double mass_ratio;      // see PenaltyLinks; 0 if prescribed
+  double mass_ratio;      // see AddedMass; 0 if prescribed
   Mat3<double> R;  // body frame of the grain to global
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
-  // force and moment of added mass whose nodes change their velocity at once, see PenaltyLinks: that of jumps of grains, that
-  // of transfers
+  // force and moment of added mass whose nodes change their velocity at once: by jumps of grains, and by transfers
   double jump_force[6], transfer_force[6];
 };
 
@@ -37,37 +35,37 @@ class GrainSides {
  public:
   std::vector<GrainSide> sides;  // ascending in body, side
 
-  // Collective. here: bodies of which this rank has nodes; owned: (body, side) whose grain is an atom of this rank, each
-  // once. Both ascending. The bodies of either have both their sides here, one behind the other.
+  // Collective. here: bodies of which this rank has nodes. owned: (body, side) whose grain is an atom of this rank,
+  // each once. Both are ascending. A body of either list has both its sides on this rank, one behind the other.
   void build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<int>& here, const std::vector<Key>& owned);
 
   int find(int body, int side) const;
 
-  // Motion of a grain this rank owns; x unwrapped and global, q the unit quaternion.
+  // Motion of a grain that this rank owns. x is unwrapped and global, q the unit quaternion of the orientation.
   struct Motion {
     double x[3], v[3], omega[3], q[4], a[3] = {0, 0, 0}, alpha[3] = {0, 0, 0}, mass_ratio = 0,
            jump[6] = {0, 0, 0, 0, 0, 0};
   };
 
-  // Collective. motion[i] belongs to owned key i.
+  // Hands out the motion. motion[i] is that of owned key i. Collective.
   void distribute(const std::vector<Body>& bodies, const std::vector<Motion>& motion);
 
-  // Collective. a and alpha of owned key i.
+  // Hands out a and alpha, those of owned key i. Collective.
   void set_accelerations(const std::vector<std::array<double, 6>>& acceleration);
-  // Collective. jump of owned key i.
+  // Hands out jumps, that of owned key i. Collective.
   void set_jumps(const std::vector<std::array<double, 6>>& jump);
 
   void clear_forces();
   void clear_sudden_forces();
-  // Collective. Sums force and torque over the holders.
+  // Sums force and torque over the holders. Collective.
   void sum_forces();
   void sum_sudden_forces();  // of jumps and transfers
-  // Collective. Sums over the holders of each side, width doubles each.
+  // Sums values over the holders of each side, `width` numbers a side. Collective.
   void sum(double* values, int width) { halo_.sum(values, width); }
   // Place in `sides` of each owned key.
   const std::vector<int>& owned() const { return owned_at_; }
 
-  // Sides whose grain is owned by no rank, after distribute(): the grain is gone.
+  // Place of a side whose grain no rank owns, known after distribute(): the grain is lost. -1 if there is none.
   int orphan() const { return orphan_; }
 
  private:

@@ -12,14 +12,14 @@ namespace mpdem {
 
 struct GrainState {
   double q[4] = {1.0, 0.0, 0.0, 0.0};     // orientation
-  bool seen = false;                      // a run began: velocities below are known
+  bool seen = false;                      // a run began, so the velocities below are known
   double v[6] = {0, 0, 0, 0, 0, 0};       // velocities with which it came to the present position
   double before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
-  double jump[6] = {0, 0, 0, 0, 0, 0};    // what of the change was a jump
+  double jump[6] = {0, 0, 0, 0, 0, 0};    // the part of the change that was a jump
   double ended[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
   double a[3] = {0, 0, 0};                // acceleration that is expected of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement
-  bool placed = false;                    // x is known: cement was made, or forces were computed
+  bool placed = false;                    // x is known, since cement was made or forces were computed
   double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
   double late[6] = {0, 0, 0, 0, 0, 0};    // force and torque that fixes after fix mpm added in the last step
 

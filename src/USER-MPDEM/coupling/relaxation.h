@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Damping that leads a loaded bond to rest without holding its grains back: every node is
-// slowed relative to the velocity it would have if the cement followed its two grains,
+// Damping that leads a loaded bond to rest without holding its grains back. Every node is slowed relative to the
+// velocity it would have if the cement followed its two grains,
 //   f = -rate m (v - (1 - s) v_1(x) - s v_2(x)),   s = d_1/(d_1 + d_2),
-// v_g the rigid motion of grain g at the node and d_g its distance from the grain's surface
-// at creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a
-// share of twice the angular frequency of a shear wave across the thickest place,
-// 2 pi c_s/thickness, which is critical damping of about the slowest motion.
+// with v_g the rigid motion of grain g at the node, and d_g the distance of the node from the surface of the grain at
+// creation. Grains take the reaction by the same shares, so momentum is kept. The rate is a share of twice the
+// angular frequency of a shear wave across the thickest place, 2 pi c_s/thickness. This is critical damping of about
+// the slowest motion.
 //
-// Once a bond has come apart each half follows its own grain alone, and loose pieces are left alone: the
-// force of one grain at the place of another, in flight, has a lever arm that grows until the step is
-// unstable. For the same reason nodes that are farther than kReach radii from a grain are.
+// Once a bond has come apart, each half follows its own grain alone, and loose pieces are not damped: the force of
+// one grain at the place of another, in flight, has a lever arm that grows until the step is unstable. For the same
+// reason a node that is farther than kReach radii from a grain is not damped.
 #ifndef MPDEM_RELAXATION_H
 #define MPDEM_RELAXATION_H
 
@@ -22,18 +22,20 @@
 
 namespace mpdem {
 
-// Of one bond. `side` is always the first of its two sides, the second is behind it.
+// Damping of one bond. `side` always points to the first of its two sides. The second follows it.
 class Relaxation {
  public:
   Relaxation() = default;
-  // After the layout of the grid. critical_share: of critical damping; apart: the bond came apart.
+  // To be made after the layout of the grid. critical_share: share of critical damping. apart: whether the bond came
+  // apart.
   Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed);
   static double rate(const Body& body, double critical_share, double shear_speed);
 
-  // Adds force to nodes (after their sum over ranks) and reaction to grains (before theirs).
+  // Adds the force to nodes, whose sum over ranks is complete, and the reaction to grains, whose sum is still to
+  // come.
   void add_force(Grid& grid, GrainSide* side) const;
-  // Power that it takes of nodes that count on this rank: the force is that of the stored velocity,
-  // the velocity is so long of the acceleration later.
+  // Power that damping takes from the nodes that this rank counts. The force is that of the stored velocity. The
+  // velocity is the stored one plus `later` times the acceleration.
   double power(const Grid& grid, const GrainSide* side, double later) const;
 
  private:
@@ -41,10 +43,10 @@ class Relaxation {
     int at;
     double share[2];  // of the grains in its motion
     double r[2][3];   // from their centres
-    double v[3];      // against them
+    double v[3];      // relative to the motion of its grains
     double scale;     // rate times inertia
   };
-  // Calls f(node) for those that are damped.
+  // Calls f(node) for nodes that are damped.
   template <class F>
   void for_each_node(const Grid& grid, const GrainSide* side, F f) const;
   struct Range {

@@ -5,9 +5,9 @@
 // class in one file, derived from TractionLawOf<itself>, and one line in traction_laws.h. It knows nothing of nodes, grains and
 // added mass: these ask it for its stiffness alone.
 //
-// What is asked once a run are the virtual functions of TractionLaw. What is asked in the loop over blocks of links are members of
-// the class itself, compiled into the loop by with_traction() of traction_laws.h. They work on eight links at a time, in the frame
-// of the normal n of the grain's surface:
+// The virtual functions of TractionLaw are asked once a run. The members below are asked in the loop over blocks of
+// links. They belong to the class itself, and with_traction() of traction_laws.h compiles them into the loop. They
+// work on eight links at a time, in the frame of the normal n of the grain's surface:
 //
 //   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
 //                           All of them are 0 in a link that was never loaded.
@@ -30,12 +30,12 @@
 
 namespace mpdem {
 
-// Upper bound of the tangent, pressure per length. The links of every law start with it.
+// Stiffness of the links at the start, pressure per length. It is an upper bound of the tangent of every law.
 struct TractionStiffness {
   double kn = 0, kt = 0;
 };
 
-// Of eight links.
+// Separation of eight links.
 struct LinkSeparation {
   vd n;       // delta_n, positive where the place moved away from the grain
   vd square;  // of the length of all of it

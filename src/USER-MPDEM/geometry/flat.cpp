@@ -10,7 +10,7 @@
 
 namespace mpdem {
 
-Flat::Flat(const GrainPair& pair, double outer, double inner) : Shape(pair, inner), outer_(outer) {
+Flat::Flat(const GrainPair& pair, double outer, double inner) : EqualRims(pair, outer, inner) {
   std::ostringstream why;
   const double largest = std::min(pair.R1, pair.R2);
   if (!(outer > 0.0 && outer <= largest)) {
@@ -40,14 +40,9 @@ double Flat::outer_for_volume(const GrainPair& pair, double volume, double inner
 
 double Flat::volume() const { return pair().volume_within(outer_) - volume_within_inner(); }
 
-double Flat::lowest() const { return -0.5 * pair().gap - sag(pair().R1, outer_); }
-double Flat::highest() const { return 0.5 * pair().gap + sag(pair().R2, outer_); }
-
 double Flat::top(double z) const { return z < lowest() || z > highest() ? 0.0 : outer_; }
 
 double Flat::top_clearance(double r, double) const { return std::fabs(r - outer_); }
-
-double Flat::covered_angle(int side) const { return std::asin(std::min(outer_ / pair().radius(side), 1.0)); }
 
 std::string Flat::describe() const {
   std::ostringstream s;

@@ -6,11 +6,11 @@
 #ifndef MPDEM_FLAT_H
 #define MPDEM_FLAT_H
 
-#include "shape.h"
+#include "equal_rims.h"
 
 namespace mpdem {
 
-class Flat : public Shape {
+class Flat : public EqualRims {
  public:
   // Throws ShapeError.
   Flat(const GrainPair& pair, double outer, double inner);
@@ -18,20 +18,11 @@ class Flat : public Shape {
   // Outer radius that encloses `volume` outside `inner`. Throws ShapeError.
   static double outer_for_volume(const GrainPair& pair, double volume, double inner);
 
-  double outer() const { return outer_; }
-
   double volume() const override;
   double top(double z) const override;
   double top_clearance(double r, double z) const override;
-  double lowest() const override;
-  double highest() const override;
-  double widest() const override { return outer_; }
-  double covered_angle(int side) const override;
   double largest_thickness() const override { return pair().thickness(outer_); }
   std::string describe() const override;
-
- private:
-  double outer_;
 };
 
 }  // namespace mpdem

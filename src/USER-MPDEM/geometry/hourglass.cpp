@@ -29,7 +29,7 @@ double taken_by_the_waist(const GrainPair& pair, double a, double waist) {
 }  // namespace
 
 Hourglass::Hourglass(const GrainPair& pair, double outer, double waist, double inner)
-    : Shape(pair, inner), outer_(outer), neck_(waist * outer) {
+    : EqualRims(pair, outer, inner), neck_(waist * outer) {
   std::ostringstream why;
   if (!(outer > 0.0 && outer <= smaller(pair))) {
     why << "outer radius " << outer << " must lie in (0, " << smaller(pair) << "], the smaller grain's radius";
@@ -85,9 +85,6 @@ double Hourglass::volume() const {
   return pair().volume_within(outer_) - taken_by_the_waist(pair(), outer_, neck_ / outer_) - volume_within_inner();
 }
 
-double Hourglass::lowest() const { return -0.5 * pair().gap - sag(pair().R1, outer_); }
-double Hourglass::highest() const { return 0.5 * pair().gap + sag(pair().R2, outer_); }
-
 double Hourglass::top(double z) const {
   if (z < lowest() || z > highest()) return 0.0;
   const double u = z - middle_;
@@ -102,8 +99,6 @@ double Hourglass::top_clearance(double r, double z) const {
   if (f == 0.0) return 0.0;
   return 2.0 * f / (gradient + std::sqrt(gradient * gradient + 4.0 * std::max(1.0, k2_) * f));
 }
-
-double Hourglass::covered_angle(int side) const { return std::asin(std::min(outer_ / pair().radius(side), 1.0)); }
 
 std::string Hourglass::describe() const {
   std::ostringstream s;

@@ -9,11 +9,11 @@
 #ifndef MPDEM_HOURGLASS_H
 #define MPDEM_HOURGLASS_H
 
-#include "shape.h"
+#include "equal_rims.h"
 
 namespace mpdem {
 
-class Hourglass : public Shape {
+class Hourglass : public EqualRims {
  public:
   // waist: w/a, in (0, 1]; 1 is the cylinder of `flat`. Throws ShapeError.
   Hourglass(const GrainPair& pair, double outer, double waist, double inner);
@@ -21,22 +21,17 @@ class Hourglass : public Shape {
   // Outer radius that gives this volume outside `inner`. Throws ShapeError.
   static double outer_for_volume(const GrainPair& pair, double volume, double waist, double inner);
 
-  double outer() const { return outer_; }
   double neck() const { return neck_; }
 
   double volume() const override;
   double top(double z) const override;
   double top_clearance(double r, double z) const override;
-  double lowest() const override;
-  double highest() const override;
-  double widest() const override { return outer_; }
-  double covered_angle(int side) const override;
   // At the neck: further out the grains' surfaces face the outline, not each other.
   double largest_thickness() const override { return pair().thickness(neck_); }
   std::string describe() const override;
 
  private:
-  double outer_, neck_;
+  double neck_;
   double middle_;  // height of the neck
   double k2_;      // (a^2 - w^2)/(L/2)^2
 };

@@ -16,12 +16,12 @@
 #include "../styles/fix_check_timestep_mpm.h"
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
+#include "../styles/private_access.h"
 #include "../styles/write_cement.h"
 #include "../version.h"
 #include "abort.h"
 #include "atom.h"
 #include "original.h"
-#include "private_access.h"
 #include "universe.h"
 
 namespace {

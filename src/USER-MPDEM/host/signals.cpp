@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "../styles/private_access.h"
 #include "neighbor.h"
 #include "original.h"
 #include "output.h"
@@ -40,35 +41,11 @@ extern "C" void on_quit(int) {
 
 extern "C" void on_restart(int) { restart_seen = 1; }
 
-// Output keeps its schedule to itself. The arguments of an explicit instantiation may name private
-// members ([temp.spec]).
-using LAMMPS_NS::bigint;
-using LAMMPS_NS::Output;
-struct WritesRestarts {
-  using Type = bool Output::*;
-  friend Type member(WritesRestarts);
-};
-struct NextSingle {
-  using Type = bigint Output::*;
-  friend Type member(NextSingle);
-};
-struct NextDouble {
-  using Type = bigint Output::*;
-  friend Type member(NextDouble);
-};
-template <class Tag, typename Tag::Type Member>
-struct Expose {
-  friend typename Tag::Type member(Tag) { return Member; }
-};
-template struct Expose<WritesRestarts, &Output::restart_flag>;
-template struct Expose<NextSingle, &Output::next_restart_single>;
-template struct Expose<NextDouble, &Output::next_restart_double>;
-
 // Without a `restart` command LIGGGHTS takes for the next one a step that is over, once it has written
 // a file that was asked for: thermo output and dumps would wait for that step forever.
-void keep_output_going(Output* output, bigint last_step) {
-  if (output->*member(WritesRestarts{})) return;
-  output->*member(NextSingle{}) = output->*member(NextDouble{}) = last_step + 1;
+void keep_output_going(LAMMPS_NS::Output* output, LAMMPS_NS::bigint last_step) {
+  const mpdem::RestartSchedule restarts = mpdem::restart_schedule(output);
+  if (!restarts.any) restarts.next_single = restarts.next_double = last_step + 1;
 }
 
 }  // namespace

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The one pass over the points of a step with `total` kinematics: velocity gradient from the
-// grid, deformation gradient, co-rotated strain, damage, stress, internal force to the grid.
-// Total Lagrangian with Kirchhoff stress tau = C(D) : strain, P = tau F^-T and
-//   f_I = - sum_p V_p P_p grad N_I(X_p),
-// which conserves momentum and angular momentum of the nodes to rounding. The law gives
-// energy per reference volume, so its stress is work-conjugate there: taken as the Cauchy
-// stress instead, the work of the forces would differ from the energy by the change of
-// volume, 1 % and more at the strains at which cement fails.
+// The pass over the points of a step with `total` kinematics. It takes the velocity gradient from the grid, finds
+// deformation gradient, co-rotated strain, damage and stress of each point, and gives the internal force to the grid.
+// It is total Lagrangian. With the Kirchhoff stress tau = C(D) : strain and P = tau F^-T the force of a node is
+//   f_I = - sum_p V_p P_p grad N_I(X_p).
+// This conserves momentum and angular momentum of the nodes to rounding. The law gives energy per reference volume,
+// and the Kirchhoff stress is work-conjugate to that. If the stress of the law were taken as the Cauchy stress, the
+// work of the forces would differ from the energy by the change of volume, which is 1 % and more at the strains at
+// which cement fails.
 #ifndef MPDEM_ADVANCE_POINTS_H
 #define MPDEM_ADVANCE_POINTS_H
 
@@ -21,7 +21,7 @@
 
 namespace mpdem {
 
-// Work that is left out where it cannot matter.
+// What work may be left out where it cannot matter.
 struct AdvanceOptions {
   bool skip_undamaged = true;  // no return map where a bound says that nothing grows
   bool skip_failed = true;     // nor anything else in blocks all of whose points failed
@@ -30,7 +30,7 @@ struct AdvanceOptions {
   bool nonlocal = false;
 };
 
-// How much there was to do for the damage.
+// Counts of the work for damage.
 struct DamageWork {
   long damaged_blocks = 0, growing_blocks = 0, growing_points = 0;
   long evaluations = 0;  // of the law in steps of growing points, see LawUpdate

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Shape functions of the background grid: products of 1-D functions, a type each
-// (linear_tent.h, quadratic_bspline.h, cubic_bspline.h), so that a kernel is compiled for
-// each of them. A point at X uses kSupport nodes a direction from base = floor(X/h - kShift)
-// on; all points with the same base form a cell. Partition of unity, linear completeness.
+// Shape functions of the background grid. They are products of 1-D functions. Each 1-D function is a type
+// (linear_tent.h, quadratic_bspline.h, cubic_bspline.h), so that a kernel is compiled for each of them. In each
+// direction a point at X uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same
+// base form a cell. The weights of a point sum to one and reproduce linear fields.
 //
-// kAffine: h^2 over the second moment of the weights, sum w_I (X_I - X)^2, where that does
-// not depend on the place; 0 where it does.
+// kAffine is h^2 over the second moment of the weights, sum w_I (X_I - X)^2, if that moment is the same at all
+// places, and 0 if it is not.
 #ifndef MPDEM_BASIS_H
 #define MPDEM_BASIS_H
 

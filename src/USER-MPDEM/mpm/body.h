@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A body is the cement between one pair of grains, as created: where its reference
-// coordinates start and where its grains were then. The table of bodies is the same on
-// every rank.
+// A body is the cement between two grains as it was created: the origin of its reference coordinates, its grains as
+// they were then, and its lattice of points. The table of bodies is the same on every rank.
 #ifndef MPDEM_BODY_H
 #define MPDEM_BODY_H
 
@@ -13,7 +12,7 @@
 
 namespace mpdem {
 
-// Rule by which fix mpm made the frames of a body's points.
+// The rule by which fix mpm gave the points of a body their frames.
 enum class AxisRule { none, radial, bond, global };
 
 struct Body {
@@ -22,12 +21,12 @@ struct Body {
   double radius[2] = {0, 0};                          // of the grains
   double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // of the grains, from the origin
   double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
-  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from LIGGGHTS' unwrapped to ours
+  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from unwrapped coordinates of LIGGGHTS to those of the body
   double attached_area[2] = {0, 0};
   double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
   AxisRule axis_rule = AxisRule::none;                // none: no frames yet
   double axis[3] = {0, 0, 0};                         // its direction
-  bool in_motion = false;                             // after the first step: the displacement is in the nodes of a fix mpm
+  bool in_motion = false;                             // a step was taken: displacements are those of nodes
   double volume = 0;
   double spacing = 0;                                 // of the lattice of the points
   double lattice[3] = {0, 0, 0};                      // one of its corners, reference coordinates
@@ -45,14 +44,14 @@ struct Body {
     visit("the centre of a grain", b.centre, kFinite);
     for (auto& q : b.orientation) visit.rotation("the orientation of a grain", q);
     visit("the shift of a grain", b.shift, kFinite);
-    // Patches of point files are flat and may add up to a little more than the sphere.
+    // Patches of point files are flat, so their areas may add up to a little more than that of the sphere.
     for (int s = 0; s < 2; ++s) visit("an attached area", b.attached_area[s], from(0.0, 1.1 * 4.0 * M_PI * b.radius[s] * b.radius[s]));
     visit("the period of the box", b.box, kNotNegative);
     visit("the rule of its axis", b.axis_rule, from(0, static_cast<int>(AxisRule::global)));
     visit("the direction of its axis", b.axis, kFinite);
     visit("'is in motion'", b.in_motion);
     visit("its volume", b.volume, kPositive);
-    // As many cells as int can number across the grains.
+    // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);
     visit("its spacing", b.spacing, from(1e-8 * widest, widest));
     visit("the corner of its lattice", b.lattice, from(-1e3 * widest, 1e3 * widest));
@@ -78,11 +77,11 @@ inline double nearer_to_first(const Body& body, const double* X) {
 }
 
 inline double rounding_of_places(const Body& body) { return 1e-6 * body.spacing; }
-// Is neither surface nearer, whatever the rounding?
+// Whether both surfaces are equally near, up to rounding.
 inline bool in_the_middle(const Body& body, double nearer_to_first) { return std::fabs(nearer_to_first) <= rounding_of_places(body); }
 
-// The grain (0, 1) whose surface is nearer. In the middle it is the grain of smaller x, if they have the same x that of
-// smaller y, else that of smaller z: which of them is the first does not matter.
+// The grain (0 or 1) whose surface is nearer. In the middle it is the grain of smaller x, with equal x that of
+// smaller y, with equal y that of smaller z. So the order of the grains does not matter.
 inline int nearer_side(const Body& body, double nearer_to_first) {
   if (!in_the_middle(body, nearer_to_first)) return nearer_to_first < 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -92,9 +91,9 @@ inline int nearer_side(const Body& body, double nearer_to_first) {
   return 0;
 }
 
-// Parts of a body have nodes of their own, one field of the grid each. A body that came apart has pieces:
-// 0 is the whole, later what stays with the first grain, 1 what stays with the second, then loose
-// ones. A piece is one part or, where the body has a crevice (crevice.h), two, its sheets.
+// A body has parts. Each part has nodes of its own, which are a field of the grid. A body that came apart has pieces:
+// piece 0 stays with the first grain, piece 1 with the second, and others are loose. A body that holds is piece 0. A
+// piece is one part. If the body has a crevice (fracture/crevice.h), it is two parts, which are called sheets.
 constexpr int kBodyBits = 20;
 constexpr int kMaxBodies = 1 << kBodyBits;
 constexpr int kMaxParts = 1 << (30 - kBodyBits);

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Extended B-splines (K. Hoellig, U. Reif, J. Wipper, Weighted extended B-spline approximation of
-// Dirichlet problems, SIAM J. Numer. Anal. 39, 2001, 442-462), along the axes of the grid. A node
-// at the edge of the cement whose cells hold little of it has next to no stiffness, and what
-// stiffness it has the points miss, so a bonded surface that reads it slides. Such a node is tied:
-// it moves as the line through the two nodes behind it does, its force goes to them by the same
-// weights, and its mass to the nearer of them, so that no mass is negative.
+// Ties of nodes at the edge of the cement. They are the extended B-splines of K. Hoellig, U. Reif and J. Wipper
+// (Weighted extended B-spline approximation of Dirichlet problems, SIAM J. Numer. Anal. 39, 2001, 442-462), applied
+// along the axes of the grid. A node at the edge whose cells hold little cement has next to no stiffness, and the
+// points sample that badly. A bonded surface that depends on such a node slides. So the node is tied: it moves as the
+// line through the two nodes behind it does. Its force goes to these by the same weights. Its mass goes to the nearer
+// of them, so that no mass is negative.
 //
-// Node i is tied along an axis where its mass is less than a share of that of the next node
-// inwards, by 2, -1 from the next two; along the axis with the smallest share, or along several if
-// they are alike. Nodes behind may be tied themselves, to others: only free ones are left in the end.
-// All masters are heavier than their slave by a factor, so there are no circles. Sums of the weights
-// are one, linear fields are kept, so forces and moments are. Lines and not the parabolas of the
-// splines: errors are no larger, and weights of 3, -3, 1 couple what is bonded to nodes deep
-// inside, which the added mass of stiff links then burdens (coupling/penalty_links.h).
+// Node i is tied along an axis where its mass is less than a share of the mass of the next node inwards. The weights
+// of the next two nodes are 2 and -1. The axis is that with the smallest share. If the shares of several axes are
+// alike, the node is tied along all of these. A node behind may be tied itself. Its own masters then take its place,
+// until only free nodes are left. A master is heavier than its slave by a factor, so there are no circles. The
+// weights of a slave sum to one and keep linear fields, so forces and moments are kept. Lines are used although the
+// splines have parabolas: errors are no larger, and the weights 3, -3, 1 would couple what is bonded to nodes deep
+// inside, which the added mass of stiff links then burdens (coupling/added_mass.h).
 //
-// Nodes of the two sheets of a body (crevice.h) are one where the sheets are joined: that of the second
-// sheet is tied to that of the first by weight 1, and the edge is looked for with the mass of both.
+// Where the two sheets of a body (fracture/crevice.h) are joined, they move as one: the node of the second sheet is
+// tied to that of the first by weight 1, and the edge is looked for with the mass of both.
 #ifndef MPDEM_EDGE_TIES_H
 #define MPDEM_EDGE_TIES_H
 
@@ -48,16 +48,16 @@ struct TiedNodes {
 constexpr Key kNoNode{-1, 0, 0, 0};
 constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
 
-// Collective. Ties of the nodes of this rank.
+// Finds the ties of the nodes of this rank. Collective.
 std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes& nodes);
 
-// The same with places of nodes for keys; slaves, heirs and masters are all on this rank.
+// Ties with places of nodes instead of keys. Slaves, heirs and masters are all on this rank.
 class EdgeTies {
  public:
   // Throws std::logic_error if one is not among the keys.
   void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   void clear();
-  // What was bound, by the keys it was bound to, in the order of the slaves.
+  // The ties that were bound, by keys, in the order of the slaves.
   std::vector<EdgeTie> by_key(const std::vector<Key>& keys) const;
 
   bool empty() const { return slave_.empty(); }
@@ -72,11 +72,11 @@ class EdgeTies {
     for (int n = first_[row]; n < first_[row + 1]; ++n) f(master_[n], weight_[n]);
   }
 
-  // What slaves have goes to their masters by the weights, three numbers a node...
+  // Moves values of slaves to their masters, by the weights. Three numbers a node.
   void pull_back(double* values) const;
-  // ...or by the sizes of the weights, one number a node...
+  // The same by the sizes of the weights. One number a node.
   void pull_back_sizes(double* values) const;
-  // ...or to their heirs, as mass does, `width` numbers a node.
+  // Moves values of slaves to their heirs, as mass goes. `width` numbers a node.
   void bequeath(double* values, int width) const;
   // Slaves take the mean of what their heirs have, in the same shares, one number a node.
   void take_of_heirs(double* values) const;

@@ -177,6 +177,7 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   ties.clear();
   any_ties_ = false;
   tie_factor_.clear();
+  largest_tie_factor_ = 1.0;
 }
 
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests) {
@@ -288,6 +289,7 @@ void Grid::lump_mass(const PointStore& points, double density) {
   // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes
   // (sum w v)^2 <= (sum |w|) (sum |w| v^2) of the masters.
   tie_factor_.clear();
+  largest_tie_factor_ = 1.0;
   if (any_ties_) {
     tie_factor_ = mass;
     for (int i = 0; i < size(); ++i)
@@ -298,14 +300,11 @@ void Grid::lump_mass(const PointStore& points, double density) {
   halo.sum(mass.data(), 1);
   if (any_ties_) {
     halo.sum(tie_factor_.data(), 1);
-    for (int i = 0; i < size(); ++i) tie_factor_[i] = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
+    for (int i = 0; i < size(); ++i) {
+      tie_factor_[i] = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
+      largest_tie_factor_ = std::max(largest_tie_factor_, tie_factor_[i]);
+    }
   }
-}
-
-double Grid::largest_tie_factor() const {
-  double most = 1.0;
-  for (double f : tie_factor_) most = std::max(most, f);
-  return most;
 }
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Background grid of one body in the reference configuration: the nodes that its points or links on this
-// rank touch, and nothing else. It is anchored at the body's origin,
-// so distant bonds cost nothing between them and a bond is meshed alike wherever it lies.
-// Nodes are ordered by field (body and part), i, j, k; three consecutive k of a cell are neighbours in
-// memory and make a column.
+// Background grid of one body in the reference configuration. It has the nodes that points or links of this rank
+// touch, and no others. It is anchored at the origin of the body, so the space between distant bonds costs nothing,
+// and a bond is meshed alike wherever it lies. Nodes are ordered by field (body and part), i, j and k. The nodes of a
+// cell with consecutive k are neighbours in memory and make a column.
 //
-// Leap-frog state after step n: displacement u_n, velocity v_n-1/2, acceleration a_n. Where
-// the reference is taken anew in every step (`updated`), displacements are zero, and mass and
-// momentum come from the points each time.
+// After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration
+// a_n. With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum
+// come from the points each time.
 #ifndef MPDEM_GRID_H
 #define MPDEM_GRID_H
 
@@ -33,7 +32,7 @@ struct NodeKinematics {
   static constexpr int kWidth = 9;
 };
 
-// With the number of bytes that some rank needs at least.
+// Thrown with the number of bytes that some rank needs at least.
 struct GridTooLarge : std::length_error {
   explicit GridTooLarge(double bytes) : std::length_error("grid too large"), bytes(bytes) {}
   double bytes;
@@ -67,24 +66,26 @@ class Grid {
     }
   };
 
-  // Collective. Lays out the nodes of `cells`, carries the motion over
-  // from the nodes that any rank had before, and finds the ranks to share them with.
-  // Nodes new to everybody start at rest, `fresh` is set for them. The nodes of a new field
-  // take the motion of the field it came from. margin: cells around the wanted ones that get
-  // nodes too. extra: nodes of no cell.
+  // Collective. Lays out the nodes of `cells`, carries the motion over from the nodes that any rank had before, and
+  // finds the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. The
+  // nodes of a new field take the motion of the field it came from. margin: so many cells around the wanted ones get
+  // nodes, too. extra: nodes that belong to no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
              std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
 
-  // Columns of a cell after build(); false if it has no nodes here. base_node: first of all.
+  // Finds the columns of a cell after build(); false if the cell has no nodes on this rank. base_node() finds its
+  // first node alone.
   bool find_columns(int field, const int* base, int* column) const;
   int base_node(int field, const int* base) const;
   // Is the cell with this first node at least one cell away from the end of the margin?
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
-  // Ties nodes of this rank from here on, to the next build(); before lump_mass(). any: on some rank of those that share the grid.
+  // Ties nodes of this rank until the next build(). To be called before lump_mass(). any: whether some rank that
+  // shares the grid has ties.
   void tie(const std::vector<EdgeTie>& wanted, bool any);
 
-  // Collective among the ranks that share nodes. Lumped mass of the points, density uniform; that of tied nodes with their heirs.
+  // Finds the lumped mass of the points, whose density is uniform. Mass of tied nodes goes to their heirs. Collective
+  // among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
   // That of the points of this rank alone, each node for itself.
   std::vector<double> mass_here(const PointStore& points, double density) const;
@@ -95,11 +96,12 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Factor of a bound of the largest eigenvalue that ties ask for: of a node, and the largest of this rank's.
+  // Ties raise a bound of the largest eigenvalue by a factor: that of a node, and the largest of the nodes of this
+  // rank.
   double tie_factor(int node) const { return tie_factor_.empty() ? 1.0 : tie_factor_[node]; }
-  double largest_tie_factor() const;
+  double largest_tie_factor() const { return largest_tie_factor_; }
 
-  // a = f / (m + added mass), of each node; no added mass if empty.
+  // Sets a = f / (m + added mass) for each node. There is no added mass if the vector is empty.
   void update_acceleration(const std::vector<double>& added_mass = {});
   // v += dt_v a, u += dt_u v
   void drift(double dt_v, double dt_u);
@@ -118,10 +120,11 @@ class Grid {
 
   bool any_ties_ = false;  // on any rank
   std::vector<double> tie_factor_;  // of the bound, a node; empty without ties
+  double largest_tie_factor_ = 1.0;
   std::vector<char> inside_;  // of first nodes, with a margin only
 };
 
-// What build() takes, for one of many grids.
+// The arguments of build() for one of many grids.
 struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
@@ -132,8 +135,8 @@ struct GridRequest {
   std::vector<char> fresh;          // answer
 };
 
-// Collective, for grids of different bodies, ascending. Throws GridTooLarge on all ranks if those of any would take more
-// than most_bytes, which is the same number on all ranks.
+// Builds grids of different bodies, given in ascending order. Collective. Throws GridTooLarge on all ranks if the
+// grids of some rank would take more than most_bytes. All ranks give the same number.
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests);
 
 }  // namespace mpdem

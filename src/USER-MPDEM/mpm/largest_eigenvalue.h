@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Largest eigenvalue of M^-1 K of the cement on its grid: K its secant stiffness in the present
-// state, M the lumped mass. The central difference is stable up to dt = 2/sqrt(lambda).
+// Largest eigenvalue of M^-1 K of the cement on its grid. K is the secant stiffness in the present state, M the
+// lumped mass. The central difference is stable up to dt = 2/sqrt(lambda).
 //
-// Lanczos iteration in the inner product of M (Golub & Van Loan, Matrix Computations, ch. 10),
-// which is power iteration with its history used. The operator is never formed: one product
-// is one gather and one scatter over the points.
+// The eigenvalue is found by Lanczos iteration in the inner product of M (Golub & Van Loan, Matrix Computations, ch.
+// 10). This is power iteration that uses all earlier products. The operator is never formed: one product is one
+// gather and one scatter over the points.
 #ifndef MPDEM_LARGEST_EIGENVALUE_H
 #define MPDEM_LARGEST_EIGENVALUE_H
 
@@ -26,13 +26,14 @@ struct EigenvalueEstimate {
   int products;     // with the operator
 };
 
-// Points on their grid: one of many bonds.
+// Points and grid of one bond.
 struct EigenvaluePart {
   const PointStore* points;
   Grid* grid;
 };
 
-// Collective; bonds ascending. Of all of them together. Stops when the residual is below tolerance times the value.
+// Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
+// the residual is below tolerance times the value.
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance = 1e-3);
 inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
@@ -40,10 +41,10 @@ inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& po
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }
 
-// Upper bound for any place of the points, 0 if the basis has none. With row-sum lumping the
-// largest eigenvalue is at most that of a single point (Fried 1972), and there at most
-// max over t of sum_I (dN_I/dt)^2 / N_I, 6 for quadratic B-splines and 3.14 for cubic, times
-// the largest stiffness over density h^2.
+// Upper bound of the largest eigenvalue wherever the points are; 0 if the basis has none. With row-sum lumping the
+// largest eigenvalue is at most that of a single point (Fried 1972). That of a single point is at most the maximum
+// over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is 6 for quadratic
+// B-splines and 3.14 for cubic ones.
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h);
 
 }  // namespace mpdem

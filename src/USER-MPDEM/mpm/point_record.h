@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// One material point with its links, for transfer between ranks, restart files and creation. PointStore
-// (point_store.h) keeps the same in blocks.
+// A material point with its links as it goes to other ranks, into restart files, and from its creation into a store.
+// PointStore (point_store.h) keeps the same in blocks.
 #ifndef MPDEM_POINT_RECORD_H
 #define MPDEM_POINT_RECORD_H
 
@@ -21,17 +21,17 @@ constexpr int kMostStateFields = Law::kMostFields;
 // Numbers that a traction law may keep for a link, see coupling/traction_law.h.
 constexpr int kMostLinkFields = 1;
 
-// Bond of a point to a grain. The foot point lies on the surface of the grain as it was when
-// the body was created; the cement there has its reference at foot + moved.
+// The bond of a point to a grain. The foot point lies on the surface of the grain as it was when the body was
+// created. The reference place of the cement there is foot + moved.
 struct Link {
   int slot = -1;              // of its point in a store
   int grain = 0;              // tag
   double foot[3] = {0, 0, 0};
   double area = 0;            // of the grain's surface
-  bool attached = false;      // has not let go
-  bool inert = false;         // has let go, but its added mass still counts, see coupling/penalty_links.h
+  bool attached = false;      // the link has not let go
+  bool inert = false;         // the link has let go, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
-  double state[kMostLinkFields] = {0};  // of its traction law; beside the flags, so that a link is no larger for it
+  double state[kMostLinkFields] = {0};  // of its traction law
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& k, Visitor& visit) {
@@ -57,11 +57,11 @@ struct PointRecord {
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
-  // State of a law of damage (material/law.h), and its law_number() of material/laws.h. 0: no law has taken it up yet, and it is the damage
-  // tensor that a file gave.
+  // State of a law of damage (material/law.h), and the number of that law (law_number() of material/laws.h). With
+  // number 0 no law has taken the state up yet, and it is the damage tensor that a file gave.
   double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};
   int law = 0;
-  bool moving = false;  // has the next three
+  bool moving = false;  // X0, v and C are set
   double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
   Link link[kMaxLinks];
@@ -92,7 +92,8 @@ struct PointRecord {
   }
 };
 
-// What is wrong with a point from a file, whose numbers are in their ranges, as one of these bodies; empty if nothing is.
+// What is wrong with a point from a file that belongs to one of these bodies; empty if nothing is. Its numbers must
+// be in their ranges.
 std::string trouble_of(const PointRecord& point, const std::vector<Body>& bodies);
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What the law of damage says of the points of a store, a block at a time: for loops inside with_law() of
-// material/laws.h.
+// What the law of damage tells of the points of a store, a block at a time. The templates are for loops inside
+// with_law() of material/laws.h.
 #ifndef MPDEM_POINT_STATE_H
 #define MPDEM_POINT_STATE_H
 
@@ -17,7 +17,7 @@
 
 namespace mpdem {
 
-// State of a block as the type that the law has for it.
+// State of a block, in the type that the law has for it.
 template <class L>
 typename L::State state_of(const PointStore& points, int b) {
   typename L::State s{};
@@ -37,28 +37,29 @@ Sym3<vd> stress_of(const PointStore& points, int b, const L& law) {
   return blend(lanes(m.failed), Sym3<vd>{}, s);
 }
 
-// From 0 to 1, of a block with damage.
+// Largest damage of each point of a block that has damage, from 0 to 1.
 template <class L>
 vd largest_damage_of(const PointStore& points, int b, const L& law) {
   return law.largest_damage(state_of<L>(points, b));
 }
 
-// Of all blocks of points that have a law.
+// The same of all blocks. The store must know its law.
 std::vector<vd> largest_damages(const PointStore& points);
 
-// Principal values of the damage of a point, falling, and the normal of its crack, both in global axes. A
-// normal has no sign: its largest component is positive. The store knows the law.
+// Principal values of the damage of a point, in falling order, and the normal of its crack, in global axes. A normal
+// has no sign, so its largest component is made positive. The store must know the law.
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
 CrackOfPoint crack_of(const PointStore& points, int slot);
 
-// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if its state is of a law that the store
-// must know for that, and does not.
+// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if the store does not
+// know a law that is needed to read the state.
 std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
 
-// Makes the states that points came with those of the law, and sets the law of the store: without a number of a law the
-// state is the damage tensor that a file gave. Text that begins with "material point" if the law cannot go on from one of them.
+// Turns the states that points came with into states of the law, and sets the law of the store. A state without the
+// number of a law is the damage tensor that a file gave. Returns a text that begins with "material point" if the law
+// cannot go on from a state.
 std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Quadratic B-splines on a uniform grid (Steffen, Kirby & Berzins, Int. J. Numer. Meth. Engng
-// 76 (2008) 922): three nodes a direction, base = floor(X/h - 1/2). Continuous gradient, so
-// a node with next to no mass keeps a bounded force over mass.
+// Quadratic B-splines on a uniform grid: three nodes a direction, base = floor(X/h - 1/2) (Steffen, Kirby & Berzins,
+// Int. J. Numer. Meth. Engng 76 (2008) 922). Their gradient is continuous, so force over mass stays bounded at a node
+// with next to no mass.
 #ifndef MPDEM_QUADRATIC_BSPLINE_H
 #define MPDEM_QUADRATIC_BSPLINE_H
 

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Rebuilds the nodal velocity from what the points see of it, with the reference unchanged.
-// Since the weights stay, a transfer (transfer.h) is a polynomial of one nodal map, the
-// projection of the interpolated field
+// Rebuilds the nodal velocity from what the points see of it. The reference is unchanged, so the weights stay, and a
+// transfer (transfer.h) is a polynomial of one nodal map, the projection of the interpolated field
 //   y v = (sum m_p N_I v(X_p) + c_I v_I) / (m_I + c_I),
-// c_I the added mass of the penalty, which is symmetric in the inner product of the nodes'
-// inertia with eigenvalues in [0, 1]; no point needs a velocity of its own:
+// with c_I the added mass of the penalty. The map is symmetric in the inner product of the nodes' inertia, and its
+// eigenvalues lie in [0, 1]. No point needs a velocity of its own:
 //   pic      v <- y v
 //   xpic m   v <- (1 - (1 - y)^m) v
 //   apic     v <- (sum m_p N_I (v_p + C_p (X_I - X_p)) + c_I v_I) / (m_I + c_I)
-//   flip A   v + dt a <- A (v + y dt a) + (1 - A) y (v + dt a), for every step only: with
-//            more steps between, motion that y removes goes on in the displacements and feeds
-//            energy into a spinning bond.
-// Momentum is kept, and with apic moment of momentum; those of the added mass, which is the
-// grains', included.
+//   flip A   v + dt a <- A (v + y dt a) + (1 - A) y (v + dt a)
+// flip must be applied in every step. With steps between, motion that y removes would go on in the displacements and
+// feed energy into a spinning bond. Momentum is kept. With apic angular momentum is kept, too. Both include those of
+// the added mass, which belongs to the grains.
 #ifndef MPDEM_REPROJECT_H
 #define MPDEM_REPROJECT_H
 
@@ -26,13 +24,13 @@
 
 namespace mpdem {
 
-// Collective among the ranks that share nodes. jump: change of the nodal velocities. dt: of the coming kick, for flip.
-// added_mass: of each node, or empty.
+// Collective among the ranks that share nodes. jump: returns the change of the nodal velocities. dt: that of the
+// coming kick, for flip. added_mass: that of each node, or empty.
 void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density,
                         const Transfer& transfer, double dt, std::vector<double>& jump);
 
-// Collective. v <- q(y) v, q as in transfer.h: what xpic m makes of the velocity before the
-// acceleration comes in. Kept is the momentum that includes that of the added mass.
+// Collective. v <- q(y) v with q as in transfer.h. This is what xpic m makes of the velocity before the acceleration
+// comes in. Momentum is kept, with that of the added mass in it.
 void filter_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, int order);
 
 }  // namespace mpdem

@@ -148,6 +148,7 @@ void CementReport::times(Cement& c, bigint points) {
   double total = 0.0, bytes = static_cast<double>(c.memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
   for (const Bond& b : c.bonds()) asleep[0] += b.resting.asleep();
   for (double x : mine) total += x;
+  s.push_back(c.timer().cpu_seconds());
   s.push_back(total);
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
@@ -155,11 +156,10 @@ void CementReport::times(Cement& c, bigint points) {
   const CementTotals& now = totals(c);
   if (lmp_->comm->me != 0) return;
   const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
-  const double all = s.back();
-  std::string text = text_of(who_, all, " s in ", steps, " steps, ",
-                             static_cast<double>(points) * static_cast<double>(steps) / std::max(all, 1e-9),
-                             " point steps per second, ", bytes / static_cast<double>(points), " bytes a point\n ");
-  for (std::size_t i = 0; i + 1 < s.size(); ++i)
+  const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
+  std::string text = text_of(who_, all, " s in ", steps, " steps, ", point_steps / std::max(all, 1e-9), " point steps per second, ",
+                             point_steps / std::max(cpu, 1e-9), " by CPU time, ", bytes / static_cast<double>(points), " bytes a point\n ");
+  for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
   if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");
   if (o.mass_scale > 1.0 || o.relax > 0.0) {

@@ -46,6 +46,87 @@ void take_skip(Arguments& args, CementWords& w) {
   if (name == "resting" || name == "all") o.skip.skip_resting = on;
 }
 
+VtiConstants take_elastic(Arguments& args) {
+  VtiConstants constants;
+  if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
+    const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
+    constants = VtiConstants::isotropic(E, nu);
+    if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
+  } else {
+    constants.Ep = args.number("elastic vti Ep");
+    constants.Ez = args.number("elastic vti Ez");
+    constants.nu_p = args.number("elastic vti nu_p");
+    constants.nu_zp = args.number("elastic vti nu_zp");
+    constants.Gzp = args.number("elastic vti Gzp");
+  }
+  const std::string why = constants.violated_condition();
+  if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
+  return constants;
+}
+
+void take_axis(Arguments& args, CementOptions& o) {
+  const std::string rule = args.choice("axis", {"radial", "bond", "global"});
+  o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
+  if (o.axis != AxisRule::global) return;
+  double length = 0.0;
+  for (double& a : o.axis_direction) {
+    a = args.number("axis global");
+    length += a * a;
+  }
+  length = std::sqrt(length);
+  if (!(length > 0.0)) args.complain("'axis global 0 0 0': a direction is needed");
+  for (double& a : o.axis_direction) a /= length;
+}
+
+double take_step_fraction(Arguments& args) {
+  if (!args.accept("auto")) args.complain("'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
+                                          "time is set by LIGGGHTS' own command timestep");
+  const double share = args.number("timestep auto");
+  if (!(share > 0.0 && share <= 1.0)) args.complain(text_of("'timestep auto ", share, "': share of the stable step, must lie in (0, 1]"));
+  return share;
+}
+
+// Energies of a crack per area that a script asks for, 0: none.
+struct Softening {
+  double crack_band = 0.0, nonlocal = 0.0;
+};
+
+void take_regularization(Arguments& args, CementOptions& o, Softening& energy) {
+  const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
+  if (how == "crackband") energy.crack_band = args.positive("regularization crackband");
+  o.skip.nonlocal = how == "nonlocal";
+  if (!o.skip.nonlocal) return;
+  o.length = args.positive("regularization nonlocal");
+  if (args.accept("energy")) energy.nonlocal = args.positive("regularization nonlocal ... energy");
+}
+
+// Calls f, which may find no softening with that energy.
+template <class F>
+void soften(const Arguments& args, const std::string& word, const Law& law, F f) {
+  if (!law.has_crack_energy()) args.complain(word + " needs 'damage tensor'");
+  try {
+    f();
+  } catch (const std::domain_error& e) {
+    args.complain(word + ": " + e.what());
+  }
+}
+
+std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& damage, const VtiConstants& constants, const Softening& energy,
+                                    const CementOptions& o) {
+  std::shared_ptr<Law> law = damage.make(VtiElasticity(constants));
+  if (energy.crack_band > 0.0)
+    soften(args, "'regularization crackband'", *law, [&] { law->set_crack_energy(energy.crack_band, o.cell); });
+  if (!o.skip.nonlocal) return law;
+  if (law->inert()) args.complain("'regularization nonlocal' needs a law of damage, 'damage tensor' for instance");
+  // a little less is rounding of numbers in a script
+  if (o.length < 0.999999 * o.cell)
+    args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ", o.length,
+                          "' or less"));
+  law->set_length(o.length);
+  if (energy.nonlocal > 0.0) soften(args, "'regularization nonlocal ... energy'", *law, [&] { law->set_nonlocal_energy(energy.nonlocal); });
+  return law;
+}
+
 // What does not go together.
 void check_together(Arguments& args, CementWords& w) {
   CementOptions& o = w.options;
@@ -90,8 +171,7 @@ CementWords take_cement_words(Arguments& args) {
   bool has_elastic = false;
   VtiConstants constants;
   LawChoice damage{&law_entries().front(), {}};
-  double fracture_energy = 0.0;  // of the crack band, 0: no regularization
-  double nonlocal_energy = 0.0;  // 0: as the law and the length have it
+  Softening softening;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     check_misplaced(args, key, damage);
@@ -110,43 +190,14 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "transfer") {
       take_transfer(args, w);
     } else if (key == "elastic") {
-      if (args.choice(key, {"vti", "isotropic"}) == "isotropic") {
-        const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
-        constants = VtiConstants::isotropic(E, nu);
-        if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
-      } else {
-        constants.Ep = args.number("elastic vti Ep");
-        constants.Ez = args.number("elastic vti Ez");
-        constants.nu_p = args.number("elastic vti nu_p");
-        constants.nu_zp = args.number("elastic vti nu_zp");
-        constants.Gzp = args.number("elastic vti Gzp");
-      }
-      const std::string why = constants.violated_condition();
-      if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
+      constants = take_elastic(args);
       has_elastic = true;
     } else if (key == "axis") {
-      const std::string rule = args.choice(key, {"radial", "bond", "global"});
-      o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
-      if (o.axis == AxisRule::global) {
-        double length = 0.0;
-        for (double& a : o.axis_direction) {
-          a = args.number("axis global");
-          length += a * a;
-        }
-        length = std::sqrt(length);
-        if (!(length > 0.0)) args.complain("'axis global 0 0 0': a direction is needed");
-        for (double& a : o.axis_direction) a /= length;
-      }
+      take_axis(args, o);
     } else if (key == "damage") {
       damage = read_choice(args, "damage", law_entries());
     } else if (key == "regularization") {
-      const std::string how = args.choice(key, {"none", "crackband", "nonlocal"});
-      if (how == "crackband") fracture_energy = args.positive("regularization crackband");
-      o.skip.nonlocal = how == "nonlocal";
-      if (o.skip.nonlocal) {
-        o.length = args.positive("regularization nonlocal");
-        if (args.accept("energy")) nonlocal_energy = args.positive("regularization nonlocal ... energy");
-      }
+      take_regularization(args, o, softening);
     } else if (key == "reproject") {
       const bool automatic = args.accept("auto");
       args.once(automatic ? "reproject auto" : "reproject N");
@@ -155,11 +206,7 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "skip") {
       take_skip(args, w);
     } else if (key == "timestep") {
-      if (!args.accept("auto")) args.complain("'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
-                                              "time is set by LIGGGHTS' own command timestep");
-      w.step_fraction = args.number("timestep auto");
-      if (!(w.step_fraction > 0.0 && w.step_fraction <= 1.0))
-        args.complain(text_of("'timestep auto ", w.step_fraction, "': share of the stable step, must lie in (0, 1]"));
+      w.step_fraction = take_step_fraction(args);
     } else if (key == "quasistatic") {
       o.mass_scale = args.number("quasistatic");
       if (!(o.mass_scale >= 1.0)) args.complain(text_of("'quasistatic ", o.mass_scale, "': factor on the inertia, must be 1 or more"));
@@ -178,32 +225,7 @@ CementWords take_cement_words(Arguments& args) {
   }
   if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
-  const std::shared_ptr<Law> law = damage.make(VtiElasticity(constants));
-  if (fracture_energy > 0.0) {
-    if (!law->has_crack_energy()) args.complain("'regularization crackband' needs 'damage tensor'");
-    try {
-      law->set_crack_energy(fracture_energy, o.cell);
-    } catch (const std::domain_error& e) {
-      args.complain(text_of("'regularization crackband': ", e.what()));
-    }
-  }
-  if (o.skip.nonlocal) {
-    if (law->inert()) args.complain("'regularization nonlocal' needs a law of damage, 'damage tensor' for instance");
-    // a little less is rounding of numbers in a script
-    if (o.length < 0.999999 * o.cell)
-      args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
-                            o.length, "' or less, half of it for an energy of cracks within 3 %"));
-    law->set_length(o.length);
-    if (nonlocal_energy > 0.0) {
-      if (!law->has_crack_energy()) args.complain("'regularization nonlocal ... energy' needs 'damage tensor'");
-      try {
-        law->set_nonlocal_energy(nonlocal_energy);
-      } catch (const std::domain_error& e) {
-        args.complain(text_of("'regularization nonlocal ... energy': ", e.what()));
-      }
-    }
-  }
-  w.law = law;
+  w.law = make_law(args, damage, constants, softening, o);
   check_together(args, w);
   return w;
 }

@@ -6,24 +6,38 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
-#include <unordered_map>
-#include <vector>
+#include <cstdio>
+#include <iterator>
+#include <unordered_set>
 
-#include "../geometry/composite.h"
+#include "../cement/contacts.h"
+#include "../geometry/frame_along.h"
+#include "../parallel/gather_all.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
+#include "fix.h"
+#include "force.h"
 #include "group.h"
+#include "modify.h"
+#include "pair.h"
 #include "scene_checks.h"
 
 namespace LAMMPS_NS {
 
 using mpdem::Arguments;
 using mpdem::Body;
+using mpdem::CementMaker;
+using mpdem::CementPlan;
+using mpdem::CementWish;
+using mpdem::FillPoint;
+using mpdem::GrainTags;
+using mpdem::GrainToBond;
+using mpdem::NewBond;
+using mpdem::Sphere;
 using mpdem::text_of;
+using mpdem::Vector3;
 
 namespace {
 // All keywords, those of shapes once each.
@@ -50,8 +64,21 @@ std::vector<std::string> shapes_with(const std::string& word) {
   return names;
 }
 
-constexpr double kRounding = 1e-9;  // of lengths that a script computed
+// Third axis of the frame along the axis of the elasticity, damage in its components.
+void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
+  const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
+  const double w[4] = {q.w(), q.x(), q.y(), q.z()};
+  std::copy(w, w + 4, r.q);
+  r.has_frame = true;
+  const double* D = p.damage;
+  Eigen::Matrix3d m;
+  m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
+  const Eigen::Matrix3d R = q.toRotationMatrix(), t = R.transpose() * m * R;
+  const double turned[6] = {t(0, 0), t(1, 1), t(2, 2), t(1, 2), t(0, 2), t(0, 1)};
+  std::copy(turned, turned + 6, r.damage);
 }
+
+}  // namespace
 
 void CreateCement::check_scene(const Arguments& args) const {
   if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
@@ -63,328 +90,347 @@ void CreateCement::check_scene(const Arguments& args) const {
   if (!trouble.empty()) args.complain(trouble);
 }
 
-// In the order of the tags, with what is wrong with each. Collective, once for all.
-std::vector<CreateCement::Grain> CreateCement::find_grains(const std::vector<int>& tags, std::vector<std::string>& trouble) const {
-  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  // x, unwrapped, radius, mass, q, is a point; the owner is the only one not to add zero.
-  constexpr int kNumbers = 13;
-  std::vector<double> all(kNumbers * tags.size(), 0.0);
-  std::vector<int> found(tags.size(), 0), place(tags.size(), -1);
-  std::unordered_map<int, std::size_t> at;
-  for (std::size_t g = 0; g < tags.size(); ++g) at[tags[g]] = g;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    const auto known = at.find(atom->tag[i]);
-    if (known == at.end()) continue;
-    ++found[known->second];
-    place[known->second] = i;
+int CreateCement::group_of_points(const std::string& name) const {
+  int igroup = group->find(name.c_str());
+  if (igroup < 0) {
+    // An empty group. Not by Input::one, which would overwrite the words still to be read.
+    std::string words[] = {name, "subtract", "all", "all"};
+    char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
+    group->assign(4, list);
+    igroup = group->find(name.c_str());
   }
-  for (std::size_t g = 0; g < tags.size(); ++g) {
-    const int i = place[g];
-    if (i < 0) continue;
-    double* mine = &all[kNumbers * g];
-    double u[3];
-    domain->unmap(atom->x[i], atom->image[i], u);
-    for (int d = 0; d < 3; ++d) {
-      mine[d] = atom->x[i][d];
-      mine[3 + d] = u[d];
-    }
-    mine[6] = atom->radius[i];
-    mine[7] = atom->rmass[i];
-    mine[12] = avec->is_point(i);
-    if (!avec->is_point(i)) {
-      avec->track_orientation(i);
-      AtomVecMpdem::GrainState& state = *avec->grain(i);
-      std::copy(state.q, state.q + 4, &mine[8]);
-      // Other cement of the grain knows it where it was.
-      if (state.placed == 0.0) std::copy(u, u + 3, state.x);
-      state.placed = 1.0;
-    }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_SUM, world);
-  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM, world);
-  std::vector<Grain> grains(tags.size());
-  trouble.assign(tags.size(), "");
-  for (std::size_t n = 0; n < tags.size(); ++n) {
-    if (found[n] != 1) trouble[n] = text_of("grain ", tags[n], " does not exist; create both grains before their cement");
-    const double* a = &all[kNumbers * n];
-    if (found[n] == 1 && a[12] != 0.0) trouble[n] = text_of("atom ", tags[n], " is a material point, not a grain");
-    Grain& g = grains[n];
-    g.tag = tags[n];
-    std::copy(a, a + 3, g.x);
-    std::copy(a + 3, a + 6, g.unwrapped);
-    g.radius = a[6];
-    g.mass = a[7];
-    std::copy(a + 8, a + 12, g.q);
-  }
-  return grains;
+  return group->bitmask[igroup];
 }
 
-// Words up to the end of the command: shapes, each with its own, and what holds for all.
-void CreateCement::read_words(Arguments& args) {
+mpdem::SceneBox CreateCement::scene_box() const {
+  mpdem::SceneBox box;
+  for (int c = 0; c < 3; ++c) {
+    box.low[c] = domain->boxlo[c];
+    box.high[c] = domain->boxhi[c];
+    box.period[c] = domain->prd[c];
+    box.periodic[c] = domain->periodicity[c] != 0;
+    box.own_low[c] = domain->sublo[c];
+    box.own_high[c] = domain->subhi[c];
+  }
+  return box;
+}
+
+std::vector<Sphere> CreateCement::spheres(int groupbit) const {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::vector<Sphere> mine;
+  for (int i = 0; i < atom->nlocal; ++i)
+    if ((atom->mask[i] & groupbit) && !avec->is_point(i))
+      mine.push_back({atom->tag[i], Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), atom->radius[i]});
+  return mine;
+}
+
+// Of this rank, that pairs name.
+std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::unordered_set<int> tags;
+  for (const GrainTags& p : pairs) tags.insert({p.first, p.second});
+  std::vector<GrainToBond> mine;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!tags.count(atom->tag[i])) continue;
+    GrainToBond g;
+    g.tag = atom->tag[i];
+    g.is_point = avec->is_point(i);
+    std::copy(atom->x[i], atom->x[i] + 3, g.x);
+    domain->unmap(atom->x[i], atom->image[i], g.unwrapped);
+    g.radius = atom->radius[i];
+    g.mass = atom->rmass[i];
+    if (!g.is_point) {
+      avec->track_orientation(i);
+      AtomVecMpdem::GrainState& state = *avec->grain(i);
+      std::copy(state.q, state.q + 4, g.q);
+      // Other cement of the grain knows it where it was.
+      if (!state.placed) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
+      state.placed = true;
+    }
+    mine.push_back(g);
+  }
+  return mine;
+}
+
+CreateCement::Pairs CreateCement::cemented() const {
+  Pairs pairs;
+  for (const Body& b : AtomVecMpdem::of(lmp)->bonds.table) pairs.emplace_back(b.grain[0], b.grain[1]);
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+// A word that belongs to the last shape.
+void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementWish& wish) const {
+  if (wish.shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
+  const mpdem::ShapeStyle& style = *wish.shapes.back().style;
+  const mpdem::ShapeWord* word = style.word(key);
+  if (key != "content" && !word)
+    args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
+  const bool zero = word && word->range == mpdem::ShapeWord::not_negative;
+  wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
+}
+
+// Words up to the end of the command: shapes, each with its own, and what holds for all. What is wrong with the type, or an empty text.
+std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
   bool has_inner = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
-    const bool any_shape = key == "content", of_shape = any_shape || !shapes_with(key).empty();
+    const bool of_shape = key == "content" || !shapes_with(key).empty();
     // words of a shape once for each
-    if (key != "shape") args.once(key, !of_shape || shapes_.empty() ? "" : text_of("shape number ", shapes_.size()));
+    if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
-      shapes_.emplace_back();
-      shapes_.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
+      wish.shapes.emplace_back();
+      wish.shapes.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
     } else if (of_shape) {
-      if (shapes_.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
-      const mpdem::ShapeStyle& style = *shapes_.back().style;
-      const mpdem::ShapeWord* word = style.word(key);
-      if (!any_shape && !word)
-        args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
-      const bool zero = word && word->range == mpdem::ShapeWord::not_negative;
-      shapes_.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
+      read_word_of_shape(key, args, wish);
     } else if (key == "file") {
-      file_ = args.word("a file name for 'file'");
+      wish.file = args.word("a file name for 'file'");
     } else if (key == "attach") {
-      attach_ = args.positive(key);
+      wish.attach = args.positive(key);
     } else if (key == "inner") {
-      inner_ = args.accept("auto") ? -1.0 : args.not_negative(key);
+      wish.inner = args.accept("auto") ? -1.0 : args.not_negative(key);
       has_inner = true;
     } else if (key == "grid") {
-      for (double& g : grid_) g = args.number(key);
+      for (double& g : wish.grid) g = args.number(key);
     } else if (key == "overlap") {
-      overlap_ = args.choice(key, {"error", "skip", "trim"});
+      const std::string how = args.choice(key, {"error", "skip", "trim"});
+      wish.overlap = how == "skip" ? CementWish::skip : how == "trim" ? CementWish::trim : CementWish::error;
     } else if (key == "spacing") {
-      spacing_ = args.positive(key);
+      wish.spacing = args.positive(key);
     } else if (key == "density") {
-      density_ = args.positive(key);
+      wish.density = args.positive(key);
     } else if (key == "type") {
       type_ = args.integer(key, 1);
     } else {
       args.unknown(key, keywords());
     }
   }
-  if (spacing_ <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
-  if (!file_.empty()) {
-    if (grid_[0] != 0.0 || grid_[1] != 0.0 || grid_[2] != 0.0)
+  check_words(args, wish, has_inner);
+  density_ = wish.density;
+  if (type_ == 0) type_ = atom->ntypes;
+  if (type_ > atom->ntypes)
+    return text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box");
+  return mpdem::trouble_with_types(lmp, *AtomVecMpdem::of(lmp), type_);
+}
+
+void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner) const {
+  if (wish.spacing <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
+  if (!wish.file.empty()) {
+    if (wish.grid[0] != 0.0 || wish.grid[1] != 0.0 || wish.grid[2] != 0.0)
       args.complain("'grid' belongs to shapes; a file says itself where its points lie");
-    if (!shapes_.empty() || has_inner)
-      args.complain(text_of("'file ", file_, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
+    if (!wish.shapes.empty() || has_inner)
+      args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
     return;
   }
-  if (attach_ > 0.0) args.complain(text_of("'attach ", attach_, "' belongs to 'file'; shapes know what is attached"));
-  if (shapes_.empty())
+  if (wish.attach > 0.0) args.complain(text_of("'attach ", wish.attach, "' belongs to 'file'; shapes know what is attached"));
+  if (wish.shapes.empty())
     args.complain("keyword 'shape' is missing; use 'shape " + joined(shapes_with(""), "', 'shape ") + "', or 'file' and a name");
-}
-
-void CreateCement::Trouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
-  if (why.empty() || std::make_pair(of_bond, of_check) >= std::make_pair(bond, check)) return;
-  bond = of_bond;
-  check = of_check;
-  text = why;
-}
-
-// Which rank finds it does not matter.
-void CreateCement::stop_at(const Trouble& trouble) const {
-  constexpr long long kChecks = 16;
-  long long mine = static_cast<long long>(trouble.bond) * kChecks + trouble.check, first;
-  MPI_Allreduce(&mine, &first, 1, MPI_LONG_LONG, MPI_MIN, world);
-  mpdem::stop_if_any(lmp, mine == first ? trouble.text : "");
-}
-
-std::string CreateCement::prefix(const Bond& bond) const { return text_of("create_cement pair ", bond.tags[0], " ", bond.tags[1], ": "); }
-
-Arguments CreateCement::named(const Bond& bond, const Arguments& args) const {
-  Arguments copy = args;
-  copy.about(text_of("pair ", bond.tags[0], " ", bond.tags[1]));
-  return copy;
-}
-
-// What rounding of positions takes as strain, bonds must not feel. length: of what is strained.
-std::string CreateCement::trouble_of_place(const Bond& bond, double length) const {
-  constexpr double kMostStrain = 1e-6;
-  double far = 0.0;
-  for (const Grain& g : bond.grain)
-    for (double x : g.x) far = std::max(far, std::fabs(x));
-  const double rounded = std::numeric_limits<double>::epsilon() * far;
-  if (!(rounded > kMostStrain * length)) return "";
-  return text_of("grains ", bond.tags[0], " and ", bond.tags[1], " are ", far, " from the origin, where positions are rounded to ", rounded,
-                 ", too much for a length of ", length, "; place the box nearer to the origin, within ",
-                 kMostStrain * length / std::numeric_limits<double>::epsilon());
-}
-
-std::vector<CreateCement::Pair> CreateCement::cemented() const {
-  std::vector<Pair> pairs;
-  for (const Body& b : AtomVecMpdem::of(lmp)->bonds.table) pairs.emplace_back(b.grain[0], b.grain[1]);
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
-}
-
-// Fills what is known of the pair; what is wrong with it, empty if nothing is.
-std::string CreateCement::trouble_of_geometry(Bond& bond) const {
-  const int* tags = bond.tags;
-  const Grain &g0 = bond.grain[0], &g1 = bond.grain[1];
-  double* d = bond.between;
-  for (int c = 0; c < 3; ++c) d[c] = g1.x[c] - g0.x[c];
-  domain->minimum_image(d[0], d[1], d[2]);
-  const mpdem::Vector3 centres(d[0], d[1], d[2]);
-  bond.pair = mpdem::pair_between(g0.radius, g1.radius, centres);
-  const double gap = bond.pair.gap, smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
-  const std::string far = trouble_of_place(bond, smaller);
-  if (!far.empty()) return far;
-  if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRounding)))
-    return text_of("grains ", tags[0], " and ", tags[1], " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
-                   "; bring them together or name other grains");
-  if (!(gap > -0.2 * reach))
-    return text_of("grains ", tags[0], " and ", tags[1], " overlap by ", -gap, ", more than a tenth of the smaller radius, ", 0.2 * reach);
-  return "";
-}
-
-namespace {
-enum Check { geometry, shape, place_of_points, types, thickness };  // of a bond, in their order
-}
-
-// Bonds, and which of them are of one shape. The words are read after the first pair has been looked at. Collective.
-void CreateCement::plan(const std::vector<Pair>& pairs, const Arguments& args) {
-  std::vector<int> tags;
-  std::unordered_map<int, std::size_t> index;
-  for (const Pair& p : pairs)
-    for (int tag : {p.first, p.second})
-      if (index.emplace(tag, tags.size()).second) tags.push_back(tag);
-  std::vector<std::string> wrong;
-  const std::vector<Pair> before = cemented();
-  const std::vector<Grain> grains = find_grains(tags, wrong);
-  std::unordered_map<std::string, int> kinds;
-  Trouble trouble;
-  for (std::size_t n = 0; n < pairs.size(); ++n) {
-    Bond bond;
-    bond.tags[0] = pairs[n].first;
-    bond.tags[1] = pairs[n].second;
-    std::string why;
-    if (std::binary_search(before.begin(), before.end(), pairs[n]))
-      why = text_of("grains ", bond.tags[0], " and ", bond.tags[1], " have cement already; it would overlap");
-    for (int s = 0; s < 2; ++s) {
-      if (why.empty()) why = wrong[index[bond.tags[s]]];
-      bond.grain[s] = grains[index[bond.tags[s]]];
-    }
-    if (why.empty()) why = trouble_of_geometry(bond);
-    if (!why.empty()) {
-      trouble.tell(n, geometry, prefix(bond) + why);
-      break;
-    }
-    if (n == 0) {
-      Arguments words = named(bond, args);
-      read_words(words);
-      std::string same_type;
-      if (type_ == 0) type_ = atom->ntypes;
-      if (type_ > atom->ntypes)
-        same_type = text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box");
-      else
-        same_type = mpdem::trouble_with_types(lmp, *AtomVecMpdem::of(lmp), type_);
-      if (!same_type.empty()) trouble.tell(n, types, prefix(bond) + same_type);
-    }
-    const std::string far = trouble_of_place(bond, spacing_);
-    if (!far.empty()) trouble.tell(n, place_of_points, prefix(bond) + far);
-    const mpdem::GrainPair& p = bond.pair;
-    const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass};
-    std::string key(reinterpret_cast<const char*>(numbers), sizeof numbers);
-    if (!file_.empty()) key += std::to_string(n);  // each has points of its own
-    const auto known = kinds.emplace(std::move(key), static_cast<int>(kinds_.size()));
-    if (known.second) {
-      kinds_.emplace_back();
-      kinds_.back().first = n;
-    }
-    bond.kind = known.first->second;
-    bonds_.push_back(bond);
-  }
-  if (file_.empty()) measure_kinds(trouble);
-  stop_at(trouble);
-  share_kinds();
-}
-
-// Each rank its share of the kinds: their shapes and sizes.
-void CreateCement::measure_kinds(Trouble& trouble) {
-  for (std::size_t k = comm->me; k < kinds_.size(); k += comm->nprocs) {
-    const Bond& bond = bonds_[kinds_[k].first];
-    try {
-      Kind& kind = kinds_[k];
-      const mpdem::Shape& made = shape_of(static_cast<int>(k));
-      kind.volume = made.volume();
-      for (int s = 0; s < 2; ++s) kind.area[s] = made.attached_area(s);
-      kind.thickness = made.largest_thickness();
-      kind.thinnest = made.smallest_thickness();
-      if (kind.thickness < 2.0 * spacing_)
-        trouble.tell(kind.first, thickness,
-                     prefix(bond) + text_of("the cement is at most ", kind.thickness, " thick, less than a cell of two points of spacing ", spacing_,
-                                            "; use a spacing of at most ", 0.5 * kind.thickness, " or more cement"));
-    } catch (const mpdem::ShapeError& e) {
-      trouble.tell(kinds_[k].first, shape, prefix(bond) + e.what());
-    }
-  }
-}
-
-void CreateCement::share_kinds() {
-  constexpr int kNumbers = 5;
-  std::vector<double> shared(kNumbers * kinds_.size(), 0.0);
-  for (std::size_t k = comm->me; k < kinds_.size(); k += comm->nprocs) {
-    const Kind& kind = kinds_[k];
-    const double numbers[kNumbers] = {kind.volume, kind.area[0], kind.area[1], kind.thickness, kind.thinnest};
-    std::copy(numbers, numbers + kNumbers, &shared[kNumbers * k]);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, MPI_SUM, world);
-  for (std::size_t k = 0; k < kinds_.size(); ++k) {
-    const double* v = &shared[kNumbers * k];
-    Kind& kind = kinds_[k];
-    kind.volume = v[0];
-    std::copy(v + 1, v + 3, kind.area);
-    kind.thickness = v[3];
-    kind.thinnest = v[4];
-  }
-}
-
-// Made where it is asked for. Throws ShapeError.
-const mpdem::Shape& CreateCement::shape_of(int kind) {
-  Kind& k = kinds_[kind];
-  if (k.shape) return *k.shape;
-  const Bond& bond = bonds_[k.first];
-  const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
-  // Where the grains come closer than a cell no grid can resolve the film between them
-  // (and between rigid touching spheres its stiffness has no bound).
-  const double inner = inner_ < 0.0 ? bond.pair.radius_of_thickness(2.0 * spacing_) : inner_;
-  std::vector<std::unique_ptr<mpdem::Shape>> made;
-  for (const mpdem::ShapeWords& w : shapes_) {
-    const auto content = w.given.find("content");
-    const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / density_;
-    made.push_back(mpdem::make_shape(w, bond.pair, volume, inner));
-  }
-  if (made.size() == 1) k.shape = std::move(made.front());
-  else k.shape = std::make_unique<mpdem::Composite>(std::move(made));
-  return *k.shape;
 }
 
 void CreateCement::command(int narg, char** arg) {
   Arguments args(lmp, "create_cement", narg, arg, 0);
   check_scene(args);
-  const std::string group_name = args.word("a group for the points");
-  int igroup = group->find(group_name.c_str());
-  if (igroup < 0) {
-    // An empty group. Not by Input::one, which would overwrite the words still to be read.
-    std::string words[] = {group_name, "subtract", "all", "all"};
-    char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
-    group->assign(4, list);
-    igroup = group->find(group_name.c_str());
+  groupbit_ = group_of_points(args.word("a group for the points"));
+  box_ = scene_box();
+  try {
+    if (args.choice("pair", {"pair", "contacts"}) == "contacts") cement_contacts(args);
+    else cement_pair(args);
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, e.what());
   }
-  groupbit_ = group->bitmask[igroup];
-  if (args.choice("pair", {"pair", "contacts"}) == "contacts") {
-    cement_contacts(args);
-    return;
-  }
+}
+
+Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
+  Arguments copy = args;
+  copy.about(text_of("pair ", pair.first, " ", pair.second));
+  return copy;
+}
+
+// Bonds of these pairs. The words are read after the first pair has been looked at. Collective.
+void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
+  Arguments words = named(pairs[0], args);
+  plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { return read_words(words, wish); });
+}
+
+void CreateCement::cement_pair(Arguments& args) {
   int tags[2];
   tags[0] = args.integer("pair", 1);
   tags[1] = args.integer("pair", 1);
   if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
-  std::sort(tags, tags + 2);
-  plan({{tags[0], tags[1]}}, args);
-  if (overlap_ == "trim")
-    named(bonds_[0], args).complain("'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of these grains");
-  std::vector<Pair> skipped;
-  make(args, skipped);
-  report_skipped(skipped);
+  const GrainTags pair = std::minmax(tags[0], tags[1]);
+  CementPlan bonds(world, box_);
+  plan(bonds, {pair}, args);
+  if (bonds.wish().overlap == CementWish::trim)
+    named(pair, args).complain("'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of these grains");
+  CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
+  make(maker);
+  say(maker.text_of_skipped());
+}
+
+// Words after `contacts`.
+void CreateCement::cement_contacts(Arguments& args) {
+  const std::string name = args.word("a group of grains for 'contacts'");
+  const int igroup = group->find(name.c_str());
+  if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
+  const int groupbit = group->bitmask[igroup];
+  args.choice("gap", {"gap"});
+  const double gap = args.not_negative("gap");
+  const Pairs found = mpdem::contacts(mpdem::gather_all(world, spheres(groupbit)), box_, gap), before = cemented();
+  if (found.empty())
+    args.complain(text_of("no two grains of group '", name, "' are closer than 'gap ", gap, "'; use a wider gap, or bring them together before"));
+  Pairs pairs;
+  std::set_difference(found.begin(), found.end(), before.begin(), before.end(), std::back_inserter(pairs));
+  CementMaker::Sums sums;
+  std::string left_out;
+  std::size_t made = 0;
+  if (!pairs.empty()) {
+    CementPlan bonds(world, box_);
+    plan(bonds, pairs, args);
+    if (bonds.wish().overlap == CementWish::trim && !bonds.wish().file.empty())
+      args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
+    CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
+    sums = make(maker);
+    left_out = maker.text_of_skipped();
+    made = pairs.size() - maker.skipped().size();
+  }
+  say(text_of("Cement at ", made, " contacts of group '", name, "' of a gap of at most ", gap, "; ", found.size() - pairs.size(), " had cement before\n"));
+  report_sums(sums, groupbit, name);
+  say(left_out);
+}
+
+// Collective.
+void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, const std::string& name) {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  double mine[2] = {0.0, 0.0}, grains[2];
+  for (int i = 0; i < atom->nlocal; ++i)
+    if ((atom->mask[i] & groupbit) && !avec->is_point(i)) {
+      mine[0] += 1.0;
+      mine[1] += atom->rmass[i];
+    }
+  MPI_Allreduce(mine, grains, 2, MPI_DOUBLE, MPI_SUM, world);
+  say(text_of("  in all ", std::llround(sums.points), " points, volume ", sums.volume, ", mass ", sums.mass, ", content (mass over that of the ", grains[0],
+              " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1], "\n"));
+}
+
+void CreateCement::say(const std::string& text) {
+  for (FILE* f : {screen, logfile})
+    if (f && comm->me == 0) std::fprintf(f, "%s", text.c_str());
+}
+
+void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
+
+// What the new cement finds there. Collective.
+CementMaker::Scene CreateCement::scene() const {
+  CementMaker::Scene scene;
+  scene.grains = spheres(~0);
+  scene.atoms = static_cast<double>(atom->natoms);
+  int largest = 0;
+  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, atom->tag[i]);
+  MPI_Allreduce(&largest, &scene.last_tag, 1, MPI_INT, MPI_MAX, world);
+  return scene;
+}
+
+CementMaker::Sums CreateCement::make(CementMaker& maker) {
+  const int before = atom->nlocal, first_tag = maker.last_tag() + 1;
+  keep_contact_history();
+  const CementMaker::Sums sums = maker.make();
+  if (maker.created() > 0.0) finish(before, first_tag, maker.created());
+  return sums;
+}
+
+// The list of neighbours has the history of contacts, by places of ghosts that the points will take: grains in
+// contact across ranks or a periodic boundary would forget how far they have slid. It is kept by IDs instead.
+void CreateCement::keep_contact_history() const {
+  if (!force->pair || !force->pair->list) return;
+  for (int m = 0; m < modify->nfix; ++m)
+    if (std::string(modify->fix[m]->style) == "contacthistory") modify->fix[m]->setup_pre_exchange();
+}
+
+std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::vector<double> full;
+  for (const Body& b : avec->bonds.table) full.push_back(0.95 * std::pow(b.spacing, 3));
+  std::vector<mpdem::FullPoint> found;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!avec->is_point(i)) continue;
+    const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
+    const int body = avec->bond[i];
+    if (body >= bodies || avec->points_of(i).blocks[b].volume[l] < full[body]) continue;
+    found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), body});
+  }
+  return found;
+}
+
+// Whether a point of a body belongs to this rank, and where.
+bool CreateCement::place(const Body& body, const FillPoint& p, double* x, int* image) const {
+  for (int c = 0; c < 3; ++c) {
+    x[c] = body.origin[c] + p.X[c];
+    image[c] = 0;
+  }
+  return box_.take_in(x, image);
+}
+
+std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool more) {
+  double x[3], at_most = 0.0;
+  int image[3];
+  for (const NewBond& b : bonds) {
+    if (box_.own().contains(mpdem::Box(b.box).translate(Vector3(b.body.origin[0], b.body.origin[1], b.body.origin[2])))) at_most += b.points.size();
+    else
+      for (const FillPoint& p : b.points) at_most += place(b.body, p, x, image);
+  }
+  if (atom->nlocal + at_most > atom->nmax)
+    AtomVecMpdem::of(lmp)->grow(static_cast<int>(std::min(2147483646.0, std::max(atom->nlocal + at_most, more ? 1.5 * atom->nmax : 0.0))));
+  const int before = atom->nlocal;
+  for (const NewBond& b : bonds)
+    for (std::size_t n = 0; n < b.points.size(); ++n)
+      if (place(b.body, b.points[n], x, image)) add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+  return atom->nlocal - before;
+}
+
+void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  avec->create_atom(type_, x);
+  const int i = atom->nlocal - 1;
+  const auto boxes = [image](int c) { return static_cast<tagint>(IMGMAX + image[c]) & IMGMASK; };
+  atom->tag[i] = tag;
+  atom->image[i] = (boxes(2) << IMG2BITS) | (boxes(1) << IMGBITS) | boxes(0);
+  atom->mask[i] = 1 | groupbit_;
+  atom->radius[i] = std::cbrt(0.75 * p.volume / M_PI);
+  atom->density[i] = density_;
+  atom->rmass[i] = density_ * p.volume;
+
+  mpdem::PointRecord r;
+  r.body = bond.row;
+  for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
+  r.volume = p.volume;
+  r.links = p.links;
+  for (int k = 0; k < p.links; ++k) {
+    r.link[k].grain = bond.body.grain[p.link[k].side];
+    for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
+    r.link[k].area = p.link[k].area;
+    r.link[k].attached = p.link[k].attached;
+  }
+  r.failed = p.failed;
+  std::copy(p.damage, p.damage + 6, r.damage);
+  if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
+  avec->add_point(i, r, tag);
+}
+
+// What LIGGGHTS has to know of all points that were made, local atoms from `before` on, of IDs from first_tag on. Collective.
+void CreateCement::finish(int before, int first_tag, double created) {
+  atom->natoms += static_cast<bigint>(created);
+  AtomVecMpdem::of(lmp)->waiting.add(lmp, before, first_tag);
+  for (int m = 0; m < modify->nfix; ++m) {
+    Fix* fix = modify->fix[m];
+    if (!fix->create_attribute) continue;
+    fix->pre_set_arrays();
+    for (int i = before; i < atom->nlocal; ++i) fix->set_arrays(i);
+  }
+  if (atom->map_style) {
+    atom->nghost = 0;
+    atom->map_init();
+    atom->map_set();
+  }
 }
 
 }  // namespace LAMMPS_NS

@@ -10,21 +10,15 @@
 #include "arguments.h"
 #include "comm.h"
 #include "dump.h"
-#include "expose.h"
 #include "fix_mpm.h"
 #include "fix_mpm_couple.h"
 #include "modify.h"
 #include "output.h"
+#include "private_access.h"
 
 namespace mpdem {
 
 using namespace LAMMPS_NS;
-
-struct FileOfDump {
-  using Type = char* Dump::*;
-  friend Type member(FileOfDump);
-};
-template struct Expose<FileOfDump, &Dump::filename>;
 
 namespace {
 
@@ -57,7 +51,7 @@ std::string writer_of(LAMMPS* lmp, const std::string& name, const Fix* asks) {
   }
   for (int i = 0; i < lmp->output->ndump; ++i) {
     const Dump* dump = lmp->output->dump[i];
-    if (same_file(name, dump->*member(FileOfDump{}))) return text_of("dump '", dump->id, "'");
+    if (same_file(name, file_of(dump))) return text_of("dump '", dump->id, "'");
   }
   if (is_stream(name, lmp->logfile)) return "the log";
   return is_stream(name, lmp->screen) ? "the screen output" : "";

@@ -7,6 +7,7 @@
 #include "comm.h"
 #include "group.h"
 #include "neighbor.h"
+#include "private_access.h"
 
 namespace LAMMPS_NS {
 
@@ -18,18 +19,6 @@ const char* const kRecipe =
     "    communicate  single vel yes group grains\n"
     "    neigh_modify include grains";
 
-// Comm keeps the group of `communicate ... group` to itself. The arguments of an explicit
-// instantiation may name private members ([temp.spec]).
-struct GhostGroup {
-  using Type = int Comm::*;
-  friend Type member(GhostGroup);
-};
-template <class Tag, typename Tag::Type Member>
-struct Expose {
-  friend typename Tag::Type member(Tag) { return Member; }
-};
-template struct Expose<GhostGroup, &Comm::bordergroup>;
-
 constexpr int kNeighborMulti = 2;  // Neighbor::style
 
 }  // namespace
@@ -39,7 +28,7 @@ void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& 
   if (lmp->neighbor->style == kNeighborMulti)
     mpdem::stop_all(lmp, who + "'neighbor ... multi' finds no contacts of grains in LIGGGHTS; use 'neighbor ... bin'");
   if (!atom.firstgroupname) mpdem::stop_all(lmp, who + "'atom_modify first' is not set" + kRecipe);
-  const int ghosts = lmp->comm->*member(GhostGroup{});
+  const int ghosts = mpdem::ghost_group(lmp->comm);
   if (ghosts == 0) mpdem::stop_all(lmp, who + "'communicate ... group' is not set" + kRecipe);
   if (lmp->neighbor->includegroup == 0) mpdem::stop_all(lmp, who + "'neigh_modify include' is not set" + kRecipe);
   const int first = lmp->group->find(atom.firstgroupname);

@@ -7,69 +7,36 @@
 #include <initializer_list>
 
 #include "atom.h"
-#include "expose.h"
 #include "fix.h"
 #include "fix_move.h"
 #include "fix_setforce.h"
 #include "lammps.h"
 #include "modify.h"
+#include "private_access.h"
 
 namespace mpdem {
 
 using LAMMPS_NS::FixMove;
 using LAMMPS_NS::FixSetForce;
 
-#define MPDEM_EXPOSE_OF(FIX, WHO, T, M)  \
-  struct M##_of_##WHO {                  \
-    using Type = T FIX::*;               \
-    friend Type member(M##_of_##WHO);    \
-  };                                     \
-  template struct Expose<M##_of_##WHO, &FIX::M>;
-#define MPDEM_EXPOSE(T, M) MPDEM_EXPOSE_OF(FixMove, move, T, M)
-MPDEM_EXPOSE(int, mstyle)
-MPDEM_EXPOSE(int, vxflag)
-MPDEM_EXPOSE(int, vyflag)
-MPDEM_EXPOSE(int, vzflag)
-MPDEM_EXPOSE(int, axflag)
-MPDEM_EXPOSE(int, ayflag)
-MPDEM_EXPOSE(int, azflag)
-MPDEM_EXPOSE(char*, xvarstr)
-MPDEM_EXPOSE(char*, yvarstr)
-MPDEM_EXPOSE(char*, zvarstr)
-MPDEM_EXPOSE(char*, vxvarstr)
-MPDEM_EXPOSE(char*, vyvarstr)
-MPDEM_EXPOSE(char*, vzvarstr)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, char*, xstr)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, char*, ystr)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, char*, zstr)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, int, xstyle)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, int, ystyle)
-MPDEM_EXPOSE_OF(FixSetForce, setforce, int, zstyle)
-#undef MPDEM_EXPOSE
-#undef MPDEM_EXPOSE_OF
-
 namespace {
 
 // Whether the motion along direction d is given.
-bool gives(const FixMove* move, int d) {
+bool gives(const FixMove* fix, int d) {
   enum { kLinear, kWiggle, kRotate, kVariable };  // as in fix_move.cpp
-  int FixMove::*const linear[3] = {member(vxflag_of_move{}), member(vyflag_of_move{}), member(vzflag_of_move{})};
-  int FixMove::*const wiggle[3] = {member(axflag_of_move{}), member(ayflag_of_move{}), member(azflag_of_move{})};
-  char* FixMove::*const place[3] = {member(xvarstr_of_move{}), member(yvarstr_of_move{}), member(zvarstr_of_move{})};
-  char* FixMove::*const speed[3] = {member(vxvarstr_of_move{}), member(vyvarstr_of_move{}), member(vzvarstr_of_move{})};
-  switch (move->*member(mstyle_of_move{})) {
-    case kLinear: return move->*linear[d] != 0;
-    case kWiggle: return move->*wiggle[d] != 0;
-    case kVariable: return move->*place[d] || move->*speed[d];
+  const MoveMembers move = members_of(fix);
+  switch (move.style) {
+    case kLinear: return move.velocity_flag[d] != 0;
+    case kWiggle: return move.amplitude_flag[d] != 0;
+    case kVariable: return move.place_variable[d] || move.velocity_variable[d];
     default: return true;
   }
 }
 
 // NULL, the style that leaves a component alone, is 0 in fix_setforce.cpp; that of a variable is known after init.
 bool sets(const FixSetForce* fix, int d) {
-  int FixSetForce::*const style[3] = {member(xstyle_of_setforce{}), member(ystyle_of_setforce{}), member(zstyle_of_setforce{})};
-  char* FixSetForce::*const variable[3] = {member(xstr_of_setforce{}), member(ystr_of_setforce{}), member(zstr_of_setforce{})};
-  return fix->*variable[d] || fix->*style[d] != 0;
+  const SetForceMembers set = members_of(fix);
+  return set.variable[d] || set.style[d] != 0;
 }
 
 bool is(const LAMMPS_NS::Fix* fix, std::initializer_list<const char*> styles) {

@@ -69,7 +69,49 @@ void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
   std::fputc('\n', file);
 }
 
+// A point as it is now. Foot points turn with their grains.
+mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::map<int, GrainNow>& grains, bool has_axis) {
+  const mpdem::PointRecord& r = p.record;
+  mpdem::PointRow row;
+  std::copy(body.grain, body.grain + 2, row.grain);
+  std::copy(p.x, p.x + 3, row.x);
+  row.volume = r.volume;
+  row.has_axis = has_axis;
+  row.failed = r.failed;
+  const double* D = r.damage;
+  Eigen::Matrix3d m;
+  m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
+  if (has_axis) {
+    const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
+    m = R * m * R.transpose();
+    for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
+  }
+  const double turned[6] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
+  std::copy(turned, turned + 6, row.damage);
+  for (int s = 0; s < 2; ++s) {
+    const mpdem::Link* link = nullptr;
+    for (int k = 0; k < r.links; ++k)
+      if (r.link[k].grain == body.grain[s]) link = &r.link[k];
+    if (!link) continue;
+    const GrainNow& g = grains.at(body.grain[s]);
+    const Vector3 from = Vector3(link->foot[0], link->foot[1], link->foot[2]) -
+                         Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
+    const Vector3 foot = Vector3(g.x[0], g.x[1], g.x[2]) + quaternion(g.q) * (quaternion(body.orientation[s]).conjugate() * from);
+    row.side[s].area = link->area;
+    std::copy(foot.data(), foot.data() + 3, row.side[s].foot);
+    row.side[s].attached = link->attached;
+  }
+  return row;
+}
+
 }  // namespace
+
+// Grains and points of the chosen bonds on the first rank, in the order of the IDs. Collective.
+struct WriteCement::Now {
+  std::map<int, GrainNow> grains;
+  std::vector<PointNow> points;
+  bool axes = false;  // have all points one?
+};
 
 void WriteCement::command(int narg, char** arg) {
   Arguments args(lmp, "write_cement", narg, arg, 0);
@@ -89,8 +131,12 @@ void WriteCement::command(int narg, char** arg) {
   if (std::count(chosen.begin(), chosen.end(), 1) == 0)
     args.complain(wanted[0] == 0 ? std::string("there is no cement; use create_cement before")
                                  : text_of("grains ", wanted[0], " and ", wanted[1], " have no cement; name a pair given to create_cement"));
+  const Now now = gather(chosen, args);
+  mpdem::stop_if_any(lmp, comm->me == 0 ? write(name, chosen, now) : "");
+}
 
-  // Everything to the first rank, which writes in the order of the IDs.
+WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Arguments& args) const {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<std::vector<GrainNow>> grains(comm->nprocs);
   std::vector<std::vector<PointNow>> points(comm->nprocs);
   double unframed[2] = {0, 0}, all[2];
@@ -122,70 +168,34 @@ void WriteCement::command(int narg, char** arg) {
   MPI_Allreduce(unframed, all, 2, MPI_DOUBLE, MPI_SUM, world);
   if (all[0] > 0.0 && all[1] > 0.0)
     args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));
-  const bool axes = all[1] > 0.0;
-  std::map<int, GrainNow> grain;
-  for (const GrainNow& g : mpdem::all_to_all(world, grains).data) grain[g.tag] = g;
-  std::vector<PointNow> mine = mpdem::all_to_all(world, points).data;
-  std::sort(mine.begin(), mine.end(), [](const PointNow& a, const PointNow& b) { return a.tag < b.tag; });
+  Now now;
+  now.axes = all[1] > 0.0;
+  for (const GrainNow& g : mpdem::all_to_all(world, grains).data) now.grains[g.tag] = g;
+  now.points = mpdem::all_to_all(world, points).data;
+  std::sort(now.points.begin(), now.points.end(), [](const PointNow& a, const PointNow& b) { return a.tag < b.tag; });
+  return now;
+}
 
-  std::string trouble;
-  std::FILE* f = nullptr;
-  if (comm->me == 0) {
-    for (std::size_t b = 0; b < chosen.size() && trouble.empty(); ++b)
-      for (int t : avec->bonds.table[b].grain)
-        if (chosen[b] && !grain.count(t)) trouble = text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
-    const std::string other = mpdem::writer_of(lmp, name, nullptr);
-    if (trouble.empty() && !other.empty()) trouble = text_of("write_cement: file '", name, "' is written by ", other, "; name another");
-    if (trouble.empty()) f = std::fopen(name.c_str(), "w");
-    if (!f && trouble.empty()) trouble = text_of("write_cement: file '", name, "' cannot be written: ", std::strerror(errno), "; check name and folder");
-  }
-  if (f) {
-    std::fprintf(f, "# cement of USER-MPDEM at step %lld, to be read by create_cement ... file\n", static_cast<long long>(update->ntimestep));
-    for (std::size_t b = 0; b < chosen.size(); ++b)
-      if (chosen[b])
-        std::fprintf(f, "# grains %d and %d: spacing %.17g\n", avec->bonds.table[b].grain[0], avec->bonds.table[b].grain[1], avec->bonds.table[b].spacing);
-    mpdem::PointRow names;
-    names.has_axis = axes;
-    write_line(f, names, true);
-    for (const PointNow& p : mine) {
-      const mpdem::PointRecord& r = p.record;
-      const mpdem::Body& body = avec->bonds.table[r.body];
-      mpdem::PointRow row;
-      std::copy(body.grain, body.grain + 2, row.grain);
-      std::copy(p.x, p.x + 3, row.x);
-      row.volume = r.volume;
-      row.has_axis = axes;
-      row.failed = r.failed;
-      const double* D = r.damage;
-      Eigen::Matrix3d m;
-      m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-      if (axes) {
-        const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
-        m = R * m * R.transpose();
-        for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
-      }
-      const double turned[6] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
-      std::copy(turned, turned + 6, row.damage);
-      for (int s = 0; s < 2; ++s) {
-        const mpdem::Link* link = nullptr;
-        for (int k = 0; k < r.links; ++k)
-          if (r.link[k].grain == body.grain[s]) link = &r.link[k];
-        if (!link) continue;
-        // The foot point turns with its grain.
-        const GrainNow& g = grain[body.grain[s]];
-        const Vector3 from = Vector3(link->foot[0], link->foot[1], link->foot[2]) -
-                             Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
-        const Vector3 foot = Vector3(g.x[0], g.x[1], g.x[2]) + quaternion(g.q) * (quaternion(body.orientation[s]).conjugate() * from);
-        row.side[s].area = link->area;
-        std::copy(foot.data(), foot.data() + 3, row.side[s].foot);
-        row.side[s].attached = link->attached;
-      }
-      write_line(f, row, false);
-    }
-    const bool bad = std::ferror(f) != 0;
-    if (std::fclose(f) != 0 || bad) trouble = text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));
-  }
-  mpdem::stop_if_any(lmp, trouble);
+// On the first rank. Returns what is wrong.
+std::string WriteCement::write(const std::string& name, const std::vector<char>& chosen, const Now& now) const {
+  const std::vector<mpdem::Body>& table = AtomVecMpdem::of(lmp)->bonds.table;
+  for (std::size_t b = 0; b < chosen.size(); ++b)
+    for (int t : table[b].grain)
+      if (chosen[b] && !now.grains.count(t)) return text_of("write_cement: grain ", t, " was deleted, but its cement is there; keep bonded grains");
+  const std::string other = mpdem::writer_of(lmp, name, nullptr);
+  if (!other.empty()) return text_of("write_cement: file '", name, "' is written by ", other, "; name another");
+  std::FILE* f = std::fopen(name.c_str(), "w");
+  if (!f) return text_of("write_cement: file '", name, "' cannot be written: ", std::strerror(errno), "; check name and folder");
+  std::fprintf(f, "# cement of USER-MPDEM at step %lld, to be read by create_cement ... file\n", static_cast<long long>(update->ntimestep));
+  for (std::size_t b = 0; b < chosen.size(); ++b)
+    if (chosen[b]) std::fprintf(f, "# grains %d and %d: spacing %.17g\n", table[b].grain[0], table[b].grain[1], table[b].spacing);
+  mpdem::PointRow names;
+  names.has_axis = now.axes;
+  write_line(f, names, true);
+  for (const PointNow& p : now.points) write_line(f, row_of(p, table[p.record.body], now.grains, now.axes), false);
+  const bool bad = std::ferror(f) != 0;
+  if (std::fclose(f) == 0 && !bad) return "";
+  return text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));
 }
 
 }  // namespace LAMMPS_NS

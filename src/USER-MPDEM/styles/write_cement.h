@@ -12,6 +12,10 @@ CommandStyle(write_cement,WriteCement)
 #ifndef MPDEM_WRITE_CEMENT_H
 #define MPDEM_WRITE_CEMENT_H
 
+#include <string>
+#include <vector>
+
+#include "arguments.h"
 #include "pointers.h"
 
 namespace LAMMPS_NS {
@@ -20,6 +24,11 @@ class WriteCement : protected Pointers {
  public:
   explicit WriteCement(LAMMPS* lmp) : Pointers(lmp) {}
   void command(int narg, char** arg);
+
+ private:
+  struct Now;
+  Now gather(const std::vector<char>& chosen, const mpdem::Arguments& args) const;
+  std::string write(const std::string& name, const std::vector<char>& chosen, const Now& now) const;
 };
 
 }  // namespace LAMMPS_NS

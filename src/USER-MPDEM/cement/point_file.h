@@ -25,7 +25,7 @@
 #include <string>
 #include <vector>
 
-#include "lattice_fill.h"
+#include "../geometry/lattice_fill.h"
 
 namespace mpdem {
 

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "free_body.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cement/kinematics.h"
+#include "mpm/largest_eigenvalue.h"
+#include "parallel/agree.h"
+
+namespace mpdem::bench {
+
+namespace {
+
+// CPU time: the same as wall time on a quiet machine, and little else on a busy one.
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+CementOptions options_of(const Method& method, double h) {
+  CementOptions o;
+  o.cell = h;
+  o.basis = method.basis;
+  o.axis = AxisRule::global;
+  o.updated = method.updated;
+  o.transfer = method.transfer;
+  o.reproject_every = method.transfers && !method.updated ? 1 : 0;
+  o.tied = !o.transfers();
+  return o;
+}
+
+}  // namespace
+
+std::string Method::name() const {
+  const char* bases[] = {"linear", "quadratic", "cubic"};
+  const char* transfer_names[] = {"pic", "flip", "apic", "xpic2"};
+  return std::string(updated ? "updated/" : "total/") + bases[static_cast<int>(basis)] + "/" +
+         (transfers ? transfer_names[transfer.method] : "none");
+}
+
+const std::vector<Method>& all_methods() {
+  static const std::vector<Method> methods = [] {
+    std::vector<Method> all;
+    for (bool updated : {false, true})
+      for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
+        if (!updated) all.push_back({false, basis, false, {}});
+        for (auto m : {Transfer::pic, Transfer::flip, Transfer::apic, Transfer::xpic}) {
+          Transfer t;
+          t.method = m;
+          all.push_back({updated, basis, true, t});
+        }
+      }
+    return all;
+  }();
+  return methods;
+}
+
+FreeBody::FreeBody(const Method& method, double h, const std::vector<Point>& X, double volume, std::shared_ptr<const Law> law,
+                   double density)
+    : method_(method), density_(density), cement_(std::make_unique<Cement>(MPI_COMM_SELF, bonds_, options_of(method, h), std::move(law), *this)) {
+  Body body;
+  body.grain[0] = 1;
+  body.grain[1] = 2;
+  body.points = static_cast<int>(X.size());
+  body.volume = volume * static_cast<double>(X.size());
+  body.spacing = std::cbrt(volume);
+  bonds_.table.push_back(body);
+  int tag = 0;
+  for (const Point& x : X) {
+    PointRecord r;
+    r.has_frame = true;
+    std::copy(x.begin(), x.end(), r.X);
+    r.volume = volume;
+    bonds_.add(r, ++tag);
+  }
+  cement_->set_density(density);
+  cement_->take_up_states();
+}
+
+void FreeBody::start(double dt, const std::function<Point(const Point&)>& velocity) {
+  now_.dt = dt;
+  cement_->set_step(now_);
+  cement_->lay_out_run();
+  cement_->start_run();
+  Grid& g = grid();
+  for (int i = 0; i < g.size(); ++i) {
+    const Point v = velocity(place_of_node(i));
+    std::copy(v.begin(), v.end(), &g.velocity[3 * i]);
+  }
+  g.ties.extend(g.velocity.data());
+  if (method_.updated) {  // as at the end of a step
+    UpdatedPass::start(points(), g, 0);
+    UpdatedPass::project(points(), g, law(), density_, method_.transfer);
+    take_momentum(g);
+  }
+  cement_->check_state();
+  cement_->take_up_commands();
+}
+
+void FreeBody::step() {
+  if (before_step) before_step(*this);
+  ++now_.number;
+  load_seconds_ = 0.0;
+  const double from = cpu_seconds();
+  cement_->set_step(now_);
+  cement_->step();
+  cement_->end_step();
+  seconds_ += cpu_seconds() - from - load_seconds_;
+}
+
+Point FreeBody::place_of_node(int i) const {
+  const Grid& g = grid();
+  return {g.h * g.keys[i][1], g.h * g.keys[i][2], g.h * g.keys[i][3]};
+}
+
+void FreeBody::add_node_forces(Bond& bond) {
+  if (!load && !held) return;
+  const double from = cpu_seconds();
+  Grid& g = bond.grid;
+  if (load) {
+    std::vector<double> force(g.force.size(), 0.0);
+    load(*this, time(), force);
+    g.ties.pull_back(force.data());
+    for (std::size_t i = 0; i < force.size(); ++i) g.force[i] += force[i];
+  }
+  for (int i = 0; i < g.size() && held; ++i)
+    if (held(place_of_node(i)))
+      for (int d = 0; d < 3; ++d) g.force[3 * i + d] = g.velocity[3 * i + d] = 0.0;
+  load_seconds_ += cpu_seconds() - from;
+}
+
+double FreeBody::stable_step() {
+  double lambda = 0.0;
+  if (method_.updated) lambda = eigenvalue_bound(method_.basis, law().elasticity().largest_stiffness(), density_, cement_->options().cell);
+  if (lambda == 0.0) lambda = (method_.updated ? 1.2 : 1.0) * cement_->eigenvalue_of_new_layout().value;
+  return cement_->step_for(lambda, 0.0);
+}
+
+double FreeBody::kinetic_energy(double later) const {
+  const Grid& g = grid();
+  double energy = 0.0;
+  for (int i = 0; i < g.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      const double v = g.velocity[3 * i + d] + later * g.acceleration[3 * i + d];
+      energy += 0.5 * g.mass[i] * v * v;
+    }
+  return energy;
+}
+
+double FreeBody::strain_energy() const {
+  double energy = 0.0;
+  with_law(law(), [&](const auto& l) {
+    for (std::size_t b = 0; b < points().blocks.size(); ++b)
+      energy += 0.5 * sum_lanes(points().blocks[b].volume * contract(stress_of(points(), static_cast<int>(b), l), points().blocks[b].strain));
+  });
+  return energy;
+}
+
+}  // namespace mpdem::bench

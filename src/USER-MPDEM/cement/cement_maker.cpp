@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Points of the planned bonds, part by part. What fills a bond is in cement_fills.cpp, what is in its way in cement_overlaps.cpp.
+#include "cement_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../parallel/agree.h"
+#include "../parallel/gather_all.h"
+
+namespace mpdem {
+
+namespace {
+// Points of fills that a part makes, and that are kept for later parts: some 25 MB of them.
+constexpr double kPointsOfAPart = 100000.0;
+constexpr int kListed = 20;  // bonds told of one by one
+}  // namespace
+
+CementMaker::CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<Body>& table, const Scene& scene, CementMakerHost& host)
+    : comm_(comm), plan_(plan), wish_(plan.wish()), box_(plan.box()), table_(table), host_(host), first_body_(table.size()),
+      atoms_before_(scene.atoms), last_tag_(scene.last_tag) {
+  MPI_Comm_rank(comm_, &me_);
+  MPI_Comm_size(comm_, &ranks_);
+  grains_ = gather_all(comm_, scene.grains);
+  std::vector<Box> boxes;
+  for (const Sphere& g : grains_) boxes.emplace_back(g.x - Vector3::Constant(g.radius), g.x + Vector3::Constant(g.radius));
+  near_grains_ = std::make_unique<BoxSearch>(std::move(boxes));
+}
+
+CementMaker::Sums CementMaker::make() {
+  if (wish_.overlap == CementWish::trim) near_ = plan_.neighbours();
+  group_fills();
+  for (std::size_t from = 0; from < plan_.bonds().size();) {
+    Part part;
+    part.from = from;
+    part.to = from = end_of_part(from);
+    make_part(part);
+  }
+  return sums_;
+}
+
+// Bonds of the same points. What is compared is compared to the bit.
+void CementMaker::group_fills() {
+  std::unordered_map<std::string, int> known;
+  const std::vector<PlannedBond>& bonds = plan_.bonds();
+  for (std::size_t n = 0; n < bonds.size(); ++n) {
+    std::string key(reinterpret_cast<const char*>(&bonds[n].kind), sizeof(int));
+    if (!near_.empty())
+      for (const CementPlan::Near& other : near_[n]) {
+        key.append(reinterpret_cast<const char*>(&bonds[other.bond].kind), sizeof(int));
+        key.append(reinterpret_cast<const char*>(other.apart.data()), 3 * sizeof(double));
+      }
+    const auto found = known.emplace(std::move(key), static_cast<int>(fills_.size()));
+    if (found.second) {
+      fills_.emplace_back();
+      fills_.back().first = n;
+      fills_.back().sent.assign(ranks_, 0);
+    }
+    fill_of_bond_.push_back(found.first->second);
+  }
+}
+
+// Points of a file are read bond by bond.
+std::size_t CementMaker::end_of_part(std::size_t from) const {
+  if (!wish_.file.empty()) return from + 1;
+  std::vector<char> counted(fills_.size(), 0);
+  double points = 0.0;
+  std::size_t to = from;
+  for (; to < plan_.bonds().size(); ++to) {
+    const int fill = fill_of_bond_[to];
+    if (!counted[fill]) points += plan_.points_expected(to);
+    counted[fill] = 1;
+    if (points > kPointsOfAPart && to > from) break;
+  }
+  return to;
+}
+
+void CementMaker::make_part(Part& part) {
+  BondTrouble trouble;
+  make_fills(part, trouble);
+  for (std::size_t n = part.from; n < part.to; ++n) part.bodies.push_back(body_of(n));
+  part.kept.assign(part.bodies.size(), 1);
+  const bool shared_out = wish_.overlap == CementWish::trim;
+  const int bodies = static_cast<int>(shared_out ? first_body_ : table_.size() + part.bodies.size());
+  resolve(part, overlaps(part, bodies), trouble);
+  check_other_grains(part, trouble);
+  check_numbers(part, trouble);
+  trouble.stop(comm_);
+  create(part);
+  if (me_ == 0) report(part);
+  for (std::size_t n = 0; n < part.bodies.size(); ++n) {
+    if (!part.kept[n]) continue;
+    const Body& b = part.bodies[n];
+    table_.push_back(b);
+    sums_.points += b.points;
+    sums_.volume += b.volume;
+    sums_.mass += b.volume * wish_.density;
+  }
+  if (live_ > kPointsOfAPart || !wish_.file.empty()) forget_fills();
+}
+
+void CementMaker::forget_fills() {
+  for (Fill& f : fills_) {
+    f.known = false;
+    std::vector<FillPoint>().swap(f.points);
+    std::fill(f.sent.begin(), f.sent.end(), 0);
+  }
+  live_ = 0.0;
+}
+
+// In the order of the bonds and of their lattices.
+void CementMaker::create(const Part& part) {
+  std::vector<NewBond> made;
+  int row = static_cast<int>(table_.size());
+  long long expected = 0;
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    if (!part.kept[k]) continue;
+    const Body& body = part.bodies[k];
+    const Fill& f = fill_of(part.from + k);
+    made.push_back({row++, last_tag_ + 1, body, f.points, f.box});
+    expected += body.points;
+    last_tag_ += body.points;
+  }
+  long long mine = static_cast<long long>(host_.create_points(made, part.to < plan_.bonds().size())), created;
+  MPI_Allreduce(&mine, &created, 1, MPI_LONG_LONG, MPI_SUM, comm_);
+  if (created != expected)
+    throw BadState(text_of("create_cement: ", expected - created, " of ", expected,
+                           " points lie outside the simulation box; use a larger box or move the grains"));
+  created_ += static_cast<double>(created);
+}
+
+// Of a bond whose fill is known.
+Body CementMaker::body_of(std::size_t n) const {
+  const PlannedBond& bond = plan_.bonds()[n];
+  const Fill& f = fill_of(n);
+  Body body = f.body;
+  const GrainToBond &g0 = bond.grain[0], &g1 = bond.grain[1];
+  for (int s = 0; s < 2; ++s) {
+    const GrainToBond& g = bond.grain[s];
+    body.grain[s] = g.tag;
+    body.radius[s] = g.radius;
+    std::copy(g.q, g.q + 4, body.orientation[s]);
+    const Vector3 centre = bond.pair.centre(s) - f.corner;
+    for (int c = 0; c < 3; ++c) body.centre[s][c] = centre[c];
+  }
+  for (int c = 0; c < 3; ++c) {
+    body.origin[c] = g0.x[c] - body.centre[0][c];
+    if (!box_.periodic[c]) continue;
+    // Multiples of the box; taken from integers, not from a difference of coordinates.
+    body.shift[0][c] = std::round((g0.x[c] - g0.unwrapped[c]) / box_.period[c]) * box_.period[c];
+    body.shift[1][c] = std::round((g0.x[c] + bond.between[c] - g1.unwrapped[c]) / box_.period[c]) * box_.period[c];
+    body.box[c] = box_.period[c];
+  }
+  return body;
+}
+
+// The first bonds are told of one by one.
+void CementMaker::report(const Part& part) {
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    if (!part.kept[k]) continue;
+    const CementPlan::Kind& kind = plan_.kind_of(part.from + k);
+    const bool thin = wish_.file.empty() && kind.thinnest < 2.0 * wish_.spacing * (1.0 - 1e-9);
+    if (thin && listed_ >= kListed) {
+      ++thin_;
+      thinnest_ = std::min(thinnest_, kind.thinnest);
+    }
+    ++listed_;
+    if (listed_ > kListed) continue;
+    host_.say(told_of(part.from + k, part.bodies[k]));
+    if (thin)
+      host_.warn(text_of("pair ", part.bodies[k].grain[0], " ", part.bodies[k].grain[1], ": the cement is ", kind.thinnest,
+                         " thin at its inner rim, less than two spacings: the film there is too soft and will not break; use 'inner auto' or a "
+                         "larger 'inner'"));
+  }
+  if (part.to < plan_.bonds().size() || listed_ <= kListed) return;
+  host_.say(text_of("  ... and ", listed_ - kListed, " more bonds\n"));
+  if (thin_ > 0)
+    host_.warn(text_of(thin_, " of these bonds are less than two spacings thin at their inner rim, the thinnest ", thinnest_,
+                       ": the film there is too soft and will not break; use 'inner auto' or a larger 'inner'"));
+}
+
+std::string CementMaker::told_of(std::size_t n, const Body& body) {
+  const PlannedBond& bond = plan_.bonds()[n];
+  const double whole = plan_.kind_of(n).volume;
+  std::string what = wish_.file.empty() ? plan_.shape_of(bond.kind).describe() : "file '" + wish_.file + "'";
+  if (wish_.file.empty() && body.volume < whole) what += text_of(", trimmed from a volume of ", whole);
+  return text_of("Cement between grains ", body.grain[0], " and ", body.grain[1], ": ", what, "\n  volume ", body.volume,
+                 ", content (mass over mass of the grains) ", body.volume * wish_.density / (bond.grain[0].mass + bond.grain[1].mass), ", attached area ",
+                 body.attached_area[0], " + ", body.attached_area[1], ", ", body.points, " points\n");
+}
+
+std::string CementMaker::text_of_skipped() const {
+  if (skipped_.empty()) return "";
+  constexpr std::size_t kMost = 20;
+  std::string pairs;
+  for (std::size_t n = 0; n < std::min(skipped_.size(), kMost); ++n) pairs += text_of(" ", skipped_[n].first, "-", skipped_[n].second);
+  if (skipped_.size() > kMost) pairs += " ...";
+  return text_of(skipped_.size(), " bonds left out whose cement would overlap that of others, between grains", pairs, "\n");
+}
+
+}  // namespace mpdem

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// New cement against what is there: other cement, of this command or before, other grains, numbers, the box.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include "../numerics/text_of.h"
+#include "../parallel/gather_all.h"
+#include "cement_maker.h"
+
+namespace mpdem {
+
+namespace {
+
+enum Check { overlap = 1, other_grains, numbers, outside };  // of a bond, in their order, after its points
+
+// Points of a fill by cells of this width.
+class PointsNear {
+ public:
+  PointsNear(const std::vector<FillPoint>& fill, double width) : fill_(fill), width_(width) {
+    near_.reserve(fill.size());
+    for (std::size_t n = 0; n < fill.size(); ++n) near_.emplace(key(cell(fill[n].X[0]), cell(fill[n].X[1]), cell(fill[n].X[2])), static_cast<int>(n));
+  }
+  // Of the points less than `half` from x along each axis; half at most the width.
+  double volume_around(const Vector3& x, double half) const {
+    const long at[3] = {cell(x[0]), cell(x[1]), cell(x[2])};
+    double sum = 0.0;
+    for (int n = 0; n < 27; ++n) {
+      const auto range = near_.equal_range(key(at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1));
+      for (auto it = range.first; it != range.second; ++it)
+        if ((fill_[it->second].X - x).cwiseAbs().maxCoeff() < half) sum += fill_[it->second].volume;
+    }
+    return sum;
+  }
+
+ private:
+  static long key(long i, long j, long k) { return (i * 73856093L) ^ (j * 19349663L) ^ (k * 83492791L); }
+  long cell(double x) const { return static_cast<long>(std::floor(x / width_)); }
+  const std::vector<FillPoint>& fill_;
+  double width_;
+  std::unordered_multimap<long, int> near_;
+};
+
+Vector3 origin_of(const Body& b) { return {b.origin[0], b.origin[1], b.origin[2]}; }
+
+}  // namespace
+
+// Points overlap that are less than this apart along each axis.
+double CementMaker::reach_of_cells() const {
+  double widest = wish_.spacing;
+  for (const Body& b : table_) widest = std::max(widest, b.spacing);
+  return 0.5 * widest;
+}
+
+// Volume of new points inside cells that bodies before `bodies` fill (nearly) whole; those of the part come after those
+// that are. Each rank looks at the full cells in its part of the box. Ascending. Collective.
+std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bodies) const {
+  const int there = static_cast<int>(table_.size());
+  const Vector3 margin = Vector3::Constant(reach_of_cells());
+  std::vector<Box> boxes;
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    const Fill& f = fill_of(part.from + k);
+    const Vector3 origin = origin_of(part.bodies[k]);
+    boxes.push_back(f.points.empty() ? Box() : Box(f.box.min() + origin - margin, f.box.max() + origin + margin));
+  }
+  const BoxSearch search(boxes);
+  const std::vector<Vector3> shifts = box_.images();
+  std::map<int, PointsNear> by_cells;  // of the fills that are asked for
+  std::map<std::pair<std::size_t, int>, double> found;
+  const auto look = [&](std::size_t k, int body, double spacing, const Vector3& x) {
+    const PointsNear& near = by_cells.try_emplace(fill_of_bond_[part.from + k], fill_of(part.from + k).points, 2.0 * margin[0]).first->second;
+    const double inside = near.volume_around(x - origin_of(part.bodies[k]), 0.5 * spacing * (1.0 - 1e-6));
+    if (inside > 0.0) found[{part.from + k, body}] += inside;
+  };
+  if (there > 0)
+    for (const FullPoint& p : host_.full_points(std::min(bodies, there)))
+      for (const Vector3& shift : shifts) search.holding(p.x + shift, [&](int k) { look(k, p.body, table_[p.body].spacing, p.x + shift); });
+  const double full = 0.95 * std::pow(wish_.spacing, 3);
+  for (std::size_t m = 0; m < part.bodies.size() && bodies > there; ++m) {
+    const Fill& f = fill_of(part.from + m);
+    if (f.points.empty()) continue;
+    const Vector3 origin = origin_of(part.bodies[m]);
+    for (const Vector3& shift : shifts) {
+      const Vector3 way = origin + shift;
+      search.meeting(Box(f.box).translate(way), [&](int k) {
+        if (static_cast<std::size_t>(k) <= m) return;
+        for (const FillPoint& p : f.points)
+          if (p.volume >= full && search.box(k).contains(p.X + way) && box_.owns(origin + p.X))
+            look(k, there + static_cast<int>(m), wish_.spacing, p.X + way);
+      });
+    }
+  }
+  std::vector<Overlap> mine;
+  for (const auto& f : found) mine.push_back({f.first.first, f.first.second, f.second});
+  found.clear();
+  for (const Overlap& o : gather_all(comm_, mine)) found[{o.bond, o.body}] += o.volume;
+  mine.clear();
+  for (const auto& f : found) mine.push_back({f.first.first, f.first.second, f.second});
+  return mine;
+}
+
+// Which bonds are left out, in the order of the bonds: one that is left out is in nobody's way. found: ascending.
+void CementMaker::resolve(Part& part, const std::vector<Overlap>& found, BondTrouble& trouble) {
+  const int there = static_cast<int>(table_.size());
+  for (const Overlap& o : found) {
+    const std::size_t k = o.bond - part.from;
+    if (!part.kept[k] || (o.body >= there && !part.kept[o.body - there])) continue;
+    const Body &body = part.bodies[k], &other = o.body < there ? table_[o.body] : part.bodies[o.body - there];
+    if (wish_.overlap == CementWish::skip) {
+      part.kept[k] = 0;
+      skipped_.emplace_back(body.grain[0], body.grain[1]);
+      continue;
+    }
+    trouble.tell(o.bond, overlap,
+                 plan_.prefix(o.bond) + text_of("the cement of grains ", body.grain[0], " and ", body.grain[1], " overlaps that of grains ", other.grain[0], " and ",
+                                                other.grain[1], ", in a volume of ", o.volume, " of ", body.volume) +
+                     (wish_.overlap == CementWish::trim ? ", which is of an earlier command and stays as it is; use 'overlap skip'"
+                                                        : "; make one of them smaller (a coating: 'cap'), leave the second out by 'overlap skip', or "
+                                                          "share out the bonds of a 'contacts' by 'overlap trim'"));
+  }
+}
+
+// Points inside another grain than the two, or in another image of these. Each rank looks at the points in its part of the box.
+// Collective.
+void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) const {
+  struct Inside {
+    std::size_t bond;
+    double points, deepest;
+    int tag;
+  };
+  const double tolerance = 0.5 * wish_.spacing;
+  const std::vector<Vector3> shifts = box_.images();
+  std::vector<Inside> mine;
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    const Body& body = part.bodies[k];
+    const Fill& f = fill_of(part.from + k);
+    if (!part.kept[k] || f.points.empty()) continue;
+    const Vector3 origin = origin_of(body);
+    Inside in{part.from + k, 0.0, 0.0, 0};
+    for (const Vector3& shift : shifts)
+      near_grains_->meeting(Box(f.box).translate(origin - shift), [&](int g) {
+        const Sphere& grain = grains_[g];
+        const Vector3 centre = grain.x + shift - origin;
+        const double within = grain.radius - tolerance;
+        if (within <= 0.0 || f.box.exteriorDistance(centre) >= within) return;
+        for (int s = 0; s < 2; ++s)
+          if (grain.tag == body.grain[s] && (centre - Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2])).norm() < tolerance) return;
+        for (const FillPoint& p : f.points) {
+          const double depth = grain.radius - (p.X - centre).norm();
+          if (depth <= tolerance || !box_.owns(origin + p.X)) continue;
+          ++in.points;
+          if (depth > in.deepest) in.tag = grain.tag;
+          in.deepest = std::max(in.deepest, depth);
+        }
+      });
+    if (in.points > 0.0) mine.push_back(in);
+  }
+  std::map<std::size_t, Inside> all;
+  for (const Inside& in : gather_all(comm_, mine)) {
+    Inside& sum = all.emplace(in.bond, Inside{in.bond, 0.0, 0.0, 0}).first->second;
+    sum.points += in.points;
+    if (in.deepest > sum.deepest) sum.tag = in.tag;
+    sum.deepest = std::max(sum.deepest, in.deepest);
+  }
+  if (all.empty()) return;
+  const Inside& in = all.begin()->second;
+  const Body& body = part.bodies[in.bond - part.from];
+  trouble.tell(in.bond, other_grains,
+               text_of("create_cement: ", std::llround(in.points), " of ", body.points, " points of the cement of grains ", body.grain[0], " and ", body.grain[1],
+                       " lie inside grain ", in.tag, in.tag == body.grain[0] || in.tag == body.grain[1] ? ", in another image of the periodic box" : "",
+                       ", as deep as ", in.deepest, " (half a spacing, ", tolerance, ", is allowed); make the shape smaller, a coating by 'cap' or "
+                       "'thickness', or move that grain away before"));
+}
+
+// Numbers of bonds and of IDs, and points outside the box.
+void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
+  std::size_t bodies = table_.size();
+  double last = last_tag_;
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    if (!part.kept[k]) continue;
+    const std::size_t n = part.from + k;
+    const Body& body = part.bodies[k];
+    if (bodies++ == kMaxBodies) trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", kMaxBodies, " bonds, which is the most"));
+    last += body.points;
+    if (last > 2147483647.0)
+      trouble.tell(n, numbers, plan_.prefix(n) + text_of(body.points, " points exceed the number of atom IDs; use a larger spacing"));
+    const int lost = points_outside(fill_of(n), body);
+    if (lost > 0)
+      trouble.tell(n, outside, plan_.prefix(n) + text_of(lost, " of ", body.points, " points lie outside the simulation box; use a larger box or move the grains"));
+  }
+}
+
+int CementMaker::points_outside(const Fill& f, const Body& body) const {
+  const auto in = [&](const Vector3& X) {
+    bool all = true;
+    for (int c = 0; c < 3; ++c) all = all && (box_.periodic[c] || (body.origin[c] + X[c] >= box_.low[c] && body.origin[c] + X[c] < box_.high[c]));
+    return all;
+  };
+  if (f.points.empty() || (in(f.box.min()) && in(f.box.max()))) return 0;
+  return static_cast<int>(std::count_if(f.points.begin(), f.points.end(), [&](const FillPoint& p) { return !in(p.X); }));
+}
+
+}  // namespace mpdem

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../geometry/composite.h"
+#include "../parallel/agree.h"
+#include "../parallel/gather_all.h"
+
+namespace mpdem {
+
+namespace {
+constexpr double kRounding = 1e-9;                                     // of lengths that a script computed
+enum Check { geometry, shape, place_of_points, scene, thickness };  // of a bond, in their order
+}  // namespace
+
+void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
+  if (why.empty() || std::make_pair(of_bond, of_check) >= std::make_pair(bond, check)) return;
+  bond = of_bond;
+  check = of_check;
+  text = why;
+}
+
+void BondTrouble::stop(MPI_Comm comm) const {
+  constexpr long long kChecks = 16;
+  long long mine = static_cast<long long>(bond) * kChecks + check, first;
+  MPI_Allreduce(&mine, &first, 1, MPI_LONG_LONG, MPI_MIN, comm);
+  throw_if_any(comm, mine == first ? text : "");
+}
+
+std::string CementPlan::prefix(const PlannedBond& bond) { return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": "); }
+
+// What rounding of positions takes as strain, bonds must not feel. length: of what is strained.
+std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length) {
+  constexpr double kMostStrain = 1e-6;
+  double far = 0.0;
+  for (const GrainToBond& g : bond.grain)
+    for (double x : g.x) far = std::max(far, std::fabs(x));
+  const double rounded = std::numeric_limits<double>::epsilon() * far;
+  if (!(rounded > kMostStrain * length)) return "";
+  return text_of("grains ", bond.grain[0].tag, " and ", bond.grain[1].tag, " are ", far, " from the origin, where positions are rounded to ", rounded,
+                 ", too much for a length of ", length, "; place the box nearer to the origin, within ",
+                 kMostStrain * length / std::numeric_limits<double>::epsilon());
+}
+
+// Fills what is known of the pair; what is wrong with it, empty if nothing is.
+std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
+  const GrainToBond &g0 = bond.grain[0], &g1 = bond.grain[1];
+  const Vector3 centres = bond.between = box_.shortest(Vector3(g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]));
+  bond.pair = pair_between(g0.radius, g1.radius, centres);
+  const double gap = bond.pair.gap, smaller = std::min(g0.radius, g1.radius), reach = 0.5 * smaller;
+  const std::string far = trouble_of_place(bond, smaller);
+  if (!far.empty()) return far;
+  if (!(centres.norm() > 0.0) || !(gap <= reach * (1.0 + kRounding)))
+    return text_of("grains ", g0.tag, " and ", g1.tag, " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
+                   "; bring them together or name other grains");
+  if (!(gap > -0.2 * reach))
+    return text_of("grains ", g0.tag, " and ", g1.tag, " overlap by ", -gap, ", more than a tenth of the smaller radius, ", 0.2 * reach);
+  return "";
+}
+
+void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
+                      const std::function<std::string(CementWish&)>& read_words) {
+  std::unordered_multimap<int, GrainToBond> grain_of;
+  for (const GrainToBond& g : gather_all(comm_, grains)) grain_of.emplace(g.tag, g);
+  std::unordered_map<std::string, int> kinds;
+  BondTrouble trouble;
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    PlannedBond bond;
+    std::string why;
+    if (std::binary_search(before.begin(), before.end(), pairs[n]))
+      why = text_of("grains ", pairs[n].first, " and ", pairs[n].second, " have cement already; it would overlap");
+    for (int s = 0; s < 2; ++s) {
+      const int tag = bond.grain[s].tag = s == 0 ? pairs[n].first : pairs[n].second;
+      const bool there = grain_of.count(tag) == 1;
+      if (there) bond.grain[s] = grain_of.find(tag)->second;
+      if (!why.empty()) continue;
+      if (!there) why = text_of("grain ", tag, " does not exist; create both grains before their cement");
+      else if (bond.grain[s].is_point) why = text_of("atom ", tag, " is a material point, not a grain");
+    }
+    if (why.empty()) why = trouble_of_geometry(bond);
+    if (!why.empty()) {
+      trouble.tell(n, geometry, prefix(bond) + why);
+      break;
+    }
+    if (n == 0) {
+      const std::string wrong = read_words(wish_);
+      if (!wrong.empty()) trouble.tell(n, scene, prefix(bond) + wrong);
+    }
+    const std::string far = trouble_of_place(bond, wish_.spacing);
+    if (!far.empty()) trouble.tell(n, place_of_points, prefix(bond) + far);
+    bond.kind = kind_of(bond, kinds);
+    bonds_.push_back(bond);
+  }
+  if (wish_.file.empty()) measure_kinds(trouble);
+  trouble.stop(comm_);
+  share_kinds();
+}
+
+// What is compared is compared to the bit. Of points of a file each bond has its own.
+int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds) {
+  const GrainPair& p = bond.pair;
+  const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass};
+  std::string key(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  if (!wish_.file.empty()) key += std::to_string(bonds_.size());
+  const auto known = kinds.emplace(std::move(key), static_cast<int>(kinds_.size()));
+  if (known.second) {
+    kinds_.emplace_back();
+    kinds_.back().first = bonds_.size();
+  }
+  return known.first->second;
+}
+
+double CementPlan::points_expected(std::size_t bond) const { return kind_of(bond).volume / std::pow(wish_.spacing, 3); }
+
+// Each rank its share of the kinds: their shapes and sizes.
+void CementPlan::measure_kinds(BondTrouble& trouble) {
+  int me, ranks;
+  MPI_Comm_rank(comm_, &me);
+  MPI_Comm_size(comm_, &ranks);
+  for (std::size_t k = me; k < kinds_.size(); k += ranks) {
+    Kind& kind = kinds_[k];
+    try {
+      const Shape& made = shape_of(static_cast<int>(k));
+      kind.volume = made.volume();
+      for (int s = 0; s < 2; ++s) kind.area[s] = made.attached_area(s);
+      kind.thickness = made.largest_thickness();
+      kind.thinnest = made.smallest_thickness();
+      if (kind.thickness < 2.0 * wish_.spacing)
+        trouble.tell(kind.first, thickness,
+                     prefix(kind.first) + text_of("the cement is at most ", kind.thickness, " thick, less than a cell of two points of spacing ",
+                                                  wish_.spacing, "; use a spacing of at most ", 0.5 * kind.thickness, " or more cement"));
+    } catch (const ShapeError& e) {
+      trouble.tell(kind.first, shape, prefix(kind.first) + e.what());
+    }
+  }
+}
+
+void CementPlan::share_kinds() {
+  constexpr int kNumbers = 5;
+  int me, ranks;
+  MPI_Comm_rank(comm_, &me);
+  MPI_Comm_size(comm_, &ranks);
+  std::vector<double> shared(kNumbers * kinds_.size(), 0.0);
+  for (std::size_t k = me; k < kinds_.size(); k += ranks) {
+    const Kind& kind = kinds_[k];
+    const double numbers[kNumbers] = {kind.volume, kind.area[0], kind.area[1], kind.thickness, kind.thinnest};
+    std::copy(numbers, numbers + kNumbers, &shared[kNumbers * k]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  for (std::size_t k = 0; k < kinds_.size(); ++k) {
+    const double* v = &shared[kNumbers * k];
+    Kind& kind = kinds_[k];
+    kind.volume = v[0];
+    std::copy(v + 1, v + 3, kind.area);
+    kind.thickness = v[3];
+    kind.thinnest = v[4];
+  }
+}
+
+const Shape& CementPlan::shape_of(int kind) {
+  Kind& k = kinds_[kind];
+  if (k.shape) return *k.shape;
+  const PlannedBond& bond = bonds_[k.first];
+  const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
+  // Where the grains come closer than a cell no grid can resolve the film between them
+  // (and between rigid touching spheres its stiffness has no bound).
+  const double inner = wish_.inner < 0.0 ? bond.pair.radius_of_thickness(2.0 * wish_.spacing) : wish_.inner;
+  std::vector<std::unique_ptr<Shape>> made;
+  for (const ShapeWords& w : wish_.shapes) {
+    const auto content = w.given.find("content");
+    const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / wish_.density;
+    made.push_back(make_shape(w, bond.pair, volume, inner));
+  }
+  if (made.size() == 1) k.shape = std::move(made.front());
+  else k.shape = std::make_unique<Composite>(std::move(made));
+  return *k.shape;
+}
+
+std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
+  struct Place {
+    Vector3 middle;
+    std::size_t bond;
+    bool image;
+  };
+  double widest = 0.0;
+  for (const PlannedBond& b : bonds_) widest = std::max(widest, shape_of(b.kind).half_extent().maxCoeff());
+  const Vector3 low(box_.low[0], box_.low[1], box_.low[2]), high(box_.high[0], box_.high[1], box_.high[2]);
+  const int images[3] = {box_.periodic[0], box_.periodic[1], box_.periodic[2]};
+  std::vector<Place> places;
+  for (std::size_t n = 0; n < bonds_.size(); ++n)
+    for (int i = -images[0]; i <= images[0]; ++i)
+      for (int j = -images[1]; j <= images[1]; ++j)
+        for (int k = -images[2]; k <= images[2]; ++k) {
+          const Vector3 x = bonds_[n].middle() + Vector3(i * box_.period[0], j * box_.period[1], k * box_.period[2]);
+          const bool image = i != 0 || j != 0 || k != 0;
+          // Middles lie up to a radius outside of the box, beside the first grain.
+          const double reach = 2.0 * widest + bonds_[n].pair.R1;
+          if (image && ((x - low).minCoeff() < -reach || (high - x).minCoeff() < -reach)) continue;
+          places.push_back({x, n, image});
+        }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.middle[0] != b.middle[0] ? a.middle[0] < b.middle[0] : a.bond < b.bond; });
+  std::vector<std::vector<Near>> near(bonds_.size());
+  for (std::size_t n = 0; n < places.size(); ++n)
+    for (std::size_t m = n + 1; m < places.size() && places[m].middle[0] - places[n].middle[0] <= 2.0 * widest; ++m) {
+      const Place &a = places[n], &b = places[m];
+      const Vector3 apart = b.middle - a.middle;
+      const Shape &of_a = shape_of(bonds_[a.bond].kind), &of_b = shape_of(bonds_[b.bond].kind);
+      if ((apart.cwiseAbs().array() > (of_a.half_extent() + of_b.half_extent()).array()).any()) continue;
+      if (!a.image) near[a.bond].push_back({b.bond, apart});
+      if (!b.image) near[b.bond].push_back({a.bond, -apart});
+    }
+  return near;
+}
+
+}  // namespace mpdem

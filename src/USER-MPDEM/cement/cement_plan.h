@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Cement that is to be made between pairs of grains, as one command asks for it: where the bonds lie, which of them are of one shape, and what
+// keeps a bond from being made. CementMaker makes the points.
+#ifndef MPDEM_CEMENT_PLAN_H
+#define MPDEM_CEMENT_PLAN_H
+
+#include <mpi.h>
+
+#include <climits>
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "../geometry/shape_styles.h"
+#include "scene_box.h"
+
+namespace mpdem {
+
+using GrainTags = std::pair<int, int>;  // ascending
+
+// What a command says of all its bonds.
+struct CementWish {
+  std::vector<ShapeWords> shapes;
+  std::string file;    // points are read from it; empty: they are made of shapes
+  double attach = 0.0;
+  double spacing = 0.0, density = 2710.0;
+  double inner = -1.0;          // radius; negative: where the grains are two spacings apart
+  double grid[3] = {0, 0, 0};   // origin of the grid from the middle of the gap
+  enum Overlap { error, skip, trim } overlap = error;
+};
+
+struct GrainToBond {
+  int tag = 0;
+  bool is_point = false;  // no grain at all
+  double x[3] = {0, 0, 0}, unwrapped[3] = {0, 0, 0}, radius = 0.0, mass = 0.0, q[4] = {1, 0, 0, 0};
+};
+
+struct PlannedBond {
+  GrainToBond grain[2];
+  Vector3 between;  // from the first grain to the second
+  GrainPair pair;
+  int kind = 0;
+  // Of the middle of the gap, beside the first grain.
+  Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - pair.centre(0); }
+};
+
+// What keeps a bond from being made: the first bond in the order of the command, and of it the first check.
+struct BondTrouble {
+  std::size_t bond = INT_MAX;
+  int check = 0;
+  std::string text;
+  void tell(std::size_t of_bond, int of_check, const std::string& why);
+  // Collective. Throws BadState with the first of all ranks; which of them finds it does not matter.
+  void stop(MPI_Comm comm) const;
+};
+
+class CementPlan {
+ public:
+  CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
+
+  // Of bonds between these pairs. grains: of this rank, that pairs name. before: pairs that have cement, ascending. read_words: gives the
+  // wish, or what is wrong with the scene for it, once the first pair has been looked at. Collective, throws BadState.
+  void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
+            const std::function<std::string(CementWish&)>& read_words);
+
+  // Bonds of the same shape: radii, gap, direction and mass of the grains are the same to the bit.
+  struct Kind {
+    std::size_t first;             // bond
+    std::unique_ptr<Shape> shape;  // see shape_of; none: points from a file
+    double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0;  // known to all ranks
+  };
+  struct Near {
+    std::size_t bond;
+    Vector3 apart;  // of its middle
+  };
+  const CementWish& wish() const { return wish_; }
+  const SceneBox& box() const { return box_; }
+  const std::vector<PlannedBond>& bonds() const { return bonds_; }
+  const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
+  double points_expected(std::size_t bond) const;
+  // Made where it is asked for. Throws ShapeError.
+  const Shape& shape_of(int kind);
+  // For each bond the others, and periodic images, whose boxes meet its own.
+  std::vector<std::vector<Near>> neighbours();
+  // How complaints about a bond begin.
+  std::string prefix(std::size_t bond) const { return prefix(bonds_[bond]); }
+
+ private:
+  static std::string prefix(const PlannedBond& bond);
+  std::string trouble_of_geometry(PlannedBond& bond) const;
+  int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
+  static std::string trouble_of_place(const PlannedBond& bond, double length);
+  void measure_kinds(BondTrouble& trouble);
+  void share_kinds();
+
+  MPI_Comm comm_;
+  SceneBox box_;
+  CementWish wish_;
+  std::vector<PlannedBond> bonds_;
+  std::vector<Kind> kinds_;
+};
+
+}  // namespace mpdem
+
+#endif

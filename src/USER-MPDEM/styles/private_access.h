@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The one place with access to private members of LIGGGHTS' classes. LIGGGHTS has no functions that tell them, and its
+// headers stay as they are. private_access.cpp names each member once.
+#ifndef MPDEM_PRIVATE_ACCESS_H
+#define MPDEM_PRIVATE_ACCESS_H
+
+#include <map>
+#include <string>
+
+#include "lammps.h"
+#include "lmptype.h"
+
+namespace LAMMPS_NS {
+class Comm;
+class Compute;
+class Dump;
+class Fix;
+class FixMove;
+class FixSetForce;
+class Input;
+class Modify;
+class Output;
+}  // namespace LAMMPS_NS
+
+namespace mpdem {
+
+// Tables of LIGGGHTS: the name of a style or command, and the function that makes it.
+using FixStyles = std::map<std::string, LAMMPS_NS::Fix* (*)(LAMMPS_NS::LAMMPS*, int, char**)>;
+using ComputeStyles = std::map<std::string, LAMMPS_NS::Compute* (*)(LAMMPS_NS::LAMMPS*, int, int, char**)>;
+using CommandStyles = std::map<std::string, void (*)(LAMMPS_NS::LAMMPS*, int, char**)>;
+
+FixStyles& fix_styles(LAMMPS_NS::Modify* modify);
+ComputeStyles& compute_styles(LAMMPS_NS::Modify* modify);
+CommandStyles& command_styles(LAMMPS_NS::Input* input);
+
+// Name of the file that a dump writes.
+const char* file_of(const LAMMPS_NS::Dump* dump);
+
+// Number of the group of `communicate ... group`, 0 without one.
+int ghost_group(const LAMMPS_NS::Comm* comm);
+
+// When LIGGGHTS writes restart files: whether a command `restart` asked for any, and the next step of either kind.
+struct RestartSchedule {
+  bool any;
+  LAMMPS_NS::bigint &next_single, &next_double;
+};
+RestartSchedule restart_schedule(LAMMPS_NS::Output* output);
+
+// Members of fix move, by direction. Where the script gives a component, its flag is not 0 and the name of its variable is
+// not null. `style` is mstyle of fix_move.cpp; the flags are those of velocities and amplitudes.
+struct MoveMembers {
+  int style;
+  int velocity_flag[3], amplitude_flag[3];
+  const char *place_variable[3], *velocity_variable[3];
+};
+MoveMembers members_of(const LAMMPS_NS::FixMove* move);
+
+// Members of fix setforce, by direction.
+struct SetForceMembers {
+  int style[3];
+  const char* variable[3];
+};
+SetForceMembers members_of(const LAMMPS_NS::FixSetForce* fix);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""regularization nonlocal: a crack takes the same energy with every cell, and its band is as wide."""
+import math
+import re
+
+import pytest
+import softening_bar
+from localisation import band
+from scenes import CONTACT, cement, edit, launch, pair
+from softening_bar import B0, bar
+
+LENGTH = 2e-4
+
+
+def pulled(directory, cells_a_length, words, monkeypatch, stretch=2.25):
+    """A bar ten lengths long, pulled apart."""
+    monkeypatch.setattr(softening_bar, "LENGTH", 10 * LENGTH)
+    monkeypatch.setattr(softening_bar, "RADIUS", 5000 * LENGTH)
+    cells = round(10 * cells_a_length)
+    return bar(directory, cells, 0.0, stretch=stretch * cells_a_length, regularization=f"nonlocal {LENGTH} {words}")
+
+
+def implied(directory):
+    """Energy per area and width of the band from the report."""
+    text = (directory / "log.liggghts").read_text()
+    return [float(v) for v in re.search(r"a crack takes (\S+) per area in a band of (\S+),", text).groups()]
+
+
+@pytest.mark.parametrize("cells_a_length", [1, 1.5, 2])
+def test_same_energy_at_any_cell(tmp_path, figures, monkeypatch, cells_a_length):
+    """The bar is no longer than its band by far, and is pulled through a snap: 2 to 3 % less than in an infinite one."""
+    r = pulled(tmp_path, cells_a_length, "", monkeypatch)
+    energy, width = implied(tmp_path)
+    expected = band(0.0)
+    assert energy == pytest.approx(math.sqrt(2) * B0 * LENGTH * expected[1], rel=2e-3)
+    assert width == pytest.approx(LENGTH * expected[0], rel=0.1)
+    assert r["end"] < 0.02 and r["failed"] <= 3
+    damaged = sum(d > 0.2 for d in r["profile"]) / (2 * cells_a_length)
+    figures.note(f"bar with {cells_a_length:g} cells a length: damage of its layers", r["profile"])
+    figures.below(f"bar with {cells_a_length:g} cells a length: error of the energy", abs(r["energy"] / energy - 1), 0.04)
+    figures.below(f"bar with {cells_a_length:g} cells a length: error of the width, lengths", abs(damaged - width / LENGTH), 0.75)
+
+
+@pytest.mark.parametrize("cells_a_length, energy, limit", [(1, 14.0, 0.06), (2, 14.0, 0.03), (1, 25.0, 0.08), (2, 25.0, 0.03)])
+def test_energy_asked_for(tmp_path, figures, monkeypatch, cells_a_length, energy, limit):
+    """The bar holds 13.6 J/m2 at the peak: with less energy of a crack it snaps, and its band has no time to spread."""
+    r = pulled(tmp_path, cells_a_length, f"energy {energy}", monkeypatch, stretch=5)
+    assert implied(tmp_path)[0] == pytest.approx(energy, rel=1e-4)
+    assert r["end"] < 0.02
+    figures.below(f"energy {energy:g} asked for, {cells_a_length:g} cells a length: error", abs(r["energy"] / energy - 1), limit)
+
+
+@pytest.mark.parametrize("words, message", [
+    ("nonlocal 1.9e-4", "the length must be at least the cell, which is 0.0002; take 'cell 0.00019' or less"),
+    ("nonlocal 0", "regularization nonlocal"),
+    ("nonlocal -1e-4", "regularization nonlocal"),
+    ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),
+    ("nonlocal 2e-4 energy 1", "must lie between"),
+    ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between")])
+def test_bad_words(tmp_path, words, message):
+    text = scene(words)
+    result = launch(text, tmp_path)
+    assert result.status != 0 and len(result.errors()) == 1 and message in result.errors()[0]
+
+
+@pytest.mark.parametrize("damage, words, message", [
+    ("none", "", "'regularization nonlocal' needs a law of damage"),
+    ("mazars kappa0 4e-4 At 1 Bt 3000", "energy 10", "needs 'damage tensor'")])
+def test_law_that_cannot(tmp_path, damage, words, message):
+    text = edit(scene(f"nonlocal 2e-4 {words}"), f"damage tensor B0 {B0}", f"damage {damage}")
+    result = launch(text, tmp_path)
+    assert result.status != 0 and len(result.errors()) == 1 and message in result.errors()[0]
+
+
+def scene(words):
+    return pair(1e-4) + CONTACT + cement(2e-4, 1e-9, damage=f"damage tensor B0 {B0} regularization {words}") + "run 0\n"

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/drive_average.h"
+
+#include "cement.h"
+#include "mpm/strain_norm.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::kCell;
+using test::Vector;
+
+const TensorDamage kLaw = test::law_of(1.0);
+
+// Strain along the axis of the material at each point, so that the root of its norm is `root(b, l)`.
+template <class F>
+void set_roots(Cement& c, F root) {
+  for (std::size_t b = 0; b < c.points.blocks.size(); ++b) {
+    Sym3<vd> unit{};
+    unit.zz = splat(1.0);
+    const vd of_unit = root_of_norm(kLaw, unit);
+    c.points.blocks[b].strain = Sym3<vd>{};
+    for (int l = 0; l < kLanes; ++l) c.points.blocks[b].strain.zz[l] = std::pow(root(static_cast<int>(b), l) / of_unit[l], 2);
+  }
+}
+
+void average(Cement& c, const AverageSweeps& s) {
+  DriveAverage average;
+  average.start(c.points, c.grid, kLaw);
+  for (int k = 0; k < s.count; ++k) average.sweep(c.points, c.grid, k == s.count - 1 ? s.last_weight : 1.0, k == s.count - 1);
+}
+
+double volume_times_root(const Cement& c) {
+  double sum = 0.0;
+  c.for_points([&](int b, int l) { sum += c.points.blocks[b].volume[l] * c.points.average[b][l]; });
+  return sum;
+}
+
+void fail(Cement& c, std::size_t every) {
+  for (std::size_t i = 0; i < c.slots.size(); i += every) c.points.meta[c.slots[i] / kLanes].failed |= static_cast<std::uint8_t>(1u << c.slots[i] % kLanes);
+}
+
+TEST(DriveAverage, KeepsConstantsBesideFailedPoints) {
+  test::Random random(301);
+  Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
+  set_roots(c, [](int, int) { return 3.0; });
+  fail(c, 5);
+  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  test::Worst worst;
+  for (std::size_t i = 0; i < c.slots.size(); ++i) {
+    const double f = c.points.average[c.slots[i] / kLanes][c.slots[i] % kLanes];
+    worst.add(std::fabs(f - (i % 5 == 0 ? 0.0 : 3.0)));
+  }
+  expect_within(worst, 1e-13, "average of a constant");
+}
+
+TEST(DriveAverage, KeepsTheSum) {
+  test::Random random(302);
+  Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
+  set_roots(c, [&](int, int) { return random.uniform(0, 2); });
+  fail(c, 7);
+  DriveAverage before;
+  before.start(c.points, c.grid, kLaw);
+  const double sum = volume_times_root(c);
+  average(c, sweeps_for(2.2 * kCell, kCell, Basis::quadratic));
+  EXPECT_NEAR(volume_times_root(c), sum, 1e-13 * sum);
+}
+
+// Of one point in the middle of a regular body; the spline of its strain has the rest of the variance.
+class Variance : public ::testing::TestWithParam<std::tuple<Basis, double>> {};
+
+TEST_P(Variance, IsThatOfTheLength) {
+  const auto [basis, length] = GetParam();
+  const int n = 22;
+  Cement c(kCell, test::lattice(kCell, n), kCell * kCell * kCell / 8, Eigen::Quaterniond::Identity(), basis);
+  // a plane of points, so that a direction is left
+  const double middle = kCell * (0.5 * n + 0.25);
+  set_roots(c, [&](int b, int l) { return std::fabs(c.points.blocks[b].X[0][l] - middle) < 0.1 * kCell ? 1.0 : 0.0; });
+  average(c, sweeps_for(length * kCell, kCell, basis));
+  double sum = 0.0, second = 0.0;
+  c.for_points([&](int b, int l) {
+    const double x = (c.points.blocks[b].X[0][l] - middle) / kCell, f = c.points.average[b][l];
+    sum += f;
+    second += f * x * x;
+  });
+  // tents: points of a lattice have their own variance, of h^2/4 in place of h^2/6
+  const double of_strain = support(basis) / 12.0, tolerance = basis == Basis::linear ? 0.2 : 1e-3;
+  EXPECT_NEAR(second / sum + of_strain, length * length, tolerance * length * length);
+}
+
+INSTANTIATE_TEST_SUITE_P(DriveAverage, Variance,
+                         ::testing::Combine(::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic), ::testing::Values(1.0, 1.3, 2.0)));
+
+// A crack that no node reaches across ends the average.
+TEST(DriveAverage, EndsAtAWideCrack) {
+  const int n = 12;
+  Cement c(kCell, test::lattice(kCell, n), kCell * kCell * kCell / 8);
+  const auto x = [&](int b, int l) { return c.points.blocks[b].X[0][l] / kCell; };
+  set_roots(c, [&](int b, int l) { return x(b, l) < 5.0 ? 1.0 : 0.0; });
+  for (std::size_t i = 0; i < c.slots.size(); ++i) {
+    const int b = c.slots[i] / kLanes, l = c.slots[i] % kLanes;
+    if (x(b, l) > 5.0 && x(b, l) < 8.0) c.points.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
+  }
+  average(c, sweeps_for(3.0 * kCell, kCell, Basis::quadratic));
+  test::Worst worst;
+  c.for_points([&](int b, int l) {
+    if (x(b, l) < 5.0) worst.add(std::fabs(c.points.average[b][l] - 1.0));
+    if (x(b, l) > 8.0) worst.add(std::fabs(c.points.average[b][l]));
+  });
+  expect_within(worst, 1e-13, "what comes across");
+}
+
+TEST(DriveAverage, NearWhereSomePointIs) {
+  test::Random random(303);
+  Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
+  const double at_threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
+  const int slot = c.slots[c.slots.size() / 2];
+  for (const auto& [share, near] : {std::pair(0.85, false), std::pair(0.95, true)}) {
+    set_roots(c, [&](int b, int l) { return kLanes * b + l == slot ? std::pow(share, 0.25) * at_threshold : 0.0; });
+    EXPECT_EQ(is_near_threshold(c.points, kLaw), near) << share;
+  }
+  c.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+  EXPECT_FALSE(is_near_threshold(c.points, kLaw));
+}
+
+}  // namespace
+}  // namespace mpdem
