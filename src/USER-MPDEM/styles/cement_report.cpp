@@ -23,6 +23,9 @@ using namespace LAMMPS_NS;
 
 namespace {
 
+// The limit is found twice, for 'timestep auto' and for the report, on other blocks of points.
+constexpr double kRounding = 1.0 + 1e-9;
+
 std::string shares_of(const Separation& s) {
   const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
   if (all <= 0.0) return "";
@@ -72,7 +75,7 @@ void CementReport::parameters(Cement& c, bigint points) {
     warn(c);
   }
   if (damped.admitted < o.relax) damping(c);
-  if (lmp_->update->dt > limit)
+  if (lmp_->update->dt > kRounding * limit)
     stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", limit,
                                  "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
 }
@@ -88,7 +91,7 @@ void CementReport::damping(Cement& c) {
   const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped,
                                    " to ", damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted,
                                    "' or less, which leaves 0.9 of the step");
-  if (lmp_->update->dt > damped.step)
+  if (lmp_->update->dt > kRounding * damped.step)
     stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step: ", text, ", or 'timestep ", 0.9 * damped.step, "'"));
   if (!reported_ && lmp_->comm->me == 0 && damped.step < 0.5 * damped.undamped) lmp_->error->warning("fix mpm", 0, (who_ + text).c_str());
 }
