@@ -187,7 +187,9 @@ TEST(NodeCopies, PiecesShareNoNode) {
         const Place node{a.base[0] + n / 9, a.base[1] + n / 3 % 3, a.base[2] + n % 3};
         bool both = true;
         for (int d = 0; d < 3; ++d) both = both && node[d] >= b.base[d] && node[d] < b.base[d] + kSupport;
-        if (both) ASSERT_NE(p.copies.canonical(parts.at(a.tag), node), p.copies.canonical(parts.at(b.tag), node));
+        if (both) {
+          ASSERT_NE(p.copies.canonical(parts.at(a.tag), node), p.copies.canonical(parts.at(b.tag), node));
+        }
       }
 }
 

@@ -150,13 +150,10 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), states_[row].separation.separated);
 }
 
-Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
-  Found found;
+// Whose path is cut, and where something broke since. Debris is looked for in all: it may be in any bond that came apart.
+std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
   const int rows = static_cast<int>(bonds.table.size());
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
-  // Whose path is cut; what broke of these. Debris is looked for in all: it may be in any bond that came apart.
-  std::vector<char> cut(rows), wanted(rows);
+  std::vector<char> cut(rows);
   for (int r = 0; r < rows; ++r) cut[r] = states_[r].path_cut;
   MPI_Allreduce(MPI_IN_PLACE, cut.data(), rows, MPI_SIGNED_CHAR, MPI_MAX, comm);
   std::vector<double> now(rows, 0.0);
@@ -166,15 +163,24 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   std::vector<int> looked_at;
   for (int r = 0; r < rows; ++r) {
     State& s = states_[r];
-    wanted[r] = (s.separation.separated ? debris : cut[r] != 0) && now[r] != s.failed_seen;
-    if (wanted[r]) {
-      s.failed_seen = now[r];
-      looked_at.push_back(r);
-    }
     s.path_cut = false;
+    if (!(s.separation.separated ? debris : cut[r] != 0) || now[r] == s.failed_seen) continue;
+    s.failed_seen = now[r];
+    looked_at.push_back(r);
   }
   any_path_cut_ = false;
+  return looked_at;
+}
+
+Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
+  Found found;
+  const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
   if (looked_at.empty()) return found;
+  const int rows = static_cast<int>(bonds.table.size());
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<char> wanted(rows);
+  for (int r : looked_at) wanted[r] = 1;
 
   // The bonds that come to this rank are whole.
   const WholeBonds whole = collect(comm, bonds, wanted, options.split);

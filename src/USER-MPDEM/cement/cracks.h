@@ -70,6 +70,7 @@ class Cracks {
 
  private:
   void note(const Bond& bond, int slot);
+  std::vector<int> rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris);
   Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
                      const std::vector<CrackPoint>& points) const;
 
