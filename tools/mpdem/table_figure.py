@@ -30,8 +30,20 @@ def metres(value):
 
 
 # What a variable of the run is called in a legend, in the order in which they are told. None: not told.
+def softening(words):
+    """The value of `regularization`."""
+    how, *numbers = words.split()
+    if how == "none":
+        return "local law"
+    energy = f"crack energy {numbers[-1]} J/m²"
+    if how == "crackband":
+        return energy
+    return f"strain averaged over {metres(numbers[0])}" + (f", {energy}" if "energy" in numbers else "")
+
+
 WORDS = {
-    "regularization": lambda v: "local law" if v == "none" else f"crack energy {v.split()[-1]} J/m²",
+    "regularization": softening,
+    "cracks": lambda v: "nodes split at cracks" if v == "split" else "nodes split where bonds part",
     "interface": lambda v: f"threshold at the beads {v} of that inside", "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
     "cutoff": lambda v: f"failure at damage {v}", "zeta": lambda v: f"tensile over compressive strength {v}",
     "axis": lambda v: f"elastic axis {v}", "edge": lambda v: f"edge nodes {v}",
