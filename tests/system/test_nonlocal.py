@@ -38,7 +38,7 @@ def test_same_energy_at_any_cell(tmp_path, figures, monkeypatch, cells_a_length)
     damaged = sum(d > 0.2 for d in r["profile"]) / (2 * cells_a_length)
     figures.note(f"bar with {cells_a_length:g} cells a length: damage of its layers", r["profile"])
     figures.below(f"bar with {cells_a_length:g} cells a length: error of the energy", abs(r["energy"] / energy - 1), 0.04)
-    figures.below(f"bar with {cells_a_length:g} cells a length: error of the width, lengths", abs(damaged - width / LENGTH), 0.75)
+    figures.below(f"bar with {cells_a_length:g} cells a length: error of the width, lengths", abs(damaged - width / LENGTH), 0.3)
 
 
 @pytest.mark.parametrize("cells_a_length, energy, limit", [(1, 14.0, 0.06), (2, 14.0, 0.03), (1, 25.0, 0.08), (2, 25.0, 0.03)])

@@ -68,6 +68,26 @@ TEST(DriveAverage, KeepsTheSum) {
   EXPECT_NEAR(volume_times_root(c), sum, 1e-13 * sum);
 }
 
+// Nodes at the edge are tied: they have the means of their heirs.
+TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
+  test::Random random(304);
+  Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
+  c.grid.lump_mass(c.points, test::kCalcite);
+  c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+  ASSERT_GT(c.grid.ties.size(), 10u);
+  set_roots(c, [](int, int) { return 3.0; });
+  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  test::Worst worst;
+  c.for_points([&](int b, int l) { worst.add(std::fabs(c.points.average[b][l] - 3.0)); });
+  expect_within(worst, 1e-13, "average of a constant");
+  set_roots(c, [&](int, int) { return random.uniform(0, 2); });
+  DriveAverage before;
+  before.start(c.points, c.grid, kLaw);
+  const double sum = volume_times_root(c);
+  average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+  EXPECT_NEAR(volume_times_root(c), sum, 1e-13 * sum);
+}
+
 // Of one point in the middle of a regular body; the spline of its strain has the rest of the variance.
 class Variance : public ::testing::TestWithParam<std::tuple<Basis, double>> {};
 
