@@ -33,7 +33,8 @@ demo: $(BUILD)/.setup
 	/usr/bin/python3 tools/mpdem_plot.py $(DEMO)
 	@echo "Results: $(DEMO)/bond_table1.csv, $(DEMO)/force_displacement.png, $(DEMO)/damage_cut.png"
 
-# The tutorials of LIGGGHTS that a test runs come from its source.
+# The benchmarks run in their short form. The tutorials of LIGGGHTS that a test runs come from its source.
+test: CMAKE_OPTIONS += -DMPDEM_BENCH=ON
 test: all
 	tools/fetch_liggghts.sh $(BUILD) || echo "Without the source of LIGGGHTS the test of its tutorials is skipped"
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)

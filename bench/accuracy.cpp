@@ -94,9 +94,10 @@ struct Load {
           const Point a = problem.body_force(created_at(s, static_cast<int>(b), l), t);
           for (int d = 0; d < 3; ++d) f[d][l] = problem.density * blocks[b].volume[l] * a[d];
         }
-      const Weights<Type> w(blocks[b].X, m.base, 1.0 / h);
-      scatter_value(force.data(), m.column, w, f);
-      if (problem.neo_hookean()) scatter_gradient(force.data(), m.column, w, neo_hookean(s, blocks[b], lanes(m.occupied)));
+      with_weights<Type>(blocks[b], m, 1.0 / h, [&](const auto& w) {
+        scatter_value(force.data(), m.column, w, f);
+        if (problem.neo_hookean()) scatter_gradient(force.data(), m.column, w, neo_hookean(s, blocks[b], lanes(m.occupied)));
+      });
     }
     for (const Problem::Facet& facet : facets) {
       Point x = facet.X;
@@ -163,7 +164,8 @@ double error(const Problem& p, const FreeBody& s) {
       if (s.method().updated) {
         for (int d = 0; d < 3; ++d) u[d] = q.X[d] - s.points().created_at(static_cast<int>(b))[d];
       } else {
-        gather_value(s.grid().displacement.data(), m.column, Weights<decltype(type)>(q.X, m.base, 1.0 / s.grid().h), u);
+        with_weights<decltype(type)>(q, m, 1.0 / s.grid().h,
+                                     [&](const auto& w) { gather_value(s.grid().displacement.data(), m.column, w, u); });
       }
       for (int l = 0; l < kLanes; ++l)
         if (m.occupied >> l & 1) {
@@ -209,7 +211,7 @@ void measure(const Problem& p, const Method& m, int cells) {
       drift = 0.0;
       for (double t = s.time(); t < p.energy_until; t += dt) {
         s.step();
-        const double energy = s.kinetic_energy(0.5 * dt) + s.strain_energy();
+        const double energy = s.energy();
         if (start == 0.0) start = energy;
         drift = std::max(drift, std::fabs(energy / start - 1.0));
       }

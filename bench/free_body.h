@@ -25,12 +25,13 @@ struct Method {
   Basis basis = Basis::quadratic;
   bool transfers = false;  // in every step; `updated` always
   Transfer transfer;
+  int mass_order = 1;
 
-  // kinematics/basis/transfer, e.g. total/quadratic/none
+  // kinematics/basis/transfer, e.g. total/quadratic/none; order2 in place of none with that of the mass
   std::string name() const;
 };
 
-// total with none, pic, flip, apic, xpic2; updated with the last four; each basis.
+// total with none, order2, pic, flip, apic, xpic2; updated with the last four; each basis.
 const std::vector<Method>& all_methods();
 
 class FreeBody : public CementHost {
@@ -45,7 +46,7 @@ class FreeBody : public CementHost {
   // Is a node at rest? By its place.
   std::function<bool(const Point&)> held;
 
-  // Starts a run with steps of dt. The nodes have these velocities half a step before, where central differences have them.
+  // Starts a run with steps of dt. The points have these velocities half a step before, where central differences have them.
   void start(double dt, const std::function<Point(const Point&)>& velocity);
   // Throws std::runtime_error if a point is lost.
   void step();
@@ -65,9 +66,7 @@ class FreeBody : public CementHost {
   // As fix mpm: lambda of these points where they stay, the bound for any place where they move; for tents, which have none, that of these
   // points with 20 % on top.
   double stable_step();
-  // With velocities later by this time.
-  double kinetic_energy(double later) const;
-  double strain_energy() const;
+  double energy() { const CementTotals t = cement_->totals(0.0); return t.kinetic + t.elastic; }
   // f(block, lane)
   template <class F>
   void for_points(F f) const {
@@ -82,6 +81,7 @@ class FreeBody : public CementHost {
   void links_let_go(const Bond&) override {}
   void slots_changed(const Bond&) override {}
   void add_node_forces(Bond& bond) override;
+  void set_velocity(const std::function<Point(const Point&)>& velocity);
   Point place_of_node(int i) const;
 
   Method method_;

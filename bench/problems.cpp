@@ -56,7 +56,7 @@ struct Cube : Problem {
   Cube() {
     name = "cube";
     cells = {6, 8, 12, 16, 24};
-    quick = 3;
+    quick = 4;
     end = 0.5;
     looks = {end};
     const VtiElasticity e = law().elasticity();

@@ -64,7 +64,8 @@ std::vector<ScalarPoint> scalar_points(const FreeBody& s) {
     for (int i = 0; i < 4; ++i) r.q[i] = q[i][l];
     const vd* e = &p.strain.xx;
     for (int i = 0; i < 6; ++i) r.strain[i] = e[i][l];
-    std::copy(m.column, m.column + 9, r.column);
+    if (m.second >> l & 1) ++r.base[m.joined];  // of a block of two cells
+    if (!s.grid().find_columns(field_of(m.body, m.part), r.base, r.column)) throw std::logic_error("a point has no nodes");
     all.push_back(r);
   });
   return all;

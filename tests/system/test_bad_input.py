@@ -19,6 +19,10 @@ CASES = {
     # words of the commands
     "fix mpm: unknown keyword": ([("axis radial", "axes radial")], ["fix mpm (id cem)", "axes", "known here", "axis"]),
     "fix mpm: unknown keyword of damage": (with_damage("damage tensor B0 9.6e3 cutof 0.9"), ["fix mpm (id cem)", "cutof", "cutoff"]),
+    "fix mpm: a third term of the mass": ([("axis radial", "axis radial mass_order 3")], ["fix mpm (id cem)", "'mass_order 3'", "must be 1"]),
+    "fix mpm: no term of the mass": ([("axis radial", "axis radial mass_order 0")], ["fix mpm (id cem)", "mass_order"]),
+    "fix mpm: terms of the mass with other kinematics": ([("axis radial", "axis radial kinematics updated mass_order 2")], ["fix mpm (id cem)", "'mass_order 2' is for 'kinematics total'"]),
+    "fix mpm: terms of the mass with transfers": ([("axis radial", "axis radial reproject 10 mass_order 2")], ["fix mpm (id cem)", "'mass_order 2' is for 'kinematics total'", "'reproject'"]),
     "fix mpm: cracks that split with other kinematics": ([("axis radial", "axis radial kinematics updated cracks split")], ["fix mpm (id cem)", "'cracks split' is for 'kinematics total'", "cracks bonds"]),
     "fix mpm/couple: unknown keyword": ([("kn auto", "k auto")], ["fix mpm/couple (id bond)", "'k'", "known here", "kn"]),
     "create_cement: unknown keyword": ([("outer 2e-3", "outside 2e-3")], ["create_cement", "outside", "known here", "outer"]),

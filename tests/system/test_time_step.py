@@ -8,21 +8,36 @@ from scenes import CALCITE, RADIUS, cement, edit, launch, pair, pull, run, shift
 
 CELL = 2e-4
 SCENE = pair(CELL / 2) + cement(CELL, 1e-9) + pull(0.1, 2e-6)
+ORDERS = (1, 2)  # terms of the mass
 
 
-def auto(share):
-    return edit(SCENE, "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto {share}")
+def auto(share, order=1):
+    return edit(SCENE, "mpm cell 0.0002", f"mpm cell 0.0002 mass_order {order} timestep auto {share}")
+
+
+def limit_of(order, folder):
+    out = run(auto(1.0, order) + "run 0\n", folder).output
+    return float(re.search(r"timestep auto: (\S+),", out).group(1))
 
 
 @pytest.fixture(scope="module")
 def limit(tmp_path_factory):
-    out = run(auto(1.0) + "run 0\n", tmp_path_factory.mktemp("limit")).output
-    return float(re.search(r"timestep auto: (\S+),", out).group(1))
+    return limit_of(1, tmp_path_factory.mktemp("limit"))
 
 
+@pytest.fixture(scope="module")
+def limits(tmp_path_factory, limit):
+    """A second term of the mass at most doubles the largest eigenvalue."""
+    of_two = limit_of(2, tmp_path_factory.mktemp("limit"))
+    assert of_two == pytest.approx(limit / 2**0.5, rel=1e-6)
+    return dict(zip(ORDERS, (limit, of_two)))
+
+
+@pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("share", [0.5, 0.9, 0.98])
-def test_stable_below_the_limit(share, limit, tmp_path):
-    t = run(edit(SCENE, "timestep     1e-09", f"timestep {share * limit}") + thermo(50, ["f_cem[5]", "f_cem[12]", "f_cem[11]"])
+def test_stable_below_the_limit(share, order, limits, tmp_path):
+    scene = edit(edit(SCENE, "timestep     1e-09", f"timestep {share * limits[order]}"), "mpm cell 0.0002", f"mpm cell 0.0002 mass_order {order}")
+    t = run(scene + thermo(50, ["f_cem[5]", "f_cem[12]", "f_cem[11]"])
             + "run 3000\n", tmp_path).table()
     assert np.isfinite(t["f_cem[5]"]).all() and abs(t["f_cem[12]"]).max() < 0.01
 

@@ -28,6 +28,7 @@ struct Row {
   bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
   double B0 = 9.6e3, exponent = 1.0;  // of the damage
   double length = 0.0;       // that the strain is averaged over
+  int mass_order = 1;
   double speed = 4.0;        // at which the last grain leaves the first, once it is reached
   double ramp = 4e-6;        // time until then
 };
@@ -253,6 +254,7 @@ class RowOfGrains : public CementHost {
     o.tied = !row_.updated;
     o.check_every = 20;
     o.length = row_.length;
+    o.mass_order = row_.mass_order;
     o.skip.nonlocal = row_.length > 0.0;
     const VtiElasticity elasticity(VtiConstants::isotropic(kYoung, 0.0));
     std::unique_ptr<Law> law;

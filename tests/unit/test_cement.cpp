@@ -21,6 +21,7 @@ using test::RowOfGrains;
 
 struct Method {
   bool updated, nonlocal;
+  int mass_order = 1;
 };
 
 class Kinematic : public ::testing::TestWithParam<Method> {
@@ -28,6 +29,7 @@ class Kinematic : public ::testing::TestWithParam<Method> {
   Row row() const {
     Row r;
     r.updated = GetParam().updated;
+    r.mass_order = GetParam().mass_order;
     r.length = GetParam().nonlocal ? 2.5 * test::kSpacing : 0.0;  // 1.25 cells: one sweep and a part of one
     return r;
   }
@@ -169,9 +171,9 @@ TEST_P(Kinematic, HandsABondOver) {
   EXPECT_GT(stays.all_failed().size(), 50u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, false}, Method{true, false}, Method{false, true}, Method{true, true}),
+INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, false}, Method{true, false}, Method{false, true}, Method{true, true}, Method{false, false, 2}),
                          [](const ::testing::TestParamInfo<Method>& p) {
-                           return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "");
+                           return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") + (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
 TEST(StepTimer, CpuTimeIsWithoutWaiting) {

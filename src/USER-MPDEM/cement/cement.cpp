@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../mpm/consistent_mass.h"
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "kinematics.h"
@@ -153,15 +154,46 @@ void Cement::complete_forces() {
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
     host_.add_node_forces(b);
   }
-  if (any_added_mass_ && grains_.any_free()) {
-    timer_.start(StepTimer::kCoupling);
-    grains_.find_accelerations(comm_, bonds_);
-    timer_.start(StepTimer::kNodes);
-  }
+  if (options_.mass_order > 1) add_inertial_forces();
+  find_grain_accelerations();
   for (Bond& b : bonds_) {
     b.added.carry(b.grid, grains_.side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
   }
+}
+
+void Cement::find_grain_accelerations() {
+  if (!any_added_mass_ || !grains_.any_free()) return;
+  timer_.start(StepTimer::kCoupling);
+  grains_.find_accelerations(comm_, bonds_);
+  timer_.start(StepTimer::kNodes);
+}
+
+// With N the inertia of nodes, added mass and grains, of which the nodes have the lumped mass, and a = N^-1 f, the accelerations are
+// N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
+void Cement::add_inertial_forces() {
+  find_grain_accelerations();
+  for (Bond& b : bonds_) {
+    Grid& grid = b.grid;
+    grid.inertial_force = grid.force;
+    b.added.take_along(grid, grains_.side_of(b));
+    grid.update_acceleration(b.added.of_nodes());
+    grid.force.swap(grid.inertial_force);
+    std::fill(grid.inertial_force.begin(), grid.inertial_force.end(), 0.0);
+    timer_.start(StepTimer::kPoints);
+    add_consistent_mass(b.points, grid, inertia_, -1.0, grid.acceleration, grid.inertial_force);
+    timer_.start(StepTimer::kNodes);
+  }
+  timer_.start(StepTimer::kHalo);
+  sum_shared(&Grid::inertial_force, 3);
+  timer_.start(StepTimer::kNodes);
+  for (Bond& b : bonds_)
+    for (int i = 0; i < b.grid.size(); ++i)
+      for (int d = 0; d < 3; ++d) {
+        double& f = b.grid.inertial_force[3 * i + d];
+        f += b.grid.mass[i] * b.grid.acceleration[3 * i + d];
+        b.grid.force[3 * i + d] += f;
+      }
 }
 
 double Cement::kinetic_energy(const Bond& b, double kick) const {
@@ -213,6 +245,26 @@ double Cement::half_kick(const Bond& b, const std::vector<double>& jump) const {
   return -0.5 * dt_last_ * (power[0] + power[1] + power[2] + b.added.power(b.grid, grains_.side_of(b), jump));
 }
 
+// Work of the inertial forces on the cement of bodies from first_body on.
+EnergyBooks::StepWork Cement::inertial_work_of_step(int first_body) const {
+  EnergyBooks::StepWork work;
+  for (const Bond& b : bonds_) {
+    if (b.body < first_body || options_.mass_order == 1) continue;
+    const Grid& grid = b.grid;
+    double before = 0.0, later = 0.0;
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!grid.halo.counts_here()[i]) continue;
+      for (int n = 3 * i; n < 3 * i + 3; ++n) {
+        before += grid.inertial_force[n] * grid.velocity[n];
+        later += grid.inertial_force[n] * grid.acceleration[n];
+      }
+    }
+    work.before += dt_last_ * before;
+    work.now += dt_last_ * before + 0.5 * dt_last_ * dt_last_ * later;
+  }
+  return work;
+}
+
 // Work of grains and gravity on the cement of bodies from first_body on.
 EnergyBooks::StepWork Cement::work_of_step(int first_body) {
   EnergyBooks::StepWork work = penalty_ ? grains_.work(dt_last_, first_body) : EnergyBooks::StepWork();
@@ -228,7 +280,7 @@ EnergyBooks::StepWork Cement::work_of_step(int first_body) {
 void Cement::end_step() {
   grains_.watch_late_loads(true);
   grains_.keep_velocities(dt_last_);
-  books_.end_step(work_of_step(0));
+  books_.end_step(work_of_step(0), inertial_work_of_step(0));
   for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && !b->in_motion; ++b) b->in_motion = true;
 }
 
@@ -286,7 +338,7 @@ void Cement::start_bodies() {
     kinematics_->start_points(b);
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  books_.start(energy, work_of_step(bodies_started_));
+  books_.start(energy, work_of_step(bodies_started_), inertial_work_of_step(bodies_started_));
   bodies_started_ = rows;
 }
 

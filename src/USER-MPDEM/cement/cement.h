@@ -185,8 +185,11 @@ class Cement {
   void add_link_forces(Bond& b);
   void sum_shared(std::vector<double> Grid::*values, int width);
   void complete_forces();
+  void find_grain_accelerations();
+  void add_inertial_forces();
   double damping_work(double later, int first_body);
   EnergyBooks::StepWork work_of_step(int first_body);
+  EnergyBooks::StepWork inertial_work_of_step(int first_body) const;
   double kinetic_energy(const Bond& b, double kick) const;
   double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
   double half_kick(const Bond& b, const std::vector<double>& jump) const;

@@ -7,7 +7,8 @@
 //
 // E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
 // added mass that changes gave up. Damped: by dampers and transfers. Work: of grains and gravity on the cement; each half
-// step has the work of its velocity on the force at its end. This rank's share of each, all in units of energy.
+// step has the work of its velocity on the force at its end. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
+// inertia of mpm/consistent_mass.h. It is kept as that of the lumped mass, less the work of the force by which the two differ. This rank's share of each, all in units of energy.
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
 #define MPDEM_CEMENT_ENERGY_BOOKS_H
 
@@ -17,6 +18,7 @@ class EnergyBooks {
  public:
   struct Sums {
     double dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;
+    double inertial_work = 0.0, inertial_work_ahead = 0.0;  // of Grid::inertial_force
   };
   // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
   struct StepWork {
@@ -43,14 +45,18 @@ class EnergyBooks {
   }
 
   // At the end of a step. The second half of it is work ahead.
-  void end_step(const StepWork& w) {
+  void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
     sums_.work_ahead = w.now - 0.5 * w.before;
+    sums_.inertial_work += inertial.now;
+    sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
   }
   // Cement is set in motion with this energy, of all ranks; its first half step has this work.
-  void start(double energy_of_all, const StepWork& w) {
+  void start(double energy_of_all, const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now - 0.5 * w.before;
     sums_.work_ahead += w.now - 0.5 * w.before;
+    sums_.inertial_work += inertial.now - 0.5 * inertial.before;
+    sums_.inertial_work_ahead += inertial.now - 0.5 * inertial.before;
     start_ += energy_of_all;
   }
 

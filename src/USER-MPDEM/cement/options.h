@@ -27,6 +27,7 @@ struct CementOptions {
   AdvanceOptions skip;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
   double length = 0.0;                   // that the drive of the damage is averaged over, 0: not at all
+  int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
   bool split = false;                    // nodes where material parts, see fracture/node_copies.h
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
@@ -34,7 +35,7 @@ struct CementOptions {
   // Do points give velocity to nodes at all?
   bool transfers() const { return updated || reproject_every > 0; }
   // Largest dt^2 lambda. A mode that a transfer removes altogether takes half of what the central difference takes.
-  double stability_bound() const { return transfers() ? 2.0 : 4.0; }
+  double stability_bound() const { return (transfers() ? 2.0 : 4.0) / mass_order; }
 };
 
 }  // namespace mpdem

@@ -87,6 +87,9 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kReleased] = books.released;
   sum[kDamped] = books.damped;
   sum[kWork] = books.work - books.work_ahead;
+  const double inertial = books.inertial_work - books.inertial_work_ahead;
+  sum[kKinetic] -= inertial;
+  sum[kKept] -= inertial;
   global_sum(sum, comm_);
   global_max(most, comm_);
 

@@ -46,8 +46,8 @@ Key key_of(const NodeRow& r) { return {r.field, r.place[0], r.place[1], r.place[
 
 std::vector<double> Cement::packed_state(CementHead head) {
   const EnergyBooks::Sums& b = books_.sums();
-  double sums[5] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, comm_);
+  double sums[7] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead, b.inertial_work, b.inertial_work_ahead};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 7, MPI_DOUBLE, MPI_SUM, comm_);
   std::vector<double> mine;
   for (const Bond& bond : bonds_)
     for (int i = 0; i < bond.grid.size(); ++i)
@@ -65,6 +65,8 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.damped = sums[2];
   head.work = sums[3];
   head.work_ahead = sums[4];
+  head.inertial_work = sums[5];
+  head.inertial_work_ahead = sums[6];
   head.eigenvalue = eigenvalue_;
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
@@ -117,7 +119,9 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   restored_ = true;
   int me;
   MPI_Comm_rank(comm_, &me);
-  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.work, head.work_ahead} : EnergyBooks::Sums(),
+  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.work, head.work_ahead, head.inertial_work,
+                                             head.inertial_work_ahead}
+                         : EnergyBooks::Sums(),
                  head.start_energy);
   std::vector<Cracks::State> cracks(head.bodies);
   states_.assign(head.bodies, BondState{});

@@ -68,6 +68,14 @@ void for_each(const std::vector<AddedMass::Share>& shares, const Grid& grid, Sid
 
 }  // namespace
 
+void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
+  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+    double of_grain[3];
+    acceleration_at(s, r, of_grain);
+    for (int d = 0; d < 3; ++d) grid.force[3 * node + d] += mass * of_grain[d];
+  });
+}
+
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (const Share& a : shares_) {

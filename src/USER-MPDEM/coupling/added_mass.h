@@ -57,6 +57,8 @@ class AddedMass {
   // Of each node.
   const std::vector<double>& of_nodes() const { return mass_; }
 
+  // Adds the force that takes the added mass along with its grains to the nodes, without its reaction.
+  void take_along(Grid& grid, const GrainSide* side) const;
   // Added mass moves with its grain. Adds the force that takes it along to the nodes, whose sum over ranks is
   // complete, and its reaction to the grains, whose sum is still to come. The acceleration is that which nodes will
   // have by Grid::update_acceleration().

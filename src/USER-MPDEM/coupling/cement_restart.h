@@ -33,13 +33,14 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 8;
+  static constexpr int kVersion = 9;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
   double step = 0.0;       // stored velocities lie half of it behind the time
   int bodies_started = 0;  // so many bonds of the table have moved; those after them are as they were made
   double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
+  double inertial_work = 0.0, inertial_work_ahead = 0.0;
   double time = 0.0;
   double eigenvalue = 0.0;  // 0: not known
   double auto_step = 0.0;   // what `timestep auto` found last
@@ -61,6 +62,8 @@ struct CementHead {
     visit("the damped energy", h.damped, kFinite);
     visit("the work of grains", h.work, kFinite);
     visit("the work ahead of its step", h.work_ahead, kFinite);
+    visit("the work of the inertial forces", h.inertial_work, kFinite);
+    visit("the work of the inertial forces ahead of its step", h.inertial_work_ahead, kFinite);
     visit("the time", h.time, kFinite);
     visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
     visit("the step of 'timestep auto'", h.auto_step, kNotNegative);

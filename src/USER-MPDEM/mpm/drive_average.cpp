@@ -68,7 +68,7 @@ void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
 
 void DriveAverage::find_means(const EdgeTies& ties) {
   for (std::size_t i = 0; i < sum_.size(); ++i) mean_[i] = volume_[i] > 0.0 ? sum_[i] / volume_[i] : 0.0;
-  ties.take_of_heirs(mean_.data());
+  ties.take_of_heirs(mean_.data(), 1);
 }
 
 void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bool last) {

@@ -310,12 +310,13 @@ void EdgeTies::bequeath(double* values, int width) const {
     }
 }
 
-void EdgeTies::take_of_heirs(double* values) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
-    double sum = 0.0;
-    for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) sum += heir_share_[n] * values[heir_[n]];
-    values[slave_[t]] = sum;
-  }
+void EdgeTies::take_of_heirs(double* values, int width) const {
+  for (std::size_t t = 0; t < slave_.size(); ++t)
+    for (int c = 0; c < width; ++c) {
+      double sum = 0.0;
+      for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) sum += heir_share_[n] * values[width * heir_[n] + c];
+      values[width * slave_[t] + c] = sum;
+    }
 }
 
 void EdgeTies::extend(double* values) const {

@@ -336,7 +336,7 @@ void Grid::drift(double dt_v, double dt_u) {
 
 std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
-         sizeof(double) * (mass.capacity() + velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
+         sizeof(double) * (mass.capacity() + velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
                            tie_factor_.capacity()) +
          ties.memory_usage();
 }

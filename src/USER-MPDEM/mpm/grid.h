@@ -46,6 +46,7 @@ class Grid {
   std::vector<double> mass;        // lumped
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;  // of the points, `updated` only
+  std::vector<double> inertial_force;  // (M_L - M) a, see mpm/consistent_mass.h; empty with the lumped mass alone
   EdgeTies ties;
 
   int size() const { return static_cast<int>(keys.size()); }

@@ -11,7 +11,7 @@
 namespace mpdem {
 
 namespace {
-const std::vector<std::string> kKeywords = {"cell", "basis", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
+const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
                                             "regularization", "cracks", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
@@ -150,6 +150,9 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
                           "use 'edge free' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (transfers) o.tied = false;
+  if (transfers && o.mass_order > 1)
+    args.complain(text_of("'mass_order ", o.mass_order, "' is for 'kinematics total' without 'reproject', whose nodes keep their velocity; leave it out, or leave ",
+                          o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.split && transfers)
     args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
                           "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
@@ -182,6 +185,10 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "basis") {
       const std::string name = args.choice(key, {"linear", "quadratic", "cubic"});
       o.basis = name == "linear" ? Basis::linear : name == "cubic" ? Basis::cubic : Basis::quadratic;
+    } else if (key == "mass_order") {
+      o.mass_order = args.integer(key, 1);
+      if (o.mass_order > 2)
+        args.complain(text_of("'mass_order ", o.mass_order, "': must be 1, the lumped mass, or 2; further terms were found to gain nothing"));
     } else if (key == "kinematics") {
       o.updated = args.choice(key, {"total", "updated"}) == "updated";
     } else if (key == "edge") {

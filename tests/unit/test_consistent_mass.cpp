@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The consistent mass against its definition, and what its bound and its momentum rest on.
+#include "mpm/consistent_mass.h"
+
+#include "cement.h"
+
+namespace mpdem {
+namespace {
+
+using test::Cement;
+using test::kCalcite;
+using test::kCell;
+using test::Vector;
+
+std::vector<Vector> ball(test::Random& random) {
+  std::vector<Vector> X;
+  while (X.size() < 150) {
+    const Vector x(random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2));
+    if (x.norm() < 2.0) X.push_back(kCell * (x + Vector(0.2, -0.1, 0.3)));
+  }
+  return X;
+}
+
+class ConsistentMass : public ::testing::TestWithParam<Basis> {
+ protected:
+  test::Random random{5};
+  double volume = std::pow(kCell, 3) / 8;
+  Cement c{kCell, ball(random), volume, Eigen::Quaterniond::Identity(), GetParam(), 0, {}, true};  // with blocks of two cells
+
+  void tie() {
+    c.grid.tie(find_edge_ties(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
+    ASSERT_GT(c.grid.ties.size(), 5u);
+  }
+  std::vector<double> any_field() {
+    std::vector<double> f(3 * c.grid.size());
+    for (double& x : f) x = random.uniform(-1, 1);
+    for (int i = 0; i < c.grid.size(); ++i)
+      for (int d = 0; d < 3 && c.grid.mass[i] == 0.0; ++d) f[3 * i + d] = 0.0;
+    return f;
+  }
+  std::vector<double> product(const std::vector<double>& field) {
+    std::vector<double> out(field.size(), 0.0);
+    add_consistent_mass(c.points, c.grid, kCalcite, 1.0, field, out);
+    return out;
+  }
+  static double dot(const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+  }
+};
+
+// Weights of one node alone, from where its value is one; all others are at zero.
+TEST_P(ConsistentMass, IsTheSumOverPoints) {
+  c.grid.lump_mass(c.points, kCalcite);
+  const double all = std::accumulate(c.grid.mass.begin(), c.grid.mass.end(), 0.0);
+  const std::vector<double> f = any_field(), out = product(f);
+  std::vector<double> expected(f.size(), 0.0);
+  with_basis(GetParam(), [&](auto type) {
+    using Type = decltype(type);
+    for (const PointBlock& p : c.points.blocks)
+      for (int l = 0; l < kLanes; ++l) {
+        if (p.volume[l] == 0.0) continue;
+        const vd X[3] = {splat(p.X[0][l]), splat(p.X[1][l]), splat(p.X[2][l])};
+        int base[3];
+        for (int d = 0; d < 3; ++d) base[d] = support_base(X[d][0], 1.0 / kCell, Type::kShift);
+        const Weights<Type> w(X, base, 1.0 / kCell);
+        std::vector<std::pair<int, double>> N;
+        for (int n = 0; n < c.grid.size(); ++n) {
+          double weight = 1.0;
+          for (int d = 0; d < 3; ++d) {
+            const int i = c.grid.keys[n][1 + d] - base[d];
+            weight *= i >= 0 && i < Type::kSupport ? w.w[d][i][0] : 0.0;
+          }
+          if (weight != 0.0) N.emplace_back(n, weight);
+        }
+        for (const auto& [i, Ni] : N)
+          for (const auto& [j, Nj] : N)
+            for (int d = 0; d < 3; ++d) expected[3 * i + d] += kCalcite * p.volume[l] * Ni * Nj * f[3 * j + d];
+      }
+  });
+  for (std::size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(out[i], expected[i], 1e-13 * all);
+}
+
+// Momentum: the sum of M a is that of M_L a. The bound of the step: 0 <= M <= M_L. Symmetry keeps energy.
+TEST_P(ConsistentMass, HasTheLumpedMassForRowSumsWithTiesToo) {
+  for (bool tied : {false, true}) {
+    if (tied) tie();
+    c.grid.lump_mass(c.points, kCalcite);
+    const double all = std::accumulate(c.grid.mass.begin(), c.grid.mass.end(), 0.0);
+    std::vector<double> one(3 * c.grid.size(), 0.0);
+    for (int i = 0; i < c.grid.size(); ++i) one[3 * i + 1] = c.grid.mass[i] > 0.0;
+    const std::vector<double> rows = product(one);
+    for (int i = 0; i < c.grid.size(); ++i) EXPECT_NEAR(rows[3 * i + 1], c.grid.mass[i], 1e-13 * all);
+    for (int n = 0; n < 20; ++n) {
+      const std::vector<double> a = any_field(), b = any_field(), Ma = product(a), Mb = product(b);
+      double lumped = 0.0;
+      for (std::size_t i = 0; i < a.size(); ++i) lumped += c.grid.mass[i / 3] * a[i] * a[i];
+      EXPECT_GE(dot(a, Ma), 0.0);
+      EXPECT_LE(dot(a, Ma), lumped);
+      EXPECT_NEAR(dot(a, Mb), dot(b, Ma), 1e-13 * lumped);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bases, ConsistentMass, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
+                         [](const ::testing::TestParamInfo<Basis>& p) { return std::string(p.param == Basis::linear ? "linear" : p.param == Basis::quadratic ? "quadratic" : "cubic"); });
+
+}  // namespace
+}  // namespace mpdem
