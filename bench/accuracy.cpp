@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Error and time of the step on problems with a known solution, see doc/performance.md.
-//   accuracy [--quick] [--list] [--periods N] [name ...]
+//   accuracy [--quick] [--list] [--periods N] [--section N] [name ...]
 // Names (regular expressions) are problem/kinematics/basis/transfer. CSV on standard output:
 // seconds are CPU seconds of the steps, loads left out; error is the rms over the points of
 // the difference in displacement over a typical displacement, nan if the run broke down; drift
@@ -225,12 +225,13 @@ void measure(const Problem& p, const Method& m, int cells) {
 
 int run(int argc, char** argv) {
   bool quick = false, list = false;
-  int periods = 1;
+  BarOptions bar;
   std::string wanted;
   for (int i = 1; i < argc; ++i) {
     if (!std::strcmp(argv[i], "--quick")) quick = true;
     else if (!std::strcmp(argv[i], "--list")) list = true;
-    else if (!std::strcmp(argv[i], "--periods") && i + 1 < argc) periods = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--periods") && i + 1 < argc) bar.periods = std::atoi(argv[++i]);
+    else if (!std::strcmp(argv[i], "--section") && i + 1 < argc) bar.section = std::atoi(argv[++i]);
     else wanted += (wanted.empty() ? "" : "|") + std::string(argv[i]);
   }
   struct Run {
@@ -238,11 +239,11 @@ int run(int argc, char** argv) {
     const Method* method;
     std::string name;
   };
-  if (periods < 1) {
-    std::fprintf(stderr, "accuracy: '--periods' must be 1 or more\n");
+  if (bar.periods < 1 || bar.section < 1) {
+    std::fprintf(stderr, "accuracy: '--periods' and '--section' must be 1 or more\n");
     return 1;
   }
-  const auto problems = all_problems(periods);
+  const auto problems = all_problems(bar);
   std::vector<Run> all, chosen;
   for (const auto& p : problems)
     for (const Method& m : all_methods()) all.push_back({p.get(), &m, p->name + "/" + m.name()});

@@ -18,13 +18,14 @@ struct Bar : Problem {
   static constexpr double v0 = 1e-7;
   static constexpr double kPeriod = 4.0;
   const double w = 2.0 * kPi / kPeriod;
-  const bool in_space;  // refined across, too; otherwise the section is always of six by six cells
-  Bar(bool in_space, int periods) : in_space(in_space) {
+  const bool in_space;  // refined across, too; otherwise the section always has as many cells
+  const int section;
+  Bar(bool in_space, const BarOptions& o) : in_space(in_space), section(o.section) {
     name = in_space ? "thick-bar" : "bar";
     if (in_space) cells = {8, 16, 24};
-    else cells = {6, 12, 24, 48};
-    quick = in_space ? 2 : 3;
-    end = periods * kPeriod;
+    else cells = {4, 6, 12, 24, 48};
+    quick = in_space ? 2 : 4;
+    end = o.periods * kPeriod;
     looks = {0.25 * kPeriod, end};
     if (!in_space) energy_until = end + 10.0 * kPeriod;
     scale = v0 / w / std::sqrt(2.0);
@@ -32,9 +33,9 @@ struct Bar : Problem {
   NoDamage law() const override { return NoDamage(VtiElasticity(VtiConstants::isotropic(1.0, 0.0))); }
   bool inside(const Point&, double) const override { return true; }
   void box(double h, Point& low, Point& high) const override {
-    const double section = in_space ? 0.375 : 6 * h;
+    const double width = in_space ? 0.375 : section * h;
     low = {-1, 0, 0};
-    high = {1, section, section};
+    high = {1, width, width};
   }
   bool loaded() const override { return false; }
   Point displacement(const Point& X, double t) const override {
@@ -196,10 +197,10 @@ struct Vortex : Problem {
 
 }  // namespace
 
-std::vector<std::unique_ptr<Problem>> all_problems(int periods) {
+std::vector<std::unique_ptr<Problem>> all_problems(const BarOptions& bar) {
   std::vector<std::unique_ptr<Problem>> all;
-  all.push_back(std::make_unique<Bar>(false, periods));
-  all.push_back(std::make_unique<Bar>(true, periods));
+  all.push_back(std::make_unique<Bar>(false, bar));
+  all.push_back(std::make_unique<Bar>(true, bar));
   all.push_back(std::make_unique<Cube>());
   all.push_back(std::make_unique<Vortex>(false));
   all.push_back(std::make_unique<Vortex>(true));

@@ -52,8 +52,11 @@ class Problem {
   double scale = 1.0;  // rms displacement that errors are divided by
 };
 
-// periods: of the vibrating bars.
-std::vector<std::unique_ptr<Problem>> all_problems(int periods);
+// Of the vibrating bars: periods, and cells across the section of `bar`.
+struct BarOptions {
+  int periods = 1, section = 6;
+};
+std::vector<std::unique_ptr<Problem>> all_problems(const BarOptions& bar);
 
 }  // namespace mpdem::bench
 

@@ -3,7 +3,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """Runs the benchmarks and writes tables and figures; see doc/performance.md.
 
-    tools/bench_report.py [--quick] [--list] [--periods N] [--build DIR] [--out DIR] [NAME ...]
+    tools/bench_report.py [--quick] [--list] [--periods N] [--section N] [--build DIR] [--out DIR] [NAME ...]
 
 NAME is the name of a benchmark or the first parts of it: `step/total`, `vortex`; none: all of
 them, which takes 15 to 25 minutes. Writes results.json, rates.csv,
@@ -42,12 +42,14 @@ def arguments():
     p.add_argument("names", metavar="NAME", nargs="*", help="benchmarks, by the first parts of their names")
     p.add_argument("--quick", action="store_true", help="a short run of less than a minute: few cells, short times")
     p.add_argument("--periods", metavar="N", type=int, default=1, help="how many periods the bars vibrate (1)")
+    p.add_argument("--section", metavar="N", type=int, default=6, help="cells across the section of `bar` (6)")
     p.add_argument("--list", action="store_true", help="print the names")
     p.add_argument("--build", metavar="DIR", type=Path, default=ROOT / "build", help="build directory")
     p.add_argument("--out", metavar="DIR", type=Path, help="where to write (default: BUILD/bench/results)")
     args = p.parse_args()
-    if args.periods < 1:
-        p.error(f"--periods {args.periods}: must be 1 or more")
+    for word, value in (("--periods", args.periods), ("--section", args.section)):
+        if value < 1:
+            p.error(f"{word} {value}: must be 1 or more")
     return args
 
 
@@ -76,8 +78,8 @@ def rates(program, names, quick):
     return [{"name": b["name"], "ms": b["cpu_time"], **{k: b[k] for k in keep if k in b}} for b in found]
 
 
-def accuracy(program, names, quick, periods):
-    text = output(program, *(["--quick"] if quick else []), "--periods", periods, *(f"^{n}$" for n in names))
+def accuracy(program, names, quick, bars):
+    text = output(program, *(["--quick"] if quick else []), *bars, *(f"^{n}$" for n in names))
     rows = list(csv.DictReader(io.StringIO(text)))
     return [{k: v if k in ("problem", "method") else float(v) for k, v in r.items()} for r in rows]
 
@@ -259,7 +261,7 @@ def main():
         write_csv(result["rates"], out / "rates.csv")
     if names["accuracy"]:
         tell(f"{len(names['accuracy'])} methods on problems with a known solution ...")
-        result["accuracy"] = accuracy(precise, names["accuracy"], args.quick, args.periods)
+        result["accuracy"] = accuracy(precise, names["accuracy"], args.quick, ["--periods", args.periods, "--section", args.section])
     if names["law"]:
         tell(f"{len(names['law'])} kinds of paths of the law of damage ...")
         result["law"] = law(damage, names["law"], args.quick)
