@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "reproject.h"
 
+#include "consistent_mass.h"
 #include "gather.h"
 #include "scatter.h"
 
@@ -9,10 +10,8 @@ namespace mpdem {
 
 namespace {
 
-// out = y field, or, with the affine part, what apic makes of it. Collective.
-void project(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, bool affine, const std::vector<double>& field,
-             std::vector<double>& out) {
-  out.assign(field.size(), 0.0);
+// out += sum over the points of m_p N_I (v_p + C_p (X_I - X_p)), v_p of the field.
+void add_affine(const PointStore& points, const Grid& grid, double density, const std::vector<double>& field, std::vector<double>& out) {
   with_basis(grid.basis, [&](auto type) {
     using Type = decltype(type);
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -23,10 +22,6 @@ void project(const PointStore& points, Grid& grid, const std::vector<double>& ad
         vd v[3];
         gather_value(field.data(), m.column, s, v);
         for (int i = 0; i < 3; ++i) v[i] *= mass;
-        if (!affine) {
-          scatter_value(out.data(), m.column, s, v);
-          return;
-        }
         // The first moments of the weights take the place of their gradients.
         const auto moment = with_moments(s, p.X, m.base, grid.h);
         Mat3<vd> C = gather_gradient(field.data(), m.column, Type::kAffine > 0.0 ? moment : s);
@@ -37,6 +32,14 @@ void project(const PointStore& points, Grid& grid, const std::vector<double>& ad
       });
     }
   });
+}
+
+// out = y field, or, with the affine part, what apic makes of it. Collective.
+void project(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, bool affine, const std::vector<double>& field,
+             std::vector<double>& out) {
+  out.assign(field.size(), 0.0);
+  if (affine) add_affine(points, grid, density, field, out);
+  else add_consistent_mass(points, grid, density, 1.0, field, out);
   grid.halo.sum(out.data(), 3);
   for (int i = 0; i < grid.size(); ++i) {
     const double c = added_mass.empty() ? 0.0 : added_mass[i], inertia = grid.mass[i] + c;
