@@ -121,7 +121,7 @@ def diagram(rows, problem, file):
     transfers = {"none": "no transfer", "order2": "no transfer,\nmass of order 2", "pic": "PIC", "flip": "FLIP", "apic": "APIC", "xpic2": "XPIC of order 2"}
     references = {"total": "reference kept", "updated": "reference updated"}
     panels = {"linear": "tents", "quadratic": "quadratic B-splines", "cubic": "cubic B-splines"}
-    fig, axes = plt.subplots(1, 3, figsize=(11, 3.8), sharex=True, sharey=True)
+    fig, axes = plt.subplots(1, 3, figsize=(11, 4.6), sharex=True, sharey=True)
     every = curves(rows, problem)
     for ax, basis in zip(axes, panels):
         ax.set_title(panels[basis])
@@ -141,7 +141,7 @@ def diagram(rows, problem, file):
     axes[0].set_ylabel(ERRORS[problem])
     named = {line.get_label(): line for ax in axes for line in ax.lines}
     fig.tight_layout(rect=(0, 0, 0.86, 1))
-    fig.legend(named.values(), named.keys(), loc="center left", bbox_to_anchor=(0.86, 0.55), fontsize=8, frameon=False)
+    fig.legend(named.values(), named.keys(), loc="center left", bbox_to_anchor=(0.86, 0.5), fontsize=8, frameon=False)
     fig.savefig(file, dpi=90)
     plt.close(fig)
 
