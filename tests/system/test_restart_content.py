@@ -10,13 +10,13 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, FIX_NODE = 31, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+FIX_HEAD, FIX_BOND, FIX_NODE = 33, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "radius": 5, "centre": 7, "orientation": 13, "shift": 21, "area": 27, "box": 29, "axis": 32,
         "in motion": 36, "volume": 37, "spacing": 38, "lattice": 39, "regular": 42, "thickness": 43, "points": 44}
 BOND_NUMBERS = 45
-FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 13, "coupling": 16, "kn": 17, "law": 20, "bonds": 27,
-       "nodes": 28}
+FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 15, "coupling": 18, "kn": 19, "law": 22, "bonds": 29,
+       "nodes": 30}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "framed": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
          "strain": 40, "damage": 46, "law": 52, "moving": 53, "links": 54, "grain": 55, "foot": 56, "area": 59, "attached": 60, "way": 61, "inert": 64, "state": 65}
