@@ -131,7 +131,7 @@ void FreeBody::set_velocity(const std::function<Point(const Point&)>& velocity) 
   g.ties.extend(g.velocity.data());
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> left(given);
-    add_consistent_mass(points(), g, density_, -1.0, g.velocity, left);
+    add_consistent_mass(points(), g, density_, MassOf::all_points, -1.0, g.velocity, left);
     for (int i = 0; i < g.size(); ++i)
       for (int d = 0; d < 3 && g.mass[i] > 0.0; ++d) g.velocity[3 * i + d] += left[3 * i + d] / g.mass[i];
     g.ties.extend(g.velocity.data());

@@ -23,13 +23,14 @@ std::vector<Vector> ball(test::Random& random) {
   return X;
 }
 
-class ConsistentMass : public ::testing::TestWithParam<Basis> {
+class MassOfPoints : public ::testing::TestWithParam<Basis> {
  protected:
   test::Random random{5};
   double volume = std::pow(kCell, 3) / 8;
   Cement c{kCell, ball(random), volume, Eigen::Quaterniond::Identity(), GetParam(), 0, {}, true};  // with blocks of two cells
 
   void tie() {
+    c.grid.lump_mass(c.points, kCalcite);  // by which edges are found
     c.grid.tie(find_edge_ties(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
     ASSERT_GT(c.grid.ties.size(), 5u);
   }
@@ -42,7 +43,7 @@ class ConsistentMass : public ::testing::TestWithParam<Basis> {
   }
   std::vector<double> product(const std::vector<double>& field) {
     std::vector<double> out(field.size(), 0.0);
-    add_consistent_mass(c.points, c.grid, kCalcite, 1.0, field, out);
+    add_consistent_mass(c.points, c.grid, kCalcite, MassOf::all_points, 1.0, field, out);
     return out;
   }
   static double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -53,7 +54,7 @@ class ConsistentMass : public ::testing::TestWithParam<Basis> {
 };
 
 // Weights of one node alone, from where its value is one; all others are at zero.
-TEST_P(ConsistentMass, IsTheSumOverPoints) {
+TEST_P(MassOfPoints, IsTheSumOverPoints) {
   c.grid.lump_mass(c.points, kCalcite);
   const double all = std::accumulate(c.grid.mass.begin(), c.grid.mass.end(), 0.0);
   const std::vector<double> f = any_field(), out = product(f);
@@ -85,7 +86,7 @@ TEST_P(ConsistentMass, IsTheSumOverPoints) {
 }
 
 // Momentum: the sum of M a is that of M_L a. The bound of the step: 0 <= M <= M_L. Symmetry keeps energy.
-TEST_P(ConsistentMass, HasTheLumpedMassForRowSumsWithTiesToo) {
+TEST_P(MassOfPoints, HasTheLumpedMassForRowSumsWithTiesToo) {
   for (bool tied : {false, true}) {
     if (tied) tie();
     c.grid.lump_mass(c.points, kCalcite);
@@ -105,7 +106,35 @@ TEST_P(ConsistentMass, HasTheLumpedMassForRowSumsWithTiesToo) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Bases, ConsistentMass, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
+// Where points failed, a rigid acceleration has no inertial force, and any other has none in sum.
+TEST_P(MassOfPoints, InertialForceOfWhatHoldsHasNoResultant) {
+  tie();
+  c.grid.lump_mass(c.points, kCalcite);
+  ConsistentMass mass;
+  for (int failing : {0, 3, 60}) {
+    for (int n = 0; n < failing; ++n) c.points.meta[c.slots[2 * n] / kLanes].failed |= 1 << c.slots[2 * n] % kLanes;
+    mass.forget();
+    double largest = 0.0;
+    for (bool rigid : {false, true}) {
+      c.grid.acceleration = any_field();
+      if (rigid) c.grid.acceleration.assign(3 * c.grid.size(), 2.0);
+      mass.find_inertial_force(c.points, c.grid, kCalcite);
+      double sum[3] = {0, 0, 0}, most = 0.0;
+      for (std::size_t n = 0; n < c.grid.inertial_force.size(); ++n) {
+        sum[n % 3] += c.grid.inertial_force[n];
+        most = std::max(most, std::fabs(c.grid.inertial_force[n]));
+      }
+      if (!rigid) largest = most;
+      EXPECT_GT(largest, 0.0);
+      for (double s : sum) EXPECT_NEAR(s, 0.0, 1e-12 * largest);
+      if (rigid) {
+        EXPECT_LT(most, 1e-12 * largest);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bases, MassOfPoints, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
                          [](const ::testing::TestParamInfo<Basis>& p) { return std::string(p.param == Basis::linear ? "linear" : p.param == Basis::quadratic ? "quadratic" : "cubic"); });
 
 }  // namespace

@@ -226,6 +226,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
+    b.mass.forget();
     b.added = AddedMass();
     b.resting = Resting();
     b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))

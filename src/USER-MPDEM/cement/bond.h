@@ -14,6 +14,7 @@
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
 #include "../mpm/advance_updated.h"
+#include "../mpm/consistent_mass.h"
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
@@ -35,6 +36,7 @@ struct Bond {
   std::size_t blocks_when_arranged = 0;
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
+  ConsistentMass mass;                    // `mass_order 2` only
   std::vector<int> failed;                // slots that failed in this step, ascending
   LinkStep link_step;                     // of the traction law
   std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
@@ -42,7 +44,7 @@ struct Bond {
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
   std::size_t memory_usage() const {
-    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage();
+    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage() + mass.memory_usage();
   }
 };
 

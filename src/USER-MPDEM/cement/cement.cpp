@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../mpm/consistent_mass.h"
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "kinematics.h"
@@ -109,6 +108,7 @@ void Cement::take_failed(Bond& b) {
 
 void Cement::let_go(Bond& b) {
   if (b.failed.empty()) return;
+  b.mass.forget();
   b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   sort_links(b);
   host_.points_failed(b);
@@ -179,21 +179,15 @@ void Cement::add_inertial_forces() {
     b.added.take_along(grid, grains_.side_of(b));
     grid.update_acceleration(b.added.of_nodes());
     grid.force.swap(grid.inertial_force);
-    std::fill(grid.inertial_force.begin(), grid.inertial_force.end(), 0.0);
     timer_.start(StepTimer::kPoints);
-    add_consistent_mass(b.points, grid, inertia_, -1.0, grid.acceleration, grid.inertial_force);
+    b.mass.find_inertial_force(b.points, grid, inertia_);
     timer_.start(StepTimer::kNodes);
   }
   timer_.start(StepTimer::kHalo);
   sum_shared(&Grid::inertial_force, 3);
   timer_.start(StepTimer::kNodes);
   for (Bond& b : bonds_)
-    for (int i = 0; i < b.grid.size(); ++i)
-      for (int d = 0; d < 3; ++d) {
-        double& f = b.grid.inertial_force[3 * i + d];
-        f += b.grid.mass[i] * b.grid.acceleration[3 * i + d];
-        b.grid.force[3 * i + d] += f;
-      }
+    for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];
 }
 
 double Cement::kinetic_energy(const Bond& b, double kick) const {

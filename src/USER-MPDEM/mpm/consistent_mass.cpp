@@ -7,7 +7,16 @@
 
 namespace mpdem {
 
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, double scale, std::vector<double> field,
+namespace {
+
+vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, double density) {
+  const vd mass = density * p.volume;
+  return which == MassOf::all_points ? mass : select(lanes(m.failed), vd{}, mass);
+}
+
+}  // namespace
+
+void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, std::vector<double> field,
                          std::vector<double>& out) {
   grid.ties.take_of_heirs(field.data(), 3);
   const double inverse_h = 1.0 / grid.h;
@@ -15,8 +24,9 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
+      if (which == MassOf::unfailed_points && m.failed == m.occupied) continue;
       with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
-        const vd mass = scale * density * p.volume;
+        const vd mass = scale * mass_of(p, m, which, density);
         vd v[3];
         gather_value(field.data(), m.column, s, v);
         for (int i = 0; i < 3; ++i) v[i] *= mass;
@@ -25,6 +35,27 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
     }
   });
   grid.ties.bequeath(out.data(), 3);
+}
+
+void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, double density) {
+  if (row_sums_.empty()) {
+    row_sums_.assign(grid.size(), 0.0);
+    with_basis(grid.basis, [&](auto type) {
+      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+        const BlockMeta& m = points.meta[b];
+        with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h, [&](const auto& s) {
+          scatter_scalar(row_sums_.data(), m.column, s, mass_of(points.blocks[b], m, MassOf::unfailed_points, density));
+        });
+      }
+    });
+    grid.ties.bequeath(row_sums_.data(), 1);
+  }
+  std::vector<double>& force = grid.inertial_force;
+  force.resize(grid.acceleration.size());
+  for (int i = 0; i < grid.size(); ++i)
+    for (int d = 0; d < 3; ++d) force[3 * i + d] = -row_sums_[i] * grid.acceleration[3 * i + d];
+  add_consistent_mass(points, grid, density, MassOf::unfailed_points, 1.0, grid.acceleration, force);
+  for (double& f : force) f = -f;
 }
 
 }  // namespace mpdem

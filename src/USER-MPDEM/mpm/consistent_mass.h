@@ -11,6 +11,7 @@
 // lumped mass, and k times the largest eigenvalue of M_L^-1 K bounds that of the step.
 //
 // A tied node takes part as the mean of its heirs, which have its mass (edge_ties.h). So the row sums of M stay M_L, and momentum is kept.
+// Points that failed count in the lumped mass alone, since where nodes split their mass is shared out otherwise (fracture/node_copies.h).
 #ifndef MPDEM_CONSISTENT_MASS_H
 #define MPDEM_CONSISTENT_MASS_H
 
@@ -21,8 +22,23 @@
 
 namespace mpdem {
 
+enum class MassOf { all_points, unfailed_points };
+
 // out += scale M field, three numbers a node, of the points of this rank. Values of tied nodes go to their heirs.
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, double scale, std::vector<double> field, std::vector<double>& out);
+void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, std::vector<double> field,
+                         std::vector<double>& out);
+
+// Keeps the row sums of the M of a bond while its layout and its points stay.
+class ConsistentMass {
+ public:
+  void forget() { row_sums_.clear(); }
+  // Sets Grid::inertial_force to (M_L - M) a, a the acceleration of the nodes, of the unfailed points of this rank.
+  void find_inertial_force(const PointStore& points, Grid& grid, double density);
+  std::size_t memory_usage() const { return row_sums_.capacity() * sizeof(double); }
+
+ private:
+  std::vector<double> row_sums_;  // of the nodes
+};
 
 }  // namespace mpdem
 

@@ -39,7 +39,7 @@ void project(const PointStore& points, Grid& grid, const std::vector<double>& ad
              std::vector<double>& out) {
   out.assign(field.size(), 0.0);
   if (affine) add_affine(points, grid, density, field, out);
-  else add_consistent_mass(points, grid, density, 1.0, field, out);
+  else add_consistent_mass(points, grid, density, MassOf::all_points, 1.0, field, out);
   grid.halo.sum(out.data(), 3);
   for (int i = 0; i < grid.size(); ++i) {
     const double c = added_mass.empty() ? 0.0 : added_mass[i], inertia = grid.mass[i] + c;
