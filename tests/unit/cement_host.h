@@ -6,6 +6,7 @@
 #ifndef MPDEM_TESTS_CEMENT_HOST_H
 #define MPDEM_TESTS_CEMENT_HOST_H
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <tuple>
@@ -21,6 +22,11 @@
 
 namespace mpdem::test {
 
+// Of a grain at a time.
+struct Way {
+  double way[3], velocity[3];
+};
+
 struct Row {
   int bonds = 1;
   bool updated = false;
@@ -31,6 +37,10 @@ struct Row {
   int mass_order = 1;
   double speed = 4.0;        // at which the last grain leaves the first, once it is reached
   double ramp = 4e-6;        // time until then
+  std::function<Way(double)> path;  // instead: of the last grain, the first stays where it is
+  double friction = -1.0;    // of places that let go; below 0: none
+  bool loose = false;        // links to the first grain are not attached from the start
+  bool split = false;        // nodes, where material parts
 };
 
 // SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
@@ -132,8 +142,7 @@ class RowOfGrains : public CementHost {
       GrainState& s = *g.state;
       for (int d = 0; d < 3; ++d) g.x[d] += dt * g.velocity[d];
       if (!g.free[2]) {
-        g.x[2] = place_of(g.tag - 1, time_);
-        g.velocity[2] = velocity_of(g.tag - 1, time_);
+        prescribe(g);
       }
       for (int d = 0; d < 3; ++d) {
         g.moved[d] = g.x[d] - s.x[d];
@@ -147,7 +156,8 @@ class RowOfGrains : public CementHost {
     for (std::size_t n = 0; n < grains.size(); ++n) {
       Grain& g = grains[n];
       half_kick(g);
-      if (!g.free[2]) work -= 0.5 * (before[n][2] + g.force[2]) * g.moved[2];
+      for (int d = 0; d < 3; ++d)
+        if (!g.free[d]) work -= 0.5 * (before[n][d] + g.force[d]) * g.moved[d];
     }
     cement->end_step();
     for (int b = 0; b < row_.bonds; ++b)
@@ -253,6 +263,7 @@ class RowOfGrains : public CementHost {
     o.updated = row_.updated;
     o.tied = !row_.updated;
     o.check_every = 20;
+    o.split = row_.split;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.skip.nonlocal = row_.length > 0.0;
@@ -267,6 +278,7 @@ class RowOfGrains : public CementHost {
     set_step();
     PenaltyParameters p;
     p.law = std::make_shared<PenaltyTraction>(TractionStiffness{kPenalty, kPenalty});
+    p.friction = row_.friction;
     cement->set_density(2710);
     cement->couple(nullptr);
     cement->couple(&p);
@@ -294,9 +306,22 @@ class RowOfGrains : public CementHost {
     for (int d = 0; d < 6; ++d)
       if (g.free[d]) g.velocity[d] += 0.5 * dt * g.force[d] / (d < 3 ? g.mass : g.inertia);
   }
+  void prescribe(Grain& g) const {
+    if (!row_.path) {
+      g.x[2] = place_of(g.tag - 1, time_);
+      g.velocity[2] = velocity_of(g.tag - 1, time_);
+    } else if (g.tag - 1 == row_.bonds) {
+      const Way w = row_.path(time_);
+      for (int d = 0; d < 3; ++d) {
+        g.x[d] = (d == 2 ? row_.bonds * (2 * kRadius + kGap) : 0.0) + w.way[d];
+        g.velocity[d] = w.velocity[d];
+      }
+    }
+  }
   // The first and the last leave each other to either side, the others stay where they are.
   double share_of(int g) const { return g == 0 ? -0.5 : g == row_.bonds ? 0.5 : 0.0; }
   double place_of(int g, double t) const {
+    if (row_.path) return g * (2 * kRadius + kGap);
     const double way = t < row_.ramp ? 0.5 * row_.speed * t * t / row_.ramp : row_.speed * (t - 0.5 * row_.ramp);
     return g * (2 * kRadius + kGap) + share_of(g) * way;
   }
@@ -332,7 +357,7 @@ class RowOfGrains : public CementHost {
         r.link[k].grain = body.grain[p.link[k].side];
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;
-        r.link[k].attached = true;
+        r.link[k].attached = !(row_.loose && p.link[k].side == 0);
       }
       const int tag = 1000 + row * 100000 + static_cast<int>(n);
       slot_[tag] = bonds.add(r, tag);

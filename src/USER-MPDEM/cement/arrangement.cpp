@@ -109,6 +109,7 @@ void Cement::lay_out_run() {
   books_.release_by(energy, [&] {
     lay_out(all_rows(), std::move(parts));
     bind_grains();
+    open_places_of_files();
     refresh_added_mass();
   });
   // New bodies may be cracked.
@@ -182,7 +183,7 @@ void Cement::refresh_added_mass(const std::vector<int>& rows) {
   const double bound = options_.stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate(options_.relax) * now_.dt);
   const AddedMass::Stability s{now_.dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound};
   for (int row : rows)
-    if (Bond* b = bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s);
+    if (Bond* b = bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s, b->places);
   int some = 0, any;
   for (const Bond& b : bonds_) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);
@@ -227,6 +228,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
     b.mass.forget();
+    b.places = touches() ? FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid) : FreedPlaces();
     b.added = AddedMass();
     b.resting = Resting();
     b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../coupling/added_mass.h"
+#include "../coupling/freed_places.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
 #include "../mpm/advance_updated.h"
@@ -27,6 +28,7 @@ struct Bond {
   PointStore points;
   Grid grid;
   PenaltyLinks links;
+  FreedPlaces places;
   AddedMass added;
   Relaxation relaxation;
   Resting resting;
@@ -37,6 +39,7 @@ struct Bond {
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
   ConsistentMass mass;                    // `mass_order 2` only
+  bool places_may_move = true;            // points failed since they were looked at
   std::vector<int> failed;                // slots that failed in this step, ascending
   LinkStep link_step;                     // of the traction law
   std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
@@ -44,7 +47,8 @@ struct Bond {
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
   std::size_t memory_usage() const {
-    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage() + mass.memory_usage();
+    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
+           mass.memory_usage();
   }
 };
 

@@ -39,6 +39,14 @@ double attached_share(const PartOfBond& b) {
   return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
 }
 
+template <int side>
+double touching_share(const PartOfBond& b) {
+  double area = 0.0;
+  for (const FreedPlace& p : b.bond.points.places)
+    if (p.closed && p.grain == b.body.grain[side]) area += p.area;
+  return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
+}
+
 // The table: a line a column. Numbers of columns stand in scripts: append new ones.
 std::vector<BondColumn> columns() {
   return {
@@ -76,6 +84,9 @@ std::vector<BondColumn> columns() {
       {"energy_imbalance", "imbalance of the energy of all bonds", &CementTotals::imbalance},
       {"attached_grain1", "share of the area of the cement at the first grain that is still attached", attached_share<0>},
       {"attached_grain2", "the same at the second grain", attached_share<1>},
+      {"friction_energy", "energy that friction took of all bonds", &CementTotals::rubbed},
+      {"touching_grain1", "share of that area that let go and touches the first grain again", touching_share<0>},
+      {"touching_grain2", "the same at the second grain", touching_share<1>},
   };
 }
 

@@ -18,7 +18,7 @@ namespace mpdem {
 // Of all bonds.
 struct CementTotals {
   double points, failed, largest_damage, mean_damage;
-  double kinetic, elastic, coupling, dissipated, released, damped, external_work, imbalance;
+  double kinetic, elastic, coupling, dissipated, released, damped, rubbed, external_work, imbalance;
   double momentum[3], angular_momentum[3];
   double separated, debonding, internal, mixed;  // bonds
 };

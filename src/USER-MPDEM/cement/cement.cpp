@@ -13,10 +13,6 @@
 
 namespace mpdem {
 
-namespace {
-constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
-}
-
 Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host)
     : comm_(comm), bonds_(bonds), options_(options), law_(std::move(law)), host_(host) {
   kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
@@ -50,7 +46,9 @@ void Cement::take_up_commands() {
 void Cement::step() {
   grains_.find_rates(now_.dt, dt_last_, books_);
   timer_.start(StepTimer::kCoupling);
+  const std::vector<int> moved = move_places();
   grains_.distribute(bonds_);
+  refresh_for_places(moved);
   look_for_cracks();
   advance_.dissipated = advance_.released = 0.0;
   kinematics_->advance();
@@ -111,6 +109,7 @@ void Cement::let_go(Bond& b) {
   b.mass.forget();
   b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   sort_links(b);
+  if (touches()) open_places(b, b.failed, {});
   host_.points_failed(b);
   if (penalty_) cracks_.watch(b);
 }
@@ -121,6 +120,7 @@ void Cement::follow_links(Bond& b) {
   books_.dissipate(b.link_step.dissipated);
   books_.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
+  if (touches()) open_places(b, {}, b.link_step.let_go);
   host_.links_let_go(b);
   cracks_.watch_links(b);
 }
@@ -129,8 +129,10 @@ void Cement::follow_links(Bond& b) {
 void Cement::add_link_forces(Bond& b) {
   timer_.start(StepTimer::kCoupling);
   follow_links(b);
+  if (!b.places.empty()) books_.rub(b.places.follow(b.points, b.grid, grains_.side_of(b)));
   if (options_.updated) b.links.add_force(b.grid, grains_.side_of(b));
   else b.resting.add_force(b.links, b.grid, grains_.side_of(b));
+  b.places.add_force(b.grid, grains_.side_of(b));
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
@@ -279,9 +281,13 @@ void Cement::end_step() {
 }
 
 void Cement::check_state() {
+  constexpr double kDeepest = 0.01;
   std::string trouble;
   for (const Bond& b : bonds_)
-    if (!b.grid.finite() && trouble.empty())
+    if (b.places.deepest() > kDeepest * options_.cell && trouble.empty())
+      trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", now_.number, ", the most is ", kDeepest,
+                        " of a cell, ", kDeepest * options_.cell, "; use a larger 'kn' of fix mpm/couple or slower grains");
+    else if (!b.grid.finite() && trouble.empty())
       trouble = text_of("a node of the grid is not finite at step ", now_.number,
                         "; check the motion of the grains, the time step and the contact model");
   if (penalty_ && grains_.sides.orphan() >= 0)
@@ -302,6 +308,7 @@ void Cement::start_run() {
   for (Bond& b : bonds_) {
     b.jump.clear();
     b.links.add_force(b.grid, grains_.side_of(b));
+    b.places.add_force(b.grid, grains_.side_of(b));
     b.grid.ties.pull_back(b.grid.force.data());
   }
   complete_forces();
@@ -328,6 +335,7 @@ void Cement::start_bodies() {
         v -= kick;
       }
     b.links.add_spring_energy(grid, grains_.side_of(b), mine);
+    b.places.add_energy(grid, grains_.side_of(b), mine);
     mine += b.added.energy(grid, grains_.side_of(b), 0.0, dt_last_);
     kinematics_->start_points(b);
   }

@@ -151,6 +151,8 @@ class Cement {
   LayoutRules rules();
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
+  // Do places that let go still touch?
+  bool touches() const { return penalty_ && penalty_->friction >= 0.0; }
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
   std::vector<int> all_rows() const;
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;
@@ -174,6 +176,7 @@ class Cement {
   double shear_speed() const;
 
   // phases of a step
+  static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
   void look_for_cracks();
   void average_drives();
   std::vector<Bond*> cut_bonds_near_threshold();
@@ -182,6 +185,10 @@ class Cement {
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);
+  void open_places(Bond& b, const std::vector<int>& failed, const std::vector<int>& links);
+  void open_places_of_files();
+  std::vector<int> move_places();
+  void refresh_for_places(const std::vector<int>& moved);
   void add_link_forces(Bond& b);
   void sum_shared(std::vector<double> Grid::*values, int width);
   void complete_forces();

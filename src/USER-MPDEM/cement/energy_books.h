@@ -3,10 +3,10 @@
 //
 // What became of the energy of the cement. Central differences keep
 //
-//   E + dissipated + released + damped - work = start,
+//   E + dissipated + released + damped + rubbed - work = start,
 //
 // E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
-// added mass that changes gave up. Damped: by dampers and transfers. Work: of grains and gravity on the cement; each half
+// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains and gravity on the cement; each half
 // step has the work of its velocity on the force at its end. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
 // inertia of mpm/consistent_mass.h. It is kept as that of the lumped mass, less the work of the force by which the two differ. This rank's share of each, all in units of energy.
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
@@ -17,7 +17,7 @@ namespace mpdem {
 class EnergyBooks {
  public:
   struct Sums {
-    double dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;
+    double dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;
     double inertial_work = 0.0, inertial_work_ahead = 0.0;  // of Grid::inertial_force
   };
   // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
@@ -28,6 +28,7 @@ class EnergyBooks {
   void dissipate(double energy) { sums_.dissipated += energy; }
   void release(double energy) { sums_.released += energy; }
   void damp(double energy) { sums_.damped += energy; }
+  void rub(double energy) { sums_.rubbed += energy; }
   void do_work(double work) { sums_.work += work; }
 
   // What `action` takes of `energy()`.

@@ -59,7 +59,7 @@ CementTotals Cement::totals(double reach_of_box) {
   if (!built_) return t;
   // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
-         kReleased, kDamped, kWork, kCount };
+         kReleased, kDamped, kRubbed, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
@@ -69,6 +69,7 @@ CementTotals Cement::totals(double reach_of_box) {
     const GrainSide* side = grains_.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
+    bond.places.add_energy(bond.grid, side, sum[kCoupling]);
     sum[kCoupling] += inertial;
     sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
   }
@@ -86,6 +87,7 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kDissipated] = books.dissipated;
   sum[kReleased] = books.released;
   sum[kDamped] = books.damped;
+  sum[kRubbed] = books.rubbed;
   sum[kWork] = books.work - books.work_ahead;
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
@@ -103,8 +105,9 @@ CementTotals Cement::totals(double reach_of_box) {
   t.dissipated = sum[kDissipated];
   t.released = sum[kReleased];
   t.damped = sum[kDamped];
+  t.rubbed = sum[kRubbed];
   t.external_work = sum[kWork];
-  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped;
+  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kKept];

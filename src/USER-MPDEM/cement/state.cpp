@@ -46,8 +46,8 @@ Key key_of(const NodeRow& r) { return {r.field, r.place[0], r.place[1], r.place[
 
 std::vector<double> Cement::packed_state(CementHead head) {
   const EnergyBooks::Sums& b = books_.sums();
-  double sums[7] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead, b.inertial_work, b.inertial_work_ahead};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 7, MPI_DOUBLE, MPI_SUM, comm_);
+  double sums[8] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead, b.inertial_work, b.inertial_work_ahead, b.rubbed};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, comm_);
   std::vector<double> mine;
   for (const Bond& bond : bonds_)
     for (int i = 0; i < bond.grid.size(); ++i)
@@ -67,6 +67,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.work_ahead = sums[4];
   head.inertial_work = sums[5];
   head.inertial_work_ahead = sums[6];
+  head.rubbed = sums[7];
   head.eigenvalue = eigenvalue_;
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
@@ -119,7 +120,7 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   restored_ = true;
   int me;
   MPI_Comm_rank(comm_, &me);
-  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.work, head.work_ahead, head.inertial_work,
+  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.rubbed, head.work, head.work_ahead, head.inertial_work,
                                              head.inertial_work_ahead}
                          : EnergyBooks::Sums(),
                  head.start_energy);

@@ -8,10 +8,11 @@
 namespace mpdem {
 
 // The node's added mass belongs to its links by their share of its stiffness.
-void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s) {
+void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places) {
   constexpr double kMargin = 1.05;
   std::vector<double> penalty(2 * grid.size(), 0.0);
   links.add_stiffness(grid, side, s.dt, penalty.data());
+  places.add_stiffness(grid, side, penalty.data());
   grid.halo.sum(penalty.data(), 2);
   mass_.resize(grid.size());
   shares_.clear();

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "../mpm/grid.h"
+#include "freed_places.h"
 #include "grain_sides.h"
 #include "penalty_links.h"
 
@@ -37,9 +38,9 @@ class AddedMass {
     double bound = 4;              // largest dt^2 lambda
   };
   // Collective among the ranks that share the nodes. Finds the least mass that keeps the central difference stable
-  // when the penalty of the links comes on top of the cement: of every node dt^2 (lambda m + k) <= bound (m + c).
+  // when the penalty of links and freed places comes on top of the cement: of every node dt^2 (lambda m + k) <= bound (m + c).
   // Most nodes need none.
-  void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s);
+  void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places = {});
 
   // Added mass of a node, on whatever rank the links are.
   struct Share {

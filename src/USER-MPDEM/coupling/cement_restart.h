@@ -20,6 +20,7 @@ struct LinksSoFar {
   int law = 0;  // traction_law_number()
   static constexpr int kMostParameters = 6;
   double parameter[kMostParameters] = {0, 0, 0, 0, 0, 0};  // of the law
+  double friction = -1.0;  // PenaltyParameters::friction
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& l, Visitor& visit) {
@@ -29,17 +30,18 @@ struct LinksSoFar {
     visit("'at surface' of the coupling", l.at_surface);
     visit("the number of the traction law", l.law, kCount);
     visit("a parameter of the traction law", l.parameter, kFinite);
+    visit("friction of the coupling", l.friction, from(-1.0, kLargestNumber));
   }
 };
 
 struct CementHead {
-  static constexpr int kVersion = 9;
+  static constexpr int kVersion = 10;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
   double step = 0.0;       // stored velocities lie half of it behind the time
   int bodies_started = 0;  // so many bonds of the table have moved; those after them are as they were made
-  double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
+  double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
   double inertial_work = 0.0, inertial_work_ahead = 0.0;
   double time = 0.0;
   double eigenvalue = 0.0;  // 0: not known
@@ -60,6 +62,7 @@ struct CementHead {
     visit("the dissipated energy", h.dissipated, kFinite);
     visit("the released energy", h.released, kFinite);
     visit("the damped energy", h.damped, kFinite);
+    visit("the energy of friction", h.rubbed, kFinite);
     visit("the work of grains", h.work, kFinite);
     visit("the work ahead of its step", h.work_ahead, kFinite);
     visit("the work of the inertial forces", h.inertial_work, kFinite);

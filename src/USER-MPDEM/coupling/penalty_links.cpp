@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "../mpm/lane_by_lane.h"
+#include "free_weights.h"
 #include "traction_laws.h"
 
 namespace mpdem {
@@ -379,52 +380,10 @@ void PenaltyLinks::drop_inertia(PointStore& points) {
   }
 }
 
-namespace {
-
-// Weights that a place has at free nodes: those of its nodes, or of their masters where they are tied.
-class FreeWeights {
- public:
-  explicit FreeWeights(const Grid& grid) : ties_(grid.ties), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
-
-  void clear() {
-    for (int n : nodes_) {
-      weight_[n] = 0.0;
-      used_[n] = 0;
-    }
-    nodes_.clear();
-  }
-  void add(int node, double weight) {
-    const int row = ties_.row(node);
-    if (row < 0) add_free(node, weight);
-    else ties_.for_each_master(row, [&](int master, double share) { add_free(master, share * weight); });
-  }
-  // A row of the stiffness matrix of a link has the entries k A |w_I| |w_J| at most.
-  double sum_of_sizes() const {
-    double sum = 0.0;
-    for (int n : nodes_) sum += std::fabs(weight_[n]);
-    return sum;
-  }
-  const std::vector<int>& nodes() const { return nodes_; }
-  double size_at(int node) const { return std::fabs(weight_[node]); }
-
- private:
-  void add_free(int node, double weight) {
-    if (!used_[node]) nodes_.push_back(node);
-    used_[node] = 1;
-    weight_[node] += weight;
-  }
-  const EdgeTies& ties_;
-  std::vector<double> weight_;  // of each node
-  std::vector<char> used_;
-  std::vector<int> nodes_;      // that have one
-};
-
-}  // namespace
-
 void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const {
   if (blocks_.empty()) return;
   const TractionStiffness& bound = p_.law->stiffness();
-  const double k = std::max(bound.kn, bound.kt), damper = 2.0 * std::sqrt(k) / dt;
+  const double k = p_.stiffest(), damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;
   FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
@@ -435,13 +394,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
         if (!(b.inert >> l & 1)) continue;
-        const int* column = columns(b) + S * S * l;
-        free.clear();
-        for (int i = 0; i < S; ++i)
-          for (int j = 0; j < S; ++j)
-            for (int n = 0; n < S; ++n) free.add(column[S * i + j] + n, w.w[0][i][l] * w.w[1][j][l] * w.w[2][n][l]);
-        const double row = inertia[l] * free.sum_of_sizes();
-        for (int node : free.nodes()) penalty[2 * static_cast<long>(node) + b.side] += row * free.size_at(node);
+        free.add_row_sums(columns(b) + S * S * l, w, l, inertia[l], penalty + b.side);
       }
     }
   });

@@ -28,6 +28,8 @@
 #ifndef MPDEM_PENALTY_LINKS_H
 #define MPDEM_PENALTY_LINKS_H
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -42,6 +44,12 @@ struct PenaltyParameters {
   std::shared_ptr<const TractionLaw> law;
   double damping = 0;  // share of critical, of the spring with the mass of its point
   bool at_surface = true;
+  double friction = -1;  // of places that let go, see freed_places.h; below 0: they touch nothing
+  // Largest stiffness of a place. Friction that slides goes by the force along the normal.
+  double stiffest() const {
+    const TractionStiffness& k = law->stiffness();
+    return std::max(friction > 0.0 ? k.kn * std::sqrt(1.0 + friction * friction) : k.kn, k.kt);
+  }
 };
 
 // What links of a law with a state did in a step.

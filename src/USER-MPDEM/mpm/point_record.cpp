@@ -32,6 +32,12 @@ std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
     for (int d = 0; d < 3; ++d) square += std::pow(link.foot[d] - of.centre[side][d], 2);
     found.check("the distance of the foot of a link from the centre of the grain", std::sqrt(square), from(0.99 * of.radius[side], 1.01 * of.radius[side]));
   }
+  for (int k = 0; k < p.places; ++k) {
+    const FreedPlace& place = p.place[k];
+    if (place.grain != of.grain[0] && place.grain != of.grain[1])
+      found.tell("the grain of a freed place is " + std::to_string(place.grain) + ", which is none of its bond");
+    for (int d = 0; d < 3; ++d) found.check("where a freed place is", place.X[d], from(of.lattice[d] - reach, of.lattice[d] + reach));
+  }
   return found.trouble();
 }
 

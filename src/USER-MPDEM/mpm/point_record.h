@@ -46,6 +46,29 @@ struct Link {
   }
 };
 
+// A place of a grain's surface that let go of the cement, and the material that it may touch: a point follows at most one place of
+// either grain, see coupling/freed_places.h.
+struct FreedPlace {
+  int slot = -1;             // of the point that it follows, in a store
+  int grain = 0;             // tag
+  double area = 0;           // of the grain's surface
+  double X[3] = {0, 0, 0};   // where the material is touched, reference
+  double radius = 0;         // distance from the centre of the grain at which it touches
+  double stick[3] = {0, 0, 0};  // where it would be without friction's force, in the frame of the grain
+  bool closed = false;       // touched in the last step
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& p, Visitor& visit) {
+    visit.left_out(p.slot);
+    visit("the grain of a freed place", p.grain, kCount);
+    visit("the area of a freed place", p.area, kNotNegative);
+    visit("where a freed place is", p.X, kFinite);
+    visit("the radius of a freed place", p.radius, kNotNegative);
+    visit("where a freed place sticks", p.stick, kFinite);
+    visit("'is closed' of a freed place", p.closed);
+  }
+};
+
 struct PointRecord {
   static constexpr int kMaxLinks = 2;
   int body = 0, part = 0;
@@ -65,6 +88,8 @@ struct PointRecord {
   double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
   Link link[kMaxLinks];
+  int places = 0;
+  FreedPlace place[kMaxLinks];
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -89,6 +114,8 @@ struct PointRecord {
     }
     const int n = visit.length("its number of links", p.links, kMaxLinks);
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
+    const int freed = visit.length("its number of freed places", p.places, kMaxLinks);
+    for (int k = 0; k < freed; ++k) visit.part(p.place[k]);
   }
 };
 

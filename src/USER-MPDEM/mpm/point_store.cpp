@@ -128,6 +128,10 @@ int PointStore::add(const PointRecord& r, int tag) {
     links.push_back(r.link[i]);
     links.back().slot = slot;
   }
+  for (int i = 0; i < r.places; ++i) {
+    places.push_back(r.place[i]);
+    places.back().slot = slot;
+  }
   changed_ = true;
   return slot;
 }
@@ -148,10 +152,10 @@ PointRecord PointStore::record(int slot) const {
   });
   r.law = law_number_;
   for (int i = 0; i < state_fields_; ++i) r.damage[i] = state(b)[i][l];
-  Link of_point;
-  of_point.slot = slot;
-  const auto range = std::equal_range(links.begin(), links.end(), of_point, [](const Link& a, const Link& c) { return a.slot < c.slot; });
-  for (auto it = range.first; it != range.second; ++it) r.link[r.links++] = *it;
+  const auto [links_of, links_end] = of_slot(links, slot);
+  for (auto it = links_of; it != links_end; ++it) r.link[r.links++] = *it;
+  const auto [places_of, places_end] = of_slot(places, slot);
+  for (auto it = places_of; it != places_end; ++it) r.place[r.places++] = *it;
   return r;
 }
 
@@ -277,6 +281,10 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
       for (int k = 0; k < r.links; ++k) {
         next.links.push_back(r.link[k]);
         next.links.back().slot = slot;
+      }
+      for (int k = 0; k < r.places; ++k) {
+        next.places.push_back(r.place[k]);
+        next.places.back().slot = slot;
       }
       new_slot[item.slot] = slot;
     }

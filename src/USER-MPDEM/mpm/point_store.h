@@ -15,10 +15,12 @@
 #ifndef MPDEM_POINT_STORE_H
 #define MPDEM_POINT_STORE_H
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "../material/corotational.h"
@@ -78,6 +80,15 @@ decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inve
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
+// Those of a slot, of links or places that ascend in slot.
+template <class List>
+auto of_slot(List& list, int slot) {
+  const auto begin = std::lower_bound(list.begin(), list.end(), slot, [](const auto& a, int s) { return a.slot < s; });
+  auto end = begin;
+  while (end != list.end() && end->slot == slot) ++end;
+  return std::make_pair(begin, end);
+}
+
 class PointStore {
  public:
   std::vector<PointBlock> blocks;
@@ -85,6 +96,7 @@ class PointStore {
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
+  std::vector<FreedPlace> places;  // ascending in slot and grain
   // Of the root of the norm of strain, 0 where points have failed, see drive_average.h. Empty while nothing is averaged.
   std::vector<vd> average;
 
@@ -148,6 +160,7 @@ class PointStore {
     f(s.meta);
     f(s.tags);
     f(s.links);
+    f(s.places);
     f(s.average);
   }
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail

@@ -30,6 +30,9 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
     const std::vector<double> values = p.law->parameters();
     bool same = traction_law_number(*p.law) == ran_.law;
     for (std::size_t i = 0; i < values.size(); ++i) same = same && !differ(values[i], ran_.parameter[i]);
+    if (p.friction != ran_.friction && (p.friction < 0.0 || ran_.friction < 0.0 || differ(p.friction, ran_.friction)))
+      return text_of(p.friction < 0.0 ? std::string("no 'friction'") : text_of("'friction ", p.friction, "'"), ", but the steps before were made with ",
+                     ran_.friction < 0.0 ? std::string("none") : text_of("'friction ", ran_.friction, "'"), ", and the load of the bonds would jump; use that");
     if (!same) return text_of("'interface ", p.law->name(), "' with these words is not that of the steps before: '", words_so_far(), "'; use that");
   }
   id_ = id;
@@ -52,6 +55,7 @@ void CouplingHistory::remember(const PenaltyParameters* p) {
   ran_.kn = p->law->stiffness().kn;
   ran_.kt = p->law->stiffness().kt;
   ran_.at_surface = p->at_surface;
+  ran_.friction = p->friction;
   ran_.law = traction_law_number(*p->law);
   const std::vector<double> values = p->law->parameters();
   std::copy(values.begin(), values.end(), ran_.parameter);

@@ -34,7 +34,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 22;
+constexpr int kVectorSize = 23;
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
@@ -374,7 +374,7 @@ double FixMpm::compute_vector(int n) {
                       t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
-                      t.separated, t.debonding, t.internal, t.mixed};
+                      t.separated, t.debonding, t.internal, t.mixed, t.rubbed};
   return v[n];
 }
 

@@ -68,6 +68,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
 
   const mpdem::Law& law() const { return cement_->law(); }
   double cell() const { return cement_->options().cell; }
+  const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
   // Slots of the atoms, which fall behind while points change cells; before they are read.
   void sync_slots() { cement_->sync_slots(); }

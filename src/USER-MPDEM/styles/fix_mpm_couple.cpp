@@ -23,7 +23,7 @@ using namespace FixConst;
 
 namespace {
 
-const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv", "interface"};
+const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv", "interface", "friction"};
 
 // Where `kn auto` puts the penalty: stiff enough that the bond is 1 % softer than a perfect
 // one at ten cells across, at no cost in time step (doc/fix_mpm_couple.md).
@@ -55,6 +55,8 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
       damping_ = args.not_negative(key);
     } else if (key == "interface") {
       interface_ = mpdem::read_choice(args, key, mpdem::traction_entries());
+    } else if (key == "friction") {
+      friction_ = args.not_negative(key);
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
@@ -89,6 +91,8 @@ void FixMpmCouple::init() {
   check_rounding("kt", kt_, per_length);
   p.damping = damping_;
   p.at_surface = at_surface_;
+  p.friction = friction_;
+  check_friction();
   cement_->set_coupling(this, p);
 
   std::string trouble;
@@ -102,6 +106,14 @@ void FixMpmCouple::init() {
   check_integrators();
 
   open_table();
+}
+
+// Places that let go keep their reference.
+void FixMpmCouple::check_friction() {
+  const mpdem::CementOptions& o = cement_->options();
+  if (friction_ < 0.0 || !(o.updated || o.reproject_distortion > 0.0)) return;
+  mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' needs a reference that stays, and fix mpm '", cement_id_, "' has '",
+                               o.updated ? "kinematics updated" : "reproject auto", "'; use 'kinematics total' without 'reproject auto', or no 'friction'"));
 }
 
 // A bonded grain follows one integrator, or is held on purpose.

@@ -37,6 +37,7 @@ class FixMpmCouple : public Fix {
 
  private:
   FixMpm* find_cement() const;
+  void check_friction();
   void check_integrators();
   void check_rounding(const char* keyword, double k, double per_length) const;
   double value(int body, int column);
@@ -49,6 +50,7 @@ class FixMpmCouple : public Fix {
   double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto, auto, cell
   mpdem::Choice<mpdem::TractionEntry> interface_{&mpdem::traction_entries().front(), {}};
   double damping_ = 0.0;
+  double friction_ = -1.0;  // below 0: what let go touches nothing
   bool at_surface_ = true;
   int table_every_ = 0;
   std::string table_name_;

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "freed_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "../mpm/lane_by_lane.h"
+#include "free_weights.h"
+
+namespace mpdem {
+
+namespace {
+
+vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
+
+int side_of(const Body& body, int grain) { return body.grain[0] == grain ? 0 : 1; }
+bool has_failed(const PointStore& points, int slot) { return points.meta[slot / kLanes].failed >> slot % kLanes & 1; }
+int tag_of(const PointStore& points, int slot) { return points.tags[slot / kLanes][slot % kLanes]; }
+
+double distance(const double* a, const double* b) {
+  double square = 0.0;
+  for (int d = 0; d < 3; ++d) square += (a[d] - b[d]) * (a[d] - b[d]);
+  return std::sqrt(square);
+}
+
+bool before(const FreedPlace& a, const FreedPlace& b) { return a.slot != b.slot ? a.slot < b.slot : a.grain < b.grain; }
+
+// The place of the store, or null.
+FreedPlace* find(std::vector<FreedPlace>& places, int slot, int grain) {
+  FreedPlace wanted;
+  wanted.slot = slot;
+  wanted.grain = grain;
+  const auto p = std::lower_bound(places.begin(), places.end(), wanted, before);
+  return p != places.end() && p->slot == slot && p->grain == grain ? &*p : nullptr;
+}
+
+}  // namespace
+
+FreedPlaces::FreedPlaces(const PointStore& points, const Body& body, const PenaltyParameters& parameters, const Grid& grid)
+    : p_(parameters), columns_of_cell_(support(grid.basis) * support(grid.basis)), inverse_h_(1.0 / grid.h) {
+  lay_out(points, body, grid);
+}
+
+// Blocks of places of one side, in the order of their points' tags.
+void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid& grid) {
+  blocks_.clear();
+  const auto key = [&](int i) {
+    const FreedPlace& p = points.places[i];
+    return std::make_pair(side_of(body, p.grain), tag_of(points, p.slot));
+  };
+  std::vector<int> order(points.places.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  columns_.clear();
+  for (auto i = order.begin(); i != order.end();) {
+    Block b{};
+    b.side = key(*i).first;
+    std::fill(b.place, b.place + kLanes, -1);
+    columns_.resize(columns_.size() + kLanes * columns_of_cell_, 0);
+    int lane = 0;
+    for (; lane < kLanes && i != order.end() && key(*i).first == b.side; ++lane, ++i) {
+      const FreedPlace& p = points.places[*i];
+      const int block = p.slot / kLanes;
+      int base[3];
+      for (int d = 0; d < 3; ++d) {
+        base[d] = support_base(points.blocks[block].X[d][p.slot % kLanes], inverse_h_, cell_shift(grid.basis));
+        b.base[d][lane] = base[d];
+        b.X[d][lane] = p.X[d];
+        b.stick[d][lane] = p.stick[d];
+      }
+      b.area[lane] = p.area;
+      b.radius[lane] = p.radius;
+      b.place[lane] = *i;
+      b.taken |= static_cast<std::uint8_t>(1u << lane);
+      if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
+      grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
+                        &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]);
+    }
+    for (; lane < kLanes; ++lane)  // at the place of the first
+      for (int d = 0; d < 3; ++d) {
+        b.X[d][lane] = b.X[d][0];
+        b.base[d][lane] = b.base[d][0];
+      }
+    blocks_.push_back(b);
+  }
+}
+
+void FreedPlaces::touch(const Block& b, const Grid& grid, const GrainSide& s, Touch& t) const {
+  vd u[3], d[3];
+  with_basis(grid.basis, [&](auto type) {
+    gather_value_by_lane(grid.displacement.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), u);
+  });
+  for (int i = 0; i < 3; ++i) t.q[i] = (b.X[i] - s.x[i]) + u[i];
+  const vd size = sqrt(dot(t.q, t.q)), inverse = 1.0 / size;
+  t.gap = size - b.radius;
+  for (int i = 0; i < 3; ++i) {
+    t.n[i] = inverse * t.q[i];
+    d[i] = t.q[i] - (s.R.a[i][0] * b.stick[0] + s.R.a[i][1] * b.stick[1] + s.R.a[i][2] * b.stick[2]);
+  }
+  const vd along = dot(d, t.n);
+  for (int i = 0; i < 3; ++i) t.e[i] = of(b.closed, d[i] - along * t.n[i]);
+}
+
+vd FreedPlaces::energy(const Block& b, const Touch& t) const {
+  const vd in = max(-t.gap, vd{});
+  return of(b.taken, 0.5 * b.area * (p_.law->stiffness().kn * in * in + p_.law->stiffness().kt * dot(t.e, t.e)));
+}
+
+double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide* side) {
+  const TractionStiffness& k = p_.law->stiffness();
+  double rubbed = 0.0;
+  deepest_ = 0.0;
+  for (Block& b : blocks_) {
+    const GrainSide& s = side[b.side];
+    Touch t;
+    touch(b, grid, s, t);
+    const std::uint8_t was = b.closed;
+    b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.taken);
+    if (!b.closed && !was) continue;
+    const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
+    const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
+    const vmask slips = lanes(static_cast<std::uint8_t>(b.closed & was)) & (size > bears);
+    const vd share = select(slips, 1.0 - bears / size, vd{});  // of e, by which it slips
+    for (int i = 0; i < 3; ++i) {
+      const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
+      const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
+      b.stick[i] = select(starts, at, b.stick[i] + slip);
+    }
+    rubbed += sum_lanes(of(b.closed, b.area * bears * share * size / k.kt));
+    for (int l = 0; l < kLanes; ++l) {
+      if (!((b.closed | was) >> l & 1)) continue;
+      FreedPlace& p = points.places[b.place[l]];
+      p.closed = b.closed >> l & 1;
+      for (int i = 0; i < 3; ++i) p.stick[i] = b.stick[i][l];
+      if (p.closed) deepest_ = std::max(deepest_, -t.gap[l]);
+    }
+  }
+  return rubbed;
+}
+
+void FreedPlaces::add_force(Grid& grid, GrainSide* side) const {
+  if (blocks_.empty()) return;
+  const TractionStiffness& k = p_.law->stiffness();
+  for (const Block& b : blocks_) {
+    if (!b.closed) continue;
+    GrainSide& s = side[b.side];
+    Touch t;
+    touch(b, grid, s, t);
+    vd f[3];
+    for (int i = 0; i < 3; ++i) f[i] = of(b.closed, b.area * (k.kn * max(-t.gap, vd{}) * t.n[i] - k.kt * t.e[i]));
+    with_basis(grid.basis, [&](auto type) {
+      scatter_value_by_lane(grid.force.data(), b.closed, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
+    });
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      s.force[d] -= sum_lanes(f[d]);
+      s.torque[d] -= sum_lanes(t.q[e] * f[g] - t.q[g] * f[e]);
+    }
+  }
+}
+
+void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U) const {
+  for (const Block& b : blocks_) {
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    U += sum_lanes(energy(b, t));
+  }
+}
+
+void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const {
+  if (blocks_.empty()) return;
+  FreeWeights free(grid);
+  with_basis(grid.basis, [&](auto type) {
+    for (const Block& b : blocks_) {
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      for (int l = 0; l < kLanes; ++l)
+        if (b.taken >> l & 1)
+          free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, (1.0 + side[b.side].mass_ratio) * p_.stiffest() * b.area[l], penalty + b.side);
+    }
+  });
+}
+
+namespace {
+
+// Where a link acts, in the reference.
+FreedPlace opened_by(const PointStore& points, const Link& k, bool at_surface) {
+  FreedPlace p;
+  p.slot = k.slot;
+  p.grain = k.grain;
+  p.area = k.area;
+  for (int d = 0; d < 3; ++d) p.X[d] = at_surface ? k.foot[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
+  return p;
+}
+
+}  // namespace
+
+double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& failed,
+                         const std::vector<int>& links) {
+  std::vector<FreedPlace> opened;
+  for (int slot : failed) {
+    const auto [k, end] = of_slot(points.links, slot);
+    // a link that let go before has its place already
+    for (auto link = k; link != end; ++link)
+      if (!link->attached && !find(points.places, slot, link->grain)) opened.push_back(opened_by(points, *link, p_.at_surface));
+  }
+  for (int link : links) opened.push_back(opened_by(points, points.links[link], p_.at_surface));
+  return take(points, body, grid, side, std::move(opened), true);
+}
+
+void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) {
+  std::vector<FreedPlace> opened;
+  for (const Link& k : points.links)
+    if (!k.attached && !find(points.places, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
+  take(points, body, grid, side, std::move(opened), false);
+}
+
+// just_now: a link that was pressed goes on so.
+double FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened,
+                         bool just_now) {
+  if (opened.empty()) return 0.0;
+  double before_it = 0.0, after = 0.0;
+  add_energy(grid, side, before_it);
+  for (FreedPlace& o : opened) {
+    o.radius = distance(o.X, body.centre[side_of(body, o.grain)]);
+    if (FreedPlace* there = find(points.places, o.slot, o.grain)) {
+      there->area += o.area;
+      o.slot = -1;
+    }
+  }
+  for (const FreedPlace& o : opened)
+    if (o.slot >= 0) points.places.push_back(o);
+  std::sort(points.places.begin(), points.places.end(), before);
+  lay_out(points, body, grid);
+  for (Block& b : blocks_) {
+    if (just_now) break;
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    b.radius = min(b.radius, b.radius + t.gap);
+    for (int l = 0; l < kLanes; ++l)
+      if (b.taken >> l & 1) points.places[b.place[l]].radius = b.radius[l];
+  }
+  add_energy(grid, side, after);
+  return after - before_it;
+}
+
+std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) const {
+  std::vector<Mover> all;
+  for (const Block& b : blocks_) {
+    std::uint8_t failed = 0;
+    for (int l = 0; l < kLanes; ++l)
+      if (b.taken >> l & 1 && has_failed(points, points.places[b.place[l]].slot)) failed |= static_cast<std::uint8_t>(1u << l);
+    if (!failed) continue;
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(failed >> l & 1)) continue;
+      const FreedPlace& p = points.places[b.place[l]];
+      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}, 0.0, {}};
+      const double* centre = body.centre[b.side];
+      const double r = distance(p.X, centre);
+      for (int d = 0; d < 3; ++d) {
+        m.X[d] = p.X[d];
+        m.n[d] = (p.X[d] - centre[d]) / r;
+        if (p.closed) m.slip[d] = t.e[d][l];
+      }
+      if (p.closed) m.pressed = p.area * std::max(0.0, -t.gap[l]);
+      all.push_back(m);
+    }
+  }
+  return all;
+}
+
+FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m) {
+  Found best;
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const int holds = points.meta[b].occupied & ~points.meta[b].failed;
+    if (!holds) continue;
+    vd along{}, square{};
+    for (int d = 0; d < 3; ++d) {
+      const vd x = points.blocks[b].X[d] - m.X[d];
+      along += m.n[d] * x;
+      square += x * x;
+    }
+    const vd apart = 9.0 * square - 8.0 * along * along;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(holds >> l & 1)) continue;
+      const Found f{apart[l], points.tags[b][l], kLanes * static_cast<int>(b) + l};
+      if (f.nearer_than(best)) best = f;
+    }
+  }
+  return best;
+}
+
+double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
+                         const std::vector<std::array<int, 2>>& gone) {
+  struct Sum {
+    double area = 0, pressed = 0, slip[3] = {0, 0, 0};
+  };
+  std::map<std::pair<int, int>, Sum> sums;  // of slot and grain
+  double before_it = 0.0, after = 0.0;
+  add_energy(grid, side, before_it);
+  for (const Arrival& a : arrivals) {
+    Sum& s = sums[{a.slot, a.mover.grain}];
+    s.area += a.mover.area;
+    s.pressed += a.mover.pressed;
+    for (int d = 0; d < 3; ++d) s.slip[d] += a.mover.area * a.mover.slip[d];
+  }
+  // what they find there counts too
+  for (const Block& b : blocks_) {
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(b.taken >> l & 1)) continue;
+      const FreedPlace& p = points.places[b.place[l]];
+      const auto s = sums.find({p.slot, p.grain});
+      if (s == sums.end()) continue;
+      s->second.area += p.area;
+      if (!p.closed) continue;
+      s->second.pressed += p.area * std::max(0.0, -t.gap[l]);
+      for (int d = 0; d < 3; ++d) s->second.slip[d] += p.area * t.e[d][l];
+    }
+  }
+  std::vector<FreedPlace>& places = points.places;
+  places.erase(std::remove_if(places.begin(), places.end(),
+                              [&](const FreedPlace& p) {
+                                return has_failed(points, p.slot) &&
+                                       std::find(gone.begin(), gone.end(), std::array<int, 2>{tag_of(points, p.slot), p.grain}) != gone.end();
+                              }),
+               places.end());
+  std::vector<FreedPlace> fresh;
+  for (const auto& s : sums) {
+    FreedPlace* p = find(places, s.first.first, s.first.second);
+    if (p) {
+      p->area = s.second.area;
+      continue;
+    }
+    fresh.emplace_back();
+    FreedPlace& n = fresh.back();
+    n.slot = s.first.first;
+    n.grain = s.first.second;
+    n.area = s.second.area;
+    const double* centre = body.centre[side_of(body, n.grain)];
+    double X[3];
+    for (int d = 0; d < 3; ++d) X[d] = points.blocks[n.slot / kLanes].X[d][n.slot % kLanes];
+    const double r = distance(X, centre), least = body.radius[side_of(body, n.grain)];
+    const double to = std::max(least, r - 0.5 * body.spacing);
+    for (int d = 0; d < 3; ++d) n.X[d] = centre[d] + to / r * (X[d] - centre[d]);
+    n.radius = distance(n.X, centre);
+  }
+  places.insert(places.end(), fresh.begin(), fresh.end());
+  std::sort(places.begin(), places.end(), before);
+  lay_out(points, body, grid);
+  for (const Block& b : blocks_) {
+    const GrainSide& side_of_it = side[b.side];
+    Touch t;
+    touch(b, grid, side_of_it, t);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(b.taken >> l & 1)) continue;
+      FreedPlace& p = places[b.place[l]];
+      const auto s = sums.find({p.slot, p.grain});
+      if (s == sums.end()) continue;
+      const double size = p.radius + t.gap[l];  // |q|
+      p.closed = s->second.pressed > 0.0;
+      p.radius = p.closed ? size + s->second.pressed / p.area : std::min(p.radius, size);
+      for (int i = 0; i < 3; ++i) {
+        p.stick[i] = 0.0;
+        for (int d = 0; d < 3; ++d) p.stick[i] += side_of_it.R.a[d][i] * (t.q[d][l] - s->second.slip[d] / p.area);
+      }
+    }
+  }
+  lay_out(points, body, grid);
+  add_energy(grid, side, after);
+  return after - before_it;
+}
+
+std::size_t FreedPlaces::memory_usage() const { return blocks_.capacity() * sizeof(Block) + columns_.capacity() * sizeof(int); }
+
+}  // namespace mpdem
