@@ -40,7 +40,9 @@ struct Row {
   std::function<Way(double)> path;  // instead: of the last grain, the first stays where it is
   double friction = -1.0;    // of places that let go; below 0: none
   bool loose = false;        // links to the first grain are not attached from the start
+  bool skin_failed = false;  // and their points have failed
   bool split = false;        // nodes, where material parts
+  double interface = 1.0;    // of points with links
 };
 
 // SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
@@ -257,6 +259,7 @@ class RowOfGrains : public CementHost {
     DamageParameters p;
     p.B0 = row_.B0;
     p.exponent = row_.exponent;
+    p.interface = row_.interface;
     CementOptions o;
     o.cell = 2 * kSpacing;
     o.axis = AxisRule::global;
@@ -357,7 +360,9 @@ class RowOfGrains : public CementHost {
         r.link[k].grain = body.grain[p.link[k].side];
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;
-        r.link[k].attached = !(row_.loose && p.link[k].side == 0);
+        const bool loose = row_.loose && p.link[k].side == 0;
+        r.link[k].attached = !loose;
+        r.failed = r.failed || (loose && row_.skin_failed);
       }
       const int tag = 1000 + row * 100000 + static_cast<int>(n);
       slot_[tag] = bonds.add(r, tag);

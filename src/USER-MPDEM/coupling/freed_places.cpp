@@ -123,7 +123,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
     if (!b.closed && !was) continue;
     const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
     const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
-    const vmask slips = lanes(static_cast<std::uint8_t>(b.closed & was)) & (size > bears);
+    const vmask slips = lanes(static_cast<std::uint8_t>(b.closed & was)) & (size > (1.0 + 1e-9) * bears);  // not again by rounding
     const vd share = select(slips, 1.0 - bears / size, vd{});  // of e, by which it slips
     for (int i = 0; i < 3; ++i) {
       const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
