@@ -295,6 +295,25 @@ FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m
   return best;
 }
 
+namespace {
+
+// Half a spacing before a point, towards the grain.
+FreedPlace before_point(const PointStore& points, const Body& body, int slot, int grain) {
+  FreedPlace p;
+  p.slot = slot;
+  p.grain = grain;
+  const int side = side_of(body, grain);
+  const double* centre = body.centre[side];
+  double X[3];
+  for (int d = 0; d < 3; ++d) X[d] = points.blocks[slot / kLanes].X[d][slot % kLanes];
+  const double r = distance(X, centre), to = std::max(body.radius[side], r - 0.5 * body.spacing);
+  for (int d = 0; d < 3; ++d) p.X[d] = centre[d] + to / r * (X[d] - centre[d]);
+  p.radius = distance(p.X, centre);
+  return p;
+}
+
+}  // namespace
+
 double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
                          const std::vector<std::array<int, 2>>& gone) {
   struct Sum {
@@ -338,18 +357,8 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
       p->area = s.second.area;
       continue;
     }
-    fresh.emplace_back();
-    FreedPlace& n = fresh.back();
-    n.slot = s.first.first;
-    n.grain = s.first.second;
-    n.area = s.second.area;
-    const double* centre = body.centre[side_of(body, n.grain)];
-    double X[3];
-    for (int d = 0; d < 3; ++d) X[d] = points.blocks[n.slot / kLanes].X[d][n.slot % kLanes];
-    const double r = distance(X, centre), least = body.radius[side_of(body, n.grain)];
-    const double to = std::max(least, r - 0.5 * body.spacing);
-    for (int d = 0; d < 3; ++d) n.X[d] = centre[d] + to / r * (X[d] - centre[d]);
-    n.radius = distance(n.X, centre);
+    fresh.push_back(before_point(points, body, s.first.first, s.first.second));
+    fresh.back().area = s.second.area;
   }
   places.insert(places.end(), fresh.begin(), fresh.end());
   std::sort(places.begin(), places.end(), before);
