@@ -41,6 +41,7 @@ struct Row {
   double friction = -1.0;    // of places that let go; below 0: none
   bool loose = false;        // links to the first grain are not attached from the start
   bool skin_failed = false;  // and their points have failed
+  bool cracked = false;      // two layers in the middle have failed
   bool split = false;        // nodes, where material parts
   double interface = 1.0;    // of points with links
 };
@@ -355,6 +356,7 @@ class RowOfGrains : public CementHost {
       r.body = row;
       std::copy(p.X.data(), p.X.data() + 3, r.X);
       r.volume = p.volume;
+      r.failed = row_.cracked && std::fabs(p.X[2]) < kSpacing;
       r.links = p.links;
       for (int k = 0; k < p.links; ++k) {
         r.link[k].grain = body.grain[p.link[k].side];

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "lanes.h"
+#include "parallel/agree.h"
 #include "cement_host.h"
 #include "linked_bonds.h"
 #include "mpi_ranks.h"
@@ -131,8 +132,11 @@ TEST(FreedPlaces, SlideWithMuN) {
     }
     test::expect_within(off_mu, std::max(0.01 * mu, 1e-9), "moment of friction over radius and normal force, less mu");
     const CementTotals t = host.cement->totals(0.1);
-    if (mu > 0.0) EXPECT_GT(t.rubbed, 0.1 * t.external_work);
-    else EXPECT_EQ(t.rubbed, 0.0);
+    if (mu > 0.0) {
+      EXPECT_GT(t.rubbed, 0.1 * t.external_work);
+    } else {
+      EXPECT_EQ(t.rubbed, 0.0);
+    }
     test::expect_within(std::fabs(t.imbalance), 0.01, "imbalance");
     EXPECT_NEAR(t.external_work, host.sum(host.work), 1e-3 * t.external_work);
   }
@@ -157,24 +161,27 @@ Row broken_and_closed(double friction, bool split = false) {
   return r;
 }
 
+class Broken : public ::testing::TestWithParam<bool> {};  // do nodes split
+
 // The energies are those that the grains paid for, and all ranks see what one alone sees.
-TEST(FreedPlaces, BrokenBondCarriesCompressionAgain) {
-  RowOfGrains host(MPI_COMM_WORLD, broken_and_closed(0.3)), alone(MPI_COMM_SELF, broken_and_closed(0.3)), off(MPI_COMM_SELF, broken_and_closed(-1.0));
+TEST_P(Broken, CarriesCompressionAgain) {
+  const Row r = broken_and_closed(0.3, GetParam());
+  RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r), off(MPI_COMM_SELF, broken_and_closed(-1.0, GetParam()));
   host.setup();
   alone.setup();
   off.setup();
   double peak = 0.0, pressed = 0.0, pressed_off = 0.0;
   for (int n = 0; n < 40; ++n) {
     host.run(50);
-    alone.run(50);
     off.run(50);
+    if (test::ranks() > 1) alone.run(50);
     peak = std::max(peak, host.tension(0));
-    test::expect_within(std::fabs(host.tension(0) - alone.tension(0)) / peak, 1e-6, "tension against that of one rank");
+    if (test::ranks() > 1) test::expect_within(std::fabs(host.tension(0) - alone.tension(0)) / peak, 1e-6, "tension against that of one rank");
     const CementTotals t = host.cement->totals(0.1);
     if (host.number < 300) continue;
-    test::expect_within(std::fabs(t.imbalance), 0.003, "imbalance of the books");
+    test::expect_within(std::fabs(t.imbalance), 0.005, "imbalance of the books");
     const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
-    test::expect_within(std::fabs(spent / host.sum(host.work) - 1.0), 0.003, "energies against the work of the grains");
+    test::expect_within(std::fabs(spent / host.sum(host.work) - 1.0), 0.005, "energies against the work of the grains");
     if (host.number <= 1500) continue;
     pressed += 0.1 * host.tension(0);
     pressed_off += 0.1 * off.tension(0);
@@ -186,6 +193,7 @@ TEST(FreedPlaces, BrokenBondCarriesCompressionAgain) {
   EXPECT_LT(pressed, -0.1 * peak);
   EXPECT_GT(pressed_off, -0.01 * peak);
   host.cement->check_state();
+  if (test::ranks() == 1) return;
   EXPECT_EQ(host.all_failed(), alone.all_failed());
   EXPECT_EQ(host.separated, alone.separated);
 }
@@ -199,8 +207,8 @@ void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::ma
   EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains";
 }
 
-TEST(FreedPlaces, RestartToTheBit) {
-  const Row r = broken_and_closed(0.3);
+TEST_P(Broken, RestartsToTheBit) {
+  const Row r = broken_and_closed(0.3, GetParam());
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
   for (int at : {502, 1303, 1804}) {  // as points fail, closing, sliding; between looks for places that go on
@@ -217,6 +225,94 @@ TEST(FreedPlaces, RestartToTheBit) {
     EXPECT_NEAR(whole.cement->totals(0.1).rubbed, again.cement->totals(0.1).rubbed, 1e-12 * whole.cement->totals(0.1).external_work);
   }
   EXPECT_GT(whole.cement->totals(0.1).rubbed, 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(FreedPlaces, Broken, ::testing::Bool(), [](const auto& p) { return p.param ? "split" : "bonds"; });
+
+// Two layers have failed from the start, and nodes split there.
+Row cracked(Row r, double friction) {
+  r.B0 = 1e12;  // nothing else fails
+  r.split = r.cracked = true;
+  r.friction = friction;
+  return r;
+}
+
+TEST(CrackFaces, CarryCompressionAndNoTension) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  RowOfGrains pushed(MPI_COMM_WORLD, cracked(on_path({0, 0, -kPush}), 0.3)), pulled(MPI_COMM_WORLD, cracked(on_path({0, 0, kPush}), 0.3)),
+      off(MPI_COMM_WORLD, cracked(on_path({0, 0, -kPush}), -1.0));
+  const double force = force_at_end(pushed, 1)[2];
+  // the cell that failed between the faces is soft: about 3 of the 4 + 2 cells that this would be
+  test::expect_within(std::fabs(force / (stiffness() * kPush) - 0.65), 0.05, "force over stiffness of whole cement times approach");
+  const CrackFaces& faces = pushed.bonds.begin()->faces;
+  EXPECT_GT(faces.pairs(), 100);
+  EXPECT_EQ(faces.touching(), faces.pairs());
+  test::expect_within(faces.deepest() / (2.0 * test::kSpacing), 1e-9, "overlap over a cell");
+  EXPECT_LT(std::fabs(force_at_end(pulled, 1)[2]), 2e-3 * force);
+  EXPECT_LT(std::fabs(force_at_end(off, 1)[2]), 2e-3 * force);
+}
+
+TEST(CrackFaces, SlideWithMuN) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  for (double mu : {0.0, 0.3}) {
+    RowOfGrains host(MPI_COMM_WORLD, cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), mu));
+    host.setup();
+    host.run(3 * kRampSteps);
+    double N = 0.0, T = 0.0;
+    for (int n = 0; n < kMeanSteps; ++n) {
+      host.step();
+      const BondState& b = host.cement->bond_states()[0];
+      N += b.force[1][2] - b.force[0][2];
+      T += b.force[0][0] - b.force[1][0];
+    }
+    const CementTotals t = host.cement->totals(0.1);
+    test::expect_within(std::fabs(T / N - mu), std::max(0.01 * mu, 1e-4), "force of friction over the normal one, less mu");
+    test::expect_within(std::fabs(t.imbalance), 0.003, "imbalance");
+    EXPECT_GE(t.rubbed, (mu > 0.0 ? 0.1 : -1e-6) * t.external_work);
+  }
+}
+
+TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
+  Row r = cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), 0.3);
+  r.loose = true;  // and the grain's place
+  RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r);
+  host.setup();
+  alone.setup();
+  host.run(1203);
+  alone.run(1203);
+  const BondState &a = host.cement->bond_states()[0], &b = alone.cement->bond_states()[0];
+  for (int d : {0, 2}) test::expect_within(std::fabs(a.force[1][d] - b.force[1][d]) / a.force[1][2], 1e-9, "force against that of one rank");
+  const RowOfGrains::Saved saved = host.save();
+  RowOfGrains again(MPI_COMM_WORLD, r, saved, host.bonds.table);
+  again.setup();
+  host.setup();
+  host.run(30);
+  again.run(30);
+  expect_same_bits(host.content(), again.content());
+  int touching = 0;
+  for (const Bond& bond : again.bonds) touching += bond.faces.touching();
+  EXPECT_GT(touching, 100);
+}
+
+TEST(CrackFaces, SlideByUpToACell) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  constexpr double kCell = 2.0 * test::kSpacing, kSlide = 1.5 * kCell;
+  RowOfGrains host(MPI_COMM_WORLD, cracked(on_path({0, 0, -5.0 * kPush}, {kSlide / kRampTime, 0, 0}), 0.0));
+  host.setup();
+  std::string told;
+  double slid = 0.0;
+  while (told.empty() && host.number < 3 * kRampSteps) {
+    host.run(20);
+    for (const Grain& g : host.cement->grains().grains) slid = std::max(slid, g.x[0]);
+    try {
+      host.cement->check_state();
+    } catch (const BadState& e) {
+      told = e.what();
+    }
+  }
+  EXPECT_NE(told.find("use 'kinematics updated' without 'friction'"), std::string::npos) << told;
+  EXPECT_GT(slid, 0.99 * kCell);
+  EXPECT_LT(slid, 1.1 * kCell);
 }
 
 // At random: resultant and moment of what acts on nodes and grains, and the force as the slope of the energy.

@@ -229,6 +229,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.links = std::move(l.links);
     b.mass.forget();
     b.places = touches() ? FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid) : FreedPlaces();
+    b.faces = faces_touch() ? CrackFaces(b.points, b.grid, splits_, penalty_->friction) : CrackFaces();
     b.added = AddedMass();
     b.resting = Resting();
     b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))

@@ -19,6 +19,7 @@
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
+#include "crack_faces.h"
 #include "resting.h"
 
 namespace mpdem {
@@ -29,6 +30,7 @@ struct Bond {
   Grid grid;
   PenaltyLinks links;
   FreedPlaces places;
+  CrackFaces faces;
   AddedMass added;
   Relaxation relaxation;
   Resting resting;

@@ -56,6 +56,8 @@ void Cement::step() {
   books_.release(advance_.released);
   complete_forces();
   books_.damp(damping_work(0.5 * dt_last_, 0));
+  if (faces_touch())
+    for (const Bond& b : bonds_) books_.rub(dt_last_ * b.faces.power(b.grid, 0.5 * dt_last_));
   kinematics_->account_for_accelerations();
   timer_.start(StepTimer::kCoupling);
   grains_.react(now_.dt, books_);
@@ -155,6 +157,7 @@ void Cement::complete_forces() {
     for (int i = 0; i < b.grid.size() && weighs; ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
     host_.add_node_forces(b);
+    if (faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), 0.5 * (dt_last_ + now_.dt), now_.dt);
   }
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
@@ -287,6 +290,9 @@ void Cement::check_state() {
     if (b.places.deepest() > kDeepest * options_.cell && trouble.empty())
       trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", now_.number, ", the most is ", kDeepest,
                         " of a cell, ", kDeepest * options_.cell, "; use a larger 'kn' of fix mpm/couple or slower grains");
+    else if (b.faces.too_far() > 0.0 && trouble.empty())
+      trouble = text_of("faces of a crack in the cement touch after they slid ", b.faces.too_far(), " at step ", now_.number, ", with 'friction' the most is a cell, ",
+                        options_.cell, "; end the run before, or use 'kinematics updated' without 'friction'");
     else if (!b.grid.finite() && trouble.empty())
       trouble = text_of("a node of the grid is not finite at step ", now_.number,
                         "; check the motion of the grains, the time step and the contact model");

@@ -153,6 +153,7 @@ class Cement {
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
   // Do places that let go still touch?
   bool touches() const { return penalty_ && penalty_->friction >= 0.0; }
+  bool faces_touch() const { return touches() && options_.split; }
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
   std::vector<int> all_rows() const;
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;

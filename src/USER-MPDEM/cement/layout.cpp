@@ -149,6 +149,10 @@ class LayoutMaker {
       if (rules_.splits) {
         const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
         w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
+        if (rules_.penalty && rules_.penalty->friction >= 0.0) {  // faces touch, see crack_faces.h
+          const std::vector<Key> copies = rules_.splits->copies_of(layouts_[n].body);
+          w.extra.insert(w.extra.end(), copies.begin(), copies.end());
+        }
       }
       if (!with_motion) continue;
       w.before = std::move(requests_[n].before);

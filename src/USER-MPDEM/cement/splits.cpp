@@ -368,6 +368,14 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
   return nodes;
 }
 
+std::vector<Key> Splits::copies_of(int body) const {
+  std::vector<Key> nodes;
+  for (const auto& row : rows_[body].copies.rows())
+    for (const NodeCopies::Entry& e : row.second)
+      if (rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
+  return nodes;
+}
+
 Key Splits::at_start(const Key& k) const {
   const int body = body_of(k[0]);
   const NodeCopies& copies = rows_[body].copies;

@@ -53,6 +53,8 @@ class Splits {
   void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
   // Nodes that stand for those of the blocks of a bond, and masters at the edge.
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
+  // All nodes that are copies.
+  std::vector<Key> copies_of(int body) const;
   // A node as one of the start: its copy for a part.
   Key at_start(const Key& node) const;
   // The next one of the start, see TiedNodes.

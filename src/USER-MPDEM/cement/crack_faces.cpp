@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "crack_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "../mpm/scatter.h"
+#include "splits.h"
+
+namespace mpdem {
+
+namespace {
+
+double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace
+
+CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits& splits, double friction) : friction_(friction) {
+  std::vector<int> order(grid.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int i) { return Place{grid.keys[i][1], grid.keys[i][2], grid.keys[i][3]}; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
+  std::vector<char> paired(grid.size(), 0);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (std::size_t j = i + 1; j < order.size() && place(order[j]) == place(order[i]); ++j) {
+      const int a = order[i], b = order[j];
+      if (grid.ties.row(a) >= 0 || grid.ties.row(b) >= 0 || splits.at_start(grid.keys[a]) != splits.at_start(grid.keys[b])) continue;
+      pairs_.push_back({{a, b}, {0, 0, 0}});
+      paired[a] = paired[b] = 1;
+    }
+  if (pairs_.empty()) return;
+  // slaves hand on to their masters, which may be of pairs
+  for (int i = 0; i < grid.size(); ++i)
+    if (const int row = grid.ties.row(i); row >= 0)
+      grid.ties.for_each_master(row, [&](int master, double) { paired[i] = paired[i] || paired[master]; });
+  with_basis(grid.basis, [&](auto type) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const BlockMeta& m = points.meta[b];
+      with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h, [&](const auto& w) {
+        using W = std::decay_t<decltype(w)>;
+        bool near = false;
+        for (int c = 0; c < W::kI * W::kJ; ++c)
+          for (int k = 0; k < W::kK; ++k) near = near || paired[m.column[c] + k];
+        if (near) blocks_.push_back(static_cast<int>(b));
+      });
+    }
+  });
+}
+
+// Of what holds, where it is now.
+void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
+  normal_.assign(3 * grid.size(), 0.0);
+  with_basis(grid.basis, [&](auto type) {
+    for (int b : blocks_) {
+      const BlockMeta& m = points.meta[b];
+      const std::uint8_t holds = static_cast<std::uint8_t>(m.occupied & ~m.failed);
+      if (!holds) continue;
+      const PointBlock& p = points.blocks[b];
+      const Mat3<vd> back = mpdem::inverse(p.F);
+      Mat3<vd> T;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) T.a[i][j] = select(lanes(holds), p.volume * back.a[j][i], vd{});
+      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& w) { scatter_gradient(normal_.data(), m.column, w, T); });
+    }
+  });
+  grid.ties.pull_back(normal_.data());
+  if (grid.halo.shares_any()) grid.halo.sum(normal_.data(), 3);
+}
+
+void CrackFaces::add_force(const PointStore& points, Grid& grid, const std::vector<double>& added, double kick, double dt) {
+  touching_ = 0;
+  too_far_ = deepest_ = 0.0;
+  if (pairs_.empty()) return;
+  find_normals(points, grid);
+  for (Pair& p : pairs_) {
+    double mass[2];
+    for (int s = 0; s < 2; ++s) mass[s] = grid.mass[p.node[s]] + (added.empty() ? 0.0 : added[p.node[s]]);
+    std::fill(p.force, p.force + 3, 0.0);
+    if (mass[0] > 0.0 && mass[1] > 0.0) meet(p, grid, mass, kick, dt);
+  }
+}
+
+void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
+  const long a = 3L * p.node[0], b = 3L * p.node[1];
+  double n[3], w[3], v[3];  // v: relative velocity of the next step without them
+  for (int d = 0; d < 3; ++d) {
+    n[d] = normal_[a + d] - normal_[b + d];
+    w[d] = grid.displacement[b + d] - grid.displacement[a + d];
+    v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
+  }
+  const double size = std::sqrt(dot(n, n));
+  // a copy of which nothing holds has no face
+  if (dot(&normal_[a], &normal_[a]) == 0.0 || dot(&normal_[b], &normal_[b]) == 0.0 || !(size > 0.0)) return;
+  for (double& x : n) x /= size;
+  const double wn = dot(w, n), vn = dot(v, n), opening = wn / dt + vn;
+  if (!(opening < 0.0)) return;
+  double slid[3], slip[3];
+  for (int d = 0; d < 3; ++d) {
+    slid[d] = w[d] - wn * n[d];
+    slip[d] = v[d] - vn * n[d];
+  }
+  const double far = std::sqrt(dot(slid, slid));
+  if (far > grid.h) {
+    too_far_ = std::max(too_far_, far);
+    return;
+  }
+  ++touching_;
+  deepest_ = std::max(deepest_, -wn);
+  const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
+  const double normal = -opening * together, stop = std::sqrt(dot(slip, slip)) * together;
+  const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;
+  for (int d = 0; d < 3; ++d) {
+    p.force[d] = normal * n[d] - share * together * slip[d];
+    grid.force[a + d] -= p.force[d];
+    grid.force[b + d] += p.force[d];
+  }
+}
+
+double CrackFaces::power(const Grid& grid, double later) const {
+  double power = 0.0;
+  for (const Pair& p : pairs_)
+    for (int s = 0; s < 2; ++s) {
+      const long i = 3L * p.node[s];
+      if (!grid.halo.counts_here()[p.node[s]]) continue;
+      for (int d = 0; d < 3; ++d) power += (s == 0 ? 1.0 : -1.0) * p.force[d] * (grid.velocity[i + d] + later * grid.acceleration[i + d]);
+    }
+  return power;
+}
+
+}  // namespace mpdem
