@@ -42,6 +42,7 @@ struct Row {
   bool loose = false;        // links to the first grain are not attached from the start
   bool skin_failed = false;  // and their points have failed
   bool cracked = false;      // two layers in the middle have failed
+  bool unilateral = false;
   bool split = false;        // nodes, where material parts
   double interface = 1.0;    // of points with links
 };
@@ -268,6 +269,7 @@ class RowOfGrains : public CementHost {
     o.tied = !row_.updated;
     o.check_every = 20;
     o.split = row_.split;
+    o.unilateral = row_.unilateral;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.skip.nonlocal = row_.length > 0.0;
@@ -357,6 +359,7 @@ class RowOfGrains : public CementHost {
       std::copy(p.X.data(), p.X.data() + 3, r.X);
       r.volume = p.volume;
       r.failed = row_.cracked && std::fabs(p.X[2]) < kSpacing;
+      if (r.failed) r.damage[2] = 0.9;  // along z
       r.links = p.links;
       for (int k = 0; k < p.links; ++k) {
         r.link[k].grain = body.grain[p.link[k].side];

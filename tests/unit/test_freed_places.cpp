@@ -315,6 +315,55 @@ TEST(CrackFaces, SlideByUpToACell) {
   EXPECT_LT(slid, 1.1 * kCell);
 }
 
+// Points that failed are stiff again while the crack is closed, so the bond is what it was. A closed cycle leaves the energy as it was.
+TEST(ClosingPoints, CarryCompressionWithTheStiffnessOfWholeCement) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  Row r = cracked(on_path({0, 0, -kPush}), 0.3);
+  r.unilateral = true;
+  RowOfGrains pushed(MPI_COMM_WORLD, r);
+  const double force = force_at_end(pushed, 1)[2];
+  test::expect_within(std::fabs(force / (stiffness() * kPush) - 1.0), 0.005, "force over stiffness of whole cement times approach");
+  r.path = [](double t) {  // and pulled as far, and back
+    const Ramp in{0.0, kRampTime}, out{kRampTime, 3.0 * kRampTime}, back{3.0 * kRampTime, 4.0 * kRampTime};
+    return Way{{0, 0, kPush * (-in.share(t) + 2.0 * out.share(t) - back.share(t))}, {0, 0, kPush * (-in.rate(t) + 2.0 * out.rate(t) - back.rate(t))}};
+  };
+  RowOfGrains cycled(MPI_COMM_WORLD, r);
+  cycled.setup();
+  double most = 0.0;
+  for (int n = 0; n < 400; ++n) {
+    cycled.run(10);
+    const CementTotals t = cycled.cement->totals(0.1);
+    most = std::max(most, t.external_work);
+    const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.rubbed;
+    if (n > 20) test::expect_within(std::fabs(t.external_work - spent) / most, 1e-3, "work less energies, over the largest work");
+  }
+  const CementTotals t = cycled.cement->totals(0.1);
+  EXPECT_GT(most, 8e-7);
+  EXPECT_GT(t.external_work, -1e-3 * most);  // nothing came out of the cycle
+}
+
+// The largest stable step is so with a crack that closes: it is held for long just below.
+TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  Row r = cracked(on_path({0, 0, -kPush}), 0.3);
+  r.unilateral = true;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.setup();
+  const double step = host.cement->stable_step();
+  r.path = [](double t) {
+    const Ramp in{0.0, kRampTime};
+    return Way{{0, 0, -kPush * in.share(t)}, {0, 0, -kPush * in.rate(t)}};
+  };
+  RowOfGrains at_limit(MPI_COMM_WORLD, r);
+  at_limit.dt = 0.98 * step;
+  at_limit.setup();
+  at_limit.run(3000);
+  const CementTotals t = at_limit.cement->totals(0.1);
+  EXPECT_GT(step, test::kStep);
+  EXPECT_LT(t.kinetic, 0.1 * t.elastic);
+  test::expect_within(std::fabs(t.imbalance), 1e-2, "imbalance");
+}
+
 // At random: resultant and moment of what acts on nodes and grains, and the force as the slope of the energy.
 TEST(FreedPlaces, ActAndReactAlike) {
   if (test::ranks() > 1) GTEST_SKIP();

@@ -230,6 +230,7 @@ void Cement::adopt(std::vector<BondLayout>& layouts) {
     b.mass.forget();
     b.places = touches() ? FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid) : FreedPlaces();
     b.faces = faces_touch() ? CrackFaces(b.points, b.grid, splits_, penalty_->friction) : CrackFaces();
+    b.closing = options_.unilateral ? ClosingPoints(b.points, law_->elasticity()) : ClosingPoints();
     b.added = AddedMass();
     b.resting = Resting();
     b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))

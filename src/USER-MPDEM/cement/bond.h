@@ -16,6 +16,7 @@
 #include "../coupling/relaxation.h"
 #include "../mpm/advance_updated.h"
 #include "../mpm/consistent_mass.h"
+#include "../mpm/closing_points.h"
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
@@ -31,6 +32,7 @@ struct Bond {
   PenaltyLinks links;
   FreedPlaces places;
   CrackFaces faces;
+  ClosingPoints closing;
   AddedMass added;
   Relaxation relaxation;
   Resting resting;

@@ -112,6 +112,11 @@ void Cement::let_go(Bond& b) {
   b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   sort_links(b);
   if (touches()) open_places(b, b.failed, {});
+  if (options_.unilateral) {
+    const double before = b.closing.energy(b.points, b.grid);
+    b.closing.add(b.points, law_->elasticity(), b.failed);
+    advance_.released -= b.closing.energy(b.points, b.grid) - before;
+  }
   host_.points_failed(b);
   if (penalty_) cracks_.watch(b);
 }
@@ -135,6 +140,7 @@ void Cement::add_link_forces(Bond& b) {
   if (options_.updated) b.links.add_force(b.grid, grains_.side_of(b));
   else b.resting.add_force(b.links, b.grid, grains_.side_of(b));
   b.places.add_force(b.grid, grains_.side_of(b));
+  b.closing.add_force(b.points, b.grid);
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
@@ -315,6 +321,7 @@ void Cement::start_run() {
     b.jump.clear();
     b.links.add_force(b.grid, grains_.side_of(b));
     b.places.add_force(b.grid, grains_.side_of(b));
+    b.closing.add_force(b.points, b.grid);
     b.grid.ties.pull_back(b.grid.force.data());
   }
   complete_forces();

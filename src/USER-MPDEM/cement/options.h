@@ -29,6 +29,7 @@ struct CementOptions {
   double length = 0.0;                   // that the drive of the damage is averaged over, 0: not at all
   int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
   bool split = false;                    // nodes where material parts, see fracture/node_copies.h
+  bool unilateral = false;               // failed points are stiff while their crack is closed, see mpm/closing_points.h
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

@@ -70,6 +70,7 @@ CementTotals Cement::totals(double reach_of_box) {
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
     bond.places.add_energy(bond.grid, side, sum[kCoupling]);
+    sum[kElastic] += bond.closing.energy(bond.points, bond.grid);
     sum[kCoupling] += inertial;
     sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
   }
@@ -81,7 +82,7 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kFailed] = of_points.failed;
   sum[kVolume] = of_points.volume;
   sum[kDamaged] = of_points.damaged_volume;
-  sum[kElastic] = of_points.elastic;
+  sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = books_.sums();
   sum[kDissipated] = books.dissipated;

@@ -66,7 +66,7 @@ EigenvalueEstimate Cement::eigenvalue() { return eigenvalue_of(all_rows()); }
 EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
-    if (Bond* b = bonds_.find(row)) parts.push_back({&b->points, &b->grid});
+    if (Bond* b = bonds_.find(row)) parts.push_back({&b->points, &b->grid, options_.unilateral});
   return largest_eigenvalue(comm_, parts, *law_);
 }
 
@@ -99,7 +99,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_, nullptr, options_.split ? &splits : nullptr};
   std::vector<BondLayout> layouts = make_layout(rules, all_rows(), std::move(requests));
   std::vector<EigenvaluePart> of_layouts;
-  for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid});
+  for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, options_.unilateral});
   return largest_eigenvalue(comm_, of_layouts, *law_);
 }
 

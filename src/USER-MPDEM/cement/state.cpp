@@ -75,6 +75,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
       append(CopyRow{body_of(row.first[0]), {row.first[1], row.first[2], row.first[3]}, e.part, e.copy, e.first}, mine_of_copies);
   const std::vector<double> copies = gather(comm_, mine_of_copies);
   head.split = options_.split;
+  head.unilateral = options_.unilateral;
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(bonds_.table.size());
   head.nodes = static_cast<int>(nodes.size() / kMostNumbers<NodeRow>);
@@ -105,6 +106,9 @@ void Cement::check_restored(const CementHead& head) const {
   const auto cracks = [](bool split) { return split ? "split" : "bonds"; };
   if (head.split != options_.split)
     throw BadState(text_of("'cracks ", cracks(options_.split), "' but the restart file was written with 'cracks ", cracks(head.split), "'; use that"));
+  const auto yes = [](bool u) { return u ? "yes" : "no"; };
+  if (head.unilateral != options_.unilateral)
+    throw BadState(text_of("'unilateral ", yes(options_.unilateral), "' but the restart file was written with 'unilateral ", yes(head.unilateral), "'; use that"));
   if (head.tied != options_.tied)
     throw BadState(text_of("nodes at the edge are ", edge(options_.tied), " but were ", edge(head.tied), " when the restart file was written; use 'edge ",
                            edge(head.tied), "' and the kinematics and re-projection of that run"));

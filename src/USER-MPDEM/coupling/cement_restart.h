@@ -47,6 +47,7 @@ struct CementHead {
   double eigenvalue = 0.0;  // 0: not known
   double auto_step = 0.0;   // what `timestep auto` found last
   LinksSoFar links;
+  bool unilateral = false;    // are failed points stiff while their crack is closed
   bool split = false;         // do nodes split, see fracture/node_copies.h
   int bodies = 0, nodes = 0, copies = 0;  // rows that follow
 
@@ -74,6 +75,7 @@ struct CementHead {
     visit("the number of bonds", h.bodies, from(0, kMaxBodies));
     visit("the number of nodes", h.nodes, kCount);
     visit("'cracks split'", h.split);
+    visit("'unilateral'", h.unilateral);
     visit("the number of copies of nodes", h.copies, kCount);
   }
 };

@@ -20,28 +20,28 @@ namespace {
 constexpr int kMostProducts = 200;
 
 template <class Type, class L>
-void add_products(const PointStore& points, const Grid& grid, const L& law, const double* x, double* out) {
+void add_products(const PointStore& points, const Grid& grid, const L& law, bool failed_hold, const double* x, double* out) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const BlockMeta& m = points.meta[b];
-    if (m.failed == m.occupied) continue;
+    if (m.failed == m.occupied && !failed_hold) continue;
     const PointBlock& p = points.blocks[b];
     with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
       const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
       const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
                        0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
       const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
-      const Sym3<vd> t =
-          m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-      const vd live = select(lanes(m.failed), vd{}, p.volume);
+      Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
+      if (failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
+      const vd live = failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
       scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
     });
   }
 }
 
 // out = -K x: the internal force that a displacement x adds.
-void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out) {
+void add_stiffness_force(const EigenvaluePart& part, const Law& law, const double* x, double* out) {
   with_law(law, [&](const auto& l) {
-    with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, grid, l, x, out); });
+    with_basis(part.grid->basis, [&](auto type) { add_products<decltype(type)>(*part.points, *part.grid, l, part.failed_hold, x, out); });
   });
 }
 
@@ -106,7 +106,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     for (std::size_t p = 0; p < parts.size(); ++p) {
       of_parts.push_back(&w[3 * first[p]]);
       parts[p].grid->ties.extend(&v[3 * first[p]]);
-      add_stiffness_force(*parts[p].points, *parts[p].grid, law, &v[3 * first[p]], of_parts.back());
+      add_stiffness_force(parts[p], law, &v[3 * first[p]], of_parts.back());
       parts[p].grid->ties.pull_back(of_parts.back());
     }
     shared.sum(of_parts, 3);

@@ -30,6 +30,7 @@ struct EigenvalueEstimate {
 struct EigenvaluePart {
   const PointStore* points;
   Grid* grid;
+  bool failed_hold = false;  // points that failed count as whole ones: they may be stiff again, see closing_points.h
 };
 
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when

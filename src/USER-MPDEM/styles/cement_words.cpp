@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "cracks", "timestep", "quasistatic", "skip", "check", "events"};
+                                            "regularization", "cracks", "unilateral", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
@@ -156,6 +156,9 @@ void check_together(Arguments& args, CementWords& w) {
   if (o.split && transfers)
     args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
                           "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
+  if (o.unilateral && w.law->inert()) args.complain("'unilateral yes' needs a law of damage, 'damage tensor' for instance");
+  if (o.unilateral && (o.updated || o.reproject_distortion > 0.0))
+    args.complain(text_of("'unilateral yes' measures cracks from a reference that stays; use 'kinematics total' without 'reproject auto', or 'unilateral no'"));
   if (o.updated && o.basis == Basis::linear)
     w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
                 "from cell to cell; use 'basis quadratic'";
@@ -222,6 +225,8 @@ CementWords take_cement_words(Arguments& args) {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {
       o.split = args.choice(key, {"bonds", "split"}) == "split";
+    } else if (key == "unilateral") {
+      o.unilateral = args.choice(key, {"yes", "no"}) == "yes";
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "mpm/closing_points.h"
+
+#include <memory>
+
+#include "bodies.h"
+#include "cement.h"
+#include "lanes.h"
+
+namespace mpdem {
+namespace {
+
+using test::kCell;
+using test::Vector;
+
+// Cement all of whose points failed, with cracks across one direction of the box.
+class FailedBody : public ::testing::Test {
+ protected:
+  FailedBody() : random(917), body(kCell, test::lattice(kCell, 2), std::pow(0.5 * kCell, 3), Eigen::Quaterniond(random.frame())) {
+    normal = random.direction();
+    law = std::make_shared<TensorDamage>(test::law_of(9.6e3));
+    body.points.set_law(law);
+    body.for_points([&](int b, int l) {
+      const PointBlock& p = body.points.blocks[b];
+      const Mat3<vd> Q = rotation_matrix(p.q);
+      double n[3];
+      for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
+      const double D[6] = {0.9 * n[0] * n[0], 0.9 * n[1] * n[1], 0.9 * n[2] * n[2], 0.9 * n[1] * n[2], 0.9 * n[0] * n[2], 0.9 * n[0] * n[1]};
+      body.points.set_state(kLanes * b + l, D);
+      body.points.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
+      body.points.meta[b].damaged = true;
+    });
+    closing = ClosingPoints(body.points, law->elasticity());
+  }
+  template <class F>
+  void displace(F u) {
+    for (int n = 0; n < body.grid.size(); ++n) {
+      const Vector at = u(body.place(n));
+      for (int d = 0; d < 3; ++d) body.grid.displacement[3 * n + d] = at[d];
+    }
+  }
+  double energy() const { return closing.energy(body.points, body.grid); }
+  // Of the cement compressed along the normal by this share.
+  double energy_of(double share) const {
+    double sum = 0.0;
+    body.for_points([&](int b, int l) {
+      const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
+      double n[3];
+      for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
+      const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+      sum += 0.5 * body.points.blocks[b].volume[l] * contract(along, law->elasticity().stress(along)) * share * share;
+    });
+    return sum;
+  }
+
+  test::Random random;
+  test::Cement body;
+  Vector normal;
+  std::shared_ptr<TensorDamage> law;
+  ClosingPoints closing;
+};
+
+TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
+  const Vector side = normal.unitOrthogonal();
+  displace([&](const Vector& X) { return Vector(-0.01 * normal.dot(X) * normal); });
+  const double closed = energy();
+  EXPECT_NEAR(closed, energy_of(0.01), 1e-9 * closed);
+  displace([&](const Vector& X) { return Vector(0.01 * normal.dot(X) * normal); });
+  EXPECT_EQ(energy(), 0.0);
+  displace([&](const Vector& X) { return Vector(-0.01 * side.dot(X) * side); });
+  EXPECT_LT(energy(), 1e-20 * closed);
+  // slip along the crack, and turns of the whole, are no matter
+  const test::Matrix R = test::rotation(random.direction(), 2.0);
+  displace([&](const Vector& X) { return Vector(R * (X - 0.01 * normal.dot(X) * normal + 0.3 * normal.dot(X) * side) - X); });
+  EXPECT_NEAR(energy(), closed, 1e-9 * closed);
+}
+
+TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {
+  displace([&](const Vector& X) { return Vector(-0.02 * normal.dot(X) * normal + 0.005 * kCell * random.vector()); });
+  body.grid.clear_force();
+  closing.add_force(body.points, body.grid);
+  Vector sum = Vector::Zero(), moment = Vector::Zero();
+  double size = 0.0;
+  test::Worst slope;
+  for (int n = 0; n < body.grid.size(); ++n) {
+    const Vector f = body.at(body.grid.force, n);
+    sum += f;
+    moment += (body.place(n) + body.at(body.grid.displacement, n)).cross(f);
+    size = std::max(size, f.norm());
+  }
+  ASSERT_GT(size, 0.0);
+  for (int i = 0; i < 3 * body.grid.size(); ++i) {
+    constexpr double kStep = 1e-6 * kCell;
+    double& u = body.grid.displacement[i];
+    u += kStep;
+    const double more = energy();
+    u -= 2.0 * kStep;
+    const double less = energy();
+    u += kStep;
+    slope.add(std::fabs(body.grid.force[i] + (more - less) / (2.0 * kStep)) / size);
+  }
+  test::expect_within(slope, 1e-5, "force against the slope of the energy");
+  test::expect_within(sum.norm() / size, 1e-12, "resultant");
+  test::expect_within(moment.norm() / (size * kCell), 1e-11, "moment");
+}
+
+}  // namespace
+}  // namespace mpdem
