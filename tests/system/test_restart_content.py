@@ -15,8 +15,8 @@ FIX_HEAD, FIX_BOND, FIX_NODE = 33, 6, 13  # numbers of the head of fix mpm's dat
 BOND = {"first": 0, "second": 1, "origin": 2, "radius": 5, "centre": 7, "orientation": 13, "shift": 21, "area": 27, "box": 29, "axis": 32,
         "in motion": 36, "volume": 37, "spacing": 38, "lattice": 39, "regular": 42, "thickness": 43, "points": 44}
 BOND_NUMBERS = 45
-FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 15, "coupling": 18, "kn": 19, "law": 22, "bonds": 29,
-       "nodes": 30}
+FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 16, "coupling": 19, "kn": 20, "law": 23, "bonds": 31,
+       "nodes": 32}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "framed": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
          "strain": 40, "damage": 46, "law": 52, "moving": 53, "links": 54, "grain": 55, "foot": 56, "area": 59, "attached": 60, "way": 61, "inert": 64, "state": 65}
@@ -148,7 +148,7 @@ def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 9", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 10", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 

@@ -94,8 +94,8 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   // a copy of which nothing holds has no face
   if (dot(&normal_[a], &normal_[a]) == 0.0 || dot(&normal_[b], &normal_[b]) == 0.0 || !(size > 0.0)) return;
   for (double& x : n) x /= size;
-  const double wn = dot(w, n), vn = dot(v, n), opening = wn / dt + vn;
-  if (!(opening < 0.0)) return;
+  const double wn = dot(w, n), vn = dot(v, n);
+  if (!(wn / dt + vn < 0.0 && vn < 0.0)) return;
   double slid[3], slip[3];
   for (int d = 0; d < 3; ++d) {
     slid[d] = w[d] - wn * n[d];
@@ -109,7 +109,9 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   ++touching_;
   deepest_ = std::max(deepest_, -wn);
   const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
-  const double normal = -opening * together, stop = std::sqrt(dot(slip, slip)) * together;
+  // an overlap, where the normal turned, is undone no faster than the faces close: else it would give energy
+  const double after = std::min(-wn / dt, -vn);
+  const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;
   const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;
   for (int d = 0; d < 3; ++d) {
     p.force[d] = normal * n[d] - share * together * slip[d];

@@ -9,7 +9,8 @@
 //   G_a = sum V F^-T grad N_a     n = (G_a - G_b)/|G_a - G_b|
 //
 // two nodes exchange just the force that leaves w.n >= 0 at the end of the next step (forward increments of N. J. Carpenter, R. L. Taylor,
-// M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128): with the lumped masses N that is one equation a pair. Along the face the force
+// M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128): with the lumped masses N that is one equation a pair. An overlap, which
+// a normal that turns may make, is undone by a bounce no faster than the faces close. So the force never gives energy. Along the face the force
 // is that which stops their slip, or mu times the normal one if that is less. It needs no stiffness and leaves the stable step as it is.
 // What the pair loses of its kinetic energy, by impact and slip, is the work of these forces.
 // Valid for slips of up to a cell: pairs that slid further touch no more, and too_far() tells of them.

@@ -73,6 +73,7 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
         b.stick[d][lane] = p.stick[d];
       }
       b.area[lane] = p.area;
+      b.rubs[lane] = p.rubs;
       b.radius[lane] = p.radius;
       b.place[lane] = *i;
       b.taken |= static_cast<std::uint8_t>(1u << lane);
@@ -130,11 +131,14 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
       const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
       b.stick[i] = select(starts, at, b.stick[i] + slip);
     }
-    rubbed += sum_lanes(of(b.closed, b.area * bears * share * size / k.kt));
+    // the slip happened between the last step and this
+    rubbed += sum_lanes(of(b.closed, 0.5 * b.area * (b.rubs + min(size, bears)) * share * size / k.kt));
+    b.rubs = of(b.closed, min(size, bears));
     for (int l = 0; l < kLanes; ++l) {
       if (!((b.closed | was) >> l & 1)) continue;
       FreedPlace& p = points.places[b.place[l]];
       p.closed = b.closed >> l & 1;
+      p.rubs = b.rubs[l];
       for (int i = 0; i < 3; ++i) p.stick[i] = b.stick[i][l];
       if (p.closed) deepest_ = std::max(deepest_, -t.gap[l]);
     }
@@ -374,6 +378,9 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
       if (s == sums.end()) continue;
       const double size = p.radius + t.gap[l];  // |q|
       p.closed = s->second.pressed > 0.0;
+      double square = 0.0;
+      for (double e : s->second.slip) square += e * e;
+      p.rubs = p_.law->stiffness().kt * std::sqrt(square) / p.area;
       p.radius = p.closed ? size + s->second.pressed / p.area : std::min(p.radius, size);
       for (int i = 0; i < 3; ++i) {
         p.stick[i] = 0.0;

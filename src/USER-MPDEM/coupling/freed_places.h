@@ -82,7 +82,7 @@ class FreedPlaces {
 
  private:
   struct Block {
-    vd X[3], area, radius, stick[3];
+    vd X[3], area, radius, stick[3], rubs;
     vint base[3];
     int place[kLanes];  // of the store; -1: empty
     int side;

@@ -55,6 +55,7 @@ struct FreedPlace {
   double X[3] = {0, 0, 0};   // where the material is touched, reference
   double radius = 0;         // distance from the centre of the grain at which it touches
   double stick[3] = {0, 0, 0};  // where it would be without friction's force, in the frame of the grain
+  double rubs = 0;           // traction of friction in the last step
   bool closed = false;       // touched in the last step
 
   template <class Self, class Visitor>
@@ -65,6 +66,7 @@ struct FreedPlace {
     visit("where a freed place is", p.X, kFinite);
     visit("the radius of a freed place", p.radius, kNotNegative);
     visit("where a freed place sticks", p.stick, kFinite);
+    visit("friction of a freed place", p.rubs, kNotNegative);
     visit("'is closed' of a freed place", p.closed);
   }
 };

@@ -111,6 +111,9 @@ void FixMpmCouple::init() {
 // Places that let go keep their reference.
 void FixMpmCouple::check_friction() {
   const mpdem::CementOptions& o = cement_->options();
+  if (friction_ >= 0.0 && o.split && o.mass_order > 1)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' finds the forces between faces of cracks with lumped masses, and fix mpm '", cement_id_,
+                                 "' has 'cracks split' and 'mass_order ", o.mass_order, "'; use 'mass_order 1', 'cracks bonds' or no 'friction'"));
   if (friction_ < 0.0 || !(o.updated || o.reproject_distortion > 0.0)) return;
   mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' needs a reference that stays, and fix mpm '", cement_id_, "' has '",
                                o.updated ? "kinematics updated" : "reproject auto", "'; use 'kinematics total' without 'reproject auto', or no 'friction'"));
