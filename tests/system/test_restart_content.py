@@ -10,7 +10,7 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, FIX_NODE = 33, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+FIX_HEAD, FIX_BOND, FIX_NODE = 36, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "radius": 5, "centre": 7, "orientation": 13, "shift": 21, "area": 27, "box": 29, "axis": 32,
         "in motion": 36, "volume": 37, "spacing": 38, "lattice": 39, "regular": 42, "thickness": 43, "points": 44}
@@ -143,7 +143,7 @@ def test_named(tmp_path, files, part, name, value, needed):
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [8, 10])
+@pytest.mark.parametrize("version", [9, 11])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]

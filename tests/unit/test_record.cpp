@@ -158,7 +158,7 @@ std::vector<double> bad_values(const Described& of) {
 
 template <class R>
 class Records : public testing::Test {};
-using AllRecords = testing::Types<Body, Link, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow>;
+using AllRecords = testing::Types<Body, Link, FreedPlace, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
 // Has the description of a record all numbers that it declares?

@@ -132,8 +132,9 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
       b.stick[i] = select(starts, at, b.stick[i] + slip);
     }
     // the slip happened between the last step and this
-    rubbed += sum_lanes(of(b.closed, 0.5 * b.area * (b.rubs + min(size, bears)) * share * size / k.kt));
-    b.rubs = of(b.closed, min(size, bears));
+    const vd rubs = select(size > (1.0 - 1e-9) * bears, bears, size);
+    rubbed += sum_lanes(of(b.closed, 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
+    b.rubs = of(b.closed, rubs);
     for (int l = 0; l < kLanes; ++l) {
       if (!((b.closed | was) >> l & 1)) continue;
       FreedPlace& p = points.places[b.place[l]];
