@@ -20,7 +20,7 @@ def scene(words=WORDS, damage="check 20", **more):
     (WORDS, "check 20 cracks split mass_order 2", "with lumped masses"),
     ("", "check 20 unilateral maybe", "unilateral"),
     ("", "check 20 unilateral yes", "'unilateral yes' needs a law of damage"),
-    ("", "damage tensor 9.6e3 check 20 kinematics updated unilateral yes", "'unilateral yes' measures cracks from a reference that stays"),
+    ("", "damage tensor B0 9.6e3 check 20 kinematics updated unilateral yes", "'unilateral yes' measures cracks from a reference that stays"),
     (WORDS, "check 20 reproject auto 0.1", "'friction' needs a reference that stays, and fix mpm 'cem' has 'reproject auto'"),
 ])
 def test_bad_words(tmp_path, words, damage, message):

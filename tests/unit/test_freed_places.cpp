@@ -405,6 +405,7 @@ TEST(FreedPlaces, ActAndReactAlike) {
   EXPECT_GT(closed, 20);
   EXPECT_GT(open, 20);
   for (Bond& b : s.bonds) {
+    EXPECT_EQ(b.places.follow(b.points, b.grid, s.side(b)), 0.0);  // those that closed just now begin to stick
     const PointStore before(b.points);
     EXPECT_EQ(b.places.follow(b.points, b.grid, s.side(b)), 0.0);
     EXPECT_EQ(std::memcmp(before.places.data(), b.points.places.data(), before.places.size() * sizeof(FreedPlace)), 0);
