@@ -7,6 +7,7 @@
 #include "bodies.h"
 #include "cement.h"
 #include "lanes.h"
+#include "mpm/largest_eigenvalue.h"
 
 namespace mpdem {
 namespace {
@@ -74,6 +75,20 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   const test::Matrix R = test::rotation(random.direction(), 2.0);
   displace([&](const Vector& X) { return Vector(R * (X - 0.01 * normal.dot(X) * normal + 0.3 * normal.dot(X) * side) - X); });
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
+}
+
+// Points that failed may be as stiff as whole ones.
+TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
+  test::Cement whole(kCell, test::lattice(kCell, 2), std::pow(0.5 * kCell, 3));
+  for (test::Cement* c : {&body, &whole}) {
+    c->points.set_law(law);
+    c->grid.lump_mass(c->points, test::kCalcite);
+  }
+  std::copy(whole.points.blocks.begin(), whole.points.blocks.end(), body.points.blocks.begin());  // frames too
+  const auto found = [&](test::Cement& c, bool hold) { return largest_eigenvalue(MPI_COMM_SELF, {{&c.points, &c.grid, hold}}, *law).value; };
+  const double expected = found(whole, false);
+  EXPECT_NEAR(found(body, true), expected, 2e-3 * expected);
+  EXPECT_LT(found(body, false), 1e-6 * expected);
 }
 
 TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {

@@ -281,6 +281,29 @@ TEST(CrackFaces, SlideWithMuN) {
   }
 }
 
+// Faces that overlap, as where the normal turned: they part, and the force that sees to it gives no energy.
+TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  int overlapped = 0;
+  for (double way : {-kPush, kPush}) {
+    RowOfGrains host(MPI_COMM_WORLD, cracked(on_path({0, 0, 0}), 0.3));
+    host.setup();
+    host.run(20);
+    Grid& grid = host.bonds.begin()->grid;
+    for (int i = 0; i < grid.size(); ++i)
+      if (part_of_field(grid.keys[i][0]) != 0) {
+        grid.displacement[3 * i + 2] += way;
+        grid.velocity[3 * i + 2] = 1e5 * way;
+      }
+    host.step();
+    overlapped += host.bonds.begin()->faces.deepest() > 0.5 * kPush;
+    host.run(100);
+    const CementTotals t = host.cement->totals(0.1);
+    EXPECT_GT(t.rubbed, -1e-6 * (t.elastic + t.kinetic));
+  }
+  EXPECT_EQ(overlapped, 1);
+}
+
 TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
   Row r = cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), 0.3);
   r.loose = true;  // and the grain's place
