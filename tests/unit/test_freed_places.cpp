@@ -289,11 +289,21 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
     RowOfGrains host(MPI_COMM_WORLD, cracked(on_path({0, 0, 0}), 0.3));
     host.setup();
     host.run(20);
-    Grid& grid = host.bonds.begin()->grid;
-    for (int i = 0; i < grid.size(); ++i)
-      if (part_of_field(grid.keys[i][0]) != 0) {
-        grid.displacement[3 * i + 2] += way;
-        grid.velocity[3 * i + 2] = 1e5 * way;
+    Bond& bond = *host.bonds.begin();
+    std::vector<char> above(bond.grid.size(), 0);  // nodes of what holds above the crack
+    for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
+      const BlockMeta& m = bond.points.meta[b];
+      if (bond.points.blocks[b].X[2][0] < test::kSpacing || m.failed) continue;
+      with_weights<QuadraticBspline>(bond.points.blocks[b], m, 1.0 / bond.grid.h, [&](const auto& w) {
+        using W = std::decay_t<decltype(w)>;
+        for (int c = 0; c < W::kI * W::kJ; ++c)
+          for (int k = 0; k < W::kK; ++k) above[m.column[c] + k] = 1;
+      });
+    }
+    for (int i = 0; i < bond.grid.size(); ++i)
+      if (above[i]) {
+        bond.grid.displacement[3 * i + 2] += way;
+        bond.grid.velocity[3 * i + 2] = 1e5 * way;
       }
     host.step();
     overlapped += host.bonds.begin()->faces.deepest() > 0.5 * kPush;
