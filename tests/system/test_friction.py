@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """`friction` of fix mpm/couple in a script: what let go touches again. Figures are in tests/unit/test_freed_places.cpp."""
+import csv
+from pathlib import Path
+
+import numpy as np
 import pytest
 from scenes import CALCITE, CONTACT, cement, edit, launch, pair, pull, restarted, run, thermo
 
@@ -34,3 +38,20 @@ def test_other_friction_after_a_restart_is_refused(tmp_path):
     for words in ("", "friction 0.2"):
         done = launch(edit(scene(words), pair(CELL / 2, cement="content 0.01"), restarted("early")) + "run 1\n", tmp_path, name="in.other")
         assert done.status != 0 and any("'friction 0.3'" in e for e in done.errors()), done.output[-1000:]
+
+
+def test_example_breaks_closes_and_slides(tmp_path, figures):
+    """examples/pair_closed: tension until it breaks, compression when it is closed, friction below mu N, and the books close."""
+    folder = Path(__file__).parents[2] / "examples" / "pair_closed"
+    assert launch((folder / "in.closed").read_text(), tmp_path, name="in.closed").status == 0
+    with open(tmp_path / "bond.csv") as f:
+        rows = list(csv.DictReader(f))
+    step, tension, shear, apart, touching, imbalance = (
+        np.array([float(r[name]) for r in rows]) for name in ("step", "tension", "fx1", "separated", "touching_grain2", "energy_imbalance"))
+    closed, sliding = step >= 2600, step >= 3400
+    assert tension.max() > 50 and apart[-1] == 1 and touching[closed].min() > 0.05
+    assert tension[closed].max() < -20
+    share = (shear[sliding] / -tension[sliding]).mean()
+    figures.note("friction over normal force while the closed bond slides", f"{share:.3f}")
+    assert 0.1 < share < 0.3
+    figures.below("energy imbalance through breaking, closing and sliding", abs(imbalance).max(), 0.01)
