@@ -42,11 +42,15 @@ inline void fail(CrackPoint& p) {
   p.attached[0] = p.attached[1] = false;
 }
 
+// Failed, but its link holds.
+inline void make_skin(CrackPoint& p) { p.failed = true; }
+
 // The same bond with the first grain for the second.
 inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
   for (CrackPoint& p : points) {
     std::swap(p.attached[0], p.attached[1]);
     std::swap(p.link_area[0], p.link_area[1]);
+    std::swap(p.link_damage[0], p.link_damage[1]);
     p.nearer = 1 - p.nearer;
   }
   return points;

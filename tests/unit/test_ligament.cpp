@@ -299,5 +299,31 @@ TEST(Ligament, OrderOfThePointsDoesNotMatter) {
   }
 }
 
+// With skins what is damaged more breaks where the bond holds by points at a grain: the link or the point.
+TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
+  for (const auto& [link, point, debonds] : {std::make_tuple(0.7f, 0.2f, true), {0.2f, 0.7f, false}, {0.0f, 0.0f, false}}) {
+    std::vector<CrackPoint> points = column();
+    for (CrackPoint& p : points) {
+      if (level(p) != 0) continue;
+      if (p.cell[0] > 0) {
+        p.attached[0] = false;
+      } else {
+        p.link_damage[0] = link;
+        p.damage = point;
+      }
+    }
+    const Ligament l = find_ligament(points);
+    ASSERT_EQ(l.left(), 5 * kWidth);
+    std::vector<int> cut;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (points[i].attached[0]) cut.push_back(static_cast<int>(i));
+    const Separation now = separate(cut_through(cut, points, true), kFace), before = separate(cut_through(cut, points), kFace);
+    EXPECT_TRUE(now.separated && before.separated);
+    EXPECT_NEAR(before.at_grain[0], kWidth * kWidth * kLinkArea, 1e-12);
+    EXPECT_NEAR(now.at_grain[0], (debonds ? 8 : 3) * kWidth * kLinkArea, 1e-12);
+    EXPECT_NEAR(now.inside, (debonds ? 0 : 5) * kWidth, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -12,7 +12,7 @@
 namespace mpdem {
 namespace {
 
-using test::column, test::fail, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
+using test::column, test::fail, test::make_skin, test::kFace, test::kHeight, test::kLinkArea, test::kWidth, test::level;
 
 TEST(Separation, IntactBond) {
   const std::vector<CrackPoint> points = column();
@@ -20,6 +20,49 @@ TEST(Separation, IntactBond) {
   EXPECT_FALSE(s.separated);
   EXPECT_EQ(s.part, std::vector<int>(points.size(), 0));
   EXPECT_EQ(s.debonded_share(), 0.0);
+}
+
+// The layer of points at a grain fails: with its links the bond lets go of the grain; if these hold, the layer is a skin on the grain and
+// the crack is inside. Either way what is left goes with the other grain.
+TEST(Separation, SkinsOnAGrain) {
+  for (int grain : {0, 1}) {
+    const int layer = grain == 0 ? 0 : kHeight - 1;
+    const auto cut = [&](bool skin(const CrackPoint&)) {
+      std::vector<CrackPoint> points = column();
+      for (CrackPoint& p : points)
+        if (level(p) == layer) skin(p) ? make_skin(p) : fail(p);
+      return points;
+    };
+    constexpr double kAll = kWidth * kWidth;
+    const Separation gone = separate(cut([](const CrackPoint&) { return false; }), kFace);
+    EXPECT_NEAR(gone.at_grain[grain], kAll * kLinkArea, 1e-12);
+    EXPECT_EQ(gone.inside, 0.0);
+    const std::vector<CrackPoint> points = cut([](const CrackPoint&) { return true; });
+    const Separation skin = separate(points, kFace);
+    EXPECT_TRUE(skin.separated);
+    EXPECT_EQ(skin.at_grain[0] + skin.at_grain[1], 0.0);
+    EXPECT_NEAR(skin.inside, kAll, 1e-12);
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(skin.part[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
+    const Separation half = separate(cut([](const CrackPoint& p) { return p.cell[0] < 0; }), kFace);
+    // points as near to a skin as to what holds above them count half
+    EXPECT_NEAR(half.at_grain[grain], 0.5 * (kAll - kWidth) * kLinkArea, 1e-12);
+    EXPECT_EQ(half.at_grain[1 - grain], 0.0);
+    EXPECT_NEAR(half.inside, 0.5 * (kAll + kWidth), 1e-12);
+  }
+}
+
+// Where the cement is one point thick the crack runs through skins that are on both grains.
+TEST(Separation, SkinsOnBothGrains) {
+  std::vector<CrackPoint> points = column(kWidth, 1);
+  for (CrackPoint& p : points) {
+    p.attached[0] = p.attached[1] = true;
+    p.link_area[0] = p.link_area[1] = kLinkArea;
+    make_skin(p);
+  }
+  const Separation s = separate(points, kFace);
+  EXPECT_TRUE(s.separated);
+  EXPECT_EQ(s.at_grain[0] + s.at_grain[1], 0.0);
+  EXPECT_NEAR(s.inside, kWidth * kWidth * kLinkArea, 1e-12);
 }
 
 // The path leads from grain to grain, over faces of intact points, past damage where there is a way.

@@ -80,6 +80,7 @@ class Cement {
   // The links, or none.
   void couple(const PenaltyParameters* penalty);
   const std::optional<PenaltyParameters>& penalty() const { return penalty_; }
+  bool keeps_skins() const { return penalty_ && penalty_->law->keeps_skins(); }
   bool built() const { return built_; }
   int bodies_started() const { return bodies_started_; }
   double dt_last() const { return dt_last_; }

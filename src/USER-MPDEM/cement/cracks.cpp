@@ -56,6 +56,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
   for (int g = 0; g < 2; ++g) {
     p.attached[g] = false;
+    p.link_damage[g] = 0.0f;
     p.link_area[g] = 0.0;
   }
   for (int n = first_link[slot]; n < first_link[slot + 1]; ++n) {
@@ -64,6 +65,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
     double across = 0.0;
     for (int d = 0; d < 3; ++d) across += (k.foot[d] - body.centre[g][d]) / body.radius[g] * axis[d];
     p.attached[g] = p.attached[g] || k.attached;
+    p.link_damage[g] = std::max(p.link_damage[g], static_cast<float>(k.state[0]));
     p.link_area[g] += k.area * std::fabs(across);
   }
   return p;
@@ -252,7 +254,7 @@ std::vector<int> Cracks::untie(const CementOptions& options) {
 }
 
 std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                                         const std::vector<char>& wanted) const {
+                                         const std::vector<char>& wanted, bool skins) const {
   const WholeBonds whole = collect(comm, bonds, wanted, options.split);
   constexpr int kWords = 5;
   std::vector<double> found(kWords * wanted.size(), 0.0);
@@ -265,7 +267,7 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     of_bond[0] = ligament.left();
     of_bond[1] = ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
-      const Separation s = look_at(bonds.table[b], row, sheets, options, cut_through(cut, points));
+      const Separation s = look_at(bonds.table[b], row, sheets, options, cut_through(cut, points, skins));
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
       for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
     }

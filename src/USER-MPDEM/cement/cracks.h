@@ -55,13 +55,13 @@ class Cracks {
   // Bonds that have ties now and come to a layout without them.
   std::vector<int> untie(const CementOptions& options);
 
-  // Of bonds that hold, their ligament and the separation that there would be without it. Collective.
+  // Of bonds that hold, their ligament and the separation that there would be without it. skins: TractionLaw::keeps_skins(). Collective.
   struct Ahead {
     double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
     Separation surface;              // if the ligament failed
   };
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                           const std::vector<char>& wanted) const;
+                           const std::vector<char>& wanted, bool skins) const;
 
   // `debonding`, `internal` or `mixed`.
   static const char* mode_of(const Separation& s);

@@ -25,7 +25,8 @@ Group group(const char* const (&names)[n]) {
 }
 const Group kPosition = group(PointRow::kPlace), kAxis = group(PointRow::kAxis), kTensor = group(PointRow::kDamage),
             kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"}, kFailed = group(PointRow::kFailed),
-            kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot), kAttached = group(PointRow::kAttached);
+            kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot), kAttached = group(PointRow::kAttached),
+            kLinkDamage = group(PointRow::kLinkDamage);
 // Attached points can be centroids of cells cut by the surface, feet of patches those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
 // So neither area nor volume of a point can be larger than what lies within that distance of it.
@@ -74,7 +75,7 @@ class Columns {
   Columns(const std::vector<std::string>& names, const std::string& place) : count_(names.size()) {
     std::map<std::string, const Group*> known;
     std::string list;
-    for (const auto* g : {&kPosition, &kAxis, &kTensor, &kPrincipal, &kFailed, &kGrains, &kArea, &kFoot, &kAttached})
+    for (const auto* g : {&kPosition, &kAxis, &kTensor, &kPrincipal, &kFailed, &kGrains, &kArea, &kFoot, &kAttached, &kLinkDamage})
       for (const std::string& n : *g) {
         known[n] = g;
         list += (list.empty() ? "" : " ") + n;
@@ -88,6 +89,7 @@ class Columns {
         if (!column_.count(k.first)) stop(place, "column '", k.first, "' is missing; it is needed with the others");
     if (has(kTensor) && has(kPrincipal)) stop(place, "damage is given twice, by 'dxx ...' and by 'd1 ...'; use one of them");
     if ((has(kFoot) || has(kAttached)) && !has(kArea)) stop(place, "columns 'foot_..' and 'attached_..' need 'area_i area_j'");
+    if (has(kLinkDamage) && !has(kAttached)) stop(place, "columns 'damage_i damage_j' need 'attached_i attached_j'");
   }
   std::size_t count() const { return count_; }
   bool has(const Group& group) const {
@@ -261,6 +263,7 @@ class PointFile {
   FillPoint point_of(const std::vector<double>& numbers, const std::string& place) {
     PointRow row;
     row.has_axis = columns_.has(kAxis);
+    row.has_link_damage = columns_.has(kLinkDamage);
     RowReader reader(columns_, numbers, place);
     PointRow::describe(row, reader);
     FillPoint p;
@@ -337,7 +340,12 @@ class PointFile {
     if ((k.foot - p.X).norm() > kFurthestFoot * o_.spacing)
       stop(place, "the point is ", (k.foot - p.X).norm(), " from where it is attached to grain ", o_.tag[s], ", more than ", kFurthestFoot,
            " spacings");
-    if (columns_.has(kAttached)) k.attached = side.attached && !p.failed;
+    if (columns_.has(kAttached)) k.attached = side.attached && (columns_.has(kLinkDamage) || !p.failed);
+    k.damage = side.damage;
+    if (!(k.damage >= 0.0 && k.damage <= 1.0))
+      stop(place, "column '", PointRow::kLinkDamage[s], "' is ", k.damage, "; the damage of a link must lie between 0 and 1");
+    if (k.attached && k.damage == 1.0)
+      stop(place, "'", PointRow::kLinkDamage[s], "' is 1 but '", PointRow::kAttached[s], "' is 1 too; a link of damage 1 has let go: make one of them less");
     return true;
   }
 

@@ -14,6 +14,7 @@
 //                                      the larger ID
 //   foot_ix foot_iy foot_iz, foot_j.   and where on its surface (else the nearest place)
 //   attached_i attached_j              0: that link has let go
+//   damage_i damage_j                  of that link, for traction laws that know it; points that failed may then be attached
 // Without the area columns, points within `attach` of a surface are attached to it with
 // volume R^2/(r^2 attach) (r: distance to the centre), which for a layer of that thickness sums
 // up to the area of the sphere.

@@ -190,7 +190,7 @@ const std::vector<BondState>& Cement::bond_states() {
 
 std::vector<Cracks::Ahead> Cement::cracks_ahead(const std::vector<char>& wanted) {
   for (Bond& b : bonds_) sort_links(b);
-  return cracks_.ahead(comm_, bonds_, sheets_, options_, wanted);
+  return cracks_.ahead(comm_, bonds_, sheets_, options_, wanted, keeps_skins());
 }
 
 std::vector<double> Cement::added_mass_of_sides() {

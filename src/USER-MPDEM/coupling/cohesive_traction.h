@@ -18,6 +18,8 @@
 #ifndef MPDEM_COHESIVE_TRACTION_H
 #define MPDEM_COHESIVE_TRACTION_H
 
+#include <algorithm>
+
 #include "../numerics/text_of.h"
 #include "traction_law.h"
 
@@ -27,6 +29,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
  public:
   static constexpr const char* kName = "cohesive";
   static constexpr int kFields = 1;
+  static constexpr bool kKeepsSkins = true;
   struct State {
     vd d;
   };
@@ -43,6 +46,11 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
       : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {}
 
   std::vector<double> parameters() const override { return {tn_, tt_, Gn_, Gt_}; }
+  // Of the softer direction.
+  std::vector<SofteningLength> softening_lengths(const VtiConstants& e) const override {
+    const double E = std::min(e.Ep, e.Ez), G = std::min(e.Gzp, 0.5 * e.Ep / (1.0 + e.nu_p));
+    return {{E * Gn_ / (tn_ * tn_), "E Gn/tn^2", "a larger 'Gn' or a smaller 'tn'"}, {G * Gt_ / (tt_ * tt_), "G Gt/tt^2", "a larger 'Gt' or a smaller 'tt'"}};
+  }
   // The elastic energy at the strength has to be below G in every mode. It is below G in mixed modes if it is so in
   // both pure ones.
   std::string trouble() const override {

@@ -40,7 +40,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (k.attached || k.inert)
+    if (holds(points, k) || k.inert)
       items.push_back({body.grain[0] == k.grain ? 0 : 1, points.tags[k.slot / kLanes][k.slot % kLanes], static_cast<int>(i)});
   }
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.side != b.side ? a.side < b.side : a.tag < b.tag; });
@@ -75,7 +75,7 @@ void PenaltyLinks::set_lane(LinkBlock& b, int lane, const PointStore& points, co
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
   b.inert |= bit;
-  if (k.attached) b.attached |= bit;
+  if (holds(points, k)) b.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
   b.damper[lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
@@ -328,18 +328,18 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
           freed |= static_cast<std::uint8_t>(1u << l);
           step.let_go.push_back(b.link[l]);
         }
-        release(b, freed, left, points, step.released);
+        release(b, freed, left, false, points, step.released);
       }
     }
   });
   std::sort(step.let_go.begin(), step.let_go.end());
 }
 
-void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, PointStore& points, double& released) {
+void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released) {
   for (int l = 0; l < kLanes; ++l) {
     if (!(freed >> l & 1)) continue;
     released += energy[l];
-    points.links[b.link[l]].attached = false;
+    points.links[b.link[l]].attached = is_skin;
     points.links[b.link[l]].inert = true;
   }
   b.attached &= static_cast<std::uint8_t>(~freed);
@@ -347,7 +347,7 @@ void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, PointSto
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
                           double& released) {
-  if (failed.empty() || blocks_.empty()) return;
+  if (failed.empty() || blocks_.empty() || (p_.law->keeps_skins() && !p_.slack_skins)) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       LinkBlock& b = blocks_[i];
@@ -358,7 +358,7 @@ void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, co
         if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
           freed |= static_cast<std::uint8_t>(1u << l);
       }
-      if (freed) release(b, freed, energy(law, i, grid, side[b.side]), points, released);
+      if (freed) release(b, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
     }
   });
 }

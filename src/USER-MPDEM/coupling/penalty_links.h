@@ -50,6 +50,9 @@ struct PenaltyParameters {
     const TractionStiffness& k = law->stiffness();
     return std::max(friction > 0.0 ? k.kn * std::sqrt(1.0 + friction * friction) : k.kn, k.kt);
   }
+  // Skins (TractionLaw::keeps_skins()) that share nodes with the material that came off them, as with nodes that split: their links hold in name
+  // alone, or they would hold that material.
+  bool slack_skins = false;
 };
 
 // What links of a law with a state did in a step.
@@ -92,7 +95,8 @@ class PenaltyLinks {
   // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
-  // Frees the links of points that failed (slots, ascending), and adds the energy they gave up to `released`.
+  // Frees the links of points that failed (slots, ascending), and adds the energy they gave up to `released`. With a law that keeps
+  // skins they stay attached.
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
   void drop_inertia(PointStore& points);
@@ -132,6 +136,10 @@ class PenaltyLinks {
     int side, tag, link;
   };
 
+  // Is it attached, and no slack skin?
+  bool holds(const PointStore& points, const Link& k) const {
+    return k.attached && !(p_.slack_skins && (points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1));
+  }
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
   void base_of(const PointStore& points, const Link& k, int* base) const;
@@ -148,7 +156,7 @@ class PenaltyLinks {
   // Of a block, for its traction law.
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
-  void release(LinkBlock& b, std::uint8_t freed, vd energy, PointStore& points, double& released);
+  void release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
   void take_states(const PointStore& points);
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;

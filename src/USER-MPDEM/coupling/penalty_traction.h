@@ -13,6 +13,7 @@ class PenaltyTraction final : public TractionLawOf<PenaltyTraction> {
  public:
   static constexpr const char* kName = "penalty";
   static constexpr int kFields = 0;
+  static constexpr bool kKeepsSkins = false;
   struct State {};
 
   explicit PenaltyTraction(TractionStiffness stiffness, const LawValues& = {}) : TractionLawOf(stiffness) {}

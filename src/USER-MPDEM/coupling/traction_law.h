@@ -10,7 +10,8 @@
 // work on eight links at a time, in the frame of the normal n of the grain's surface:
 //
 //   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
-//                           All of them are 0 in a link that was never loaded.
+//                           They go from 0, in a link that was never loaded, to 1; the first is the damage of the link.
+//   kKeepsSkins             see TractionLaw::keeps_skins()
 //   State                   these numbers for eight links: kFields times a vd
 //   words()                 the words after its name, see LawWord; the constructor takes the stiffness and their values
 //   secant(delta, state)    stiffness kn and kt by which the traction is kn delta_n n + kt delta_t. At most stiffness().
@@ -26,6 +27,7 @@
 #include <vector>
 
 #include "../material/law_list.h"
+#include "../material/vti_elasticity.h"
 #include "../numerics/simd.h"
 
 namespace mpdem {
@@ -53,6 +55,12 @@ struct TractionUpdate {
   vmask grown, let_go;   // the state changed; the link carries nothing from now on
 };
 
+// Length over which the front of a crack softens in front of a material of these elastic constants.
+struct SofteningLength {
+  double length;
+  const char *formula, *cure;
+};
+
 class TractionLaw {
  public:
   explicit TractionLaw(TractionStiffness stiffness) : stiffness_(stiffness) {}
@@ -61,8 +69,12 @@ class TractionLaw {
   const TractionStiffness& stiffness() const { return stiffness_; }
   virtual const char* name() const = 0;
   virtual int fields() const = 0;
+  // Does a link hold on when its point fails? The failed point then stays on the grain as a skin, and the crack is inside the cement.
+  virtual bool keeps_skins() const = 0;
   // Values of its words, in their order, at most LinksSoFar::kMostParameters: later runs must have the same.
   virtual std::vector<double> parameters() const { return {}; }
+  // Those that cells have to resolve; empty if there are none.
+  virtual std::vector<SofteningLength> softening_lengths(const VtiConstants&) const { return {}; }
   // What is wrong with the words together; empty if nothing is.
   virtual std::string trouble() const { return ""; }
 
@@ -81,6 +93,7 @@ class TractionLawOf : public TractionLaw {
   using TractionLaw::TractionLaw;
   const char* name() const final { return L::kName; }
   int fields() const final { return L::kFields; }
+  bool keeps_skins() const final { return L::kKeepsSkins; }
 };
 
 }  // namespace mpdem

@@ -175,9 +175,17 @@ Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Pass
   return {std::move(passed), Flow(std::move(across), std::move(held))};
 }
 
+// Damage of the point or of a link that still holds it, whichever is more.
+double weakness(const CrackPoint& p) {
+  float most = p.damage;
+  for (int g = 0; g < 2; ++g)
+    if (p.attached[g]) most = std::max(most, p.link_damage[g]);
+  return most;
+}
+
 double mean_damage(const std::vector<int>& cut, const std::vector<CrackPoint>& points) {
   double sum = 0.0;
-  for (int i : cut) sum += points[i].damage;
+  for (int i : cut) sum += weakness(points[i]);
   return cut.empty() ? 0.0 : sum / static_cast<double>(cut.size());
 }
 
@@ -205,10 +213,16 @@ Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes&
   return result;
 }
 
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points) {
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins) {
   for (int i : cut) {
-    points[i].failed = true;
-    points[i].attached[0] = points[i].attached[1] = false;
+    CrackPoint& p = points[i];
+    bool let_go = false;
+    for (int g = 0; g < 2; ++g) {
+      if (!p.attached[g] || (skins && p.link_damage[g] <= p.damage)) continue;
+      p.attached[g] = false;
+      let_go = true;
+    }
+    p.failed = !(skins && let_go);
   }
   return points;
 }

@@ -22,8 +22,9 @@ struct CrackPoint {
   float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
   float damage;             // largest eigenvalue
   bool failed;
-  bool attached[2];         // holds to this grain
+  bool attached[2];         // holds to this grain; if it failed, it is a skin on it
   double link_area[2];      // projected area of its links, let go or not
+  float link_damage[2];     // of its link to this grain, as far as the traction law knows damage
   int nearer;               // grain, by nearer_side() of body.h
   bool middle;              // of both sheets, in_the_middle() of body.h
 };

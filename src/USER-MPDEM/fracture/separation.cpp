@@ -176,10 +176,14 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
   return of_piece;
 }
 
-// The separating surface; side: of the grains to which pieces are attached, spread to all points.
+// A point that failed and stays on the grains that it is attached to: bits as in Goes::held.
+int skin_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
+
+// The separating surface; side: of the grains to which pieces and skins are attached, spread to all points. The link of a skin holds: what
+// separates there runs beside the skin, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
                   const std::vector<Goes>& side, Separation& result) {
-  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held);
+  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), skin_on);
   const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
   if (!held && loose)  // both grains let go between two looks
     for (const CrackPoint& p : points)
@@ -187,8 +191,12 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (side[i].held == 0) continue;
     const double first = share_of_first(side[i].held);
-    result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
-    result.at_grain[1] += first * points[i].link_area[1];
+    if (skin_on(points[i]) == 3) {
+      result.inside += 0.5 * (points[i].link_area[0] + points[i].link_area[1]);
+    } else {
+      result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
+      result.at_grain[1] += first * points[i].link_area[1];
+    }
     for (int f = 1; f < 6; f += 2) {
       const int j = near.of(static_cast<int>(i))[f];
       if (j >= 0 && side[j].held != 0) result.inside += face_area[f / 2] * std::fabs(first - share_of_first(side[j].held));
@@ -218,11 +226,11 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
   const std::vector<Goes> of_piece = rank_pieces(pieces, next, loose_part);
   std::vector<Goes> goes(n), side(n);
-  for (int i = 0; i < n; ++i)
-    if (piece_of[i] >= 0) {
-      goes[i] = of_piece[piece_of[i]];
-      side[i].held = goes[i].held;
-    }
+  for (int i = 0; i < n; ++i) {
+    if (piece_of[i] >= 0) goes[i] = of_piece[piece_of[i]];
+    else goes[i].held = skin_on(points[i]);
+    side[i].held = goes[i].held;
+  }
   grow(near, points, false, goes);
   for (int i = 0; i < n; ++i) {
     const CrackPoint& p = points[i];

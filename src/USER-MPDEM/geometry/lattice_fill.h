@@ -30,6 +30,7 @@ struct FillPoint {
     Vector3 foot = Vector3::Zero();
     double area = 0;
     bool attached = true;
+    double damage = 0;  // of the link, see coupling/traction_law.h; only points from a file have some
   } link[2];
   // Only points from a file have these.
   Vector3 axis = Vector3::Zero();            // of the elasticity; zero: by the rule of fix mpm

@@ -15,12 +15,13 @@ struct PointRow {
     double area = 0.0;  // 0: no link
     double foot[3] = {0, 0, 0};
     bool attached = false;
+    double damage = 0.0;  // of the link
   };
   // Names of columns. Those of one line come together or not at all.
   static constexpr const char *kGrain[2] = {"grain_i", "grain_j"}, *kPlace[4] = {"x", "y", "z", "volume"}, *kAxis[3] = {"ax", "ay", "az"},
                               *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"}, *kArea[2] = {"area_i", "area_j"},
                               *kFoot[6] = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
-                              *kAttached[2] = {"attached_i", "attached_j"};
+                              *kAttached[2] = {"attached_i", "attached_j"}, *kLinkDamage[2] = {"damage_i", "damage_j"};
 
   int grain[2] = {0, 0};
   double x[3] = {0, 0, 0}, volume = 0.0;
@@ -28,6 +29,7 @@ struct PointRow {
   double axis[3] = {0, 0, 0};
   double damage[6] = {0, 0, 0, 0, 0, 0};
   bool failed = false;
+  bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a point that failed may be a skin on a grain
   Side side[2];
 
   template <class Self, class Visitor>
@@ -42,10 +44,12 @@ struct PointRow {
     if (visit.present(r.has_axis)) columns(kAxis, r.axis, kFinite);
     columns(kDamage, r.damage, from(-1.0, 1.0));
     visit(kFailed[0], r.failed);
+    visit.left_out(r.has_link_damage);
     for (int s = 0; s < 2; ++s) {
       visit(kArea[s], r.side[s].area, kNotNegative);
       columns(kFoot + 3 * s, r.side[s].foot, kFinite);
       visit(kAttached[s], r.side[s].attached);
+      if (visit.present(r.has_link_damage)) visit(kLinkDamage[s], r.side[s].damage, from(0.0, 1.0));
     }
   }
 };

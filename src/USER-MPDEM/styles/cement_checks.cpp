@@ -199,6 +199,20 @@ void count_points(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec,
                                  "; use a larger or periodic box"));
 }
 
+void check_links(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, const TractionLaw& law) {
+  std::string trouble;
+  if (law.fields() > 0) return;
+  for (const Bond& bond : avec.bonds)
+    for (const Link& k : bond.points.links) {
+      const bool skin = k.attached && (bond.points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
+      if ((k.state[0] == 0.0 && !skin) || !trouble.empty()) continue;
+      const Body& body = avec.bonds.body(bond);
+      trouble = text_of(who, "a link of the cement of grains ", body.grain[0], " and ", body.grain[1], skin ? " holds a point that failed" : text_of(" has the damage ", k.state[0]),
+                        ", of which 'interface ", law.name(), "' does not know; use 'interface cohesive', or leave the columns 'damage_i damage_j' out of the file");
+    }
+  stop_if_any(lmp, trouble);
+}
+
 FixGravity* find_gravity(LAMMPS* lmp, const Fix* fix, const AtomVecMpdem& avec) {
   FixGravity* gravity = nullptr;
   for (int k = 0; k < lmp->modify->nfix; ++k) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "../cement/options.h"
+#include "../coupling/traction_law.h"
 #include "atom_vec_mpdem.h"
 #include "fix.h"
 
@@ -36,6 +37,9 @@ void count_points(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_N
 // Empty if all are well. Of this rank.
 std::string grain_that_is_not_finite(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec);
 std::string axis_name(AxisRule rule, const double* direction);
+
+// Cement of a file may have links with damage, and skins, which only a law with damage of links goes on from.
+void check_links(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, const TractionLaw& law);
 
 // Gravity acts on the cement as on the grains: its fix, or null. Any other force on material points would be
 // without effect, of which this warns.

@@ -33,6 +33,13 @@ std::string shares_of(const Separation& s) {
                  100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
 }
 
+// Links that let go.
+double links_let_go(const BondState& bond) {
+  static const BondColumn column = *std::find_if(bond_columns().begin(), bond_columns().end(),
+                                                 [](const BondColumn& c) { return c.name == std::string("debonded"); });
+  return column.value(bond);
+}
+
 }  // namespace
 
 void CementReport::say(const std::string& text) const {
@@ -180,7 +187,7 @@ void CementReport::modes(Cement& c) {
   std::vector<char> told(state.size(), 0), holds(state.size(), 0);
   std::size_t lines = 0;
   for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
-    told[b] = state[b].failed != 0.0;
+    told[b] = is_told(c, state[b]);
     holds[b] = told[b] && !cracks.separated(b);
     lines += told[b];
   }
@@ -192,6 +199,7 @@ void CementReport::modes(Cement& c) {
     std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ",
                                table[b].grain[1], ": ", cracks.mode(b), ", ", state[b].failed,
                                " points failed");
+    if (c.keeps_skins()) text += text_of(", ", links_let_go(state[b]), " links let go");
     if (!holds[b]) {
       text += shares_of(cracks[b].separation);
     } else {
@@ -204,17 +212,22 @@ void CementReport::modes(Cement& c) {
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }
 
+// Does the end of a run speak of this bond?
+bool CementReport::is_told(const Cement& c, const BondState& bond) {
+  return bond.failed != 0.0 || (c.keeps_skins() && links_let_go(bond) != 0.0);
+}
+
 // Where not every bond has a line.
 void CementReport::sum_of_modes(const Cement& c, int lines) const {
   std::map<std::string, int> count;
   int damaged = 0;
   for (std::size_t b = 0; b < bonds_->size(); ++b) {
-    if ((*bonds_)[b].failed == 0.0) continue;
+    if (!is_told(c, (*bonds_)[b])) continue;
     ++count[c.cracks().mode(b)];
     ++damaged;
   }
   if (damaged == lines) return;
-  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed in ", damaged, ", the first ", lines,
+  std::string text = text_of(who_, "of ", bonds_->size(), " bonds points failed ", c.keeps_skins() ? "or links let go " : "", "in ", damaged, ", the first ", lines,
                              " of which are listed:");
   const char* comma = " ";
   for (const auto& mode : count) {

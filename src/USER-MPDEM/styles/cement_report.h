@@ -42,6 +42,7 @@ class CementReport {
   void say(const std::string& text) const;
   void damping(Cement& c);
   void warn(const Cement& c) const;
+  static bool is_told(const Cement& c, const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;
   double limit_of_jumps(const Cement& c) const;
 

@@ -409,6 +409,7 @@ void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, d
     for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
     r.link[k].area = p.link[k].area;
     r.link[k].attached = p.link[k].attached;
+    r.link[k].state[0] = p.link[k].damage;
   }
   r.failed = p.failed;
   std::copy(p.damage, p.damage + 6, r.damage);

@@ -43,7 +43,7 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
   return e;
 }
 
-void FailureLog::add(const Bond& bond, const Body& body, long step, double time) {
+void FailureLog::add(const Bond& bond, const Body& body, bool skins, long step, double time) {
   if (name_.empty()) return;
   const PointStore& points = bond.points;
   for (int slot : bond.failed) {
@@ -55,7 +55,7 @@ void FailureLog::add(const Bond& bond, const Body& body, long step, double time)
     for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
     for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const Link& k, int s) { return k.slot < s; });
-         k != points.links.end() && k->slot == slot; ++k)
+         !skins && k != points.links.end() && k->slot == slot; ++k)
       if (e.grain == 0.0 || k->grain == nearer) e.grain = k->grain;
     events_.push_back(e);
   }

@@ -27,7 +27,8 @@ class FailureLog {
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
-  void add(const Bond& bond, const Body& body, long step, double time);
+  // skins: the links of points that fail hold on, TractionLaw::keeps_skins().
+  void add(const Bond& bond, const Body& body, bool skins, long step, double time);
   void add_links(const Bond& bond, const Body& body, long step, double time);
   // Collective. Opens the file, anew or where it was continued; why not, if so.
   std::string open(MPI_Comm comm, bool continued);

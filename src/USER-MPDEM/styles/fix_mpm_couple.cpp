@@ -9,8 +9,10 @@
 
 #include "arguments.h"
 #include "atom.h"
+#include "cement_checks.h"
 #include "comm.h"
 #include "domain.h"
+#include "error.h"
 #include "files_in_use.h"
 #include "modify.h"
 #include "update.h"
@@ -87,6 +89,8 @@ void FixMpmCouple::init() {
   p.law = interface_.make(mpdem::TractionStiffness{(kn_ < 0.0 ? automatic : kn_) * per_length, (kt_ < 0.0 ? automatic : kt_) * per_length});
   const std::string wrong = p.law->trouble();
   if (!wrong.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", p.law->name(), "': ", wrong));
+  mpdem::check_links(lmp, text_of("fix mpm/couple (id ", id, "): "), *cement_->cement(), *p.law);
+  warn_of_length(*p.law);
   check_rounding("kn", kn_, per_length);
   check_rounding("kt", kt_, per_length);
   p.damping = damping_;
@@ -117,6 +121,21 @@ void FixMpmCouple::check_friction() {
   if (friction_ < 0.0 || !(o.updated || o.reproject_distortion > 0.0)) return;
   mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' needs a reference that stays, and fix mpm '", cement_id_, "' has '",
                                o.updated ? "kinematics updated" : "reproject auto", "'; use 'kinematics total' without 'reproject auto', or no 'friction'"));
+}
+
+// Over which length an interface softens that has a strength and an energy: cells have to resolve it.
+void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
+  if (length_told_ || comm->me != 0) return;
+  length_told_ = true;
+  constexpr double kLeastCells = 2.0;
+  const double cell = cement_->cell();
+  for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))
+    if (s.length < kLeastCells * cell)
+      error->warning("fix mpm/couple", 0,
+                     text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
+                             kLeastCells, " cells of ", cell, ", so that peak and energy of a bond go with the cell; use 'cell ", s.length / kLeastCells,
+                             "' or less, or ", s.cure)
+                         .c_str());
 }
 
 // A bonded grain follows one integrator, or is held on purpose.

@@ -39,6 +39,7 @@ class FixMpmCouple : public Fix {
   FixMpm* find_cement() const;
   void check_friction();
   void check_integrators();
+  void warn_of_length(const mpdem::TractionLaw& law);
   void check_rounding(const char* keyword, double k, double per_length) const;
   double value(int body, int column);
   void open_table();
@@ -56,7 +57,7 @@ class FixMpmCouple : public Fix {
   std::string table_name_;
   mpdem::TableFile table_;
   bigint table_from_ = 0;
-  bool table_open_ = false;
+  bool table_open_ = false, length_told_ = false;
   bigint table_last_ = -1;
 };
 

@@ -70,13 +70,14 @@ void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
 }
 
 // A point as it is now. Foot points turn with their grains.
-mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::map<int, GrainNow>& grains, bool has_axis) {
+mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::map<int, GrainNow>& grains, bool has_axis, bool has_link_damage) {
   const mpdem::PointRecord& r = p.record;
   mpdem::PointRow row;
   std::copy(body.grain, body.grain + 2, row.grain);
   std::copy(p.x, p.x + 3, row.x);
   row.volume = r.volume;
   row.has_axis = has_axis;
+  row.has_link_damage = has_link_damage;
   row.failed = r.failed;
   const double* D = r.damage;
   Eigen::Matrix3d m;
@@ -100,6 +101,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::ma
     row.side[s].area = link->area;
     std::copy(foot.data(), foot.data() + 3, row.side[s].foot);
     row.side[s].attached = link->attached;
+    row.side[s].damage = link->state[0];
   }
   return row;
 }
@@ -111,6 +113,7 @@ struct WriteCement::Now {
   std::map<int, GrainNow> grains;
   std::vector<PointNow> points;
   bool axes = false;  // have all points one?
+  bool link_damage = false;  // or skins: has any?
 };
 
 void WriteCement::command(int narg, char** arg) {
@@ -172,6 +175,9 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   now.axes = all[1] > 0.0;
   for (const GrainNow& g : mpdem::all_to_all(world, grains).data) now.grains[g.tag] = g;
   now.points = mpdem::all_to_all(world, points).data;
+  for (const PointNow& p : now.points)
+    for (int k = 0; k < p.record.links; ++k)
+      now.link_damage = now.link_damage || p.record.link[k].state[0] > 0.0 || (p.record.failed && p.record.link[k].attached);
   std::sort(now.points.begin(), now.points.end(), [](const PointNow& a, const PointNow& b) { return a.tag < b.tag; });
   return now;
 }
@@ -191,8 +197,9 @@ std::string WriteCement::write(const std::string& name, const std::vector<char>&
     if (chosen[b]) std::fprintf(f, "# grains %d and %d: spacing %.17g\n", table[b].grain[0], table[b].grain[1], table[b].spacing);
   mpdem::PointRow names;
   names.has_axis = now.axes;
+  names.has_link_damage = now.link_damage;
   write_line(f, names, true);
-  for (const PointNow& p : now.points) write_line(f, row_of(p, table[p.record.body], now.grains, now.axes), false);
+  for (const PointNow& p : now.points) write_line(f, row_of(p, table[p.record.body], now.grains, now.axes, now.link_damage), false);
   const bool bad = std::ferror(f) != 0;
   if (std::fclose(f) == 0 && !bad) return "";
   return text_of("write_cement: file '", name, "' could not be written whole: ", std::strerror(errno));
