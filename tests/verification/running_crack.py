@@ -37,7 +37,7 @@ def strip(spacing, angle, width):
     return np.concatenate(rows)
 
 
-def crack(directory, per_length, words=None, energy=None, angle=0.0, shift=0.0, over=1.35, cracks="split", damping=0.3, width=2, ramp=6.0, hold=6.0, basis=""):
+def crack(directory, per_length, words=None, energy=None, angle=0.0, shift=0.0, over=1.35, cracks="split", damping=0.3, width=2, ramp=6.0, hold=6.0, then=None, basis=""):
     """per_length: cells; over: energy of the strip over that of the crack. Times in those that a wave takes over the height."""
     h = LENGTH / per_length
     s = h / 2
@@ -65,12 +65,15 @@ def crack(directory, per_length, words=None, energy=None, angle=0.0, shift=0.0, 
     c = math.sqrt(E / RHO)
     unit = HEIGHT * LENGTH / c
     T, u = ramp * unit, math.sqrt(2 * over * G * HEIGHT * LENGTH / E)
-    along_ = f'"(v_t<{T})*{u}*(v_t/{T}-sin(2*PI*v_t/{T})/2/PI)+(v_t>={T})*{u}"'
-    speed = f'"(v_t<{T})*{u}/{T}*(1-cos(2*PI*v_t/{T}))"'
+    u2, T2 = u * (1.0 if then is None else math.sqrt(then / over)) - u, 2 * unit
+    along_ = (f'"(v_t<{T})*{u}*(v_t/{T}-sin(2*PI*v_t/{T})/2/PI)+(v_t>={T})*({u}+(v_t<{T + T2})*{u2}*((v_t-{T})/{T2}-sin(2*PI*(v_t-{T})/{T2})/2/PI)'
+              f'+(v_t>={T + T2})*{u2})"')
+    speed = f'"(v_t<{T})*{u}/{T}*(1-cos(2*PI*v_t/{T}))+(v_t>={T})*(v_t<{T + T2})*{u2}/{T2}*(1-cos(2*PI*(v_t-{T})/{T2}))"'
     text += scenes._motion(n, along_, speed)
     text += thermo(10, ["v_t", "f_bond", "f_cem[8]", "f_cem[9]", "f_cem[2]", "f_cem[12]", "f_cem[10]"])
     dt = 0.8 * 2 / math.sqrt(6) * h / c
     text += scenes.point_quantities(["damage"]) + "dump d calcite custom 10 damaged.*.txt id x z c_damage\ndump_modify d thresh c_damage >= 0.5\n"
+    text += f"dump e calcite custom {int((ramp + hold) * unit / dt)} end.*.txt id x z c_damage\ndump_modify e thresh c_damage >= 0.01\n"
     text += f"run {int((ramp + hold) * unit / dt)}\n"
     done = run(text, directory, minutes=9)
     t = done.table()
