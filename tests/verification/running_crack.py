@@ -70,9 +70,9 @@ def crack(directory, per_length, words=None, energy=None, angle=0.0, shift=0.0, 
               f'+(v_t>={T + T2})*{u2})"')
     speed = f'"(v_t<{T})*{u}/{T}*(1-cos(2*PI*v_t/{T}))+(v_t>={T})*(v_t<{T + T2})*{u2}/{T2}*(1-cos(2*PI*(v_t-{T})/{T2}))"'
     text += scenes._motion(n, along_, speed)
-    text += thermo(10, ["v_t", "f_bond", "f_cem[8]", "f_cem[9]", "f_cem[2]", "f_cem[12]", "f_cem[10]"])
+    text += thermo(5, ["v_t", "f_bond", "f_cem[8]", "f_cem[9]", "f_cem[2]", "f_cem[12]", "f_cem[10]"])
     dt = 0.8 * 2 / math.sqrt(6) * h / c
-    text += scenes.point_quantities(["damage"]) + "dump d calcite custom 10 damaged.*.txt id x z c_damage\ndump_modify d thresh c_damage >= 0.5\n"
+    text += scenes.point_quantities(["damage"]) + "dump d calcite custom 5 damaged.*.txt id x z c_damage\ndump_modify d thresh c_damage >= 0.1\n"
     text += f"dump e calcite custom {int((ramp + hold) * unit / dt)} end.*.txt id x z c_damage\ndump_modify e thresh c_damage >= 0.01\n"
     text += f"run {int((ramp + hold) * unit / dt)}\n"
     done = run(text, directory, minutes=9)
@@ -88,11 +88,13 @@ def measure(directory, t, G, angle, width, s):
         lines = (directory / f"damaged.{step}.txt").read_text().splitlines()[9:]
         if not lines:
             continue
-        x, z = np.array([[float(w) for w in line.split()] for line in lines]).T[1:3]
-        along = (math.cos(angle) * x - math.sin(angle) * z) / LENGTH + HELD / 2
-        new = along[along > NOTCH + 7]
-        if len(new):
-            at.append(NOTCH + 7 + s / LENGTH * len(np.unique(np.floor((new - NOTCH - 7) * LENGTH / s + 1e-6))))
+        x, z, D = np.array([[float(w) for w in line.split()] for line in lines]).T[1:4]
+        column = np.floor(((math.cos(angle) * x - math.sin(angle) * z) / LENGTH + HELD / 2) * LENGTH / s + 1e-6).astype(int)
+        most = np.zeros(round(HELD * LENGTH / s) + 2)
+        np.maximum.at(most, column, D)
+        last = np.flatnonzero(most >= 0.5).max(initial=0)
+        if last * s / LENGTH > NOTCH + 7 and most[last + 1] < 0.5:
+            at.append((last + 0.5 + (most[last] - 0.5) / (most[last] - most[last + 1])) * s / LENGTH)
             spent_at.append(step)
     at, spent_at = np.array(at), np.array(spent_at)
     spent = np.interp(spent_at, t["step"], t["f_cem[8]"] + t["f_cem[9]"])
