@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scenes import launch
 
@@ -176,3 +177,13 @@ def test_redraw_bad_table(tmp_path):
     done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "pair_table.py", tmp_path, "--redraw", tmp_path / "table.csv"],
                           capture_output=True, text=True)
     assert done.returncode != 0 and "not a table.csv of pair_table.py" in done.stderr
+
+
+def test_skins():
+    """Points linked to a grain that failed without letting go of it are skins; those inside, or that let go, are not."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem.interface import skins
+    first = {"id": np.array([1, 2, 3, 4]), "c_attached": np.array([1, 1, 1, 0]), "c_grain": np.array([7, 7, 8, 0])}
+    events = {"point": np.array([1, 2, 3, 4]), "grain": np.array([0, 7, 0, 0])}
+    assert skins(events, first, 7).tolist() == [True, False, False, False]
+    assert skins(events, first, 8).tolist() == [False, False, True, False]
