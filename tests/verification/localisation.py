@@ -10,7 +10,7 @@ import numpy as np
 
 
 def band(m, cutoff=0.9, n=16, half=6.0, steps=60):
-    """Width over L and energy over sqrt2 B0 L."""
+    """Width over L; energy, and what the band stores elastically at the cut-off in the middle, over sqrt2 B0 L."""
     power, compliance, threshold = 0.25, 4.0, 1.0 + m
     count = int(half * n)
     x = (np.arange(count) + 0.5) / n
@@ -58,9 +58,10 @@ def band(m, cutoff=0.9, n=16, half=6.0, steps=60):
         Yeq = 0.5 * (np.exp(s + 3 * lam) + np.exp(S + 3 * before))
         energy += 2 / n * np.sum(Yeq * (np.exp(-before) - np.exp(-lam)))
         S, before, widest = s, lam, max(widest, a)
-    return 2 * widest / n, energy
+    opening = 2 / n * np.sum(np.exp(S / 2) * (np.exp(2 * before) - 1))
+    return 2 * widest / n, energy, 0.5 * np.exp(S / 2) * opening
 
 
 if __name__ == "__main__":
     for m in (0.0, 1.0, 2.0):
-        print("m", m, *(f"n {n}: width {band(m, n=n)[0]:.3f} energy {band(m, n=n)[1]:.4f}" for n in (4, 8, 16)))
+        print("m", m, *(f"n {n}: width {band(m, n=n)[0]:.3f} energy {band(m, n=n)[1]:.4f} stored {band(m, n=n)[2]:.4f}" for n in (4, 8, 16)))

@@ -29,9 +29,7 @@ void Cement::set_density(double density) { inertia_ = options_.mass_scale * dens
 
 void Cement::couple(const PenaltyParameters* penalty) {
   penalty_.reset();
-  if (!penalty) return;
-  penalty_ = *penalty;
-  penalty_->slack_skins = options_.split && penalty->law->keeps_skins();
+  if (penalty) penalty_ = *penalty;
 }
 
 void Cement::take_up_states() {

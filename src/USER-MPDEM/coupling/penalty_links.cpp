@@ -347,7 +347,7 @@ void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
                           double& released) {
-  if (failed.empty() || blocks_.empty() || (p_.law->keeps_skins() && !p_.slack_skins)) return;
+  if (failed.empty() || blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       LinkBlock& b = blocks_[i];

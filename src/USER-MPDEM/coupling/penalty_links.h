@@ -50,9 +50,6 @@ struct PenaltyParameters {
     const TractionStiffness& k = law->stiffness();
     return std::max(friction > 0.0 ? k.kn * std::sqrt(1.0 + friction * friction) : k.kn, k.kt);
   }
-  // Skins (TractionLaw::keeps_skins()) that share nodes with the material that came off them, as with nodes that split: their links hold in name
-  // alone, or they would hold that material.
-  bool slack_skins = false;
 };
 
 // What links of a law with a state did in a step.
@@ -96,7 +93,7 @@ class PenaltyLinks {
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
   // Frees the links of points that failed (slots, ascending), and adds the energy they gave up to `released`. With a law that keeps
-  // skins they stay attached.
+  // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it.
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
   void drop_inertia(PointStore& points);
@@ -136,9 +133,9 @@ class PenaltyLinks {
     int side, tag, link;
   };
 
-  // Is it attached, and no slack skin?
-  bool holds(const PointStore& points, const Link& k) const {
-    return k.attached && !(p_.slack_skins && (points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1));
+  // Is it attached, and no skin?
+  static bool holds(const PointStore& points, const Link& k) {
+    return k.attached && !(points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
   }
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;

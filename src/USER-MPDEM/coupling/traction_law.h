@@ -69,7 +69,7 @@ class TractionLaw {
   const TractionStiffness& stiffness() const { return stiffness_; }
   virtual const char* name() const = 0;
   virtual int fields() const = 0;
-  // Does a link hold on when its point fails? The failed point then stays on the grain as a skin, and the crack is inside the cement.
+  // Does a link stay attached when its point fails? The failed point is then a skin on the grain, free of force, and the crack is inside the cement.
   virtual bool keeps_skins() const = 0;
   // Values of its words, in their order, at most LinksSoFar::kMostParameters: later runs must have the same.
   virtual std::vector<double> parameters() const { return {}; }
