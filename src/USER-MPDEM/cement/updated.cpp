@@ -169,9 +169,11 @@ class Updated : public Kinematics {
   void move_links(Bond& b) {
     Cement& c = cement_;
     c.timer_.start(StepTimer::kCoupling);
-    if (b.links.move_places(b.points) && !b.links.follow_points(b.points, c.bonds_.body(b), b.grid))
+    const bool moved = b.links.move_places(b.points);
+    if (c.keeps_skins()) c.let_go(b);  // new blocks would leave skins out before their energy is booked
+    if (moved && !b.links.follow_points(b.points, c.bonds_.body(b), b.grid))
       throw OnOneRank(text_of("a link moved out of the grid at step ", c.now_.number, "; check the motion of the grains and the time step"));
-    c.let_go(b);
+    if (!c.keeps_skins()) c.let_go(b);
     b.links.drop_inertia(b.points);
   }
 

@@ -134,8 +134,8 @@ class PenaltyLinks {
   };
 
   // Is it attached, and no skin?
-  static bool holds(const PointStore& points, const Link& k) {
-    return k.attached && !(points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
+  bool holds(const PointStore& points, const Link& k) const {
+    return k.attached && !(p_.law->keeps_skins() && (points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1));
   }
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;

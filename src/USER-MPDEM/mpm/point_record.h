@@ -42,7 +42,7 @@ struct Link {
     visit("'is attached' of a link", k.attached);
     visit("the way of a link", k.moved, kFinite);
     visit("'has added mass' of a link", k.inert);
-    visit("the damage of a link", k.state, from(0.0, 1.0));
+    visit("the state of a link", k.state, from(0.0, 1.0));
   }
 };
 
