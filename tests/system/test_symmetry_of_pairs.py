@@ -35,7 +35,7 @@ def scene(kind, n, along, steps, damage, place=(0, 0, 0), swapped=False, every=5
     text += (f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
              + f"create_cement calcite pair 1 2 shape {shape} {words} spacing {SPACING}\n")
     # Dampers, since rounding feeds the fastest vibration of the links, which nothing else would take.
-    fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage}",
+    fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage} cracks split",
                    couple="kn auto kt auto damping 0.1")
     if swapped:
         fixes = edit(edit(fixes, "first id 1", "first id 2"), "second id 2", "second id 1")
@@ -79,20 +79,18 @@ def first_failure(done):
     return int(np.argmax(t["f_cem[2]"] > 0)) if t["f_cem[2]"].max() > 0 else len(t["step"])
 
 
-# The mirror swaps the grains. Once the bond has come apart, a failed point in the middle can go with one of them only.
+# The mirror swaps the grains.
 def test_points_in_the_middle(tmp_path, figures):
-    """A bond with a crevice, so that there are sheets, which breaks with failed points as near to the one grain as to the other."""
+    """A bond with a crevice, which breaks with failed points as near to the one grain as to the other."""
     R, along = mirror(0), np.array([0.54, 0.64, 0.54])
     one, other = (run(scene(MENISCUS, M @ DIAGONAL, M @ along, 750, VISCOUS, every=25), tmp_path) for M in (np.eye(3), R))
     f, apart = moved(forces(one), R), one.table()["f_bond[22]"] > 0
     assert apart.any() and not apart.all()
     worst = abs(forces(other) - f).max(axis=(1, 2)) / np.linalg.norm(f[:, 2], axis=1).max()
     name = "meniscus along (1,0,1) mirrored across x"
-    figures.below(f"{name}, until it is apart: force over the peak", worst[~apart].max(), 1e-9)
-    figures.below(f"{name}, apart: force over the peak", worst[apart].max(), 1e-4)
+    figures.below(f"{name}, through failure and after it: force over the peak", worst.max(), 1e-9)
     for c in SHARES + REST:
-        figures.below(f"{name}: {c}", abs(one.table()[c] - other.table()[c])[~apart if c in ("f_cem[4]", "f_cem[6]") else ...].max()
-                      / max(abs(one.table()[c]).max(), 1e-300), 1e-9)
+        figures.below(f"{name}: {c}", abs(one.table()[c] - other.table()[c]).max() / max(abs(one.table()[c]).max(), 1e-300), 1e-9)
 
 
 @pytest.mark.parametrize("damage", [VISCOUS, ""], ids=["viscous", "not"])
@@ -165,7 +163,7 @@ def test_which_grain_is_the_first(name, tmp_path, figures):
 
 
 # The same loads, ended while the bond holds.
-HOLDING = {"meniscus": 560, "meniscus, nearly apart": 620, "coating": 220, "coating, nearly apart": 260}
+HOLDING = {"meniscus": 560, "meniscus, nearly apart": 620, "coating": 220, "coating, nearly apart": 250}
 
 
 def ahead(output):

@@ -26,7 +26,9 @@ std::vector<CopyPoint> block(int nx, int ny, int nz) {
         for (int d = 0; d < 3; ++d) {
           p.cell[d] = cell[d];
           p.base[d] = cell[d] / 2 - 1;
+          p.at[d] = 0.75 + 0.5 * (cell[d] % 2);
         }
+        p.volume = 1.0 + 0.01 * (p.tag % 7);
         points.push_back(p);
       }
   return points;
@@ -35,7 +37,7 @@ std::vector<CopyPoint> block(int nx, int ny, int nz) {
 // The block with the parts that it has by now.
 class Pieces {
  public:
-  explicit Pieces(std::vector<CopyPoint> points) : points_(points), lattice_(std::move(points), kSupport) {
+  explicit Pieces(std::vector<CopyPoint> points) : points_(points), lattice_(std::move(points), Basis::quadratic) {
     take(lattice_.start(copies));
     EXPECT_TRUE(copies.empty());
   }
@@ -55,15 +57,27 @@ class Pieces {
     for (const auto& n : nodes) {
       const std::vector<int> component = components(n.second);
       std::map<int, int> of_copy, of_component;
+      double all = 0.0, of_copies = 0.0;
+      std::map<int, double> holds, volumes;
       for (std::size_t k = 0; k < n.second.size(); ++k) {
         const CopyPoint& p = points_[n.second[k]];
         const int stands = copies.canonical(p.part, n.first);
         // what stands for a copy stands for itself
         ASSERT_EQ(copies.canonical(stands, n.first), stands);
+        all += volume_at(p, n.first);
+        volumes[stands] = copies.at(p.part, n.first).volume;
         if (p.failed) continue;
+        holds[stands] += volume_at(p, n.first);
         ASSERT_EQ(of_copy.emplace(stands, component[k]).first->second, component[k]) << "shared by what is not connected";
         ASSERT_EQ(of_component.emplace(component[k], stands).first->second, stands) << "not shared by what is connected";
       }
+      if (!copies.row(n.first)) continue;
+      for (const NodeCopies::Entry& e : *copies.row(n.first)) volumes[copies.canonical(e.part, n.first)] = e.volume;
+      for (const auto& v : volumes) {
+        of_copies += v.second;
+        ASSERT_GE(v.second, holds[v.first] * (1 - 1e-12)) << "less mass than stiffness";
+      }
+      ASSERT_NEAR(of_copies, all, 1e-12 * all) << "mass is lost";
     }
   }
 
@@ -74,6 +88,16 @@ class Pieces {
   }
 
   NodeCopies copies;
+
+  static double volume_at(const CopyPoint& p, const Place& node) {
+    double v = p.volume;
+    for (int d = 0; d < 3; ++d) {
+      const double s = p.at[d] - 1.0;
+      const double w[3] = {0.5 * (0.5 - s) * (0.5 - s), 0.75 - s * s, 0.5 * (0.5 + s) * (0.5 + s)};
+      v *= w[node[d] - p.base[d]];
+    }
+    return v;
+  }
 
  private:
   void take(const CopyChange& change) {
@@ -137,7 +161,7 @@ TEST(NodeCopies, AnyFailuresInAnyOrder) {
     Pieces p(points);
     std::reverse(points.begin(), points.end());
     std::vector<CopyPoint> again(points);
-    CopyLattice other(again, kSupport);
+    CopyLattice other(again, Basis::quadratic);
     NodeCopies copies;
     other.start(copies);
     for (int n = 0; n < 6; ++n) {
@@ -156,7 +180,7 @@ TEST(NodeCopies, AnyFailuresInAnyOrder) {
 // New nodes take the motion of the copy that their points had.
 TEST(NodeCopies, SourcesAreThoseOfThePoints) {
   std::vector<CopyPoint> points = block(12, 6, 6);
-  CopyLattice lattice(points, kSupport);
+  CopyLattice lattice(points, Basis::quadratic);
   NodeCopies copies;
   lattice.start(copies);
   std::vector<int> crack;
@@ -202,7 +226,7 @@ TEST(NodeCopies, NextNodesAtTheStart) {
     p.tag = 1 + static_cast<int>(points.size());
     points.push_back(p);
   }
-  CopyLattice lattice(points, kSupport);
+  CopyLattice lattice(points, Basis::quadratic);
   NodeCopies copies;
   lattice.start(copies);
   ASSERT_FALSE(copies.empty());

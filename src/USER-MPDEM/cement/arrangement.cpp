@@ -148,6 +148,8 @@ void Cement::lay_out_parts(Cracks::Found found) {
     return sum;
   };
   books_.release_by(energy, [&] {
+    for (int row : found.lay_out)
+      if (Bond* b = options_.split ? bonds_.find(row) : nullptr) b->links.drop_inertia(b->points);
     lay_out_again(found.lay_out, std::move(found.parts));
     check_step_after(found.lay_out, "parts came apart");
   });

@@ -25,6 +25,8 @@ struct OfPath {
   int body, tag;
 };
 
+constexpr int kBetween = -1;  // a piece of its own, so that it does not matter which grain is the first
+
 void direction_of_centres(const Body& body, double* n) {
   double length = 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -203,7 +205,8 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   if (options.split)
     for (int r : looked_at)
       if (!whole.points[r].empty() && separations[r].separated && !states_[r].separation.separated)
-        for (std::size_t i = 0; i < whole.points[r].size(); ++i) found.pieces[r].push_back({whole.points[r][i].tag, separations[r].part[i]});
+        for (std::size_t i = 0; i < whole.points[r].size(); ++i)
+          found.pieces[r].push_back({whole.points[r][i].tag, separations[r].between[i] ? kBetween : separations[r].part[i]});
   std::vector<std::size_t> at(rows, 0);
   std::size_t n = 0;
   for (int rank = 0; rank < ranks; ++rank)

@@ -65,7 +65,9 @@ SentPoint sent_point(const PointStore& points, int row, const Body& body, const 
     p.cell[d] = place.cell[d];
     // blocks of points that came from elsewhere know of no cell yet
     p.base[d] = support_base(points.blocks[b].X[d][l], 1.0 / options.cell, cell_shift(options.basis));
+    p.at[d] = points.blocks[b].X[d][l] / options.cell - p.base[d];
   }
+  p.volume = points.blocks[b].volume[l];
   p.part = points.meta[b].part;
   p.failed = points.meta[b].looked_at >> l & 1;
   const double nearer = nearer_to_first(body, place.X);
@@ -190,7 +192,7 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& 
     }
     const Crevice crevice = crevice_of(whole[r], bonds.table[r], options);
     std::vector<SentPoint>().swap(whole[r]);
-    CopyLattice lattice(std::move(points), support(options.basis));
+    CopyLattice lattice(std::move(points), options.basis);
     changes.back() = lattice.start(row.copies, crevice);
     if (r >= from) {
       for (const CopyChange::Moved& m : changes.back().moved) parts.erase(m.tag);
@@ -224,7 +226,7 @@ void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOption
   std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, to_come);
   const int ranks = ranks_of(comm);
   for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
-    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), support(options.basis));
+    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), options.basis);
 }
 
 Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
@@ -415,6 +417,18 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
     ties.push_back(std::move(t));
   }
   return ties;
+}
+
+std::vector<double> Splits::volumes(const std::vector<Key>& keys) const {
+  std::vector<double> given(keys.size(), -1.0);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const NodeCopies& copies = rows_[body_of(keys[i][0])].copies;
+    const Place place = place_of(keys[i]);
+    if (copies.empty() || !copies.row(place)) continue;
+    const int part = part_of_field(keys[i][0]);
+    given[i] = copies.canonical(part, place) == part ? copies.at(part, place).volume : 0.0;
+  }
+  return given;
 }
 
 }  // namespace mpdem

@@ -59,6 +59,8 @@ class Splits {
   Key at_start(const Key& node) const;
   // The next one of the start, see TiedNodes.
   Key next(const Key& at_start, int direction) const;
+  // Volumes of the copies that these nodes stand for, 0 where another does, -1 of nodes that are whole.
+  std::vector<double> volumes(const std::vector<Key>& keys) const;
   // Ties of a grid with these keys.
   std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
 

@@ -72,7 +72,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
     for (const NodeCopies::Entry& e : row.second)
-      append(CopyRow{body_of(row.first[0]), {row.first[1], row.first[2], row.first[3]}, e.part, e.copy, e.first}, mine_of_copies);
+      append(CopyRow{body_of(row.first[0]), {row.first[1], row.first[2], row.first[3]}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
   const std::vector<double> copies = gather(comm_, mine_of_copies);
   head.split = options_.split;
   head.unilateral = options_.unilateral;
@@ -151,7 +151,7 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
     CopyRow row;
     in.read(row);
     in.check_whole("the bond of a split node", row.body, from(0, static_cast<double>(table) - 1.0));
-    copies[{row.body, row.place[0], row.place[1], row.place[2]}].push_back({row.part, row.copy, row.first});
+    copies[{row.body, row.place[0], row.place[1], row.place[2]}].push_back({row.part, row.copy, row.first, row.volume});
   }
   if (!in.trouble().empty()) return;
   if (options_.split) splits_.restore(head.bodies, std::move(copies));

@@ -115,6 +115,7 @@ struct NodeRow {
 struct CopyRow {
   int body = 0, place[3] = {0, 0, 0};
   int part = 0, copy = 0, first = 0;
+  double volume = 0.0;
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& c, Visitor& visit) {
@@ -124,6 +125,7 @@ struct CopyRow {
     visit("the part of a split node", c.part, from(0, kMaxParts - 1));
     visit("the copy of a split node", c.copy, kCount);
     visit("the first copy of a split node", c.first, kCount);
+    visit("the volume of a split node", c.volume, kNotNegative);
   }
 };
 

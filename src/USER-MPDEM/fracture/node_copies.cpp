@@ -16,7 +16,7 @@ NodeCopies::Entry NodeCopies::at(int part, const Place& node) const {
   if (const Row* r = row(node))
     for (const Entry& e : *r)
       if (e.part == part) return e;
-  return {part, 0, 0};
+  return {part, 0, 0, 0.0};
 }
 
 int NodeCopies::canonical(int part, const Place& node) const {
@@ -72,7 +72,7 @@ bool before(const CopyPoint& a, const CopyPoint& b) {
 
 }  // namespace
 
-CopyLattice::CopyLattice(std::vector<CopyPoint> points, int support) : points_(std::move(points)), S_(support) {
+CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis) : points_(std::move(points)), basis_(basis), S_(support(basis)) {
   std::sort(points_.begin(), points_.end(), before);
   const int n = static_cast<int>(points_.size());
   std::unordered_map<Place, int, PlaceHash> at;
@@ -198,11 +198,45 @@ void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
   for (auto& g : groups) {
     std::sort(g.second.begin(), g.second.end());
-    part_group(node, g.second, next);
+    part_group(node, g.second, g.first, next, copies);
   }
 }
 
-void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int& next) {
+// Points times their weights at a node.
+double CopyLattice::volume_at(const Place& node, const std::vector<int>& points) const {
+  double sum = 0.0;
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (int i : points) {
+      const CopyPoint& p = points_[i];
+      vd w[Type::kSupport], slope[Type::kSupport];
+      Type::factors(vd{p.at[0], p.at[1], p.at[2]}, 1.0, w, slope);
+      sum += p.volume * w[node[0] - p.base[0]][0] * w[node[1] - p.base[1]][1] * w[node[2] - p.base[2]][2];
+    }
+  });
+  return sum;
+}
+
+// The largest component keeps the copy, the others are the next ones.
+void CopyLattice::share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
+                               const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
+  double whole = -1.0, holds = 0.0;
+  if (const NodeCopies::Row* row = copies.row(node)) {
+    for (const NodeCopies::Entry& e : *row)
+      if (e.copy == copy) whole = e.volume;
+  } else {
+    whole = volume_at(node, group);
+  }
+  std::vector<double> of;
+  for (const std::vector<int>& c : components) {
+    of.push_back(volume_at(node, c));
+    holds += of.back();
+  }
+  std::map<int, double>& volumes = split_now_[node];
+  for (std::size_t n = 0; n < rank.size(); ++n) volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = whole * of[rank[n]] / holds;
+}
+
+void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies) {
   for (int i : group) seen_[i] = kIn;
   std::vector<std::vector<int>> components;
   for (int first : group) {
@@ -229,7 +263,7 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
     grow(group);
     for (int i : group)
       if (seen_[i] > 0) wanted_[i][node] = next + seen_[i] - 1;
-    split_now_[node] = 1;
+    share_volume(node, group, copy, next, copies, components, rank);
     next += static_cast<int>(components.size()) - 1;
   }
   for (int i : group) seen_[i] = kOut;
@@ -317,7 +351,7 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     const int part = free_part(c.first, rows);
     for_each_node(c.first.base.data(), [&](const Place& n, int at) {
       const auto row = rows.find(n);
-      if (row != rows.end()) row->second[part] = {part, c.first.copy[at].copy, c.first.copy[at].first};
+      if (row != rows.end()) row->second[part] = {part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume};
       if (part != c.first.part) change.sources.push_back({n, part, c.first.part});
     });
     if (part == c.first.part) continue;
@@ -328,7 +362,13 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
   }
   for (const auto& r : rows) {
     NodeCopies::Row row;
-    for (const auto& e : r.second) row.push_back(e.second);
+    const auto split = split_now_.find(r.first);
+    for (const auto& e : r.second) {
+      row.push_back(e.second);
+      if (split == split_now_.end()) continue;
+      const auto volume = split->second.find(e.second.copy);
+      if (volume != split->second.end()) row.back().volume = volume->second;
+    }
     copies.set(r.first, std::move(row));
     change.rows.push_back(r.first);
   }

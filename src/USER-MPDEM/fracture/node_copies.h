@@ -13,9 +13,11 @@
 // its bond (body.h), and a part has one node at a place: classes are coloured, so that those of a part agree wherever they
 // meet. Nodes of several parts that are one copy are tied to that of the first part (`canonical`), whole nodes to that of part 0.
 //
-// Points that failed go with the nearest that hold, in steps from cell to cell in the support; those as near to several with the
-// largest, or of those alike with that whose middle is nearer. So each point keeps to one copy of a node until that is split, and the
-// mass and momentum of a node are the sums of those of its copies.
+// The mass of a copy is that which it had when it was made: where a copy is split, those that follow share its mass as they share the
+// material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed between them, and no copy has
+// less mass than the material that holds in it. Points that failed carry nothing. They go with the nearest that hold, in steps from cell
+// to cell in the support, so that they are shown where the crack left them; those as near to several with the largest, or of those alike
+// with that whose middle is nearer.
 // Serial, on all points of one bond; the result does not depend on their order.
 #ifndef MPDEM_NODE_COPIES_H
 #define MPDEM_NODE_COPIES_H
@@ -26,6 +28,7 @@
 #include <utility>
 #include <vector>
 
+#include "../mpm/basis.h"
 #include "crevice.h"
 
 namespace mpdem {
@@ -43,13 +46,14 @@ class NodeCopies {
  public:
   struct Entry {
     int part, copy;
-    int first;  // copy at the start
+    int first;      // copy at the start
+    double volume;  // of the copy: its mass over the density
   };
   using Row = std::vector<Entry>;  // ascending in part
 
   bool empty() const { return rows_.empty(); }
   const Row* row(const Place& node) const;
-  // Entry of a part; of a node that is whole {part, 0, 0}. The part must be known there.
+  // Entry of a part; of a node that is whole {part, 0, 0, 0}. The part must be known there.
   Entry at(int part, const Place& node) const;
   // Part whose node stands for that of this part.
   int canonical(int part, const Place& node) const;
@@ -85,6 +89,8 @@ struct CopyPoint {
   int nearer;      // as in CrackPoint
   float space[6];
   bool failed, middle;
+  double at[3];  // from the first node of its support, in cells of the grid
+  double volume;
   int piece = 0;
 };
 
@@ -105,8 +111,7 @@ struct CopyChange {
 // The points of a bond, for as long as they stay in their cells.
 class CopyLattice {
  public:
-  // support: nodes a direction.
-  CopyLattice(std::vector<CopyPoint> points, int support);
+  CopyLattice(std::vector<CopyPoint> points, Basis basis);
   // At the start: all nodes. In a crevice (crevice.h) there are those that are not joined: no way leads there from what is nearer to the one
   // grain to what is nearer to the other.
   CopyChange start(NodeCopies& copies, const Crevice& crevice = {});
@@ -138,8 +143,11 @@ class CopyLattice {
   std::vector<Place> nodes_of(const std::vector<int>& points) const;
   CopyChange split(const std::vector<Place>& nodes, NodeCopies& copies);
   bool is_way(int from, int to) const;
+  double volume_at(const Place& node, const std::vector<int>& points) const;
+  void share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
+                    const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
   void look_at(const Place& node, const NodeCopies& copies);
-  void part_group(const Place& node, const std::vector<int>& group, int& next);
+  void part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies);
   void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
   bool goes_with(int i, int a, int b) const;
   void grow(const std::vector<int>& group);
@@ -148,7 +156,8 @@ class CopyLattice {
   void find_towards(NodeCopies& copies) const;
 
   std::vector<CopyPoint> points_;  // ascending in cell and tag
-  int S_;
+  Basis basis_;
+  int S_;  // nodes a direction
   std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
   std::vector<int> by_tag_;               // points
   std::vector<int> by_base_;                                        // points
@@ -163,7 +172,7 @@ class CopyLattice {
   std::vector<Middle> middles_;                 // of the components of a copy
   bool apart_ = false;                          // sides, at this node
   std::map<int, std::map<Place, int>> wanted_;  // point, node, new copy
-  std::map<Place, char> split_now_;
+  std::map<Place, std::map<int, double>> split_now_;  // nodes, volumes of their new copies
 };
 
 }  // namespace mpdem

@@ -212,6 +212,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   const Neighbours near(points, joined, support, across);
   Separation result;
   result.part.resize(n);
+  result.between.assign(n, 0);
   int next = 2;
   for (int i = 0; i < n; ++i) {
     result.part[i] = points[i].part;
@@ -234,6 +235,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   grow(near, points, false, goes);
   for (int i = 0; i < n; ++i) {
     const CrackPoint& p = points[i];
+    result.between[i] = goes[i].held == 3;
     if (goes[i].held != 0) result.part[i] = part_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.part);
     else if (goes[i].loose != Goes::kNone) result.part[i] = loose_part[goes[i].loose];
     else if (!again) result.part[i] = part_held(p.nearer, p.part);  // nothing that it could go with can be reached

@@ -32,6 +32,7 @@ struct Separation {
   double at_grain[2] = {0, 0}, inside = 0;
   // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
+  std::vector<char> between;  // of each point: as near to what holds to the first grain as to what holds to the second
   // Tags of the points, ascending, of that path: while none of them fails the bond is not separated.
   std::vector<int> path;
 

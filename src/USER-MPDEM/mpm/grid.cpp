@@ -286,6 +286,9 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density) co
 
 void Grid::lump_mass(const PointStore& points, double density) {
   mass = mass_here(points, density);
+  // No less than that of the points that have stiffness, so the bound holds.
+  for (std::size_t i = 0; i < given_volume.size(); ++i)
+    if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
   // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes
   // (sum w v)^2 <= (sum |w|) (sum |w| v^2) of the masters.
   tie_factor_.clear();
@@ -295,8 +298,8 @@ void Grid::lump_mass(const PointStore& points, double density) {
     for (int i = 0; i < size(); ++i)
       if (ties.row(i) >= 0) tie_factor_[i] *= ties.weight_sum(ties.row(i));
     ties.pull_back_sizes(tie_factor_.data());
-    ties.bequeath(mass.data(), 1);
   }
+  ties.bequeath(mass.data(), 1);
   halo.sum(mass.data(), 1);
   if (any_ties_) {
     halo.sum(tie_factor_.data(), 1);
@@ -337,7 +340,7 @@ void Grid::drift(double dt_v, double dt_u) {
 std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
          sizeof(double) * (mass.capacity() + velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
-                           tie_factor_.capacity()) +
+                           tie_factor_.capacity() + given_volume.capacity()) +
          ties.memory_usage();
 }
 

@@ -48,6 +48,8 @@ class Grid {
   std::vector<double> momentum;  // of the points, `updated` only
   std::vector<double> inertial_force;  // (M_L - M) a, see mpm/consistent_mass.h; empty with the lumped mass alone
   EdgeTies ties;
+  // Of nodes whose mass is not that of the points: their volume, and -1 of the others. Empty: there are none. See fracture/node_copies.h.
+  std::vector<double> given_volume;
 
   int size() const { return static_cast<int>(keys.size()); }
 
@@ -85,8 +87,8 @@ class Grid {
   // shares the grid has ties.
   void tie(const std::vector<EdgeTie>& wanted, bool any);
 
-  // Finds the lumped mass of the points, whose density is uniform. Mass of tied nodes goes to their heirs. Collective
-  // among the ranks that share nodes.
+  // Finds the lumped mass of the points, whose density is uniform, or takes what is given. Mass of tied nodes goes to their heirs.
+  // Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
   // That of the points of this rank alone, each node for itself.
   std::vector<double> mass_here(const PointStore& points, double density) const;
