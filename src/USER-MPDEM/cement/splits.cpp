@@ -294,7 +294,12 @@ Splits::Found Splits::come_apart(MPI_Comm comm, const Bonds& bonds, const Cement
 
 void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
-  for (Row& row : rows_) row.edges_known = false;
+  std::vector<char> moved(rows_.size(), 0);
+  for (const Bond& b : bonds)
+    if (b.points.changed() && b.body < first()) moved[b.body] = 1;
+  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, moved.data(), first(), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (int r = 0; r < first(); ++r)
+    if (moved[r]) rows_[r].edges_known = false;
   if (ranks == 1) return;
   std::vector<std::vector<int>> ask(ranks);
   for (int r = 0; r < first(); ++r) {

@@ -48,7 +48,8 @@ class Splits {
     is_restored_ = true;
   }
 
-  // Ties of nodes of the start at the edge, of these rows of the table on this rank, ascending in slave. They are kept until bring().
+  // Ties of nodes of the start at the edge, of these rows of the table on this rank, ascending in slave. They are kept until bring() finds that points went
+  // to other ranks.
   bool edges_known(const std::vector<int>& rows) const;
   void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
   // Nodes that stand for those of the blocks of a bond, and masters at the edge.

@@ -63,6 +63,12 @@ bool connected(const CopyPoint& a, const CopyPoint& b, int face) {
 
 Place place(const int* p) { return {p[0], p[1], p[2]}; }
 
+int copy_of(const NodeCopies::Row& row, int part) {
+  for (const NodeCopies::Entry& e : row)
+    if (e.part == part) return e.copy;
+  return 0;
+}
+
 bool same_cell(const CopyPoint& a, const CopyPoint& b) { return std::equal(a.cell, a.cell + 3, b.cell); }
 
 bool before(const CopyPoint& a, const CopyPoint& b) {
@@ -75,16 +81,15 @@ bool before(const CopyPoint& a, const CopyPoint& b) {
 CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis) : points_(std::move(points)), basis_(basis), S_(support(basis)) {
   std::sort(points_.begin(), points_.end(), before);
   const int n = static_cast<int>(points_.size());
-  std::unordered_map<Place, int, PlaceHash> at;
-  at.reserve(n);
-  for (int i = 0; i < n; ++i) at.emplace(place(points_[i].cell), i);
+  at_.reserve(n);
+  for (int i = 0; i < n; ++i) one_a_cell_ = at_.emplace(place(points_[i].cell), i).second && one_a_cell_;
   next_.resize(n);
   for (int i = 0; i < n; ++i)
     for (int face = 0; face < 6; ++face) {
       Place c = place(points_[i].cell);
       c[face / 2] += face % 2 == 0 ? -1 : 1;
-      const auto next = at.find(c);
-      next_[i][face] = next == at.end() ? -1 : next->second;
+      const auto next = at_.find(c);
+      next_[i][face] = next == at_.end() ? -1 : next->second;
     }
   by_tag_.resize(n);
   std::iota(by_tag_.begin(), by_tag_.end(), 0);
@@ -154,12 +159,95 @@ std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
 }
 
 CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
-  std::vector<int> points;
+  std::vector<Place> nodes;
   for (int tag : tags) {
-    points.push_back(*std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int i, int t) { return points_[i].tag < t; }));
-    points_[points.back()].failed = true;
+    const int i = *std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int p, int t) { return points_[p].tag < t; });
+    points_[i].failed = true;
+    add_nodes_parted_by(i, copies, nodes);
   }
-  return split(nodes_of(points), copies);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return split(nodes, copies);
+}
+
+// The 26 points about one, as bits of a mask: those that hold, and the ways from one to the next.
+class CopyLattice::Around {
+ public:
+  static constexpr int kPlaces = 27, kMiddle = 13;
+  static int step(int face) { return (face % 2 == 0 ? -1 : 1) * (face < 2 ? 9 : face < 4 ? 3 : 1); }
+
+  Around(const CopyLattice& lattice, int i) : p_(lattice.points_) {
+    for (int q = 0; q < kPlaces; ++q) {
+      Place c = place(p_[i].cell);
+      for (int d = 0; d < 3; ++d) c[d] += axis(q, d) - 1;
+      const auto at = q == kMiddle ? lattice.at_.end() : lattice.at_.find(c);
+      const bool holds = at != lattice.at_.end() && !p_[at->second].failed;
+      point[q] = holds ? at->second : -1;
+      here |= static_cast<unsigned>(holds) << q;
+    }
+    for (int face = 0; face < 6; ++face) {
+      for (int q = 0; q < kPlaces; ++q) {
+        const int there = axis(q, face / 2) + (face % 2 == 0 ? -1 : 1);
+        if (point[q] < 0 || there < 0 || there > 2 || point[q + step(face)] < 0) continue;
+        ways_[face] |= static_cast<unsigned>(is_way(point[q], point[q + step(face)], face)) << q;
+      }
+      const int beside = kMiddle + step(face);
+      if (point[beside] >= 0 && is_way(i, point[beside], face)) faces |= 1u << beside;
+    }
+  }
+
+  // Do those of the mask that share a face with the middle hang together over others of it?
+  bool hang_together(unsigned mask) const {
+    const unsigned ends = faces & mask;
+    if ((ends & (ends - 1)) == 0) return true;
+    unsigned reached = ends & -ends;
+    for (unsigned before = 0; before != reached && (ends & ~reached);) {
+      before = reached;
+      for (int face = 0; face < 6; ++face) {
+        const unsigned from = reached & ways_[face];
+        reached |= mask & (step(face) < 0 ? from >> -step(face) : from << step(face));
+      }
+    }
+    return (ends & ~reached) == 0;
+  }
+
+  int point[kPlaces];
+  unsigned here = 0, faces = 0;
+
+ private:
+  static int axis(int q, int d) { return d == 0 ? q / 9 : d == 1 ? q / 3 % 3 : q % 3; }
+  bool is_way(int a, int b, int face) const { return p_[a].piece == p_[b].piece && connected(p_[a], p_[b], face); }
+  const std::vector<CopyPoint>& p_;
+  unsigned ways_[6] = {};
+};
+
+// A point that failed parts a node only if what touches it does not hang together about it, in the support. Most hang together
+// in the 26 about it, so few nodes are looked at as a whole. Points that fail at once count one after the other.
+void CopyLattice::add_nodes_parted_by(int i, const NodeCopies& copies, std::vector<Place>& nodes) const {
+  const CopyPoint& p = points_[i];
+  if (!one_a_cell_) {
+    for_each_node(p.base, [&](const Place& n, int) { nodes.push_back(n); });
+    return;
+  }
+  const Around around(*this, i);
+  for_each_node(p.base, [&](const Place& n, int) {
+    unsigned mask = 0;
+    for (unsigned left = around.here; left; left &= left - 1) {
+      const int q = __builtin_ctz(left);
+      const CopyPoint& other = points_[around.point[q]];
+      bool in_support = true;
+      for (int d = 0; d < 3; ++d) in_support = in_support && n[d] >= other.base[d] && n[d] < other.base[d] + S_;
+      mask |= static_cast<unsigned>(in_support) << q;
+    }
+    if (const NodeCopies::Row* row = (mask & around.faces) ? copies.row(n) : nullptr) {
+      const int mine = copy_of(*row, p.part);
+      for (unsigned left = mask; left; left &= left - 1) {
+        const int q = __builtin_ctz(left);
+        if (copy_of(*row, points_[around.point[q]].part) != mine) mask &= ~(1u << q);
+      }
+    }
+    if (!around.hang_together(mask)) nodes.push_back(n);
+  });
 }
 
 CopyChange CopyLattice::come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies) {
@@ -192,14 +280,11 @@ bool CopyLattice::is_way(int from, int to) const {
 // The copies of a node: do the points of one fall apart?
 void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   std::map<int, std::vector<int>> groups;
-  const NodeCopies::Row* row = copies.row(node);
-  for_each_point(node, [&](int p) { groups[row ? copies.at(points_[p].part, node).copy : 0].push_back(p); });
+  if (const NodeCopies::Row* row = copies.row(node)) for_each_point(node, [&](int p) { groups[copy_of(*row, points_[p].part)].push_back(p); });
+  else for_each_point(node, [&](int p) { groups[0].push_back(p); });
   apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
   int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
-  for (auto& g : groups) {
-    std::sort(g.second.begin(), g.second.end());
-    part_group(node, g.second, g.first, next, copies);
-  }
+  for (const auto& g : groups) part_group(node, g.second, g.first, next, copies);
 }
 
 // Points times their weights at a node.
@@ -342,10 +427,17 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     for_each_node(c.first.base.data(), [&](const Place& n, int) {
       if (copies.row(n)) rows[n];
     });
-  for (auto& r : rows)
+  std::vector<char> changes(points_.size(), 0);
+  for (const auto& w : wanted_) changes[w.first] = 1;
+  for (auto& r : rows) {
+    int last = -1;  // points of a part are mostly next to each other
     for_each_point(r.first, [&](int p) {
-      if (!wanted_.count(p)) r.second[points_[p].part] = copies.at(points_[p].part, r.first);
+      const int part = points_[p].part;
+      if (changes[p] || part == last) return;
+      r.second.emplace(part, copies.at(part, r.first));
+      last = part;
     });
+  }
   CopyChange change;
   for (const auto& c : classes) {
     const int part = free_part(c.first, rows);

@@ -59,7 +59,8 @@ class NodeCopies {
   int canonical(int part, const Place& node) const;
   // The part whose node stands for the copy `first` of the start; -1 if that has been split since.
   int canonical_of_first(int first, const Place& node) const;
-  const std::map<Place, Row>& rows() const { return rows_; }
+  using Rows = std::unordered_map<Place, Row, PlaceHash>;
+  const Rows& rows() const { return rows_; }
   void set(const Place& node, Row row) { rows_[node] = std::move(row); }
   void forget_rows() { rows_.clear(); }
   void clear() { *this = NodeCopies(); }
@@ -76,7 +77,7 @@ class NodeCopies {
   const std::map<Place, std::vector<Toward>>& towards() const { return towards_; }
 
  private:
-  std::map<Place, Row> rows_;
+  Rows rows_;
   std::map<Place, std::vector<Toward>> towards_;  // of nodes that are split at the start, and of those beside them
 };
 
@@ -133,6 +134,7 @@ class CopyLattice {
     bool operator<(const Class& o) const;
   };
   using RowNow = std::map<int, NodeCopies::Entry>;
+  class Around;
 
   template <class F>
   void for_each_node(const int* base, F f) const;
@@ -141,6 +143,7 @@ class CopyLattice {
   template <class F>
   void for_each_neighbour(int i, F f) const;
   std::vector<Place> nodes_of(const std::vector<int>& points) const;
+  void add_nodes_parted_by(int point, const NodeCopies& copies, std::vector<Place>& nodes) const;
   CopyChange split(const std::vector<Place>& nodes, NodeCopies& copies);
   bool is_way(int from, int to) const;
   double volume_at(const Place& node, const std::vector<int>& points) const;
@@ -158,6 +161,8 @@ class CopyLattice {
   std::vector<CopyPoint> points_;  // ascending in cell and tag
   Basis basis_;
   int S_;  // nodes a direction
+  std::unordered_map<Place, int, PlaceHash> at_;  // first point of a cell of the lattice
+  bool one_a_cell_ = true;
   std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
   std::vector<int> by_tag_;               // points
   std::vector<int> by_base_;                                        // points
