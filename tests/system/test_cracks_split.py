@@ -68,19 +68,20 @@ def test_other_word(one_rank, tmp_path):
     assert other.status != 0 and "'cracks bonds' but the restart file was written with 'cracks split'" in other.output
 
 
-def test_momentum(tmp_path, figures):
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_momentum(tmp_path, figures, ranks):
     """Free grains fly apart: what splits keeps momentum and angular momentum."""
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
     table = run(pair(CELL / 2, **{**BOND, "half_box": 3 * (16e-3,)})
                 + cement(CELL, 8e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 cracks split", couple="kn 2e12 kt 3e11")
                 + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 1200\n",
-                tmp_path, ranks=2).table()
+                tmp_path, ranks).table()
     assert table["f_bond[22]"][-1] == 1
     P = np.array([table[c] for c in MOMENTUM_COLUMNS])
     linear, angular = (np.linalg.norm(p - p[:, :1], axis=0).max() for p in (P[:3], P[3:]))
     scale = np.linalg.norm(P[:3, 0])
-    figures.below("cracks split: drift of momentum", linear / scale, 1e-10)
-    figures.below("cracks split: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
+    figures.below(f"cracks split, {ranks} ranks: drift of momentum", linear / scale, 1e-10)
+    figures.below(f"cracks split, {ranks} ranks: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
 
 
 def test_cut_but_for_a_point(tmp_path, figures):

@@ -9,6 +9,7 @@
 
 #include "../mpm/scatter.h"
 #include "../parallel/agree.h"
+#include "bond_motion.h"
 #include "cement.h"
 #include "kinematics.h"
 
@@ -49,10 +50,10 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
-// As mass goes back from the heirs of tied nodes to these where a bond came apart, its momentum and angular momentum are kept by a
-// rigid motion.
-void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange) {
-  const std::vector<int> untied = options_.split ? built_ ? rows : std::vector<int>() : cracks_.untie(options_);
+// As mass goes back from the heirs of tied nodes to these where a bond came apart, or its nodes split, its momentum and angular momentum are
+// kept by a rigid motion.
+void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange, bool splits) {
+  const std::vector<int> untied = splits ? rows : options_.split ? std::vector<int>() : cracks_.untie(options_);
   const bool moves = built_ && !untied.empty();
   const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
   std::vector<LayoutRequest> requests;
@@ -81,8 +82,8 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
 }
 
 // Where bonds and grains are on the ranks where they were.
-void Cement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange) {
-  lay_out(rows, std::move(parts), arrange);
+void Cement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange, bool splits) {
+  lay_out(rows, std::move(parts), arrange, splits);
   refresh_added_mass(rows);
 }
 
@@ -116,11 +117,11 @@ void Cement::lay_out_run() {
   if (!cracks_.take_up(bonds_.table.size()) || !can_break()) return;
   if (options_.split) {
     Splits::Found split = splits_.look(comm_, bonds_, options_);
-    if (!split.lay_out.empty()) lay_out_again(split.lay_out, std::move(split.parts));
+    if (!split.lay_out.empty()) lay_out_again(split.lay_out, std::move(split.parts), true, true);
   }
   Cracks::Found found = look_at_bonds(true);
   if (found.lay_out.empty()) return;
-  lay_out_again(found.lay_out, std::move(found.parts));
+  lay_out_again(found.lay_out, std::move(found.parts), true, options_.split);
 }
 
 void Cement::lay_out_exchanged() {
@@ -148,8 +149,6 @@ void Cement::lay_out_parts(Cracks::Found found) {
     return sum;
   };
   books_.release_by(energy, [&] {
-    for (int row : found.lay_out)
-      if (Bond* b = options_.split ? bonds_.find(row) : nullptr) b->links.drop_inertia(b->points);
     lay_out_again(found.lay_out, std::move(found.parts));
     check_step_after(found.lay_out, "parts came apart");
   });
@@ -223,24 +222,30 @@ void Cement::sync_slots() {
   }
 }
 
+// What hangs on the nodes of a bond.
+void Cement::start_anew(Bond& b) {
+  b.mass.forget();
+  b.places = touches() ? FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid) : FreedPlaces();
+  b.faces = faces_touch() ? CrackFaces(b.points, b.grid, splits_, penalty_->friction) : CrackFaces();
+  b.closing = options_.unilateral ? ClosingPoints(b.points, law_->elasticity()) : ClosingPoints();
+  b.mass.forget();
+  b.added = AddedMass();
+  b.resting = Resting();
+  b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
+                     ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
+                     : Relaxation();
+  b.jump.clear();
+}
+
 void Cement::adopt(std::vector<BondLayout>& layouts) {
   for (BondLayout& l : layouts) {
     Bond& b = *bonds_.find(l.body);
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
-    b.mass.forget();
-    b.places = touches() ? FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid) : FreedPlaces();
-    b.faces = faces_touch() ? CrackFaces(b.points, b.grid, splits_, penalty_->friction) : CrackFaces();
-    b.closing = options_.unilateral ? ClosingPoints(b.points, law_->elasticity()) : ClosingPoints();
-    b.added = AddedMass();
-    b.resting = Resting();
-    b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
-                       ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
-                       : Relaxation();
+    start_anew(b);
     b.near_threshold = options_.skip.nonlocal && is_near_threshold(b.points, *law_);
     b.failed.clear();
-    b.jump.clear();
     b.laid_out_blocks = b.points.blocks.size();
     if (l.new_slot.empty()) continue;
     b.blocks_when_arranged = b.points.blocks.size();
@@ -327,80 +332,23 @@ void Cement::start_velocities(std::vector<BondLayout>& layouts) {
   }
 }
 
-namespace {
-
-// Sums over the nodes of a bond: mass, first and second moments of it, momentum, angular momentum,
-// kinetic energy.
-struct BondMotion {
-  double mass, first[3], second[6], momentum[3], angular[3], kinetic;
-};
-constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
-
-}  // namespace
-
 // Of each of these bonds, over all ranks, with the kick of the next drift ahead.
 std::vector<double> Cement::motion_of(const std::vector<int>& rows) const {
+  static_assert(sizeof(BondMotion) % sizeof(double) == 0, "sums of numbers");
+  constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
   std::vector<double> sums(kWidth * rows.size(), 0.0);
   const double kick = 0.5 * (dt_last_ + now_.dt);
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const Bond* b = bonds_.find(rows[n]);
-    if (!b) continue;
-    const Grid& grid = b->grid;
-    BondMotion& s = reinterpret_cast<BondMotion*>(sums.data())[n];
-    for (int i = 0; i < grid.size(); ++i) {
-      if (!grid.halo.counts_here()[i]) continue;
-      double x[3], v[3];
-      for (int d = 0; d < 3; ++d) {
-        x[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
-        v[d] = grid.velocity[3 * i + d] + kick * grid.acceleration[3 * i + d];
-      }
-      const double m = grid.mass[i];
-      s.mass += m;
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        s.first[d] += m * x[d];
-        s.second[d] += m * x[d] * x[d];
-        s.second[3 + d] += m * x[e] * x[g];
-        s.momentum[d] += m * v[d];
-        s.angular[d] += m * (x[e] * v[g] - x[g] * v[e]);
-        s.kinetic += 0.5 * m * v[d] * v[d];
-      }
-    }
-  }
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const Bond* b = bonds_.find(rows[n])) reinterpret_cast<BondMotion*>(sums.data())[n] = mpdem::motion_of(b->grid, kick);
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
   return sums;
 }
 
 void Cement::keep_motion(const std::vector<int>& rows, const std::vector<double>& before) {
   std::vector<double> after = motion_of(rows);
-  const double h = options_.cell;
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const BondMotion& old = reinterpret_cast<const BondMotion*>(before.data())[n];
-    const BondMotion& now = reinterpret_cast<const BondMotion*>(after.data())[n];
-    Bond* b = bonds_.find(rows[n]);
-    if (!b || !(now.mass > 0.0)) continue;
-    // M (V, omega) = what is missing; lengths in cells, so that the numbers are alike
-    Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> missing;
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      M(d, d) = now.mass;
-      M(d, 3 + e) = M(3 + e, d) = now.first[g] / h;
-      M(d, 3 + g) = M(3 + g, d) = -now.first[e] / h;
-      M(3 + d, 3 + d) = (now.second[e] + now.second[g]) / (h * h);
-      M(3 + e, 3 + g) = M(3 + g, 3 + e) = -now.second[3 + d] / (h * h);
-      missing[d] = old.momentum[d] - now.momentum[d];
-      missing[3 + d] = (old.angular[d] - now.angular[d]) / h;
-    }
-    const Eigen::Matrix<double, 6, 1> r = M.ldlt().solve(missing);
-    Grid& grid = b->grid;
-    for (int i = 0; i < grid.size(); ++i)
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        const auto x = [&](int c) { return grid.keys[i][1 + c] + grid.displacement[3 * i + c] / h; };
-        grid.velocity[3 * i + d] += r[d] + r[3 + e] * x(g) - r[3 + g] * x(e);
-      }
-  }
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (Bond* b = bonds_.find(rows[n]))
+      give_back_motion(b->grid, reinterpret_cast<const BondMotion*>(before.data())[n], reinterpret_cast<const BondMotion*>(after.data())[n]);
   after = motion_of(rows);
   int me;
   MPI_Comm_rank(comm_, &me);

@@ -71,11 +71,17 @@ void Cement::look_for_cracks() {
   if (!can_break()) return;
   const bool after_check = (now_.number - 1) % options_.check_every == 0;
   if (!after_check && (now_.number - 1) % kWatchEvery != 0) return;
-  if (options_.split) split_nodes();
+  if (options_.split) {
+    timer_.start(StepTimer::kLayout);
+    if (after_check) fill_blocks();
+    split_nodes();
+  }
   if (!after_check && !cracks_.some_path_is_cut(comm_)) return;
   timer_.start(StepTimer::kLayout);
   if (after_check) drop_inert_added_mass();
-  lay_out_parts(look_at_bonds(after_check));
+  Cracks::Found found = look_at_bonds(after_check);
+  if (options_.split) part_bonds(found.lay_out, std::move(found.parts));
+  else lay_out_parts(std::move(found));
 }
 
 // Bonds that hold by bridges alone that are narrower than a cell come apart there.
@@ -88,15 +94,6 @@ Cracks::Found Cement::look_at_bonds(bool debris) {
   std::sort(found.lay_out.begin(), found.lay_out.end());
   found.lay_out.erase(std::unique(found.lay_out.begin(), found.lay_out.end()), found.lay_out.end());
   return found;
-}
-
-void Cement::split_nodes() {
-  timer_.start(StepTimer::kLayout);
-  Splits::Found split = splits_.look(comm_, bonds_, options_);
-  Cracks::Found found;
-  found.lay_out = std::move(split.lay_out);
-  found.parts = std::move(split.parts);
-  lay_out_parts(std::move(found));
 }
 
 void Cement::take_failed(Bond& b) {

@@ -146,9 +146,10 @@ class Cement {
   friend class Total;
   friend class Updated;
 
-  void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true);
-  void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true);
+  void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange = true, bool splits = false);
+  void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true, bool splits = false);
   void adopt(std::vector<BondLayout>& layouts);
+  void start_anew(Bond& b);
   LayoutRules rules();
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
@@ -184,6 +185,9 @@ class Cement {
   std::vector<Bond*> cut_bonds_near_threshold();
   Cracks::Found look_at_bonds(bool debris);
   void split_nodes();
+  void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);
+  void part_nodes(Bond& b, const NewParts& parts);
+  void fill_blocks();
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);

@@ -21,6 +21,7 @@ struct NewParts {
   std::map<int, int> part_of_slot;
   std::map<int, int> parent_field;
   std::map<Key, Key> source;
+  std::vector<Key> split;  // nodes whose copies changed, as those of part 0
 };
 using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <limits>
 
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
@@ -101,6 +101,14 @@ void for_each_point(const PointStore& points, F f) {
       if (points.meta[b].occupied >> l & 1) f(b, l);
 }
 
+// Of both cells, where the block has two.
+template <class F>
+void for_each_node(const BlockMeta& m, int S, F f) {
+  for (int i = 0; i < S + (m.joined == 0); ++i)
+    for (int j = 0; j < S + (m.joined == 1); ++j)
+      for (int k = 0; k < S + (m.joined == 2); ++k) f(Place{m.base[0] + i, m.base[1] + j, m.base[2] + k});
+}
+
 // Points of the bonds asked for, on the ranks that look at these. Collective.
 std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
@@ -147,8 +155,12 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
         std::equal_range(moved.begin(), moved.end(), SentPart{r, 0, 0}, [](const SentPart& a, const SentPart& b) { return a.body < b.body; });
     if (of_bond.first == of_bond.second) continue;
     std::map<int, int>& part_of_slot = found[r].part_of_slot;
+    constexpr int kMarks = 1 << 12;  // most points are not among them
+    std::vector<char> marks(kMarks, 0);
+    for (auto m = of_bond.first; m != of_bond.second; ++m) marks[m->tag % kMarks] = 1;
     for_each_point(bond->points, [&](int b, int l) {
       const int tag = bond->points.tags[b][l];
+      if (!marks[tag % kMarks]) return;
       const auto m = std::lower_bound(of_bond.first, of_bond.second, tag, [](const SentPart& a, int t) { return a.tag < t; });
       if (m == of_bond.second || m->tag != tag) return;
       if (m->part >= kMaxParts) throw OnOneRank(text_of("a bond broke into more than ", kMaxParts, " parts"));
@@ -158,8 +170,12 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
   for (const SentSource& s : all_to_all(comm, sources).data) found[s.body].source[key_at(s.body, s.part, s.node)] = key_at(s.body, s.from, s.node);
   const int me = rank_in(comm);
   std::map<Key, NodeCopies::Row> changed;
-  for (const SentEntry& e : all_to_all(comm, entries).data)
-    if (e.body % ranks != me) changed[key_at(e.body, 0, e.node)].push_back(e.entry);
+  for (const SentEntry& e : all_to_all(comm, entries).data) {
+    const Key k = key_at(e.body, 0, e.node);
+    std::vector<Key>& split = found[e.body].split;
+    if (split.empty() || split.back() != k) split.push_back(k);
+    if (e.body % ranks != me) changed[k].push_back(e.entry);
+  }
   for (auto& c : changed) rows_[body_of(c.first[0])].copies.set(place_of(c.first), std::move(c.second));
   return found;
 }
@@ -338,6 +354,7 @@ bool Splits::edges_known(const std::vector<int>& rows) const {
 void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges) {
   for (int r : rows) {
     rows_[r].edges.clear();
+    rows_[r].users.clear();
     rows_[r].edges_known = true;
   }
   for (EdgeTie& t : edges) rows_[body_of(t.slave[0])].edges.push_back(std::move(t));
@@ -358,13 +375,7 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
     if (m.part == 0) continue;
     if (last && m.part == last->part && m.joined == last->joined && std::equal(m.base, m.base + 3, last->base)) continue;
     last = &m;
-    // of both cells, where the block has two
-    for (int i = 0; i < S + (m.joined == 0); ++i)
-      for (int j = 0; j < S + (m.joined == 1); ++j)
-        for (int k = 0; k < S + (m.joined == 2); ++k) {
-          const Place p{m.base[0] + i, m.base[1] + j, m.base[2] + k};
-          nodes.push_back(key_at(body, copies.canonical(m.part, p), p));
-        }
+    for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(body, copies.canonical(m.part, p), p)); });
   }
   for (const EdgeTie& t : rows_[body].edges)
     for (const auto* of_tie : {&t.masters, &t.heirs})
@@ -380,6 +391,57 @@ std::vector<Key> Splits::copies_of(int body) const {
   for (const auto& row : rows_[body].copies.rows())
     for (const NodeCopies::Entry& e : row.second)
       if (rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
+  return nodes;
+}
+
+std::vector<Key> Splits::nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int S) const {
+  std::vector<Key> nodes;
+  const NodeCopies& copies = rows_[body].copies;
+  for (int b : blocks) {
+    const BlockMeta& m = points.meta[b];
+    for_each_node(m, S, [&](const Place& p) {
+      nodes.push_back(key_at(body, m.part, p));
+      nodes.push_back(key_at(body, copies.canonical(m.part, p), p));
+    });
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+void Splits::find_users(Row& row) const {
+  for (std::size_t n = 0; n < row.edges.size(); ++n)
+    for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].heirs})
+      for (const auto& m : *of_tie) row.users.emplace_back(m.first, static_cast<int>(n));
+  std::sort(row.users.begin(), row.users.end());
+  row.users.erase(std::unique(row.users.begin(), row.users.end()), row.users.end());
+}
+
+// Nodes of all parts at the places that split, and edges that were tied to nodes there at the start.
+std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::vector<Key>& split) {
+  Row& row = rows_[body];
+  if (row.users.empty()) find_users(row);
+  std::vector<int> fields, nodes;
+  for (auto k = grid.keys.begin(); k != grid.keys.end();) {
+    fields.push_back((*k)[0]);
+    k = std::lower_bound(k, grid.keys.end(), Key{fields.back() + 1, std::numeric_limits<int>::min(), 0, 0});
+  }
+  std::vector<Key> slaves;
+  for (const Key& k : split) {
+    for (int f : fields) nodes.push_back(grid.base_node(f, &k[1]));
+    for (const NodeCopies::Entry& e : *row.copies.row(place_of(k))) {
+      const Key first = key_at(body, e.first, place_of(k));
+      for (auto u = std::lower_bound(row.users.begin(), row.users.end(), std::make_pair(first, 0)); u != row.users.end() && u->first == first; ++u)
+        slaves.push_back(row.edges[u->second].slave);
+    }
+  }
+  std::sort(slaves.begin(), slaves.end());
+  slaves.erase(std::unique(slaves.begin(), slaves.end()), slaves.end());
+  for (const Key& s : slaves)
+    for (int f : fields)
+      if (at_start({f, s[1], s[2], s[3]}) == s) nodes.push_back(grid.base_node(f, &s[1]));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(nodes.begin(), std::lower_bound(nodes.begin(), nodes.end(), 0));
   return nodes;
 }
 

@@ -56,6 +56,10 @@ class Splits {
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes that are copies.
   std::vector<Key> copies_of(int body) const;
+  // The same of some blocks alone, with their own nodes and without those at the edge.
+  std::vector<Key> nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int support) const;
+  // Nodes of a grid whose ties or masses hang on the copies of these.
+  std::vector<int> nodes_touched(const Grid& grid, int body, const std::vector<Key>& split);
   // A node as one of the start: its copy for a part.
   Key at_start(const Key& node) const;
   // The next one of the start, see TiedNodes.
@@ -72,8 +76,10 @@ class Splits {
     bool known = false;                    // on this rank
     std::vector<EdgeTie> edges;
     bool edges_known = false;              // the same on all ranks
+    std::vector<std::pair<Key, int>> users;  // master or heir, place of its edge; ascending, empty until they are asked for
     std::shared_ptr<CopyLattice> lattice;  // on the rank that looks at the bond
   };
+  void find_users(Row& row) const;
   void find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted);
   NewPartsOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes);
   std::vector<Row> rows_;

@@ -206,6 +206,21 @@ void PenaltyLinks::renumber(const std::vector<int>& new_place) {
       if (k >= 0) k = new_place[k];
 }
 
+void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place) {
+  for (int& c : columns_) c = place[c];
+  for (std::size_t n = 0; n < blocks_.size(); ++n)
+    for (int l = 0; l < kLanes; ++l) {
+      const LinkBlock& b = blocks_[n];
+      if (b.link[l] < 0) continue;
+      int& part = parts_[kLanes * n + l];
+      const int now = points.meta[points.links[b.link[l]].slot / kLanes].part;
+      if (now == part) continue;
+      part = now;
+      const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
+      grid.find_columns(field_of(body_, part), base, columns(n, l));
+    }
+}
+
 // Current vector q from the grain's centre, its deviation from R q0 and the direction n.
 template <class Type>
 void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta,

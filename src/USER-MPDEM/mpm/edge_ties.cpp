@@ -271,6 +271,60 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   for (auto* v : {&weight_, &weight_sum_, &heir_share_}) v->shrink_to_fit();
 }
 
+void EdgeTies::find_rows(std::size_t nodes) {
+  row_.assign(slave_.empty() ? 0 : nodes, -1);
+  for (std::size_t t = 0; t < slave_.size(); ++t) row_[slave_[t]] = static_cast<int>(t);
+}
+
+void EdgeTies::renumber(const std::vector<int>& place, std::size_t nodes) {
+  for (auto* numbers : {&slave_, &master_, &heir_})
+    for (int& n : *numbers) n = place[n];
+  find_rows(nodes);
+}
+
+void EdgeTies::append(const EdgeTies& other, int row) {
+  if (first_.empty()) first_.assign(1, 0);
+  if (first_heir_.empty()) first_heir_.assign(1, 0);
+  slave_.push_back(other.slave_[row]);
+  weight_sum_.push_back(other.weight_sum_[row]);
+  const int first = other.first_[row], last = other.first_[row + 1], heir = other.first_heir_[row], last_heir = other.first_heir_[row + 1];
+  master_.insert(master_.end(), &other.master_[first], &other.master_[0] + last);
+  weight_.insert(weight_.end(), &other.weight_[first], &other.weight_[0] + last);
+  heir_.insert(heir_.end(), &other.heir_[heir], &other.heir_[0] + last_heir);
+  heir_share_.insert(heir_share_.end(), &other.heir_share_[heir], &other.heir_share_[0] + last_heir);
+  first_.push_back(static_cast<int>(master_.size()));
+  first_heir_.push_back(static_cast<int>(heir_.size()));
+}
+
+bool EdgeTies::same_row(int row, const EdgeTies& other, int of_other) const {
+  const int n = first_[row + 1] - first_[row], heirs = first_heir_[row + 1] - first_heir_[row];
+  return other.first_[of_other + 1] - other.first_[of_other] == n && other.first_heir_[of_other + 1] - other.first_heir_[of_other] == heirs &&
+         std::equal(&master_[first_[row]], &master_[first_[row]] + n, &other.master_[other.first_[of_other]]) &&
+         std::equal(&weight_[first_[row]], &weight_[first_[row]] + n, &other.weight_[other.first_[of_other]]) &&
+         std::equal(&heir_[first_heir_[row]], &heir_[first_heir_[row]] + heirs, &other.heir_[other.first_heir_[of_other]]);
+}
+
+bool EdgeTies::exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys) {
+  EdgeTies fresh, next;
+  fresh.bind(wanted, keys);
+  bool freed = false;
+  std::size_t f = 0;
+  for (std::size_t t = 0; t < slave_.size(); ++t) {
+    while (f < fresh.size() && fresh.slave_[f] < slave_[t]) next.append(fresh, static_cast<int>(f++));
+    if (!std::binary_search(nodes.begin(), nodes.end(), slave_[t])) {
+      next.append(*this, static_cast<int>(t));
+      continue;
+    }
+    const int row = fresh.row(slave_[t]);
+    const bool is_edge = first_[t + 1] - first_[t] > 1;
+    freed = freed || (is_edge && (row < 0 || !same_row(static_cast<int>(t), fresh, row)));
+  }
+  while (f < fresh.size()) next.append(fresh, static_cast<int>(f++));
+  next.find_rows(keys.size());
+  *this = std::move(next);
+  return freed;
+}
+
 std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {
   std::vector<EdgeTie> ties(slave_.size());
   for (std::size_t t = 0; t < slave_.size(); ++t) {

@@ -57,6 +57,11 @@ class EdgeTies {
   // Throws std::logic_error if one is not among the keys.
   void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   void clear();
+  // Nodes went to other places, and there are so many now.
+  void renumber(const std::vector<int>& place, std::size_t nodes);
+  // Ties of these nodes (ascending) are these now, whatever they were. Answers whether one that was tied as an edge is not any more, or to
+  // others: that takes momentum to another place.
+  bool exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys);
   // The ties that were bound, by keys, in the order of the slaves.
   std::vector<EdgeTie> by_key(const std::vector<Key>& keys) const;
 
@@ -86,6 +91,9 @@ class EdgeTies {
   std::size_t memory_usage() const;
 
  private:
+  void append(const EdgeTies& other, int row);
+  bool same_row(int row, const EdgeTies& other, int of_other) const;
+  void find_rows(std::size_t nodes);
   std::vector<int> slave_, row_;
   std::vector<int> first_, master_, first_heir_, heir_;
   std::vector<double> weight_, weight_sum_, heir_share_;

@@ -266,6 +266,78 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
   fresh.swap(r.fresh);
 }
 
+namespace {
+
+// So many numbers a node, of nodes that went to other places.
+void spread(std::vector<double>& values, int width, const std::vector<int>& place, std::size_t size, double fresh) {
+  if (values.empty()) return;
+  std::vector<double> next(width * size, fresh);
+  for (std::size_t i = 0; i < place.size(); ++i) std::copy_n(&values[width * i], width, &next[static_cast<std::size_t>(width) * place[i]]);
+  values.swap(next);
+}
+
+}  // namespace
+
+std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
+  std::vector<int> place(keys.size());
+  std::vector<Key> all;
+  all.reserve(keys.size() + more.size());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    while (n < more.size() && more[n] < keys[i]) all.push_back(more[n++]);
+    place[i] = static_cast<int>(all.size());
+    all.push_back(keys[i]);
+  }
+  all.insert(all.end(), more.begin() + n, more.end());
+  if (more.empty()) return place;
+  keys.swap(all);
+  for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
+  for (auto* v : {&mass, &tie_factor_}) spread(*v, 1, place, keys.size(), 0.0);
+  spread(given_volume, 1, place, keys.size(), -1.0);
+  ties.renumber(place, keys.size());
+  halo.resize(keys.size());
+  return place;
+}
+
+void Grid::take_over_motion(const std::map<Key, Key>& source) {
+  struct Move {
+    int to;
+    double v[3][3];
+  };
+  std::vector<Move> moves;
+  for (const auto& s : source) {
+    const int to = base_node(s.first[0], &s.first[1]), from = base_node(s.second[0], &s.second[1]);
+    if (to < 0 || from < 0) continue;
+    moves.push_back({to, {}});
+    for (int d = 0; d < 3; ++d) {
+      moves.back().v[0][d] = velocity[3 * from + d];
+      moves.back().v[1][d] = displacement[3 * from + d];
+      moves.back().v[2][d] = acceleration[3 * from + d];
+    }
+  }
+  for (const Move& m : moves)
+    for (int d = 0; d < 3; ++d) {
+      velocity[3 * m.to + d] = m.v[0][d];
+      displacement[3 * m.to + d] = m.v[1][d];
+      acceleration[3 * m.to + d] = m.v[2][d];
+    }
+}
+
+void Grid::find_columns(BlockMeta& m) const {
+  const int S = support(basis), more_i = m.joined == 0, more_j = m.joined == 1;
+  for (int i = 0; i < S + more_i; ++i)
+    for (int j = 0; j < S + more_j; ++j) {
+      const int at[3] = {m.base[0] + i, m.base[1] + j, m.base[2]};
+      m.column[(S + more_j) * i + j] = base_node(field_of(m.body, m.part), at);
+    }
+}
+
+bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted) {
+  const bool freed = ties.exchange(nodes, wanted, keys);
+  any_ties_ = any_ties_ || !ties.empty();
+  return freed;
+}
+
 void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
   ties.bind(wanted, keys);
   any_ties_ = any;

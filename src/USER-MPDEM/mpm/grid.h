@@ -83,6 +83,16 @@ class Grid {
   // Is the cell with this first node at least one cell away from the end of the margin?
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
+  // Of a grid that no other rank shares: adds nodes (ascending, none of them there yet), at rest; answers where each of the others went.
+  std::vector<int> add_nodes(const std::vector<Key>& more);
+  // Nodes take over the motion that others have, which may be among them. Nodes that are not there are left out.
+  void take_over_motion(const std::map<Key, Key>& source);
+  // Columns of a block whose nodes are all there.
+  void find_columns(BlockMeta& m) const;
+  // Of a grid that no other rank shares: ties of these nodes (ascending) are these now. Answers whether one is no longer tied as an edge as
+  // it was. Call lump_mass() then.
+  bool tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted);
+
   // Ties nodes of this rank until the next build(). To be called before lump_mass(). any: whether some rank that
   // shares the grid has ties.
   void tie(const std::vector<EdgeTie>& wanted, bool any);

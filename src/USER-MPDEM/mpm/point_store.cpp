@@ -56,6 +56,7 @@ void PointStore::clear() {
   law_.reset();
   settled_ = 0;
   changed_ = false;
+  home_.clear();
 }
 
 void PointStore::set(int slot, const PointRecord& r, int tag) {
@@ -362,6 +363,73 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   meta[b].looked_at &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
+}
+
+void PointStore::find_homes() {
+  if (home_.size() == blocks.size()) return;
+  home_.resize(blocks.size());
+  std::iota(home_.begin(), home_.end(), 0);
+  copies_.clear();
+  for (std::size_t b = 0; b < blocks.size(); ++b) copies_[{static_cast<int>(b), meta[b].part}] = static_cast<int>(b);
+}
+
+// A block without points.
+int PointStore::copy_for(int b, int part, double cell, Basis basis) {
+  const BlockMeta of = meta[b];
+  const int copy = add_block(of.body, part, of.base, cell, basis);
+  meta[copy].joined = of.joined;
+  home_.push_back(home_[b]);
+  return copies_[{home_[b], part}] = copy;
+}
+
+void PointStore::move_lanes(int b, std::uint8_t lanes, int to, double cell, Basis basis) {
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(lanes >> l & 1)) continue;
+    take(*this, kLanes * b + l, kLanes * to + l);
+    const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
+    meta[to].second |= meta[b].second & bit;
+    meta[b].second &= static_cast<std::uint8_t>(~bit);
+    empty_lane(kLanes * b + l, cell, basis);
+  }
+}
+
+PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis) {
+  PartMove done;
+  find_homes();
+  std::map<int, int> new_block;  // of slots
+  for (auto i = part_of_slot.begin(); i != part_of_slot.end();) {
+    const int b = i->first / kLanes;
+    std::map<int, std::uint8_t> to;
+    std::uint8_t stays = meta[b].occupied;
+    for (; i != part_of_slot.end() && i->first / kLanes == b; ++i) {
+      if (i->second == meta[b].part) continue;
+      to[i->second] |= static_cast<std::uint8_t>(1u << i->first % kLanes);
+      stays &= static_cast<std::uint8_t>(~(1u << i->first % kLanes));
+    }
+    for (const auto& t : to) {
+      const auto there = copies_.find({home_[b], t.first});
+      if (there == copies_.end() && !stays) {  // the block itself goes
+        copies_.erase({home_[b], meta[b].part});
+        copies_[{home_[b], t.first}] = b;
+        meta[b].part = t.first;
+        stays = t.second;
+        done.blocks.push_back(b);
+        continue;
+      }
+      const int copy = there == copies_.end() ? copy_for(b, t.first, cell, basis) : there->second;
+      for (int l = 0; l < kLanes; ++l)
+        if (t.second >> l & 1) new_block[kLanes * b + l] = copy;
+      move_lanes(b, t.second, copy, cell, basis);
+      done.blocks.push_back(copy);
+    }
+  }
+  for (Link& k : links) {
+    const auto moved = new_block.find(k.slot);
+    if (moved != new_block.end()) k.slot = kLanes * moved->second + k.slot % kLanes;
+  }
+  done.link_place = sort_links();
+  average.clear();
+  return done;
 }
 
 std::vector<int> PointStore::sort_links() {

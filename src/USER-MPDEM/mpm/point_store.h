@@ -111,6 +111,14 @@ class PointStore {
   // nodes, but it is one for two. Not for points that change cells.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool join = false);
 
+  // These points go to other parts, and all others stay where they are. A block whose points part gets a block for each part: its copy,
+  // in which each point has the lane that it had. The next arrange() fills blocks again.
+  struct PartMove {
+    std::vector<int> blocks;      // that are new, or of another part
+    std::vector<int> link_place;  // where each link went
+  };
+  PartMove move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis);
+
   // A point that left for another rank. Its links go with the next arrange().
   void release(int slot);
   // Did points come or leave since arrange()?
@@ -170,6 +178,12 @@ class PointStore {
   std::vector<vd> state_;
   int state_fields_ = kMostStateFields, law_number_ = 0;
   std::shared_ptr<const Law> law_;
+  // Since arrange(), once points moved to parts: block of which each one is a copy, and the copy for a part.
+  std::vector<int> home_;
+  std::map<std::pair<int, int>, int> copies_;
+  void find_homes();
+  int copy_for(int b, int part, double cell, Basis basis);
+  void move_lanes(int b, std::uint8_t lanes, int to, double cell, Basis basis);
   void set(int slot, const PointRecord& r, int tag);
   void set_state_fields(int fields);
   void append_block();

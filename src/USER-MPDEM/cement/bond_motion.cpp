@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "bond_motion.h"
+
+#include <Eigen/Dense>
+
+namespace mpdem {
+
+BondMotion motion_of(const Grid& grid, double kick) {
+  BondMotion s{};
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!grid.halo.counts_here()[i]) continue;
+    double x[3], v[3];
+    for (int d = 0; d < 3; ++d) {
+      x[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+      v[d] = grid.velocity[3 * i + d] + kick * grid.acceleration[3 * i + d];
+    }
+    const double m = grid.mass[i];
+    s.mass += m;
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      s.first[d] += m * x[d];
+      s.second[d] += m * x[d] * x[d];
+      s.second[3 + d] += m * x[e] * x[g];
+      s.momentum[d] += m * v[d];
+      s.angular[d] += m * (x[e] * v[g] - x[g] * v[e]);
+      s.kinetic += 0.5 * m * v[d] * v[d];
+    }
+  }
+  return s;
+}
+
+// M (V, omega) = what is missing; lengths in cells, so that the numbers are alike.
+void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
+  if (!(now.mass > 0.0)) return;
+  const double h = grid.h;
+  Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> missing;
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, g = (d + 2) % 3;
+    M(d, d) = now.mass;
+    M(d, 3 + e) = M(3 + e, d) = now.first[g] / h;
+    M(d, 3 + g) = M(3 + g, d) = -now.first[e] / h;
+    M(3 + d, 3 + d) = (now.second[e] + now.second[g]) / (h * h);
+    M(3 + e, 3 + g) = M(3 + g, 3 + e) = -now.second[3 + d] / (h * h);
+    missing[d] = before.momentum[d] - now.momentum[d];
+    missing[3 + d] = (before.angular[d] - now.angular[d]) / h;
+  }
+  const Eigen::Matrix<double, 6, 1> r = M.ldlt().solve(missing);
+  for (int i = 0; i < grid.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      const auto x = [&](int c) { return grid.keys[i][1 + c] + grid.displacement[3 * i + c] / h; };
+      grid.velocity[3 * i + d] += r[d] + r[3 + e] * x(g) - r[3 + g] * x(e);
+    }
+}
+
+}  // namespace mpdem

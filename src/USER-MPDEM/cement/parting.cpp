@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Nodes that split (splits.h): what changes in a bond, in place. Points that go to other parts get blocks of their own, new nodes come
+// into the grid, and the ties and masses of those that are touched are found anew; all else stays where it is. At the next check
+// blocks are filled again by a layout. A bond that ranks cut is laid out as a whole at once.
+#include <algorithm>
+
+#include "bond_motion.h"
+#include "cement.h"
+#include "kinematics.h"
+
+namespace mpdem {
+
+void Cement::split_nodes() {
+  timer_.start(StepTimer::kLayout);
+  Splits::Found split = splits_.look(comm_, bonds_, options_);
+  part_bonds(split.lay_out, std::move(split.parts));
+}
+
+// Mass stays with its copy and copies move as the node did, so momentum and energy are what they were; edges that are tied no longer
+// give mass back, see give_back_motion().
+void Cement::part_nodes(Bond& b, const NewParts& parts) {
+  const double kick = 0.5 * (dt_last_ + now_.dt);
+  const BondMotion before = mpdem::motion_of(b.grid, kick);
+  const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, options_.cell, options_.basis);
+  std::vector<Key> more = splits_.nodes_of(b.points, moved.blocks, b.body, support(options_.basis));
+  more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.base_node(k[0], &k[1]) >= 0; }), more.end());
+  const std::vector<int> place = b.grid.add_nodes(more);
+  b.grid.take_over_motion(parts.source);
+  if (!more.empty())
+    for (BlockMeta& m : b.points.meta)
+      for (int& c : m.column) c = place[c];
+  for (int n : moved.blocks) b.grid.find_columns(b.points.meta[n]);
+  b.links.renumber(moved.link_place);
+  b.links.follow_parts(b.points, b.grid, place);
+
+  std::vector<int> nodes = splits_.nodes_touched(b.grid, b.body, parts.split);
+  for (const Key& k : more) nodes.push_back(b.grid.base_node(k[0], &k[1]));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  std::vector<Key> keys;
+  for (int i : nodes) keys.push_back(b.grid.keys[i]);
+  const std::vector<double> volumes = splits_.volumes(keys);
+  for (std::size_t n = 0; n < nodes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  const bool freed = b.grid.tie_anew(nodes, splits_.ties(keys));
+  b.grid.lump_mass(b.points, inertia_);
+  if (freed) {
+    give_back_motion(b.grid, before, mpdem::motion_of(b.grid, kick));
+    books_.release(before.kinetic - mpdem::motion_of(b.grid, kick).kinetic);
+  }
+}
+
+// Links have other nodes then, and their added mass another energy. Those that let go give theirs up.
+void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
+  if (rows.empty()) return;
+  std::vector<int> mine;
+  for (int row : rows) {
+    const Bond* b = bonds_.find(row);
+    if (b && b->cut_by_ranks()) mine.push_back(row);
+  }
+  const std::vector<int> cut = agreed_rows(mine);
+  const auto energy = [&] {
+    double sum = 0.0;
+    for (int row : rows)
+      if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
+    return sum;
+  };
+  books_.release_by(energy, [&] {
+    for (int row : rows) {
+      Bond* b = bonds_.find(row);
+      if (!b) continue;
+      b->links.drop_inertia(b->points);
+      if (std::binary_search(cut.begin(), cut.end(), row)) continue;
+      part_nodes(*b, parts[row]);
+      start_anew(*b);
+      b->laid_out_blocks = b->points.blocks.size();
+      host_.slots_changed(*b);
+      kinematics_->bind(*b);
+    }
+    if (!cut.empty()) lay_out(cut, std::move(parts), true, true);
+    refresh_added_mass(rows);
+    check_step_after(rows, "nodes split");
+  });
+}
+
+// Bonds with blocks that are not full since points went to other parts.
+void Cement::fill_blocks() {
+  std::vector<int> mine;
+  for (const Bond& b : bonds_)
+    if (b.points.blocks.size() != b.blocks_when_arranged) mine.push_back(b.body);
+  const std::vector<int> rows = agreed_rows(mine);
+  if (rows.empty()) return;
+  const auto energy = [&] {
+    double sum = 0.0;
+    for (int row : rows)
+      if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
+    return sum;
+  };
+  books_.release_by(energy, [&] { lay_out_again(rows); });
+}
+
+}  // namespace mpdem
