@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -166,10 +167,11 @@ class Cement {
   void lay_out_parts(Cracks::Found found);
   void remember_axis();
   void check_restored(const CementHead& head) const;
-  void check_step_after(const std::vector<int>& rows, const char* event);
+  using Patches = std::map<int, std::vector<int>>;  // of rows: blocks
+  void check_step_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
   double added_energy_ahead(const std::vector<int>& rows, double later);
-  double limiting_eigenvalue(double dt, const std::vector<int>& rows);
-  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows);
+  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches = nullptr);
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches = nullptr);
   void start_velocities(std::vector<BondLayout>& layouts);
   std::vector<double> motion_of(const std::vector<int>& rows) const;
   void keep_motion(const std::vector<int>& rows, const std::vector<double>& before);
@@ -186,7 +188,7 @@ class Cement {
   Cracks::Found look_at_bonds(bool debris);
   void split_nodes();
   void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);
-  void part_nodes(Bond& b, const NewParts& parts);
+  std::vector<int> part_nodes(Bond& b, const NewParts& parts);
   void fill_blocks();
   void take_failed(Bond& b);
   void let_go(Bond& b);

@@ -12,6 +12,34 @@
 
 namespace mpdem {
 
+namespace {
+
+template <class F>
+void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
+  const int S = support(grid.basis), columns = (S + (m.joined == 0)) * (S + (m.joined == 1)), length = S + (m.joined == 2);
+  for (int c = 0; c < columns; ++c)
+    for (int k = 0; k < length; ++k) f(m.column[c] + k);
+}
+
+// Blocks that have one of these nodes, and those that share a node with them.
+std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const std::vector<int>& nodes) {
+  std::vector<char> near(grid.size(), 0);
+  for (int i : nodes) near[i] = 1;
+  std::vector<int> blocks;
+  for (int round = 0; round < 2; ++round) {
+    blocks.clear();
+    for (std::size_t b = 0; b < points.meta.size(); ++b) {
+      bool meets = false;
+      for_each_node(grid, points.meta[b], [&](int i) { meets = meets || near[i]; });
+      if (meets) blocks.push_back(static_cast<int>(b));
+    }
+    for (int b : blocks) for_each_node(grid, points.meta[b], [&](int i) { near[i] = 1; });
+  }
+  return blocks;
+}
+
+}  // namespace
+
 void Cement::split_nodes() {
   timer_.start(StepTimer::kLayout);
   Splits::Found split = splits_.look(comm_, bonds_, options_);
@@ -19,8 +47,8 @@ void Cement::split_nodes() {
 }
 
 // Mass stays with its copy and copies move as the node did, so momentum and energy are what they were; edges that are tied no longer
-// give mass back, see give_back_motion().
-void Cement::part_nodes(Bond& b, const NewParts& parts) {
+// give mass back, see give_back_motion(). Answers the nodes whose ties and masses are new.
+std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
   const double kick = 0.5 * (dt_last_ + now_.dt);
   const BondMotion before = mpdem::motion_of(b.grid, kick);
   const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, options_.cell, options_.basis);
@@ -49,6 +77,7 @@ void Cement::part_nodes(Bond& b, const NewParts& parts) {
     give_back_motion(b.grid, before, mpdem::motion_of(b.grid, kick));
     books_.release(before.kinetic - mpdem::motion_of(b.grid, kick).kinetic);
   }
+  return nodes;
 }
 
 // Links have other nodes then, and their added mass another energy. Those that let go give theirs up.
@@ -66,13 +95,15 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
       if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
     return sum;
   };
+  Patches patches;
   books_.release_by(energy, [&] {
     for (int row : rows) {
       Bond* b = bonds_.find(row);
       if (!b) continue;
       b->links.drop_inertia(b->points);
       if (std::binary_search(cut.begin(), cut.end(), row)) continue;
-      part_nodes(*b, parts[row]);
+      const std::vector<int> nodes = part_nodes(*b, parts[row]);
+      if (eigenvalue_ > 0.0) patches[row] = blocks_about(b->points, b->grid, nodes);
       start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
       host_.slots_changed(*b);
@@ -80,7 +111,7 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
     }
     if (!cut.empty()) lay_out(cut, std::move(parts), true, true);
     refresh_added_mass(rows);
-    check_step_after(rows, "nodes split");
+    check_step_after(rows, "nodes split", &patches);
   });
 }
 

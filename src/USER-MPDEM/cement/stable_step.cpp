@@ -63,10 +63,14 @@ Cement::DampedStep Cement::damped_step(double eigenvalue) {
 
 EigenvalueEstimate Cement::eigenvalue() { return eigenvalue_of(all_rows()); }
 
-EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows) {
+EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
-    if (Bond* b = bonds_.find(row)) parts.push_back({&b->points, &b->grid, options_.unilateral});
+    if (Bond* b = bonds_.find(row)) {
+      parts.push_back({&b->points, &b->grid, options_.unilateral});
+      const auto patch = patches ? patches->find(row) : Patches::const_iterator();
+      if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
+    }
   return largest_eigenvalue(comm_, parts, *law_);
 }
 
@@ -107,22 +111,23 @@ double Cement::limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, a
 
 // What was found before is kept unless it is well below: the added mass, which has a margin for that, hangs
 // on it, and has to be the same in runs that are divided or restarted otherwise.
-double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows) {
+double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches) {
   double mine = 1.0, ties;
   for (const Bond& b : bonds_) mine = std::max(mine, b.grid.largest_tie_factor());
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, comm_);
   const double bound = ties * eigenvalue_bound();
   if (bound > 0.0 && dt <= step_for(bound, options_.relax)) return bound;
-  const EigenvalueEstimate e = eigenvalue_of(rows);
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches);
   if (e.value > 1.02 * eigenvalue_) eigenvalue_ = e.value + e.residual;
   return e.value + e.residual;
 }
 
 // Other nodes and weights, other eigenvalue: that of the bonds in question, since those of the others stay. One that was never asked for is
 // no matter: then the step is below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
-void Cement::check_step_after(const std::vector<int>& rows, const char* event) {
+// Where nodes split, patches are blocks about them, one support further than those that changed: the modes that are new are as short as a cell.
+void Cement::check_step_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (eigenvalue_ == 0.0 || options_.updated) return;
-  const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(now_.dt, rows), options_.relax);
+  const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(now_.dt, rows, patches), options_.relax);
   if (now_.dt > limit)
     throw BadState(text_of("time step ", now_.dt, " exceeds the stable step ", limit, " after ", event, " at step ", now_.number,
                            "; use 'timestep ", 0.9 * limit, "' or less"));

@@ -20,10 +20,14 @@ namespace {
 constexpr int kMostProducts = 200;
 
 template <class Type, class L>
-void add_products(const PointStore& points, const Grid& grid, const L& law, bool failed_hold, const double* x, double* out) {
-  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+void add_products(const EigenvaluePart& part, const L& law, const double* x, double* out) {
+  const PointStore& points = *part.points;
+  const Grid& grid = *part.grid;
+  const std::size_t count = part.blocks ? part.blocks->size() : points.blocks.size();
+  for (std::size_t n = 0; n < count; ++n) {
+    const std::size_t b = part.blocks ? (*part.blocks)[n] : n;
     const BlockMeta& m = points.meta[b];
-    if (m.failed == m.occupied && !failed_hold) continue;
+    if (m.failed == m.occupied && !part.failed_hold) continue;
     const PointBlock& p = points.blocks[b];
     with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
       const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
@@ -31,8 +35,8 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, bool
                        0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
       const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
       Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-      if (failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
-      const vd live = failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
+      if (part.failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
+      const vd live = part.failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
       scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
     });
   }
@@ -41,7 +45,7 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, bool
 // out = -K x: the internal force that a displacement x adds.
 void add_stiffness_force(const EigenvaluePart& part, const Law& law, const double* x, double* out) {
   with_law(law, [&](const auto& l) {
-    with_basis(part.grid->basis, [&](auto type) { add_products<decltype(type)>(*part.points, *part.grid, l, part.failed_hold, x, out); });
+    with_basis(part.grid->basis, [&](auto type) { add_products<decltype(type)>(part, l, x, out); });
   });
 }
 

@@ -31,6 +31,7 @@ struct EigenvaluePart {
   const PointStore* points;
   Grid* grid;
   bool failed_hold = false;  // points that failed count as whole ones: they may be stiff again, see closing_points.h
+  const std::vector<int>* blocks = nullptr;  // whose points count; null: all
 };
 
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
