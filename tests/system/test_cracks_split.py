@@ -51,6 +51,20 @@ def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
                   (p["c_failed"] != q["c_failed"]).sum(), 0)
 
 
+def test_nonlocal_on_ranks(tmp_path, figures):
+    """Averages meet split nodes: one rank changes them in place, two lay out the bond that they share anew."""
+    tables, events = [], []
+    for ranks, processors in ((1, "* * *"), (2, "1 1 2")):
+        words = f"regularization nonlocal {CELL} events events.csv"
+        done = run(pair(CELL / 2, processors=processors, **BOND) + pulled(words) + "run 560\n", tmp_path / str(ranks), ranks)
+        tables.append(done.table())
+        events.append(sorted((tmp_path / str(ranks) / "events.csv").read_text().splitlines()))
+    a, b = tables
+    assert len(events[0]) > 500 and a["f_bond[22]"][-1] == 1
+    assert [line.split(",")[:3] for line in events[0]] == [line.split(",")[:3] for line in events[1]]
+    figures.below("cracks split and nonlocal, 2 ranks against 1: bond force over the peak", abs(a["f_bond"] - b["f_bond"]).max() / a["f_bond"].max(), 1e-12)
+
+
 def test_restart(one_rank, tmp_path, figures):
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = run(restarted("middle.restart") + pulled() + dump(BEFORE + AFTER, COLUMNS[1:]) + f"run {AFTER}\n", tmp_path)

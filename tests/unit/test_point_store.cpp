@@ -296,6 +296,61 @@ TEST(PointStore, ArrangeMovesPointsToOtherParts) {
   expect_arranged(f.store, f.records, f.tags, f.arrange(part));
 }
 
+// Points go to parts in place, round by round, as where nodes split; then blocks are filled, and are those of a store that knew the parts.
+TEST(PointStore, PartsInPlace) {
+  for (bool join : {false, true}) {
+    Filled f(93, 400);
+    std::map<int, std::size_t> of_tag;
+    for (std::size_t i = 0; i < f.tags.size(); ++i) of_tag[f.tags[i]] = i;
+    f.store.arrange(kCell, Basis::quadratic, {}, join);
+    Filled whole(93, 400);
+    const std::vector<int> place = whole.store.arrange(kCell, Basis::quadratic, {}, join);
+    std::map<int, int> all_moves;  // slots of the other store
+    test::Random random(94);
+    for (int round = 0; round < 4; ++round) {
+      std::map<int, int> moves, slot_of_tag;
+      for (std::size_t b = 0; b < f.store.blocks.size(); ++b)
+        for (int l = 0; l < kLanes; ++l) {
+          if (!(f.store.meta[b].occupied >> l & 1)) continue;
+          const int slot = static_cast<int>(kLanes * b) + l;
+          slot_of_tag[f.store.tags[b][l]] = slot;
+          // some blocks as a whole, of others a few points; some to the part where they are
+          if (b % 5 == 0 || random.index(4) == 0) moves[slot] = b % 5 == 0 ? 2 + round : random.index(4);
+        }
+      std::map<int, int> part;
+      for (const auto& s : slot_of_tag) part[s.first] = moves.count(s.second) ? moves[s.second] : f.store.meta[s.second / kLanes].part;
+      const std::size_t blocks = f.store.blocks.size();
+      const PointStore::PartMove moved = f.store.move_to_parts(moves, kCell, Basis::quadratic);
+      EXPECT_TRUE(std::is_sorted(f.store.links.begin(), f.store.links.end(), [](const Link& a, const Link& b) { return a.slot < b.slot; }));
+      EXPECT_EQ(moved.link_place.size(), f.store.links.size());
+      EXPECT_EQ(f.store.size(), 400);
+      for (std::size_t b = 0; b < f.store.blocks.size(); ++b) {
+        const bool told = std::count(moved.blocks.begin(), moved.blocks.end(), b) > 0;
+        EXPECT_TRUE(told || b < blocks);
+        for (int l = 0; l < kLanes; ++l) {
+          if (!(f.store.meta[b].occupied >> l & 1)) {
+            EXPECT_EQ(f.store.blocks[b].volume[l], 0.0);
+            continue;
+          }
+          const int slot = static_cast<int>(kLanes * b) + l, tag = f.store.tags[b][l];
+          PointRecord expected = f.records[of_tag.at(tag)];
+          expected.part = part.at(tag);
+          EXPECT_EQ(packed(f.store.record(slot)), packed(expected));
+          EXPECT_EQ(slot % kLanes, slot_of_tag.at(tag) % kLanes);  // the lane that it had
+          if (!moves.count(slot_of_tag.at(tag))) {
+            EXPECT_EQ(slot, slot_of_tag.at(tag));
+          }
+        }
+      }
+      for (const auto& p : part) all_moves[place[whole.slots[of_tag.at(p.first)]]] = p.second;
+    }
+    EXPECT_GT(f.store.blocks.size(), whole.store.blocks.size());
+    f.store.arrange(kCell, Basis::quadratic, {}, join);
+    whole.store.arrange(kCell, Basis::quadratic, all_moves, join);
+    EXPECT_EQ(content(f.store), content(whole.store));
+  }
+}
+
 TEST(PointStore, Clear) {
   Filled f(88, 20);
   f.store.clear();
