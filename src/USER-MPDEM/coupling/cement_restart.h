@@ -35,7 +35,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 10;
+  static constexpr int kVersion = 11;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
