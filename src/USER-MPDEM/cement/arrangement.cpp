@@ -50,6 +50,32 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
+std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penalty) {
+  Sheets sheets(sheets_);
+  Splits splits(splits_);
+  NewPartsOfBonds parts;
+  if (options_.split) {
+    parts = splits.start(comm_, bonds_, options_);
+    splits.bring(comm_, bonds_);
+  } else {
+    parts = sheets.divide(comm_, bonds_, options_);
+  }
+  std::vector<LayoutRequest> requests;
+  for (const Bond& b : bonds_) {
+    requests.emplace_back();
+    LayoutRequest& r = requests.back();
+    r.body = b.body;
+    r.points = b.points;
+    r.points.sort_links();
+    r.parts.part_of_slot = parts[b.body].part_of_slot;
+    if (penalty) r.before = restored_nodes_.empty() ? b.grid.kinematics() : restored_nodes_[b.body];
+  }
+  CementOptions options(options_);
+  options.updated = false;  // no margin
+  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_, penalty, options_.split ? &splits : nullptr};
+  return make_layout(rules, all_rows(), std::move(requests));
+}
+
 // As mass goes back from the heirs of tied nodes to these where a bond came apart, or its nodes split, its momentum and angular momentum are
 // kept by a rigid motion.
 void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange, bool splits) {

@@ -30,6 +30,7 @@
 #include "layout.h"
 #include "options.h"
 #include "sheets.h"
+#include "static_bond.h"
 #include "step_timer.h"
 
 namespace mpdem {
@@ -56,6 +57,13 @@ struct StepInput {
   std::int64_t number = 0;  // of this step
   double dt = 0;
   double gravity[3] = {0, 0, 0};
+};
+
+// The same on all ranks. Places are in the coordinates of the box, maybe beyond a periodic side.
+struct StiffnessOfBond {
+  double middle[3], axis[3];
+  double K[36];     // 6 by 6, see static_bond.h
+  double products;  // with the operator that it took; 0: that of an equal bond was taken
 };
 
 class Kinematics;
@@ -123,6 +131,9 @@ class Cement {
 
   CementTotals totals(double reach_of_box);
   const std::vector<BondState>& bond_states();
+  // Static stiffness of each bond as it is now, its grains too, by a layout of its own; a run need not have begun. Equal bonds of a rank are
+  // solved once. Needs links.
+  std::vector<StiffnessOfBond> stiffness_of_bonds();
   std::vector<Cracks::Ahead> cracks_ahead(const std::vector<char>& wanted);
   // Added mass: at either side of each bond, over all ranks.
   std::vector<double> added_mass_of_sides();
@@ -152,6 +163,7 @@ class Cement {
   void adopt(std::vector<BondLayout>& layouts);
   void start_anew(Bond& b);
   LayoutRules rules();
+  std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty);
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }
   // Do places that let go still touch?

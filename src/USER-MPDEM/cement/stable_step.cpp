@@ -83,27 +83,7 @@ double Cement::stable_step() {
 
 // Of copies, since the layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
-  Sheets sheets(sheets_);
-  Splits splits(splits_);
-  NewPartsOfBonds parts;
-  if (options_.split) {
-    parts = splits.start(comm_, bonds_, options_);
-    splits.bring(comm_, bonds_);
-  } else {
-    parts = sheets.divide(comm_, bonds_, options_);
-  }
-  std::vector<LayoutRequest> requests;
-  for (const Bond& b : bonds_) {
-    requests.emplace_back();
-    requests.back().body = b.body;
-    requests.back().points = b.points;
-    requests.back().points.sort_links();
-    requests.back().parts.part_of_slot = parts[b.body].part_of_slot;
-  }
-  CementOptions options(options_);
-  options.updated = false;  // no margin
-  const LayoutRules rules{comm_, bonds_.table, options, law_, sheets, cracks_, inertia_, nullptr, options_.split ? &splits : nullptr};
-  std::vector<BondLayout> layouts = make_layout(rules, all_rows(), std::move(requests));
+  std::vector<BondLayout> layouts = layouts_of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
   for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, options_.unilateral});
   return largest_eigenvalue(comm_, of_layouts, *law_);

@@ -415,6 +415,26 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
   });
 }
 
+std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const GrainSide* side) const {
+  std::vector<Secant> secants(blocks_.size());
+  if (blocks_.empty()) return secants;
+  with_traction(*p_.law, [&](const auto& law) {
+    with_basis(basis_, [&](auto type) {
+      for (std::size_t i = 0; i < blocks_.size(); ++i) {
+        const LinkBlock& b = blocks_[i];
+        Secant& s = secants[i];
+        vd delta[3];
+        place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
+        const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
+        const vd area = of(b.attached, b.area);
+        s.kn = area * k.kn;
+        s.kt = area * k.kt;
+      }
+    });
+  });
+  return secants;
+}
+
 std::size_t PenaltyLinks::memory_usage() const {
   return blocks_.capacity() * sizeof(LinkBlock) + (states_.capacity() * sizeof(vd)) + (columns_.capacity() + parts_.capacity()) * sizeof(int) +
          moves_.capacity() * sizeof(Move);

@@ -103,6 +103,16 @@ class PenaltyLinks {
   // those of either side. Links that read tied nodes burden the masters.
   void add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const;
 
+  // Secant stiffness of the links of a block in the present state, times their area; zero where they let go. arm: from the centre of the
+  // grain to the place in the cement, so that a turn of both together strains nothing.
+  struct Secant {
+    vd n[3], arm[3], kn, kt;
+  };
+  std::vector<Secant> secants(const Grid& grid, const GrainSide* side) const;
+  // Adds forces by small displacements x of the nodes, and by small motions of the two grains: translation of the centre, then turn. `load` is on
+  // the grains, force and moment about the centre. Linear and symmetric: what the forces themselves do by a turn is left out.
+  void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force, double (*load)[6]) const;
+
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
   std::size_t memory_usage() const;

@@ -8,46 +8,13 @@
 #include <cstdint>
 #include <limits>
 
-#include "../material/laws.h"
-#include "gather.h"
-#include "point_stress.h"
-#include "scatter.h"
+#include "stiffness_force.h"
 
 namespace mpdem {
 
 namespace {
 
 constexpr int kMostProducts = 200;
-
-template <class Type, class L>
-void add_products(const EigenvaluePart& part, const L& law, const double* x, double* out) {
-  const PointStore& points = *part.points;
-  const Grid& grid = *part.grid;
-  const std::size_t count = part.blocks ? part.blocks->size() : points.blocks.size();
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t b = part.blocks ? (*part.blocks)[n] : n;
-    const BlockMeta& m = points.meta[b];
-    if (m.failed == m.occupied && !part.failed_hold) continue;
-    const PointBlock& p = points.blocks[b];
-    with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
-      const Mat3<vd> G = product(gather_gradient(x, m.column, s), inverse(p.F));
-      const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
-                       0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
-      const Sym3<vd> strain = rotate_back(rotation_matrix(p.q), e);
-      Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
-      if (part.failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
-      const vd live = part.failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
-      scatter_gradient(out, m.column, s, weighted_piola(p.F, p.q, t, live));
-    });
-  }
-}
-
-// out = -K x: the internal force that a displacement x adds.
-void add_stiffness_force(const EigenvaluePart& part, const Law& law, const double* x, double* out) {
-  with_law(law, [&](const auto& l) {
-    with_basis(part.grid->basis, [&](auto type) { add_products<decltype(type)>(part, l, x, out); });
-  });
-}
 
 // The same number in [-1, 1] for a node on every rank and in every run.
 double scrambled(const Key& k, int c) {
@@ -110,7 +77,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     for (std::size_t p = 0; p < parts.size(); ++p) {
       of_parts.push_back(&w[3 * first[p]]);
       parts[p].grid->ties.extend(&v[3 * first[p]]);
-      add_stiffness_force(parts[p], law, &v[3 * first[p]], of_parts.back());
+      add_stiffness_force(*parts[p].points, *parts[p].grid, law, &v[3 * first[p]], of_parts.back(), {parts[p].failed_hold, parts[p].blocks});
       parts[p].grid->ties.pull_back(of_parts.back());
     }
     shared.sum(of_parts, 3);

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "static_bond.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../mpm/stiffness_force.h"
+#include "../parallel/agree.h"
+
+namespace mpdem {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Motion = double[2][6];  // of both grains, about their centres
+
+// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that it began with. The
+// fields are good to its root. Where points failed, nodes beside them hold next to nothing, and the energy does not wait for them.
+constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
+constexpr int kLeastSteps = 40, kMostSteps = 20000;
+
+// The nodes of one bond as unknowns. Vectors have three numbers a node; those of tied nodes are no unknowns.
+class Equations {
+ public:
+  Equations(MPI_Comm comm, const StaticParts* parts) : comm_(comm), parts_(parts) {
+    if (!parts) return;
+    const Grid& grid = parts->grid;
+    secants_ = parts->links.secants(grid, parts->side);
+    std::vector<double> rows(2 * grid.size(), 0.0);
+    parts->links.add_stiffness(grid, parts->side, std::numeric_limits<double>::infinity(), rows.data());
+    parts->grid.halo.sum(rows.data(), 2);
+    std::vector<double> diagonal(grid.size(), 0.0);
+    add_stiffness_diagonal(parts->points, grid, parts->law, diagonal.data());
+    parts->grid.halo.sum(diagonal.data(), 1);
+    inverse_.resize(grid.size());
+    for (int i = 0; i < grid.size(); ++i) {
+      const double d = diagonal[i] + rows[2 * i] + rows[2 * i + 1];
+      inverse_[i] = d > 0.0 ? 1.0 / d : 0.0;
+    }
+  }
+
+  int size() const { return parts_ ? 3 * parts_->grid.size() : 0; }
+
+  // out = the force on the nodes by displacements x and motions of the grains; load: that on the grains. x gets its tied nodes.
+  void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
+    for (auto& of_grain : load) std::fill(of_grain, of_grain + 6, 0.0);
+    if (!parts_) return;
+    Grid& grid = parts_->grid;
+    std::fill(out.begin(), out.end(), 0.0);
+    grid.ties.extend(x.data());
+    add_stiffness_force(parts_->points, grid, parts_->law, x.data(), out.data());
+    parts_->links.add_small_force(secants_, x.data(), motion, out.data(), load);
+    grid.ties.pull_back(out.data());
+    grid.halo.sum(out.data(), 3);
+  }
+
+  // Sums over the nodes: r.P r, and a.b.
+  double size_of(const std::vector<double>& r) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (counts(i)) sum += inverse_[i] * (r[3 * i] * r[3 * i] + r[3 * i + 1] * r[3 * i + 1] + r[3 * i + 2] * r[3 * i + 2]);
+    return all(sum);
+  }
+  double dot(const std::vector<double>& a, const std::vector<double>& b) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (counts(i)) sum += a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2];
+    return all(sum);
+  }
+  double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
+
+  // Sum over the ranks of the bond.
+  double all(double mine) const {
+    if (comm_ == MPI_COMM_SELF) return mine;
+    double sum;
+    MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    return sum;
+  }
+
+ private:
+  bool counts(std::size_t node) const { return parts_->grid.halo.counts_here()[node]; }
+  MPI_Comm comm_;
+  const StaticParts* parts_;
+  std::vector<PenaltyLinks::Secant> secants_;
+  std::vector<double> inverse_;  // of the preconditioner, a node
+};
+
+// Motion j about the middle, of the second grain about its centre.
+void motion_of(int j, const Vector3& arm, double* motion) {
+  Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
+  (j < 3 ? t : turn)[j % 3] = 1.0;
+  t += turn.cross(arm);
+  std::copy(t.data(), t.data() + 3, motion);
+  std::copy(turn.data(), turn.data() + 3, motion + 3);
+}
+
+Vector3 centre(const GrainSide& s) { return Vector3(s.x[0], s.x[1], s.x[2]); }
+
+// Nodes follow the second grain by their place between the two, none of them beyond its surface.
+std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, int j) {
+  const Grid& grid = p.grid;
+  std::vector<double> x(3 * grid.size());
+  for (int i = 0; i < grid.size(); ++i) {
+    Vector3 X;
+    for (int d = 0; d < 3; ++d) X[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+    double apart[2], motion[6];
+    for (int s = 0; s < 2; ++s) apart[s] = std::max(0.0, (X - centre(p.side[s])).norm() - p.body.radius[s]);
+    const double sum = apart[0] + apart[1], share = sum > 0.0 ? apart[0] / sum : 0.5;
+    motion_of(j, X - frame.middle, motion);
+    for (int d = 0; d < 3; ++d) x[3 * i + d] = share * motion[d];
+  }
+  return x;
+}
+
+bool any_failed(const PointStore& points) {
+  return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
+}
+
+// Conjugate gradients from x on, with the residual r of x, whose energy is given. Returns the products.
+int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline) {
+  const Motion at_rest = {};
+  Motion load;
+  std::vector<double> p(r.size(), 0.0), Kp(r.size());
+  std::vector<double> taken(1, 0.0);  // of the energy, by all steps up to each
+  double rho = equations.size_of(r), before = 0.0;
+  while (rho > kResidual * energy) {
+    const double beta = before > 0.0 ? rho / before : 0.0;
+    for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
+    equations.force(p, at_rest, Kp, load);
+    const double pKp = -equations.dot(p, Kp);
+    const int steps = static_cast<int>(taken.size()), window = std::max(kLeastSteps, steps / 4);
+    if (!std::isfinite(pKp) || steps > kMostSteps)
+      throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
+    if (!(pKp > 0.0)) break;  // nothing that has stiffness is left
+    const double a = rho / pKp;
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      x[i] += a * p[i];
+      r[i] += a * Kp[i];
+    }
+    taken.push_back(taken.back() + a * rho);
+    if (steps >= window && taken[steps] - taken[steps - window] < decline * energy) break;
+    before = rho;
+    rho = equations.size_of(r);
+  }
+  return static_cast<int>(taken.size()) - 1;
+}
+
+}  // namespace
+
+std::size_t StaticBond::memory_usage() const {
+  std::size_t bytes = 0;
+  for (const auto& u : displacement) bytes += u.capacity() * sizeof(double);
+  for (const auto& e : strain) bytes += e.capacity() * sizeof(Sym3<vd>);
+  return bytes;
+}
+
+BondFrame frame_of(const Body& body, const GrainSide* side) {
+  const Vector3 from = centre(side[0]), apart = centre(side[1]) - from;
+  const double distance = apart.norm();
+  BondFrame f;
+  f.axis = apart / distance;
+  f.middle = from + (body.radius[0] + 0.5 * (distance - body.radius[0] - body.radius[1])) * f.axis;
+  return f;
+}
+
+StaticBond solve_static(MPI_Comm comm, const StaticParts* parts) {
+  StaticBond bond;
+  Equations equations(comm, parts);
+  std::array<std::vector<double>, 6> force;  // of each field on the nodes
+  double load_of[6][2][6];
+  Motion motion[6] = {};
+  const auto energy = [&](int i, int j) {
+    double of_grain = 0.0;
+    for (int d = 0; d < 6; ++d) of_grain -= motion[i][1][d] * load_of[j][1][d];
+    return equations.all(of_grain) - equations.dot(bond.displacement[i], force[j]);
+  };
+  if (parts) bond.frame = frame_of(parts->body, parts->side);
+  const double decline = equations.all(parts && any_failed(parts->points)) > 0.0 ? kDeclineOfCracked : kDecline;
+  for (int j = 0; j < 6; ++j) {
+    std::vector<double>& x = bond.displacement[j];
+    if (parts) {
+      motion_of(j, centre(parts->side[1]) - bond.frame.middle, motion[j][1]);
+      x = first_guess(*parts, bond.frame, j);
+    }
+    force[j].resize(x.size());
+    std::vector<double> r(x.size());
+    equations.force(x, motion[j], force[j], load_of[j]);
+    r = force[j];
+    bond.products += 2 + iterate(equations, x, r, energy(j, j), decline);
+    equations.force(x, motion[j], force[j], load_of[j]);
+    if (parts) bond.strain[j] = strain_by(parts->points, parts->grid, x.data());
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) bond.stiffness(i, j) = bond.stiffness(j, i) = energy(i, j);
+  return bond;
+}
+
+PrincipalStiffness principal_stiffness(const Matrix6& K, const Vector3& axis) {
+  const Vector3 n = axis.normalized(), a = n.unitOrthogonal(), b = n.cross(a);
+  Eigen::Matrix<double, 3, 2> across;
+  across << a, b;
+  PrincipalStiffness p;
+  const auto find = [&](const Eigen::Matrix3d& k, double& along, double* of_across) {
+    along = n.dot(k * n);
+    const Eigen::Matrix2d m = across.transpose() * k * across;
+    const Eigen::Vector2d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m, Eigen::EigenvaluesOnly).eigenvalues();
+    std::copy(values.data(), values.data() + 2, of_across);
+  };
+  find(K.topLeftCorner<3, 3>(), p.tension, p.shear);
+  find(K.bottomRightCorner<3, 3>(), p.torsion, p.bending);
+  return p;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// One bond in static equilibrium under small relative motions of its grains: the stiffness of the bond, 6 by 6, and the six fields that
+// go with it. The operator is that of the step: the same grid, ties, links and damage (mpm/stiffness_force.h,
+// PenaltyLinks::add_small_force()), about the present state.
+//
+// Motion j is that of the second grain against the first, which is held: j = 0, 1, 2 a translation along x, y, z of the box, 3, 4, 5 a
+// turn about x, y, z and the middle of the contact. K_ij is the force (i < 3) or the moment about the middle (i > 2) that holds
+// the second grain there. The middle lies on the line of centres, half-way between the surfaces. K is symmetric, and zero
+// for a bond that holds one grain only.
+//
+// The nodes are found by conjugate gradients without a matrix, with a diagonal as preconditioner: that of the points, and the row
+// sums of the links that the added mass has, too. It takes a few vectors of the nodes. A sparse Cholesky factor of the same problem was
+// measured: doc/bond_stiffness.md. K is found from the energies of the fields, so its error is the square of theirs.
+#ifndef MPDEM_STATIC_BOND_H
+#define MPDEM_STATIC_BOND_H
+
+#include <mpi.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <vector>
+
+#include "../coupling/penalty_links.h"
+#include "../material/law.h"
+#include "../mpm/grid.h"
+#include "../mpm/point_store.h"
+
+namespace mpdem {
+
+// The frame of a bond. Lengths are from the origin of its body.
+struct BondFrame {
+  Eigen::Vector3d axis;    // unit vector from the first grain to the second
+  Eigen::Vector3d middle;  // of the contact
+};
+// side: its first side, the second is behind it.
+BondFrame frame_of(const Body& body, const GrainSide* side);
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// Bond on its layout. side as above.
+struct StaticParts {
+  const PointStore& points;
+  Grid& grid;
+  const PenaltyLinks& links;
+  const GrainSide* side;
+  const Body& body;
+  const Law& law;
+};
+
+struct StaticBond {
+  BondFrame frame{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  Matrix6 stiffness = Matrix6::Zero();
+  std::array<std::vector<double>, 6> displacement;   // three numbers a node, of tied nodes too
+  std::array<std::vector<Sym3<vd>>, 6> strain;       // of each block, in the material frames
+  int products = 0;       // with the operator, of all fields
+  std::size_t memory_usage() const;
+};
+
+// Collective among the ranks that share the bond if it is cut, with a communicator of theirs: the same bond on all of them, or on some
+// and nothing (parts null) on the others. Throws BadState if the iteration does not end.
+StaticBond solve_static(MPI_Comm comm, const StaticParts* parts);
+// Of a bond that no other rank shares.
+inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
+
+// The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five
+// motions are held.
+struct PrincipalStiffness {
+  double tension, shear[2], torsion, bending[2];
+};
+PrincipalStiffness principal_stiffness(const Matrix6& K, const Eigen::Vector3d& axis);
+
+}  // namespace mpdem
+
+#endif

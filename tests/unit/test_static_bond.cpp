@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// cement/static_bond.h and Cement::stiffness_of_bonds(), on 1, 2 and 4 ranks: closed forms, the engine's own runs, and what every
+// stiffness has.
+#include "cement/static_bond.h"
+
+#include <Eigen/Geometry>
+
+#include "cement_host.h"
+#include "linked_bonds.h"
+#include "mpi_ranks.h"
+
+namespace mpdem {
+namespace {
+
+using test::Row;
+using test::RowOfGrains;
+
+Eigen::Map<const Matrix6> matrix(const StiffnessOfBond& s) { return Eigen::Map<const Matrix6>(s.K); }
+
+Row elastic_row(int bonds = 1, bool whole = false) {
+  Row r;
+  r.bonds = bonds;
+  r.whole_bonds = whole;
+  r.B0 = 0.0;
+  return r;
+}
+
+// Layers of cement side by side, each with its links in series: sum of modulus r^power over t + 2 modulus/k, for r below the outer radius.
+double layers(double modulus, int power) {
+  double sum = 0.0;
+  constexpr int kRings = 2000;
+  for (int n = 0; n < kRings; ++n) {
+    const double r = (n + 0.5) * test::kOuter / kRings, t = test::kGap + r * r / test::kRadius;
+    sum += modulus * std::pow(r, power) / (t + 2.0 * modulus / test::kPenalty) * 2.0 * M_PI * r * test::kOuter / kRings;
+  }
+  return sum;
+}
+
+// Without Poisson's ratio a disc between plates is in uniaxial strain under tension and bending, and in simple shear under torsion.
+TEST(StaticBond, TensionTorsionAndBendingOfDisc) {
+  RowOfGrains host(MPI_COMM_WORLD, elastic_row());
+  const StiffnessOfBond s = host.cement->stiffness_of_bonds()[0];
+  const PrincipalStiffness p = principal_stiffness(matrix(s), {s.axis[0], s.axis[1], s.axis[2]});
+  test::expect_within(std::fabs(p.tension / layers(test::kYoung, 0) - 1.0), 0.01, "tension");
+  test::expect_within(std::fabs(p.torsion / layers(0.5 * test::kYoung, 2) - 1.0), 0.02, "torsion");
+  test::expect_within(std::fabs(p.bending[0] / (0.5 * layers(test::kYoung, 2)) - 1.0), 0.02, "bending");
+  test::expect_within(std::fabs(p.bending[1] / p.bending[0] - 1.0), 1e-6, "bending about x and y");
+  // turned shear strain apart: the disc is as wide as it is thick
+  EXPECT_LT(p.shear[0], layers(0.5 * test::kYoung, 0));
+  EXPECT_GT(p.shear[0], 0.5 * layers(0.5 * test::kYoung, 0));
+  for (int d = 0; d < 2; ++d) EXPECT_NEAR(s.middle[d], 0.0, 1e-12);
+  EXPECT_NEAR(s.middle[2], test::kRadius + 0.5 * test::kGap, 1e-12);
+}
+
+// The run of the engine itself, pulled slowly: the force is K times the way.
+TEST(StaticBond, ForceOfTheRun) {
+  Row r = elastic_row();
+  r.speed = 0.2;
+  r.ramp = 2e-6;
+  RowOfGrains host(MPI_COMM_SELF, r);
+  const double K = host.cement->stiffness_of_bonds()[0].K[14];
+  host.setup();
+  host.run(500);
+  double force = 0.0, stretch = 0.0;
+  for (int n = 0; n < 100; ++n) {
+    host.step();
+    force += host.tension(0);
+    stretch += host.stretch();
+  }
+  test::expect_within(std::fabs(force / (K * stretch) - 1.0), 1e-3, "force of the run over K times the way");
+  // strained, not damaged: the same stiffness but for the change of shape
+  const double now = host.cement->stiffness_of_bonds()[0].K[14];
+  test::expect_within(std::fabs(now / K - 1.0), 5e-3, "stiffness in the run");
+}
+
+// Cut or whole, on one rank or many, before a run and in it.
+TEST(StaticBond, SameOnAllRanks) {
+  RowOfGrains cut(MPI_COMM_WORLD, elastic_row(3)), whole(MPI_COMM_WORLD, elastic_row(3, true)), alone(MPI_COMM_SELF, elastic_row(3));
+  const auto a = cut.cement->stiffness_of_bonds(), b = whole.cement->stiffness_of_bonds(), c = alone.cement->stiffness_of_bonds();
+  alone.setup();
+  const auto d = alone.cement->stiffness_of_bonds();
+  int solved = 0;
+  for (int n = 0; n < 3; ++n) {
+    for (const auto* other : {&a, &b, &d})
+      test::expect_within((matrix((*other)[n]) - matrix(c[n])).norm() / matrix(c[n]).norm(), 1e-9, "against one rank");
+    EXPECT_EQ(a[n].middle[2], c[n].middle[2]);
+    solved += c[n].products > 0.0;
+  }
+  EXPECT_EQ(solved, 1);  // bonds of one shape
+  EXPECT_NEAR(c[2].middle[2] - c[1].middle[2], 2 * test::kRadius + test::kGap, 1e-12);
+  EXPECT_EQ(c[1].products, 0.0);
+  if (test::ranks() > 1) {
+    EXPECT_GT(a[2].products, 0.0);
+  }
+}
+
+// One of three bonds has a link that let go, and so is no equal of the others.
+TEST(StaticBond, WhatIsNotEqualIsSolved) {
+  RowOfGrains host(MPI_COMM_SELF, elastic_row(3));
+  Bond& b = *host.bonds.find(1);
+  b.points.links[5].attached = false;
+  const auto s = host.cement->stiffness_of_bonds();
+  EXPECT_GT(s[0].products, 0.0);
+  EXPECT_GT(s[1].products, 0.0);
+  EXPECT_EQ(s[2].products, 0.0);
+  EXPECT_LT(s[1].K[14], s[0].K[14]);
+  EXPECT_GT(s[1].K[14], 0.99 * s[0].K[14]);
+  for (Link& k : b.points.links)
+    if (k.grain == 2) k.attached = false;
+  const auto free = host.cement->stiffness_of_bonds();
+  EXPECT_LT(matrix(free[1]).norm(), 1e-12 * matrix(free[0]).norm());  // holds one grain only
+}
+
+// Scattered points, some with links to both grains: what holds for every bond.
+class AnyBond : public ::testing::TestWithParam<bool> {};
+
+struct Solved {
+  test::Scene scene;
+  NoDamage law{VtiElasticity(VtiConstants::isotropic(5.0, 0.2))};
+  StaticBond bond;
+  // All of it turned by Q and moved.
+  Solved(bool at_surface, const Eigen::Matrix3d& Q = Eigen::Matrix3d::Identity()) : scene(3, test::penalty(at_surface, 0.0)) {
+    scene.tie();
+    const Eigen::Quaterniond turn(Q);
+    const Eigen::Vector3d way = Q.isIdentity() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0.3, -0.2, 0.5);
+    Bond& b = scene.bonds[0];
+    for (int s = 0; s < 2; ++s) {
+      const Body& body = scene.bodies[0];
+      const auto vector = [](const double* x) { return Eigen::Vector3d(x[0], x[1], x[2]); };
+      const double* q = body.orientation[s];
+      test::copy(Eigen::Vector3d(vector(body.origin) - vector(body.shift[s]) + Q * vector(body.centre[s]) + way), scene.motion[s].x);
+      test::copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), scene.motion[s].q);
+    }
+    scene.sides.distribute(scene.bodies, scene.motion);
+    for (int i = 0; i < b.grid.size(); ++i) {
+      const Eigen::Vector3d X = test::kH * Eigen::Vector3d(b.grid.keys[i][1], b.grid.keys[i][2], b.grid.keys[i][3]), u = Q * X + way - X;
+      test::copy(u, &b.grid.displacement[3 * i]);
+    }
+    for (PointBlock& p : b.points.blocks) {
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) p.F.a[i][j] = splat(Q(i, j));
+      for (int l = 0; l < kLanes; ++l) {
+        const Eigen::Quaterniond q = turn * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l]);
+        p.q.w[l] = q.w();
+        p.q.x[l] = q.x();
+        p.q.y[l] = q.y();
+        p.q.z[l] = q.z();
+      }
+    }
+    bond = solve_static({b.points, b.grid, b.links, scene.side(b), scene.bodies[0], law});
+  }
+};
+
+TEST_P(AnyBond, IsInEquilibrium) {
+  Solved s(GetParam());
+  const Bond& b = s.scene.bonds[0];
+  const GrainSide* side = s.scene.side(b);
+  const auto secants = b.links.secants(b.grid, side);
+  const Matrix6& K = s.bond.stiffness;
+  EXPECT_GT(K.norm(), 0.1);
+  EXPECT_EQ((K - K.transpose()).norm(), 0.0);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(K).eigenvalues()[0], 0.0);
+  for (int j = 0; j < 6; ++j) {
+    // force and moment of the links by the field, of both grains about the middle
+    double motion[2][6] = {}, load[2][6] = {};
+    const Eigen::Vector3d arm = Eigen::Vector3d(side[1].x[0], side[1].x[1], side[1].x[2]) - s.bond.frame.middle;
+    Eigen::Vector3d t = Eigen::Vector3d::Zero(), turn = t;
+    (j < 3 ? t : turn)[j % 3] = 1.0;
+    t += turn.cross(arm);
+    for (int d = 0; d < 3; ++d) {
+      motion[1][d] = t[d];
+      motion[1][3 + d] = turn[d];
+    }
+    std::vector<double> force(3 * b.grid.size(), 0.0);
+    b.links.add_small_force(secants, s.bond.displacement[j].data(), motion, force.data(), load);
+    Eigen::Matrix<double, 6, 1> about[2];
+    for (int g = 0; g < 2; ++g) {
+      const Eigen::Vector3d r = Eigen::Vector3d(side[g].x[0], side[g].x[1], side[g].x[2]) - s.bond.frame.middle, f(load[g][0], load[g][1], load[g][2]);
+      about[g] << f, Eigen::Vector3d(load[g][3], load[g][4], load[g][5]) + r.cross(f);
+    }
+    test::expect_within((about[1] + K.col(j)).norm() / K.norm(), 1e-6, "load of the second grain");
+    test::expect_within((about[0] - K.col(j)).norm() / K.norm(), 1e-6, "load of the first grain");
+  }
+}
+
+TEST_P(AnyBond, TurnsWithItsGrains) {
+  const Eigen::Matrix3d Q = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Solved there(GetParam()), turned(GetParam(), Q);
+  Matrix6 both = Matrix6::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = Q;
+  const Matrix6 K = both * there.bond.stiffness * both.transpose();
+  test::expect_within((turned.bond.stiffness - K).norm() / K.norm(), 1e-9, "stiffness after a turn");
+  test::expect_within((turned.bond.frame.axis - Q * there.bond.frame.axis).norm(), 1e-12, "axis after a turn");
+}
+
+// The fields belong to the operator: strain energy and that of the links are K.
+TEST_P(AnyBond, EnergyOfTheFields) {
+  Solved s(GetParam());
+  const Bond& b = s.scene.bonds[0];
+  for (int j = 0; j < 6; ++j) {
+    double energy = 0.0;
+    for (std::size_t n = 0; n < b.points.blocks.size(); ++n) {
+      const Sym3<vd>& e = s.bond.strain[j][n];
+      energy += sum_lanes(b.points.blocks[n].volume * contract(e, s.law.elasticity().stress(e)));
+    }
+    EXPECT_GT(energy, 0.0);
+    EXPECT_LT(energy, s.bond.stiffness(j, j) * (1.0 + 1e-6));  // the rest is in the links
+    EXPECT_GT(energy, 0.05 * s.bond.stiffness(j, j));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, AnyBond, ::testing::Values(true, false));
+
+TEST(PrincipalStiffness, AreThoseOfTheFrame) {
+  Matrix6 K = Matrix6::Zero();
+  K.diagonal() << 2.0, 3.0, 7.0, 0.5, 0.25, 0.125;
+  K(0, 5) = K(5, 0) = 0.1;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  Matrix6 both = Matrix6::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = R;
+  const PrincipalStiffness p = principal_stiffness(both * K * both.transpose(), R.col(2));
+  EXPECT_NEAR(p.tension, 7.0, 1e-12);
+  EXPECT_NEAR(p.shear[0], 2.0, 1e-12);
+  EXPECT_NEAR(p.shear[1], 3.0, 1e-12);
+  EXPECT_NEAR(p.torsion, 0.125, 1e-12);
+  EXPECT_NEAR(p.bending[0], 0.25, 1e-12);
+  EXPECT_NEAR(p.bending[1], 0.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace mpdem
