@@ -129,7 +129,7 @@ Outcome judge(int status, const std::string& output) {
     if (line.find("USER-MPDEM") == std::string::npos) continue;
     named = false;
     for (const char* name : {"fix mpm (id", "fix mpm/couple (id", "fix check/timestep/mpm (id", "compute mpm/atom (id", "create_cement: ", "create_cement pair ",
-                             "write_cement: ", "read_restart: ", "atom_style mpdem: ", "write_restart: "})
+                             "write_cement: ", "bond_stiffness: ", "read_restart: ", "atom_style mpdem: ", "write_restart: "})
       named = named || line.find(name) != std::string::npos;
   }
   return errors != 1 ? kSilent : named ? kMessage : kNameless;

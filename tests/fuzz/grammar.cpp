@@ -69,7 +69,8 @@ const Lines kCheck = {"fix ts all check/timestep/mpm 1 cem 0.9", "fix ts all che
                       "fix ts calcite check/timestep/mpm 1 cem 0.9 stop"};
 const Words kQuantities = {"damage", "damage_xx", "damage_yz", "drive", "stress_xx", "stress_zz", "stress_xy", "stress_max", "pressure",
                            "strain_xx", "strain_xy", "attached", "grain", "failed", "volume", "axis_x", "axis_z", "bond"};
-const Lines kWrite = {"write_cement out.txt", "write_cement out.txt pair 1 2", "write_cement no/such/folder/out.txt pair 2 1"};
+const Lines kWrite = {"write_cement out.txt", "write_cement out.txt pair 1 2", "write_cement no/such/folder/out.txt pair 2 1",
+                      "bond_stiffness out.csv", "bond_stiffness no/such/folder/out.csv"};
 const Lines kStyle = {"atom_style mpdem", "atom_style hybrid mpdem molecular", "atom_style hybrid sphere mpdem", "atom_style sphere"};
 // Ours is what follows from these, not what LIGGGHTS makes of them: they are not mutated.
 const Lines kOther = {"unfix cem", "unfix bond", "unfix hold", "run 0", "run 1", "run 3", "delete_atoms group calcite compress no",

@@ -113,7 +113,7 @@ def test_ordinary_script(tmp_path, figures, name, ranks):
 def test_help_lists_the_styles(tmp_path):
     output = launch("", tmp_path, arguments=["-h"]).output
     words = output.replace(",", " ").split()
-    for style in ("mpdem", "mpm", "mpm/couple", "check/timestep/mpm", "mpm/atom", "create_cement", "write_cement"):
+    for style in ("mpdem", "mpm", "mpm/couple", "check/timestep/mpm", "mpm/atom", "create_cement", "write_cement", "bond_stiffness"):
         assert style in words, style
 
 

@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "../styles/atom_vec_mpdem.h"
+#include "../styles/bond_stiffness.h"
 #include "../styles/compute_mpm_atom.h"
 #include "../styles/create_cement.h"
 #include "../styles/fix_check_timestep_mpm.h"
@@ -54,6 +55,7 @@ void LAMMPS::post_create() {
   fixes["check/timestep/mpm"] = &make_fix<FixCheckTimestepMpm>;
   fixes["mpm/couple"] = &make_fix<FixMpmCouple>;
   mpdem::compute_styles(modify)["mpm/atom"] = &make_compute<ComputeMpmAtom>;
+  mpdem::command_styles(input)["bond_stiffness"] = &run_command<BondStiffness>;
   mpdem::command_styles(input)["create_cement"] = &run_command<CreateCement>;
   mpdem::command_styles(input)["write_cement"] = &run_command<WriteCement>;
   mpdem::learn_log_name(this);
@@ -77,7 +79,8 @@ void LAMMPS::help() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
   std::fprintf(screen,
                "\n\n* USER-MPDEM %s styles\n\n"
-               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement\n",
+               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement,\n"
+               "bond_stiffness\n",
                mpdem::kVersion);
 }
 

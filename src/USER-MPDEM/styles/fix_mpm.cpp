@@ -291,6 +291,14 @@ double FixMpm::stable_step() {
   return step;
 }
 
+std::vector<mpdem::StiffnessOfBond> FixMpm::stiffness_of_bonds() {
+  atoms_.check_stayed(*avec_, cell());
+  mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
+  std::vector<mpdem::StiffnessOfBond> found;
+  guarded([&] { found = cement_->stiffness_of_bonds(); });
+  return found;
+}
+
 void FixMpm::check_state() {
   guarded([this] { cement_->check_state(); });
   std::string trouble = mpdem::grain_that_is_not_finite(lmp, who(), *avec_);

@@ -74,6 +74,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void sync_slots() { cement_->sync_slots(); }
   // Collective.
   double stable_step();
+  // Collective, after init() of all fixes; needs a coupling. A run need not have begun.
+  std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
+  bool is_coupled() const { return cement_->penalty().has_value(); }
 
  private:
   std::array<double, 3> initial_velocity(int tag) override;
