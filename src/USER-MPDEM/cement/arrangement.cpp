@@ -119,6 +119,28 @@ void Cement::bind_grains() {
   grains_.distribute(bonds_);  // who looks before the next step is not to find grains at rest
   built_ = true;
   if (dt_last_ == 0.0) dt_last_ = now_.dt;
+  condensed_.bind(comm_, bonds_, grains_.sides);
+  condensed_.follow(bonds_, grains_.sides);
+}
+
+// Bonds that no step has moved yet, since their points and nodes are at the creation.
+void Cement::choose_condensed() {
+  for (std::size_t row = 0; row < bonds_.table.size(); ++row) {
+    Body& b = bonds_.table[row];
+    if (!b.in_motion) b.condensed = options_.condense && penalty_;
+    if (b.condensed && !options_.condense)
+      throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1], " still is; use 'condense yes'"));
+  }
+}
+
+// Collective. After their layout, with the links of the run.
+void Cement::condense(const std::vector<int>& rows) {
+  if (!options_.condense) return;
+  for (int row : rows)
+    if (cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) bonds_.table[row].condensed = false;
+  condensed_.solve(comm_, bonds_, rows, *law_);
+  condensed_.bind(comm_, bonds_, grains_.sides);
+  condensed_.follow(bonds_, grains_.sides);
 }
 
 void Cement::lay_out_run() {
@@ -130,6 +152,7 @@ void Cement::lay_out_run() {
     parts = sheets_.divide(comm_, bonds_, options_);
   }
   remember_axis();
+  choose_condensed();
   // another time step, other added mass
   const bool changes = built_ && now_.dt != dt_last_;
   const auto energy = [&] { return changes ? added_energy_ahead(all_rows(), 0.0) : 0.0; };
@@ -140,14 +163,15 @@ void Cement::lay_out_run() {
     refresh_added_mass();
   });
   // New bodies may be cracked.
-  if (!cracks_.take_up(bonds_.table.size()) || !can_break()) return;
-  if (options_.split) {
-    Splits::Found split = splits_.look(comm_, bonds_, options_);
-    if (!split.lay_out.empty()) lay_out_again(split.lay_out, std::move(split.parts), true, true);
+  if (cracks_.take_up(bonds_.table.size()) && can_break()) {
+    if (options_.split) {
+      Splits::Found split = splits_.look(comm_, bonds_, options_);
+      if (!split.lay_out.empty()) lay_out_again(split.lay_out, std::move(split.parts), true, true);
+    }
+    Cracks::Found found = look_at_bonds(true);
+    if (!found.lay_out.empty()) lay_out_again(found.lay_out, std::move(found.parts), true, options_.split);
   }
-  Cracks::Found found = look_at_bonds(true);
-  if (found.lay_out.empty()) return;
-  lay_out_again(found.lay_out, std::move(found.parts), true, options_.split);
+  condense(all_rows());
 }
 
 void Cement::lay_out_exchanged() {
@@ -163,6 +187,7 @@ void Cement::lay_out_exchanged() {
   lay_out(rows, {});
   bind_grains();
   refresh_added_mass(rows);
+  condense(rows);
 }
 
 // Where parts came apart. Links have other nodes then, and their added mass another energy.
@@ -194,7 +219,7 @@ double Cement::added_energy_ahead(const std::vector<int>& rows, double later) {
 void Cement::drop_inert_added_mass() {
   books_.release_by([&] { return added_energy_ahead(all_rows(), 0.5 * (dt_last_ + now_.dt)); },
                     [&] {
-                      for (Bond& b : bonds_) b.links.drop_inertia(b.points);
+                      for (Bond& b : bonds_.awake()) b.links.drop_inertia(b.points);
                       refresh_added_mass();
                     });
 }
@@ -210,7 +235,7 @@ void Cement::refresh_added_mass(const std::vector<int>& rows) {
   const double bound = options_.stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate(options_.relax) * now_.dt);
   const AddedMass::Stability s{now_.dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound};
   for (int row : rows)
-    if (Bond* b = bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s, b->places);
+    if (Bond* b = bonds_.table[row].condensed ? nullptr : bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s, b->places);
   int some = 0, any;
   for (const Bond& b : bonds_) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);

@@ -67,6 +67,37 @@ class Bonds {
   std::vector<Bond>::const_iterator end() const { return here_.end(); }
   std::size_t size() const { return here_.size(); }
 
+  // Those that are resolved: of condensed bonds nodes and points wait.
+  template <class Iterator>
+  class Awake {
+   public:
+    Awake(Iterator at, Iterator end, const std::vector<Body>& table) : at_(at), end_(end), table_(table) { skip(); }
+    auto& operator*() const { return *at_; }
+    Awake& operator++() {
+      ++at_;
+      skip();
+      return *this;
+    }
+    bool operator!=(const Awake& other) const { return at_ != other.at_; }
+
+   private:
+    void skip() {
+      while (at_ != end_ && table_[at_->body].condensed) ++at_;
+    }
+    Iterator at_, end_;
+    const std::vector<Body>& table_;
+  };
+  template <class Iterator>
+  struct AwakeRange {
+    Iterator first, last;
+    const std::vector<Body>& table;
+    Awake<Iterator> begin() const { return {first, last, table}; }
+    Awake<Iterator> end() const { return {last, last, table}; }
+  };
+  AwakeRange<std::vector<Bond>::iterator> awake() { return {here_.begin(), here_.end(), table}; }
+  AwakeRange<std::vector<Bond>::const_iterator> awake() const { return {here_.begin(), here_.end(), table}; }
+  bool is_awake(const Bond& b) const { return !table[b.body].condensed; }
+
   const Body& body(const Bond& b) const { return table[b.body]; }
   // Null if this rank has nothing of it.
   Bond* find(int body);

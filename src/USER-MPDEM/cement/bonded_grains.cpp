@@ -131,14 +131,14 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded) {
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded, const CondensedMass* condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) load_[n][d] = loaded ? grains[n].force[d] + grains[n].state->late[d] : 0.0;
   std::vector<GrainAccelerations::OfBond> of_bonds;
-  for (const Bond& b : bonds)
+  for (const Bond& b : bonds.awake())
     if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.side});
-  accelerations_.find(comm, of_bonds, grains, load_, sides, fresh_);
+  accelerations_.find(comm, of_bonds, grains, load_, sides, fresh_, condensed);
   fresh_ = false;
 }
 
@@ -195,12 +195,12 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   sides.clear_forces();
   sides.clear_sudden_forces();
-  for (Bond& b : bonds) {
+  for (Bond& b : bonds.awake()) {
     b.grid.clear_force();
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
   if (any_free_) find_accelerations(comm, bonds, false);
-  for (Bond& b : bonds) {
+  for (Bond& b : bonds.awake()) {
     b.added.carry(b.grid, side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
   }
@@ -219,7 +219,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   }
 }
 
-void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books) {
+bool BondedGrains::find_commands(MPI_Comm comm) {
   int some = 0, any;
   std::vector<Six> jump(owned_.size(), Six{});
   for (const Grain& grain : grains)
@@ -229,13 +229,22 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
       some = some || change != 0.0;
     }
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
-  if (!any) return;
+  if (any) sides.set_jumps(jump);
+  return any != 0;
+}
+
+void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books) {
+  std::vector<Six> jump(owned_.size());
+  for (std::size_t k = 0; k < jump.size(); ++k) {
+    const GrainSide& s = sides.sides[owned_[k].at];
+    std::copy(s.jump, s.jump + 6, jump[k].begin());
+  }
   std::vector<std::vector<double>> acceleration;
-  for (const Bond& b : bonds) acceleration.push_back(b.grid.acceleration);
+  for (const Bond& b : bonds.awake()) acceleration.push_back(b.grid.acceleration);
   exchange_momentum(comm, bonds, jump, 0, false, static_cast<int>(bonds.table.size()), books);
   const double rate = 2.0 / (dt_last + dt);
   auto before = acceleration.begin();
-  for (Bond& b : bonds) {
+  for (Bond& b : bonds.awake()) {
     for (std::size_t k = 0; k < before->size(); ++k) (*before)[k] += rate * b.grid.acceleration[k];
     b.grid.acceleration.swap(*before++);
   }
@@ -258,7 +267,7 @@ void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body,
     std::vector<Six> before(grains.size());
     for (std::size_t n = 0; n < before.size(); ++n) std::copy(grains[n].velocity, grains[n].velocity + 6, before[n].begin());
     exchange_momentum(comm, bonds, jump, first_body, true, first_body, books);
-    for (Bond& b : bonds)
+    for (Bond& b : bonds.awake())
       for (std::size_t k = 0; k < b.grid.velocity.size(); ++k) b.grid.velocity[k] += b.grid.acceleration[k];
     for (std::size_t n = 0; n < before.size(); ++n)
       for (int d = 0; d < 6; ++d) {

@@ -71,7 +71,7 @@ class BondedGrains {
   void watch_late_loads(bool after);
 
   // Collective. Accelerations of free grains; loaded: with the load of the host so far and what came late in the last step.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded = true);
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded = true, const CondensedMass* condensed = nullptr);
   void added_mass_changed() { fresh_ = true; }
 
   // Jumps in a step, before nodes drift.
@@ -88,8 +88,10 @@ class BondedGrains {
   // The work is that on bodies before end_of_work.
   void exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vector<Six>& jump, int first_body, bool at_start, int end_of_work,
                          EnergyBooks& books);
-  // Collective. Takes up what commands did to velocities since the last step.
+  // Collective. Takes up what commands did to velocities since the last step, by find_commands().
   void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
+  // Collective. Leaves in the jumps of the sides what commands did to velocities of free grains; false if nothing.
+  bool find_commands(MPI_Comm comm);
   // Collective. Added mass of new bodies gets the velocity of its grains, which are at a full step where they have not been seen before.
   void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books);
   // Grains that were not seen before go back to the middle of the step before, like the nodes of new bodies.

@@ -40,6 +40,8 @@ void Cement::take_up_states() {
 }
 
 void Cement::take_up_commands() {
+  if (!(any_added_mass_ || condensed_.any()) || !grains_.find_commands(comm_)) return;
+  books_.do_work(condensed_.work_of_commands(grains_.sides, dt_last_));
   if (any_added_mass_) grains_.take_up_commands(comm_, bonds_, now_.dt, dt_last_, books_);
 }
 
@@ -48,21 +50,70 @@ void Cement::step() {
   timer_.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places();
   grains_.distribute(bonds_);
+  condensed_.follow(bonds_, grains_.sides);
   refresh_for_places(moved);
   look_for_cracks();
   advance_.dissipated = advance_.released = 0.0;
   kinematics_->advance();
   books_.dissipate(advance_.dissipated);
   books_.release(advance_.released);
+  if (condensed_.any()) {
+    condensed_.add_jumps(grains_.sides, now_.dt);
+    grains_.expect_sudden_forces();
+  }
   complete_forces();
   books_.damp(damping_work(0.5 * dt_last_, 0));
   if (faces_touch())
-    for (const Bond& b : bonds_) books_.rub(dt_last_ * b.faces.power(b.grid, 0.5 * dt_last_));
+    for (const Bond& b : bonds_.awake()) books_.rub(dt_last_ * b.faces.power(b.grid, 0.5 * dt_last_));
   kinematics_->account_for_accelerations();
   timer_.start(StepTimer::kCoupling);
   grains_.react(now_.dt, books_);
   grains_.watch_late_loads(false);
+  wake_bonds();
   timer_.stop();
+}
+
+// Of condensed bonds near their threshold, at the end of the forces of a step: they are resolved from the next drift on.
+void Cement::wake_bonds() {
+  if (!condensed_.any()) return;
+  const std::vector<int> rows = agreed_rows(condensed_.due(bonds_, options_, *law_));
+  if (rows.empty()) return;
+  const double half = 0.5 * dt_last_, *g = now_.gravity;
+  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
+  double given_up = 0.0;
+  for (int row : rows) {
+    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, grains_.sides, half);
+    given_up += e.elastic + e.kept;
+    bonds_.table[row].condensed = false;
+    Bond* b = bonds_.find(row);
+    condensed_.wake(comm_, row, b, bonds_, grains_.sides, of_condensed, dt_last_, *law_);
+    if (!b) continue;
+    b->resting = Resting();
+    b->near_threshold = options_.skip.nonlocal && is_near_threshold(b->points, *law_);
+  }
+  refresh_added_mass(rows);
+  for (int row : rows)
+    if (const Bond* b = bonds_.find(row)) given_up -= energy_of(*b);
+  books_.release(given_up);
+  condensed_.drop(rows);
+  condensed_.bind(comm_, bonds_, grains_.sides);
+  condensed_.follow(bonds_, grains_.sides);
+}
+
+// Of its points, nodes and links, as central differences keep it.
+double Cement::energy_of(const Bond& b) const {
+  PointSums points;
+  points.add(b.points, *law_, true);
+  double energy = points.elastic + b.added.energy(b.grid, grains_.side_of(b), 0.0, dt_last_);
+  b.links.add_spring_energy(b.grid, grains_.side_of(b), energy);
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) {
+      const double v = b.grid.velocity[3 * i + d];
+      energy += 0.5 * b.grid.mass[i] * v * (v + dt_last_ * b.grid.acceleration[3 * i + d]);
+    }
+  }
+  return energy;
 }
 
 // After a check; not in it, where the forces of the step are still to be shown, and which may
@@ -155,7 +206,9 @@ void Cement::complete_forces() {
   timer_.start(StepTimer::kNodes);
   const double* g = now_.gravity;
   const bool weighs = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0;
-  for (Bond& b : bonds_) {
+  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
+  condensed_.add_forces(grains_.sides, of_condensed);
+  for (Bond& b : bonds_.awake()) {
     if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
     for (int i = 0; i < b.grid.size() && weighs; ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
@@ -164,16 +217,17 @@ void Cement::complete_forces() {
   }
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
-  for (Bond& b : bonds_) {
+  condensed_.add_inertia(grains_.sides);
+  for (Bond& b : bonds_.awake()) {
     b.added.carry(b.grid, grains_.side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
   }
 }
 
 void Cement::find_grain_accelerations() {
-  if (!any_added_mass_ || !grains_.any_free()) return;
+  if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
-  grains_.find_accelerations(comm_, bonds_);
+  grains_.find_accelerations(comm_, bonds_, true, condensed_.any() ? &condensed_.mass() : nullptr);
   timer_.start(StepTimer::kNodes);
 }
 
@@ -181,7 +235,7 @@ void Cement::find_grain_accelerations() {
 // N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
 void Cement::add_inertial_forces() {
   find_grain_accelerations();
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     Grid& grid = b.grid;
     grid.inertial_force = grid.force;
     b.added.take_along(grid, grains_.side_of(b));
@@ -194,7 +248,7 @@ void Cement::add_inertial_forces() {
   timer_.start(StepTimer::kHalo);
   sum_shared(&Grid::inertial_force, 3);
   timer_.start(StepTimer::kNodes);
-  for (Bond& b : bonds_)
+  for (Bond& b : bonds_.awake())
     for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];
 }
 
@@ -215,7 +269,7 @@ double Cement::kinetic_energy(const Bond& b, double kick) const {
 double Cement::damping_work(double later, int first_body) {
   if (!penalty_ || (penalty_->damping == 0.0 && options_.relax == 0.0)) return 0.0;
   double power = 0.0;
-  for (const Bond& b : bonds_) {
+  for (const Bond& b : bonds_.awake()) {
     if (b.body < first_body) continue;
     power += b.links.damper_power(b.grid, grains_.side_of(b), later);
     if (options_.relax > 0.0) power += b.relaxation.power(b.grid, grains_.side_of(b), later);
@@ -250,7 +304,7 @@ double Cement::half_kick(const Bond& b, const std::vector<double>& jump) const {
 // Work of the inertial forces on the cement of bodies from first_body on.
 EnergyBooks::StepWork Cement::inertial_work_of_step(int first_body) const {
   EnergyBooks::StepWork work;
-  for (const Bond& b : bonds_) {
+  for (const Bond& b : bonds_.awake()) {
     if (b.body < first_body || options_.mass_order == 1) continue;
     const Grid& grid = b.grid;
     double before = 0.0, later = 0.0;
@@ -270,12 +324,17 @@ EnergyBooks::StepWork Cement::inertial_work_of_step(int first_body) const {
 // Work of grains and gravity on the cement of bodies from first_body on.
 EnergyBooks::StepWork Cement::work_of_step(int first_body) {
   EnergyBooks::StepWork work = penalty_ ? grains_.work(dt_last_, first_body) : EnergyBooks::StepWork();
-  for (const Bond& b : bonds_) {
+  for (const Bond& b : bonds_.awake()) {
     if (b.body < first_body) continue;
     const double before = dt_last_ * gravity_power(b, b.grid.velocity);
     work.now += before + 0.5 * dt_last_ * dt_last_ * gravity_power(b, b.grid.acceleration);
     work.before += before;
   }
+  const double* g = now_.gravity;
+  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
+  const double before = dt_last_ * condensed_.gravity_power(grains_.sides, of_condensed, false, first_body);
+  work.now += before + 0.5 * dt_last_ * dt_last_ * condensed_.gravity_power(grains_.sides, of_condensed, true, first_body);
+  work.before += before;
   return work;
 }
 
@@ -289,7 +348,7 @@ void Cement::end_step() {
 void Cement::check_state() {
   constexpr double kDeepest = 0.01;
   std::string trouble;
-  for (const Bond& b : bonds_)
+  for (const Bond& b : bonds_.awake())
     if (b.places.deepest() > kDeepest * options_.cell && trouble.empty())
       trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", now_.number, ", the most is ", kDeepest,
                         " of a cell, ", kDeepest * options_.cell, "; use a larger 'kn' of fix mpm/couple or slower grains");
@@ -314,7 +373,7 @@ void Cement::start_run() {
   kinematics_->find_internal_force();
   grains_.sides.clear_forces();
   grains_.clear_sudden_forces();
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, grains_.side_of(b));
     b.places.add_force(b.grid, grains_.side_of(b));
@@ -334,7 +393,7 @@ void Cement::start_bodies() {
   books_.damp(0.5 * damping_work(0.0, bodies_started_));
   if (penalty_) grains_.go_back_half_a_step(bonds_, dt_last_);
   double mine = 0.0, energy;
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     if (b.body < bodies_started_) continue;
     Grid& grid = b.grid;
     for (int i = 0; i < grid.size(); ++i)
@@ -348,6 +407,11 @@ void Cement::start_bodies() {
     b.places.add_energy(grid, grains_.side_of(b), mine);
     mine += b.added.energy(grid, grains_.side_of(b), 0.0, dt_last_);
     kinematics_->start_points(b);
+  }
+  condensed_.follow(bonds_, grains_.sides);
+  for (int row = bodies_started_; row < rows; ++row) {
+    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, grains_.sides, 0.5 * dt_last_);
+    mine += e.elastic + e.kept;
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, comm_);
   books_.start(energy, work_of_step(bodies_started_), inertial_work_of_step(bodies_started_));

@@ -25,6 +25,7 @@
 #include "bond.h"
 #include "bond_table.h"
 #include "bonded_grains.h"
+#include "condensed_bonds.h"
 #include "cracks.h"
 #include "energy_books.h"
 #include "layout.h"
@@ -143,6 +144,9 @@ class Cement {
     vd u[3], v[3];
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
+  // Strain of the points of condensed bonds, for who looks at points.
+  void show_condensed_points();
+  int awake_bonds() const;  // of all ranks
   PassTicks ticks() const { return advance_.ticks; }
   void clear_ticks() { advance_.ticks = PassTicks(); }
   std::size_t memory_usage() const { return bonds_.memory_usage(); }
@@ -177,6 +181,8 @@ class Cement {
   void drop_inert_added_mass();
   void sort_links(Bond& b);
   void lay_out_parts(Cracks::Found found);
+  void choose_condensed();
+  void condense(const std::vector<int>& rows);
   void remember_axis();
   void check_restored(const CementHead& head) const;
   using Patches = std::map<int, std::vector<int>>;  // of rows: blocks
@@ -214,6 +220,8 @@ class Cement {
   void complete_forces();
   void find_grain_accelerations();
   void add_inertial_forces();
+  void wake_bonds();
+  double energy_of(const Bond& b) const;
   double damping_work(double later, int first_body);
   EnergyBooks::StepWork work_of_step(int first_body);
   EnergyBooks::StepWork inertial_work_of_step(int first_body) const;
@@ -232,6 +240,7 @@ class Cement {
   Sheets sheets_;
   Cracks cracks_;
   Splits splits_;
+  CondensedBonds condensed_;
   StepTimer timer_;
   AdvanceResult advance_;  // of the bond at work
   HaloSums shared_nodes_;

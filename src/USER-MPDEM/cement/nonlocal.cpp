@@ -11,7 +11,7 @@ namespace mpdem {
 // Those of cut bonds, which all their ranks average together.
 std::vector<Bond*> Cement::cut_bonds_near_threshold() {
   std::vector<int> mine;
-  for (const Bond& b : bonds_)
+  for (const Bond& b : bonds_.awake())
     if (b.cut_by_ranks() && b.near_threshold) mine.push_back(b.body);
   std::vector<Bond*> near;
   for (int row : agreed_rows(mine)) {
@@ -28,7 +28,7 @@ void Cement::average_drives() {
   const auto weight = [&sweeps](int k) { return k == sweeps.count - 1 ? sweeps.last_weight : 1.0; };
   std::vector<Bond*> cut;
   if (any_bond_is_cut_) cut = cut_bonds_near_threshold();
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {

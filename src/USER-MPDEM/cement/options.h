@@ -30,6 +30,8 @@ struct CementOptions {
   int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
   bool split = false;                    // nodes where material parts, see fracture/node_copies.h
   bool unilateral = false;               // failed points are stiff while their crack is closed, see mpm/closing_points.h
+  bool condense = false;                 // bonds whose damage is far from its threshold, see cement/condensed_bonds.h
+  double wake = 0.8;                     // share of the threshold that ends that
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

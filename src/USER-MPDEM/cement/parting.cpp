@@ -118,7 +118,7 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
 // Bonds with blocks that are not full since points went to other parts.
 void Cement::fill_blocks() {
   std::vector<int> mine;
-  for (const Bond& b : bonds_)
+  for (const Bond& b : bonds_.awake())
     if (b.points.blocks.size() != b.blocks_when_arranged) mine.push_back(b.body);
   const std::vector<int> rows = agreed_rows(mine);
   if (rows.empty()) return;

@@ -32,7 +32,7 @@ void Cement::open_places(Bond& b, const std::vector<int>& failed, const std::vec
 // Of bonds that are new.
 void Cement::open_places_of_files() {
   if (!touches()) return;
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     b.places_may_move = true;
     if (b.body < bodies_started_) continue;
     if (b.places.empty()) b.places = FreedPlaces(b.points, bonds_.body(b), *penalty_, b.grid);
@@ -50,7 +50,7 @@ std::vector<int> Cement::move_places() {
   };
   std::map<int, OfBond> moves;
   std::vector<FreedPlaces::Mover> abroad;  // of bonds that have points on other ranks
-  for (Bond& b : bonds_) {
+  for (Bond& b : bonds_.awake()) {
     if (!b.places_may_move) continue;
     b.places_may_move = false;
     const bool whole = b.points.size() == bonds_.body(b).points;

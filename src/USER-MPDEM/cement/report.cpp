@@ -24,6 +24,14 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 struct NodeSums {
   double kinetic = 0, kept = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
+  void add(const CondensedBonds::Energies& of_condensed) {
+    kinetic += of_condensed.kinetic;
+    kept += of_condensed.kept;
+    for (int d = 0; d < 3; ++d) {
+      momentum[d] += of_condensed.momentum[d];
+      angular_momentum[d] += of_condensed.angular_momentum[d];
+    }
+  }
   // half: half a step.
   void add(const Grid& grid, const double* origin, double half) {
     for (int i = 0; i < grid.size(); ++i) {
@@ -46,16 +54,20 @@ struct NodeSums {
   }
 };
 
+void count_separated(const Cracks& cracks, CementTotals& t) {
+  for (std::size_t r = 0; r < cracks.size(); ++r) {
+    if (!cracks.separated(r)) continue;
+    const std::string mode = cracks.mode(r);
+    t.separated += 1.0;
+    (mode == "debonding" ? t.debonding : mode == "internal" ? t.internal : t.mixed) += 1.0;
+  }
+}
+
 }  // namespace
 
 CementTotals Cement::totals(double reach_of_box) {
   CementTotals t{};
-  for (std::size_t r = 0; r < cracks_.size(); ++r) {
-    if (!cracks_.separated(r)) continue;
-    const std::string mode = cracks_.mode(r);
-    t.separated += 1.0;
-    (mode == "debonding" ? t.debonding : mode == "internal" ? t.internal : t.mixed) += 1.0;
-  }
+  count_separated(cracks_, t);
   if (!built_) return t;
   // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
@@ -63,8 +75,13 @@ CementTotals Cement::totals(double reach_of_box) {
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
-  for (const Bond& bond : bonds_) {
+  const CondensedBonds::Energies condensed = condensed_.energies(bonds_, grains_.sides, 0.5 * dt_last_);
+  for (Bond& bond : bonds_) {
+    const double before = of_points.elastic;
+    if (!bonds_.is_awake(bond)) condensed_.show_strain(bond);
     of_points.add(bond.points, *law_, true);
+    if (!bonds_.is_awake(bond)) sum[kCoupling] -= of_points.elastic - before;  // the rest of its energy is in the links
+    if (!bonds_.is_awake(bond)) continue;
     of_nodes.add(bond.grid, bonds_.body(bond).origin, 0.5 * dt_last_);
     const GrainSide* side = grains_.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
@@ -74,6 +91,8 @@ CementTotals Cement::totals(double reach_of_box) {
     sum[kCoupling] += inertial;
     sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
   }
+  sum[kCoupling] += condensed.elastic;
+  of_nodes.add(condensed);
   sum[kKinetic] = of_nodes.kinetic;
   sum[kKept] += of_nodes.kept;
   std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kP]);
@@ -207,16 +226,30 @@ double Cement::cement_mass() {
   return sum;
 }
 
+void Cement::show_condensed_points() {
+  for (Bond& b : bonds_)
+    if (condensed_.has(b.body)) condensed_.show_strain(b);
+}
+
+int Cement::awake_bonds() const {
+  return static_cast<int>(std::count_if(bonds_.table.begin(), bonds_.table.end(), [](const Body& b) { return !b.condensed; }));
+}
+
 // v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where they are.
 void Cement::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
-  std::vector<double> velocity(bond.grid.velocity);
+  std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * dt_last_ * bond.grid.acceleration[i];
+  if (condensed_.has(bond.body)) {
+    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, grains_.sides, 0.5 * dt_last_);
+    velocity.swap(n.velocity);
+    displacement.swap(n.displacement);
+  }
   motion.resize(bond.laid_out_blocks);
   with_basis(options_.basis, [&](auto type) {
     for (std::size_t b = 0; b < bond.laid_out_blocks; ++b) {
       const BlockMeta& m = bond.points.meta[b];
       with_weights<decltype(type)>(bond.points.blocks[b], m, 1.0 / options_.cell, [&](const auto& w) {
-        gather_value(bond.grid.displacement.data(), m.column, w, motion[b].u);
+        gather_value(displacement.data(), m.column, w, motion[b].u);
         gather_value(velocity.data(), m.column, w, motion[b].v);
       });
     }

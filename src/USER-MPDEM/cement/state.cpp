@@ -49,7 +49,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   double sums[8] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead, b.inertial_work, b.inertial_work_ahead, b.rubbed};
   MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, comm_);
   std::vector<double> mine;
-  for (const Bond& bond : bonds_)
+  for (const Bond& bond : bonds_.awake())
     for (int i = 0; i < bond.grid.size(); ++i)
       if (bond.grid.halo.counts_here()[i]) append(row_of(bond.grid, i), mine);
   const std::vector<double> nodes = gather(comm_, mine);

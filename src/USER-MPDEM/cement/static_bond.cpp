@@ -198,6 +198,14 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts) {
   return bond;
 }
 
+std::vector<double> solve_static(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
+  Equations equations(comm, parts);
+  std::vector<double> x(force.size(), 0.0);
+  iterate(equations, x, force, equations.size_of(force), kDecline);
+  if (parts) parts->grid.ties.extend(x.data());
+  return x;
+}
+
 PrincipalStiffness principal_stiffness(const Matrix6& K, const Vector3& axis) {
   const Vector3 n = axis.normalized(), a = n.unitOrthogonal(), b = n.cross(a);
   Eigen::Matrix<double, 3, 2> across;

@@ -64,6 +64,10 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts);
 // Of a bond that no other rank shares.
 inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
 
+// What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Collective as
+// solve_static().
+std::vector<double> solve_static(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
+
 // The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five
 // motions are held.
 struct PrincipalStiffness {

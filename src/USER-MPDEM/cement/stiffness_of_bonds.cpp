@@ -4,66 +4,17 @@
 // The static stiffness of all bonds. Those of one rank are solved there, one by one, equal ones once. Those that ranks cut are solved
 // by all ranks together, one after the other.
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <limits>
+#include <map>
 #include <unordered_map>
 
 #include "../parallel/agree.h"
+#include "bond_description.h"
 #include "cement.h"
 
 namespace mpdem {
 
 namespace {
-
-constexpr double kAlike = 1e-9;  // of a cell, and of what has no unit
-
-// All that the stiffness depends on, rounded so that equal bonds in other places have the same.
-class Description {
- public:
-  Description(const BondLayout& l, const Body& body, const GrainSide* side) {
-    const double h = l.grid.h;
-    for (int s = 0; s < 2; ++s) {
-      add(&body.radius[s], 1, h);
-      add(body.centre[s], 3, h);
-      add(body.orientation[s], 4, 1.0);
-      add(side[s].x, 3, h);
-      add(side[s].R.a[0], 9, 1.0);
-    }
-    add(l.grid.displacement.data(), l.grid.displacement.size(), h);
-    for (std::size_t b = 0; b < l.points.blocks.size(); ++b) {
-      const PointBlock& p = l.points.blocks[b];
-      add_vectors(p.X, 3, h);
-      add_vectors(&p.volume, 1, h * h * h);
-      add_vectors(&p.F, 9, 1.0);
-      add_vectors(&p.q, 4, 1.0);
-      numbers_.push_back(l.points.meta[b].failed);
-      numbers_.push_back(l.points.meta[b].part);
-    }
-    for (const vd& state : l.points.states()) add_vectors(&state, 1, 1.0);
-    for (const Link& k : l.points.links) {
-      add(k.foot, 3, h);
-      add(k.moved, 3, h);
-      add(&k.area, 1, h * h);
-      add(k.state, kMostLinkFields, 1.0);
-      numbers_.push_back(k.slot);
-      numbers_.push_back(k.attached + 2 * (k.grain == body.grain[1]));
-    }
-  }
-  bool operator==(const Description& d) const { return numbers_ == d.numbers_; }
-  std::size_t hash() const {
-    std::size_t h = numbers_.size();
-    for (double n : numbers_) h = (h ^ std::hash<double>()(n)) * 0x9e3779b97f4a7c15ull + (h >> 29);
-    return h;
-  }
-
- private:
-  void add(const double* values, std::size_t count, double unit) {
-    for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);
-  }
-  void add_vectors(const void* vectors, std::size_t count, double unit) { add(static_cast<const double*>(vectors), kLanes * count, unit); }
-  std::vector<double> numbers_;
-};
 
 void write(const StaticBond& found, const Body& body, StiffnessOfBond& to) {
   for (int d = 0; d < 3; ++d) {
@@ -84,7 +35,7 @@ class StiffnessFinder {
     std::unordered_multimap<std::size_t, int> solved;  // layouts by the hash of their description
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       if (layouts_[n].grid.halo.shares_any()) continue;
-      const Description mine = description(n);
+      const BondDescription mine = description(n);
       const std::size_t hash = mine.hash();
       const auto range = solved.equal_range(hash);
       const auto equal = std::find_if(range.first, range.second, [&](const auto& s) { return description(s.second) == mine; });
@@ -114,6 +65,25 @@ class StiffnessFinder {
       if (cut[row]) solve_one(comm, static_cast<int>(row), at[row]);
   }
 
+  // Those of condensed bonds are solved at their creation: their points and nodes are there.
+  void turn_condensed() {
+    for (const BondLayout& l : layouts_) {
+      if (!table_[l.body].condensed) continue;
+      StiffnessOfBond& s = found_[l.body];
+      const Eigen::Map<const Eigen::Vector3d> origin(table_[l.body].origin);
+      Eigen::Map<Eigen::Vector3d> middle(s.middle), axis(s.axis);
+      CondensedModel model;
+      model.middle = middle - origin;
+      const CondensedMotion now(model, table_[l.body], &grains_.sides.sides[grains_.sides.find(l.body, 0)]);
+      Matrix6 turn = Matrix6::Zero();
+      turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = now.axes();
+      Eigen::Map<Matrix6> K(s.K);
+      K = (turn * K * turn.transpose()).eval();
+      middle = origin + now.middle();
+      axis = (now.axes() * axis).eval();
+    }
+  }
+
   // Collective. The first rank that has a bond tells the others.
   std::vector<StiffnessOfBond> of_all(MPI_Comm comm) {
     int me;
@@ -130,10 +100,13 @@ class StiffnessFinder {
   }
 
  private:
-  const GrainSide* side_of(int body) const { return &grains_.sides.sides[grains_.sides.find(body, 0)]; }
-  Description description(int layout) const {
+  const GrainSide* side_of(int body) const {
+    if (table_[body].condensed) return creation_.emplace(body, SidesAtCreation(table_[body])).first->second.side;
+    return &grains_.sides.sides[grains_.sides.find(body, 0)];
+  }
+  BondDescription description(int layout) const {
     const BondLayout& l = layouts_[layout];
-    return Description(l, table_[l.body], side_of(l.body));
+    return BondDescription(l.points, l.grid, table_[l.body], side_of(l.body));
   }
   // layout: -1, this rank has nothing of the bond.
   void solve_one(MPI_Comm comm, int row, int layout) {
@@ -151,6 +124,7 @@ class StiffnessFinder {
   const BondedGrains& grains_;
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
+  mutable std::map<int, SidesAtCreation> creation_;  // of condensed bonds
 };
 
 }  // namespace
@@ -171,6 +145,7 @@ std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() {
   }
   throw_if_any(comm_, trouble);
   finder.solve_cut(comm_);
+  finder.turn_condensed();
   return finder.of_all(comm_);
 }
 

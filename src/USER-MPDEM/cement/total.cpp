@@ -26,7 +26,7 @@ class Total : public Kinematics {
     c.grains_.clear_sudden_forces();
     c.grains_.sides.clear_forces();
     if (c.any_added_mass_) c.grains_.expect_sudden_forces();
-    for (Bond& b : c.bonds_) {
+    for (Bond& b : c.bonds_.awake()) {
       c.timer_.start(StepTimer::kNodes);
       b.jump.clear();
       if (transfer) reproject(b);
@@ -48,11 +48,11 @@ class Total : public Kinematics {
       take_new_reference();
       c.grains_.sides.clear_forces();
     }
-    for (Bond& b : c.bonds_) c.add_link_forces(b);
+    for (Bond& b : c.bonds_.awake()) c.add_link_forces(b);
   }
 
   void find_internal_force() override {
-    for (Bond& b : cement_.bonds_) {
+    for (Bond& b : cement_.bonds_.awake()) {
       b.grid.clear_force();
       add_internal_force(b.points, b.grid, *cement_.law_);
     }

@@ -24,6 +24,8 @@ Matrix3 cross(const Vector3& r) {
 // Sum of [r][q]^T with second moments T of r and q: (r.q) - q r^T.
 Matrix3 turning(const Matrix3& T) { return T.trace() * Matrix3::Identity() - T.transpose(); }
 
+Vector3 distance(const GrainSide& from, const GrainSide& to) { return Eigen::Map<const Vector3>(from.x) - Eigen::Map<const Vector3>(to.x); }
+
 Matrix3 second(const std::array<double, MassMoments::kSize>& m) {
   Matrix3 T;
   T << m[4], m[9], m[8], m[9], m[5], m[7], m[8], m[7], m[6];
@@ -89,7 +91,7 @@ void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& si
 }
 
 void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains,
-                              const std::vector<Vector6>& load, GrainSides& sides, bool fresh) {
+                              const std::vector<Vector6>& load, GrainSides& sides, bool fresh, const CondensedMass* condensed) {
   add_up(bonds, sides);
   const std::vector<int>& owned = sides.owned();
   unknowns_.resize(grains.size());
@@ -107,18 +109,21 @@ void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, c
     }
     u.load = load[g];
     for (int k : grain.sides) {
-      const int at = owned[k];
+      const int at = owned[k], other = at + (sides.sides[at].side == 0 ? 1 : -1);
       const double* of = &sum_[kWidth * at];
       u.load += Eigen::Map<const Vector6>(of);
       MassMoments own, shared;
       std::copy(of + 6, of + 6 + MassMoments::kSize, own.m.begin());
       std::copy(of + 6 + MassMoments::kSize, of + kWidth, shared.m.begin());
       D += own.matrix();
+      const int c = condensed ? condensed->of_side[at] : -1;
+      if (c >= 0) {
+        D += condensed->own[c];
+        W += condensed->own[c];  // 2 |R0.C R1| is at most R0.A R0 + R1.B R1, of a matrix of masses
+        couplings_.push_back({static_cast<int>(g), other, -condensed->other[c]});
+      }
       if (shared.m[0] == 0.0) continue;
-      const int other = at + (sides.sides[at].side == 0 ? 1 : -1);
-      double e[3];
-      for (int d = 0; d < 3; ++d) e[d] = sides.sides[at].x[d] - sides.sides[other].x[d];
-      couplings_.push_back({static_cast<int>(g), other, shared.coupling(e)});
+      couplings_.push_back({static_cast<int>(g), other, shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
       W += shared.matrix();
     }
     u.load -= D * u.given;

@@ -48,6 +48,12 @@ struct MassMoments {
   Eigen::Matrix<double, 6, 6> coupling(const double* e) const;
 };
 
+// Mass of condensed bonds (condensed_bond.h) as accelerations of their grains see it.
+struct CondensedMass {
+  std::vector<int> of_side;  // place of each side in the lists, -1: no condensed bond
+  std::vector<Eigen::Matrix<double, 6, 6>> own, other;  // by its own acceleration, and by that of the other side
+};
+
 class GrainAccelerations {
  public:
   using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -62,9 +68,9 @@ class GrainAccelerations {
 
   // Collective. Writes accelerations into a and alpha of the sides. Forces on nodes must be complete, and forces of
   // links be with the sides of this rank. load: that on each grain, without that of the links. fresh: the added mass
-  // changed since the last call.
+  // or what is condensed changed since the last call.
   void find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains, const std::vector<Vector6>& load,
-            GrainSides& sides, bool fresh);
+            GrainSides& sides, bool fresh, const CondensedMass* condensed = nullptr);
 
   int sweeps() const { return sweeps_; }
 

@@ -27,6 +27,7 @@ struct Body {
   AxisRule axis_rule = AxisRule::none;                // none: no frames yet
   double axis[3] = {0, 0, 0};                         // its direction
   bool in_motion = false;                             // a step was taken: displacements are those of nodes
+  bool condensed = false;                             // displacements are those of the grains, see coupling/condensed_bond.h
   double volume = 0;
   double spacing = 0;                                 // of the lattice of the points
   double lattice[3] = {0, 0, 0};                      // one of its corners, reference coordinates
@@ -50,6 +51,7 @@ struct Body {
     visit("the rule of its axis", b.axis_rule, from(0, static_cast<int>(AxisRule::global)));
     visit("the direction of its axis", b.axis, kFinite);
     visit("'is in motion'", b.in_motion);
+    visit("'is condensed'", b.condensed);
     visit("its volume", b.volume, kPositive);
     // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);

@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "cracks", "unilateral", "timestep", "quasistatic", "skip", "check", "events"};
+                                            "regularization", "cracks", "unilateral", "condense", "timestep", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
@@ -159,6 +159,13 @@ void check_together(Arguments& args, CementWords& w) {
   if (o.unilateral && w.law->inert()) args.complain("'unilateral yes' needs a law of damage, 'damage tensor' for instance");
   if (o.unilateral && (o.updated || o.reproject_distortion > 0.0))
     args.complain(text_of("'unilateral yes' measures cracks from a reference that stays; use 'kinematics total' without 'reproject auto', or 'unilateral no'"));
+  if (o.condense && transfers)
+    args.complain(text_of("'condense yes' is for 'kinematics total' without 'reproject': a condensed bond waits in the reference of its creation; use "
+                          "'condense no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
+  if (o.condense && o.mass_order > 1)
+    args.complain(text_of("'condense yes' is for 'mass_order 1', the mass that condensed bonds have; use 'condense no' or leave 'mass_order ", o.mass_order, "' out"));
+  if (o.condense && o.unilateral)
+    args.complain("'condense yes' is for 'unilateral no': points that are stiff again while their crack is closed are not linear; use 'condense no' or leave 'unilateral yes' out");
   if (o.updated && o.basis == Basis::linear)
     w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
                 "from cell to cell; use 'basis quadratic'";
@@ -227,6 +234,12 @@ CementWords take_cement_words(Arguments& args) {
       o.split = args.choice(key, {"bonds", "split"}) == "split";
     } else if (key == "unilateral") {
       o.unilateral = args.choice(key, {"yes", "no"}) == "yes";
+    } else if (key == "condense") {
+      o.condense = args.yes_no(key);
+      if (args.accept("wake")) {
+        o.wake = args.number("condense ... wake");
+        if (!(o.wake > 0.0 && o.wake <= 1.0)) args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
+      }
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {

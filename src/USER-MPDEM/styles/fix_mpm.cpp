@@ -34,7 +34,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 23;
+constexpr int kVectorSize = 24;
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
@@ -135,6 +135,12 @@ bool FixMpm::in_motion() const {
 void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
   const std::string trouble = coupling_.take(coupling->id, id, cell(), p);
   if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
+  if (cement_->options().condense && p.law->fields() > 0)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): 'interface ", p.law->name(), "' may soften before the cement does, so that bonds are not linear until they wake; ",
+                                 "use 'interface penalty', or 'condense no' in fix mpm (id ", id, ")"));
+  if (cement_->options().condense && p.friction >= 0.0)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): 'friction ", p.friction, "' is not for 'condense yes' of fix mpm (id ", id,
+                                 "): contact where the cement let go is not linear; leave 'friction' out, or use 'condense no'"));
   cement_->couple(&p);
   set_time_step(coupling);
 }
@@ -344,6 +350,7 @@ void FixMpm::write_events() {
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date.
 void FixMpm::fill_atoms() {
   sync_slots();
+  cement_->show_condensed_points();
   std::string trouble;
   std::vector<mpdem::Cement::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {
@@ -382,7 +389,8 @@ double FixMpm::compute_vector(int n) {
                       t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
-                      t.separated, t.debonding, t.internal, t.mixed, t.rubbed};
+                      t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
+                      static_cast<double>(cement_->awake_bonds())};
   return v[n];
 }
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// All that the static stiffness of a bond depends on but the law and the cell, rounded so that equal bonds in other places have the same. Numbers
+// of 8 bytes, about forty a point: made, compared and dropped.
+#ifndef MPDEM_BOND_DESCRIPTION_H
+#define MPDEM_BOND_DESCRIPTION_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "../coupling/grain_sides.h"
+#include "../mpm/grid.h"
+#include "../mpm/point_store.h"
+
+namespace mpdem {
+
+// The sides of a bond at its creation.
+struct SidesAtCreation {
+  GrainSide side[2] = {};
+  explicit SidesAtCreation(const Body& body) {
+    for (int s = 0; s < 2; ++s) {
+      std::copy(body.centre[s], body.centre[s] + 3, side[s].x);
+      side[s].R = rotation_of(body.orientation[s]);
+    }
+  }
+};
+
+class BondDescription {
+ public:
+  // side: its first side, the second is behind it.
+  BondDescription(const PointStore& points, const Grid& grid, const Body& body, const GrainSide* side) {
+    const double h = grid.h;
+    for (int s = 0; s < 2; ++s) {
+      add(&body.radius[s], 1, h);
+      add(body.centre[s], 3, h);
+      add(body.orientation[s], 4, 1.0);
+      add(side[s].x, 3, h);
+      add(side[s].R.a[0], 9, 1.0);
+    }
+    add(grid.displacement.data(), grid.displacement.size(), h);
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const PointBlock& p = points.blocks[b];
+      add_vectors(p.X, 3, h);
+      add_vectors(&p.volume, 1, h * h * h);
+      add_vectors(&p.F, 9, 1.0);
+      add_vectors(&p.q, 4, 1.0);
+      numbers_.push_back(points.meta[b].failed);
+      numbers_.push_back(points.meta[b].part);
+      numbers_.push_back(points.meta[b].linked);
+    }
+    for (const vd& state : points.states()) add_vectors(&state, 1, 1.0);
+    for (const Link& k : points.links) {
+      add(k.foot, 3, h);
+      add(k.moved, 3, h);
+      add(&k.area, 1, h * h);
+      add(k.state, kMostLinkFields, 1.0);
+      numbers_.push_back(k.slot);
+      numbers_.push_back(k.attached + 2 * (k.grain == body.grain[1]));
+    }
+  }
+  bool operator==(const BondDescription& d) const { return numbers_ == d.numbers_; }
+  std::size_t hash() const {
+    std::size_t h = numbers_.size();
+    for (double n : numbers_) h = (h ^ std::hash<double>()(n)) * 0x9e3779b97f4a7c15ull + (h >> 29);
+    return h;
+  }
+
+ private:
+  static constexpr double kAlike = 1e-9;  // of a cell, and of what has no unit
+  void add(const double* values, std::size_t count, double unit) {
+    for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);
+  }
+  void add_vectors(const void* vectors, std::size_t count, double unit) { add(static_cast<const double*>(vectors), kLanes * count, unit); }
+  std::vector<double> numbers_;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A condensed bond: cement in static equilibrium under its two grains, as six numbers d of their relative motion. It has no state but
+// the motion of its grains.
+//
+// Q_s is the rotation of grain s since the creation, c the middle of the contact then, p_s the place of the grain that was at c:
+//
+//   theta = log(Q_0^T Q_1)     Q = Q_0 exp(theta/2)     delta = Q^T (p_1 - p_0)     d = (delta, theta)     U = d.K d/2
+//
+// Forces and moments are derivatives of U. It does not change when both grains move as one, so they keep momentum, angular momentum and
+// energy for any rotation. They are those of the resolved bond up to terms of the order of its strain.
+//
+// The nodes move with q = (w_0, omega_0, w_1, omega_1), velocity of p_s and angular velocity in the axes Q:
+//
+//   v(X) = Q [ (P - u) (w_0, omega_0) + u (w_1, omega_1) ],   P = rigid motion about the middle, u = the six static fields
+//
+// With M = sum m (P - u, u)^T (P - u, u) the kinetic energy is q.M q/2 and the inertia loads are -M q', where q' has the
+// centripetal accelerations of p_s; what nodes have of it beyond these is N : (omega omega^T - omega^2).
+#ifndef MPDEM_CONDENSED_BOND_H
+#define MPDEM_CONDENSED_BOND_H
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "../mpm/body.h"
+#include "../mpm/grid.h"
+#include "grain_sides.h"
+
+namespace mpdem {
+
+struct CondensedModel {
+  using Vector3 = Eigen::Vector3d;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Matrix12 = Eigen::Matrix<double, 12, 12>;
+
+  Vector3 middle = Vector3::Zero();  // of the contact at the creation, from the origin of the body
+  Matrix6 K = Matrix6::Zero();
+  Matrix12 M = Matrix12::Zero();
+  Eigen::Matrix<double, 12, 9> N = Eigen::Matrix<double, 12, 9>::Zero();  // by the rows of a 3 by 3 matrix
+
+  // Adds a node of mass m at X with its row of the six fields, field(component, motion).
+  void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
+  static constexpr int kNumbers = 3 + 36 + 144 + 108;
+  void pack(double* numbers) const;
+  void unpack(const double* numbers);
+};
+
+// Loads on both grains, force and moment about the centre.
+struct GrainLoads {
+  double of[2][6] = {};
+  void add_to(GrainSide* side) const;
+};
+
+// The motion of the grains as a condensed bond sees it. side: its first side, the second is behind it.
+class CondensedMotion {
+ public:
+  using Vector3 = Eigen::Vector3d;
+  using Matrix3 = Eigen::Matrix3d;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Vector12 = Eigen::Matrix<double, 12, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  CondensedMotion() = default;
+  CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side);
+
+  const Vector6& relative() const { return d_; }
+  double energy(const CondensedModel& model) const { return 0.5 * d_.dot(model.K * d_); }
+  GrainLoads elastic(const CondensedModel& model) const;
+
+  // Velocities (v, omega) of the sides plus `later` times their accelerations, and the rates of those, as q and q'.
+  Vector12 velocity(const GrainSide* side, double later) const;
+  Vector12 rate(const GrainSide* side) const;
+  // The same of six numbers each of both sides, about their centres.
+  Vector12 of_sides(const double* first, const double* second) const;
+  // A uniform field.
+  Vector12 uniform(const double* g) const;
+  // Loads of generalized forces on q.
+  GrainLoads loads(const Vector12& generalized) const;
+  // What the centripetal acceleration of nodes beyond that of the p_s asks for.
+  Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
+  // Mass in the coordinates of the sides: of side s by the acceleration of side t.
+  Matrix6 mass(const CondensedModel& model, int s, int t) const;
+
+  const Matrix3& axes() const { return Q_; }
+  Vector3 middle() const { return 0.5 * (p_[0] + p_[1]); }
+  // Angular velocity of the bond, in its axes.
+  Vector3 turning(const GrainSide* side) const { return 0.5 * Q_.transpose() * (vector(side[0].omega) + vector(side[1].omega)); }
+  static Vector3 vector(const double* x) { return Vector3(x[0], x[1], x[2]); }
+
+ private:
+  Matrix3 Q_ = Matrix3::Identity(), Q0_ = Matrix3::Identity();
+  Vector3 p_[2], r_[2], theta_;  // r: from the centres to p
+  Vector6 d_ = Vector6::Zero();
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "field_drive.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "../material/laws.h"
+#include "gather.h"
+#include "point_state.h"
+#include "strain_norm.h"
+
+namespace mpdem {
+
+namespace {
+
+template <class L>
+double root(double share) {
+  return L::kDegree == 2 ? std::sqrt(share) : share;
+}
+
+// Largest root of the drive of a strain of norm 1: Yeq is at most |stress| |strain|/sqrt(2) for laws of degree 2, |strain| for those of 1.
+template <class L>
+double root_of_unit_strain(const L& law) {
+  return L::kDegree == 2 ? std::sqrt(law.elasticity().largest_stiffness() / std::sqrt(2.0)) : 1.0;
+}
+
+double largest(vmask active, vd values) {
+  double most = 0.0;
+  for (int l = 0; l < kLanes; ++l)
+    if (active[l]) most = std::max(most, values[l]);
+  return most;
+}
+
+// Factor on the threshold of the points of a block.
+template <class L>
+vd strength_of(const BlockMeta& m, const L& law) {
+  return select(lanes(m.linked), splat(law.interface()), splat(1.0));
+}
+
+}  // namespace
+
+double root_of_share(const Law& law, double share) {
+  return with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0) return root<L>(share);
+    return share;
+  });
+}
+
+double margin_of_root(const Law& law, double b, double root, double most) {
+  return with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0)
+      if (L::kDegree == 2) return std::sqrt(std::max(0.0, b * b + most * most - root * root)) - b;
+    return most - root;
+  });
+}
+
+void find_strain_bounds(const PointStore& points, const std::array<std::vector<Sym3<vd>>, 6>& strain, const Law& law, double* bound) {
+  std::fill(bound, bound + 6, 0.0);
+  with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0) {
+      const double unit = root_of_unit_strain(l);
+      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+        const BlockMeta& m = points.meta[b];
+        const vd threshold = l.lowest_threshold() * strength_of(m, l);
+        const vd scale = unit / (L::kDegree == 2 ? sqrt(threshold) : threshold);
+        for (int j = 0; j < 6; ++j)
+          bound[j] = std::max(bound[j], largest(lanes(m.occupied & ~m.failed), scale * sqrt(contract(strain[j][b], strain[j][b]))));
+      }
+    }
+  });
+}
+
+double largest_root_of_drive(const PointStore& points, const Law& law, bool averaged) {
+  double most = 0.0;
+  with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0) {
+      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+        const BlockMeta& m = points.meta[b];
+        const vmask active = lanes(m.occupied & ~m.failed);
+        const Sym3<vd>& strain = points.blocks[b].strain;
+        vd share;
+        if (averaged) {
+          share = drive_factor<L>(points.average[b]) / (l.lowest_threshold() * strength_of(m, l));
+        } else if (m.damaged) {
+          const LawDrive drive = l.drive(strain, state_of<L>(points, static_cast<int>(b)));
+          share = drive.Yeq / (drive.B * strength_of(m, l));
+        } else {
+          share = l.undamaged_drive(strain) / (l.lowest_threshold() * strength_of(m, l));
+        }
+        most = std::max(most, largest(active, share));
+      }
+      most = root<L>(most);
+    }
+  });
+  return most;
+}
+
+void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
+  Eigen::Matrix3d turn;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) turn(i, j) = Q[i][j];
+  with_basis(grid.basis, [&](auto type) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      PointBlock& p = points.blocks[b];
+      const BlockMeta& m = points.meta[b];
+      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) { p.F = gather_gradient(grid.displacement.data(), m.column, s); });
+      for (int i = 0; i < 3; ++i) p.F.a[i][i] += 1.0;
+      for (int l = 0; l < kLanes; ++l) {
+        if (!(m.occupied >> l & 1)) continue;
+        Eigen::Matrix3d F;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) F(i, j) = p.F.a[i][j][l];
+        const Eigen::Matrix3d small = turn.transpose() * F;
+        const Eigen::Vector3d spin = 0.5 * Eigen::Vector3d(small(2, 1) - small(1, 2), small(0, 2) - small(2, 0), small(1, 0) - small(0, 1));
+        const double angle = spin.norm();
+        Eigen::Quaterniond q(turn);
+        if (angle > 0.0) q = q * Eigen::Quaterniond(Eigen::AngleAxisd(angle, spin / angle));
+        q = (q * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
+        p.q.w[l] = q.w();
+        p.q.x[l] = q.x();
+        p.q.y[l] = q.y();
+        p.q.z[l] = q.z();
+      }
+    }
+  });
+}
+
+}  // namespace mpdem

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""fix mpm ... condense yes: bonds by their static fields until they may break, against resolved ones."""
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from elastic_pair import measure_case, references
+from scenes import MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, thermo
+from test_stiffness_command import rows_of
+
+CASES = references()
+AWAKE = "f_cem[24]"
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("load", ["tension", "shear", "torsion", "bending"])
+def test_loads(load, tmp_path, figures):
+    case = CASES["meniscus across a gap"]
+    condensed, resolved = (measure_case(tmp_path / word, case, load, 2.5e-4, cracks=f"bonds condense {word}") for word in ("yes", "no"))
+    figures.below(f"{load}: condensed against resolved", abs(condensed / resolved - 1), 1e-3)
+
+
+def free_pair(word, axis="radial", words=""):
+    """Unequal grains, skew, that fly, turn and swing along all six motions."""
+    text = pair(1e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", direction=(0.36, -0.48, 0.8), half_box=(0.02, 0.02, 0.02))
+    text = edit(text, "group        grains type 1\n", "group        grains type 1\nset atom 1 density 750\nset atom 2 density 450\n")
+    text += cement(2e-4, 8e-9, axis=axis, couple="kn auto kt auto", damage=f"condense {word} {words}")
+    return text + "fix motion grains nve/sphere\n"
+
+
+def period_of(force, step, guess):
+    """Period of the sine that fits best, and its amplitude."""
+    def fit(period):
+        x = 2 * np.pi * step / period
+        base = np.stack([np.cos(x), np.sin(x), np.ones_like(x)], axis=1)
+        c, rest, *_ = np.linalg.lstsq(base, force, rcond=None)
+        return rest[0], np.hypot(c[0], c[1])
+    for width in (0.05, 0.002):
+        periods = guess * (1 + width * np.linspace(-1, 1, 201))
+        guess = min(periods, key=lambda p: fit(p)[0])
+    return guess, fit(guess)[1]
+
+
+def test_frequency(tmp_path, figures):
+    """Of the swing along the line of centres, of grains that weigh twenty to forty times their cement. The resolved bond rings besides."""
+    found, guess = {}, None
+    for word in ("yes", "no"):
+        text = free_pair(word) + "velocity first set -0.00036 0.00048 -0.0008\nvelocity second set 0.0006 -0.0008 0.001333\n"
+        t = run(text + thermo(1, ["f_bond"]) + "run 8000\n", tmp_path / word).table()
+        f = t["f_bond"] - t["f_bond"].mean()
+        guess = guess or len(f) / np.argmax(np.abs(np.fft.rfft(f)))  # of the condensed one, which does not ring
+        found[word] = period_of(f, t["step"], guess)
+    figures.note("period in steps and amplitude, condensed and resolved", str(found))
+    figures.below("period, condensed against resolved", abs(found["yes"][0] / found["no"][0] - 1), 2e-3)
+    figures.below("amplitude of the force, condensed against resolved", abs(found["yes"][1] / found["no"][1] - 1), 2e-2)  # resolved cement starts at rest, and is struck
+
+
+BREAKING = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(6e-3, 6e-3, 12.5e-3))
+
+
+def breaking(word, direction=(0, 0, 1)):
+    return (BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense {word}")
+            + pull(0.5, 8e-6, direction))
+
+
+@pytest.mark.parametrize("load, direction", [("tension", (0, 0, 1)), ("shear", (1, 0, 0))])
+def test_waking(load, direction, tmp_path, figures):
+    tables = {}
+    for word in ("yes", "no"):
+        tables[word] = run(breaking(word, direction) + thermo(1, ["f_bond", "f_bond[7]", "f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]", "f_cem[2]"])
+                           + "run 6000\n", tmp_path / word).table()
+    column = "f_bond[9]" if load == "tension" else "f_bond[7]"
+    t, r = tables["yes"], tables["no"]
+    force, resolved = np.abs(t[column]), np.abs(r[column])
+    at = int(np.argmax(t[AWAKE] > 0))
+    assert 100 < at < len(force) - 1 and (t[AWAKE][at:] == 1).all() and (r[AWAKE] == 1).all()
+    assert t["f_cem[2]"][at] == 0 and r["f_cem[2]"][at] == 0
+    # what the step after the wake adds beyond the slope of those before
+    jump = abs(force[at + 1] - 2 * force[at] + force[at - 1]) / force[at]
+    energy = t["f_cem[5]"] + t["f_cem[6]"] + t["f_cem[7]"]
+    figures.below(f"{load}: jump of the force when it wakes", jump, 1e-3)
+    figures.below(f"{load}: jump of the energy when it wakes", abs(energy[at + 1] - 2 * energy[at] + energy[at - 1]) / energy[at], 1e-3)
+    ringing = force[at + 1:at + 200] - resolved[at + 1:at + 200]
+    figures.note(f"{load}: largest difference of the force in the 200 steps after", f"{np.abs(ringing).max() / force[at]:.3g}")
+    figures.below(f"{load}: peak against resolved", abs(force.max() / resolved.max() - 1), 5e-3)
+    figures.below(f"{load}: energy imbalance beyond that of the resolved one", np.abs(t["f_cem[12]"]).max() - np.abs(r["f_cem[12]"]).max(), 2e-4)
+
+
+@pytest.mark.parametrize("words", ["", "zeta 0.1", "interface 0.5", "regularization nonlocal 3e-4"])
+def test_threshold(words, tmp_path):
+    """Awake at the threshold itself, a bond is damaged a few steps later, when the resolved one is: the drive is that of the law."""
+    script = edit(breaking("yes wake 0.999", (1, 0, 0)), "cutoff 0.9", f"cutoff 0.9 {words}" if "regul" not in words else "cutoff 0.9")
+    if "regul" in words:
+        script = edit(script, "check 10", f"check 10 {words}")
+    t, r = (run(s + thermo(1, [AWAKE, "f_cem[8]"]) + "run 1000\n", tmp_path / name).table()
+            for name, s in (("yes", script), ("no", edit(script, "condense yes wake 0.999", "condense no"))))
+    wakes, damage, resolved = int(np.argmax(t[AWAKE] > 0)), int(np.argmax(t["f_cem[8]"] > 0)), int(np.argmax(r["f_cem[8]"] > 0))
+    assert 100 < wakes < damage <= wakes + 6 and abs(damage - resolved) <= 3, (wakes, damage, resolved)
+
+
+def test_weight(tmp_path):
+    """Both grains held: they carry the weight of the cement, each half of it where the bond is its mirror image."""
+    text = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0") + cement(2e-4, 4e-9, axis="bond", damage="condense yes")
+    text += "fix g all gravity 1e6 vector 1 0 -2\nfix hold grains move linear 0 0 0\n"
+    result = run(text + thermo(1, ["f_bond[1]", "f_bond[3]", "f_bond[7]", "f_bond[9]", AWAKE]) + "run 20\n", tmp_path)
+    t = result.table()
+    weight = 2710 * float(re.search(r"^  volume (\S+),", result.output, re.M)[1]) * 1e6 / 5**0.5
+    assert (t[AWAKE] == 0).all()
+    for grain in (("f_bond[1]", "f_bond[3]"), ("f_bond[7]", "f_bond[9]")):
+        assert t[grain[0]][-1] == pytest.approx(0.5 * weight, rel=1e-4) and t[grain[1]][-1] == pytest.approx(-weight, rel=1e-4)
+
+
+def test_ranks(tmp_path):
+    """A bond that ranks cut wakes at the same step and is separated by the same failures."""
+    tables = {ranks: run(breaking("yes") + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()
+              for ranks in (1, 2, 4)}
+    for ranks in (2, 4):
+        for name in (AWAKE, "f_cem[2]", "f_cem[19]"):
+            assert (tables[ranks][name] == tables[1][name]).all(), (ranks, name)
+        assert tables[ranks]["f_bond"] == pytest.approx(tables[1]["f_bond"], abs=1e-6 * tables[1]["f_bond"].max())
+
+
+@pytest.mark.parametrize("at", [400, 700])
+def test_restart(at, tmp_path):
+    """While it is condensed, and awake: the same to the bit."""
+    columns = ["f_bond", AWAKE, "f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[12]"]
+    script = breaking("yes")
+    whole = run(script + thermo(50, columns) + f"run {at}\nwrite_restart r\nrun 600\n", tmp_path, 2).table()
+    fixes = script[script.index("timestep"):]
+    again = run(restarted("r") + fixes + thermo(50, columns) + "run 600\n", tmp_path, 2, name="in.again").table()
+    rows = len(again["step"])
+    for name in columns[:-1]:
+        assert (whole[name][-rows:] == again[name]).all(), name
+    assert whole["f_cem[12]"][-rows:] == pytest.approx(again["f_cem[12]"], abs=1e-12)  # a sum over ranks
+    assert whole[AWAKE][len(whole["step"]) - rows] == (at > 628) and whole[AWAKE][-1] == 1
+
+
+BAD = {
+    "wake beyond the threshold": ("condense yes", "condense yes wake 1.1", ["fix mpm (id cem)", "'condense ... wake 1.1'", "(0, 1]"]),
+    "wake at nothing": ("condense yes", "condense yes wake 0", ["fix mpm (id cem)", "'condense ... wake 0'", "(0, 1]"]),
+    "neither yes nor no": ("condense yes", "condense 0.8", ["fix mpm (id cem)", "condense", "0.8", "yes"]),
+    "updated": ("condense yes", "condense yes kinematics updated", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'kinematics updated' out"]),
+    "a new reference": ("condense yes", "condense yes reproject 10", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'reproject' out"]),
+    "cracks that close": ("condense yes", "condense yes unilateral yes", ["fix mpm (id cem)", "'condense yes' is for 'unilateral no'", "leave 'unilateral yes' out"]),
+    "friction": ("kn auto", "friction 0.3 kn auto", ["fix mpm/couple (id bond)", "'friction 0.3'", "'condense no'", "fix mpm (id cem)"]),
+    "the other mass": ("condense yes", "condense yes mass_order 2", ["fix mpm (id cem)", "'condense yes' is for 'mass_order 1'", "leave 'mass_order 2' out"]),
+    "cohesive links": ("kn auto kt auto", "kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 40 Gt 40",
+                       ["fix mpm/couple (id bond)", "'interface cohesive'", "'condense no'", "fix mpm (id cem)"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_message(name, tmp_path):
+    old, new, needed = BAD[name]
+    result = launch(edit(breaking("yes") + "run 10\n", old, new), tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    missing = [word for word in needed if word not in result.errors()[0]]
+    assert not missing, result.errors()[0]
+
+
+def test_condensed_no_more(tmp_path):
+    script = breaking("yes")
+    run(script + "run 10\nwrite_restart r\n", tmp_path, 2)
+    result = launch(restarted("r") + script[script.index("timestep"):].replace("condense yes", "condense no") + "run 10\n", tmp_path, 2, name="in.again")
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    assert all(w in result.errors()[0] for w in ("fix mpm (id cem)", "bonds were condensed", "grains 1 and 2", "use 'condense yes'")), result.errors()[0]
+
+
+def test_flight(tmp_path, figures):
+    """A pair that spins fast, whatever its turn: momenta, and the load by the centripetal force, as of the resolved one."""
+    found = {}
+    for word in ("yes", "no"):
+        text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage=f"condense {word}")
+        text = edit(text, "density 2500", "density 250")
+        found[word] = run(text + SPINNING + MOMENTA + thermo(50, MOMENTUM_COLUMNS + ["f_bond", "f_cem[5]"]) + "run 20000\n", tmp_path / word).table()
+    t, r = found["yes"], found["no"]
+    P = np.array([t[c] for c in MOMENTUM_COLUMNS])
+    drift = np.abs(P - P[:, :1]).max(axis=1) / np.repeat([np.linalg.norm(P[:3, 0]), np.linalg.norm(P[3:, 0])], 3)
+    figures.below("spinning pair: drift of momentum", drift[:3].max(), 1e-12)
+    figures.below("spinning pair: drift of angular momentum", drift[3:].max(), 1e-7)
+    figures.below("spinning pair: mean force of 52 swings against resolved", abs(t["f_bond"].mean() / r["f_bond"].mean() - 1), 3e-3)
+    figures.below("spinning pair: mean kinetic energy of the cement against resolved", abs(t["f_cem[5]"].mean() / r["f_cem[5]"].mean() - 1), 1e-3)
+
+
+def test_stiffness_of_condensed_bonds(tmp_path):
+    """In flight, and after a restart: the matrix turns with the bond, by a fifth of a turn here."""
+    text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02)) + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + SPINNING
+    run(text + "bond_stiffness a.csv\nrun 25000\nbond_stiffness b.csv\nwrite_restart r\n", tmp_path)
+    run(restarted("r") + cement(4e-4, 1.6e-8, damage="condense yes", axis="bond") + "bond_stiffness c.csv\n", tmp_path, 2)
+    a, b, c = (rows_of(tmp_path / f"{name}.csv")[0] for name in "abc")
+    assert abs(b["nx"]) > 0.5
+    for name in ("tension", "shear_min", "shear_max", "torsion", "bending_min", "bending_max"):
+        assert b[name] == pytest.approx(a[name], rel=1e-5) and c[name] == pytest.approx(b[name], rel=1e-8), name
+    for name in ("k11", "k13", "k33", "x", "z", "nx", "nz"):
+        assert c[name] == pytest.approx(b[name], rel=1e-6, abs=1e-9), name
+    assert b["k33"] == pytest.approx(a["k33"] * b["nz"]**2 + a["k11"] * b["nx"]**2, rel=1e-3)
+
+
+def test_packing(tmp_path, figures):
+    """examples/packing, smaller: free beads with many bonds each. The same bonds come apart at the same steps, by the same modes."""
+    script = (ROOT / "examples" / "packing" / "in.packing").read_text()
+    apart, force = {}, {}
+    for word in ("yes", "no"):
+        result = launch(edit(script, "events events.csv", f"condense {word}"), tmp_path, 2, name=f"in.{word}",
+                        arguments=["-var", "side", "3", "-var", "steps", "600", "-var", "record", "10"])
+        assert result.status == 0 and not result.errors(), result.output[-2000:]
+        with open(tmp_path / "bond.csv") as f:
+            rows = list(csv.DictReader(f))
+        apart[word] = {}
+        for row in rows:
+            if float(row["separated"]) > 0:
+                apart[word].setdefault(row["bond"], (int(row["step"]), row["mode"]))
+        lines = [line.split() for line in result.output.splitlines() if re.fullmatch(r"( +\S+){7} *", line)]
+        force[word] = np.array([float(w[2]) for w in lines if w[0].isdigit()])
+    assert len(apart["no"]) >= 9 and apart["yes"] == apart["no"]
+    peak = int(np.argmax(force["no"]))
+    figures.below("packing: force up to the peak, over the peak", np.abs(force["yes"] - force["no"])[:peak + 1].max() / force["no"][peak], 1e-2)
