@@ -114,7 +114,7 @@ class LayoutMaker {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
       if (rules_.options.tied || rules_.splits) l.grid.tie(ties[n], any[n]);
-      if (rules_.splits) l.grid.given_volume = rules_.splits->volumes(l.grid.keys);
+      if (rules_.options.shares_failed_mass()) l.grid.given_volume = rules_.splits->volumes(l.grid.keys);
       l.grid.lump_mass(l.points, rules_.density);
     }
     return std::move(layouts_);

@@ -35,6 +35,9 @@ struct CementOptions {
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 
+  // Do the nodes beside a crack share the mass of what failed there, see fracture/node_copies.h? Points that may be stiff again keep their
+  // mass at their own nodes, on which the bound of the step rests.
+  bool shares_failed_mass() const { return split && !unilateral; }
   // Do points give velocity to nodes at all?
   bool transfers() const { return updated || reproject_every > 0; }
   // Largest dt^2 lambda. A mode that a transfer removes altogether takes half of what the central difference takes.

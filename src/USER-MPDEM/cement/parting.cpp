@@ -70,7 +70,7 @@ std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
   const std::vector<double> volumes = splits_.volumes(keys);
-  for (std::size_t n = 0; n < nodes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  for (std::size_t n = 0; n < nodes.size() && options_.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   const bool freed = b.grid.tie_anew(nodes, splits_.ties(keys));
   b.grid.lump_mass(b.points, inertia_);
   if (freed) {

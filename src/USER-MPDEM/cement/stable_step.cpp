@@ -12,9 +12,7 @@
 namespace mpdem {
 
 // Bound of the largest eigenvalue of cement without ties; 0: none.
-// Where nodes split, the mass of points that failed is not at their own nodes, and the bound needs points without stiffness there.
 double Cement::eigenvalue_bound() const {
-  if (options_.split && options_.unilateral) return 0.0;
   return mpdem::eigenvalue_bound(options_.basis, law_->elasticity().largest_stiffness(), inertia_, options_.cell);
 }
 
