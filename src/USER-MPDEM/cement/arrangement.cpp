@@ -50,16 +50,18 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
+// What has nodes of its own before a layout.
+NewPartsOfBonds Cement::parts_at_start(Splits& splits, Sheets& sheets) const {
+  if (!options_.split) return sheets.divide(comm_, bonds_, options_);
+  NewPartsOfBonds parts = splits.start(comm_, bonds_, options_);
+  splits.bring(comm_, bonds_);
+  return parts;
+}
+
 std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penalty) {
   Sheets sheets(sheets_);
   Splits splits(splits_);
-  NewPartsOfBonds parts;
-  if (options_.split) {
-    parts = splits.start(comm_, bonds_, options_);
-    splits.bring(comm_, bonds_);
-  } else {
-    parts = sheets.divide(comm_, bonds_, options_);
-  }
+  NewPartsOfBonds parts = parts_at_start(splits, sheets);
   std::vector<LayoutRequest> requests;
   for (const Bond& b : bonds_) {
     requests.emplace_back();
@@ -144,13 +146,7 @@ void Cement::condense(const std::vector<int>& rows) {
 }
 
 void Cement::lay_out_run() {
-  NewPartsOfBonds parts;
-  if (options_.split) {
-    parts = splits_.start(comm_, bonds_, options_);
-    splits_.bring(comm_, bonds_);
-  } else {
-    parts = sheets_.divide(comm_, bonds_, options_);
-  }
+  NewPartsOfBonds parts = parts_at_start(splits_, sheets_);
   remember_axis();
   choose_condensed();
   // another time step, other added mass

@@ -30,21 +30,23 @@ double links(const PartOfBond& b) {
 
 double points(const PartOfBond& b) { return b.points.points; }
 
-// Of the area at one grain that the cement had when it was made.
-template <int side>
-double attached_share(const PartOfBond& b) {
+// Of the area at one grain that the cement had when it was made: those of `all` that count.
+template <class All, class Counts>
+double share_of_area(const PartOfBond& b, int side, const All& all, Counts counts) {
   double area = 0.0;
-  for (const Link& k : b.bond.points.links)
-    if (k.attached && k.grain == b.body.grain[side]) area += k.area;
+  for (const auto& a : all)
+    if (counts(a) && a.grain == b.body.grain[side]) area += a.area;
   return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
 }
 
 template <int side>
+double attached_share(const PartOfBond& b) {
+  return share_of_area(b, side, b.bond.points.links, [](const Link& k) { return k.attached; });
+}
+
+template <int side>
 double touching_share(const PartOfBond& b) {
-  double area = 0.0;
-  for (const FreedPlace& p : b.bond.points.places)
-    if (p.closed && p.grain == b.body.grain[side]) area += p.area;
-  return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
+  return share_of_area(b, side, b.bond.points.places, [](const FreedPlace& p) { return p.closed; });
 }
 
 // The table: a line a column. Numbers of columns stand in scripts: append new ones.

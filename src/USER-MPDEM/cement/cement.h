@@ -167,6 +167,7 @@ class Cement {
   void adopt(std::vector<BondLayout>& layouts);
   void start_anew(Bond& b);
   LayoutRules rules();
+  NewPartsOfBonds parts_at_start(Splits& splits, Sheets& sheets) const;
   std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty);
   // Can points fail, or links let go?
   bool can_break() const { return penalty_ && !(law_->inert() && penalty_->law->fields() == 0); }

@@ -6,18 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../numerics/cross_matrix.h"
+
 namespace mpdem {
 
 namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
-
-Matrix3 cross(const Vector3& r) {
-  Matrix3 m;
-  m << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
-  return m;
-}
 
 Matrix3 matrix(const Mat3<double>& R) {
   Matrix3 m;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../numerics/cross_matrix.h"
+
 namespace mpdem {
 
 namespace {
@@ -14,12 +16,6 @@ constexpr int kMostSweeps = 200;
 
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
-
-Matrix3 cross(const Vector3& r) {
-  Matrix3 m;
-  m << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
-  return m;
-}
 
 // Sum of [r][q]^T with second moments T of r and q: (r.q) - q r^T.
 Matrix3 turning(const Matrix3& T) { return T.trace() * Matrix3::Identity() - T.transpose(); }
