@@ -10,7 +10,7 @@ from test_point_file import read, write
 CELL, ASKEW = 3e-4, (0.3, -0.2, 1.0)
 BOND = dict(direction=ASKEW, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (12.5e-3,))
 DAMAGE = "damage tensor B0 9.6e4 cutoff 0.9 cracks split"
-BEFORE, AFTER, EVERY = 216, 300, 4
+BEFORE, AFTER, EVERY = 188, 328, 4
 COLUMNS = ["id", "x", "y", "z", "vx", "vy", "vz", "c_damage", "c_failed", "c_stress_zz"]
 OUTPUT = point_quantities(["damage", "failed", "stress_zz"])
 SCALARS = ["f_bond", "f_bond[4]", "f_bond[17]", "f_bond[18]", "f_bond[22]", "f_cem[8]", "f_cem[12]"]

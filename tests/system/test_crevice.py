@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bonds whose shells have nodes of their own across the crevice beyond the ring where they meet, until they break.
 
-The bond lies askew to the grid. What its stiffness is, test_bond_stiffness.py measures.
+The bond lies askew in the box. What its stiffness is, test_bond_stiffness.py measures.
 """
 import shutil
 
@@ -69,11 +69,11 @@ def test_after_it_came_apart(tmp_path, figures):
     leaving = "velocity second set 0.3 -0.2 1\nfix motion grains nve/sphere\n"
     table = run(pair(CELL / 2, **{**SHELLS, "half_box": 3 * (16e-3,)})
                 + cement(CELL, 5e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9", couple="kn 2e12 kt 3e11")
-                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 2000\n",
+                + leaving + MOMENTA + thermo(20, MOMENTUM_COLUMNS + ["f_bond", "f_bond[17]", "f_bond[22]", "f_cem[12]"]) + "run 4000\n",
                 tmp_path, ranks=2).table()
     force = table["f_bond"]
     assert table["f_bond[17]"][-1] > 500 and table["f_bond[22]"][-1] == 1, table["f_bond[17]"][-1]
-    assert abs(force[-50:].mean()) < 0.05 * force.max(), force[-50:] / force.max()
+    assert abs(force[-120:].mean()) < 0.05 * force.max(), force[-120:] / force.max()
     P = np.array([table[c] for c in MOMENTUM_COLUMNS])
     linear, angular = (np.linalg.norm(p - p[:, :1], axis=0).max() for p in (P[:3], P[3:]))
     scale = np.linalg.norm(P[:3, 0])
@@ -179,4 +179,4 @@ def test_taken_over_by_other_kinematics(tmp_path, figures):
     wanted = run(before + move + "run 200\n", tmp_path / "free").table()["f_bond"]
     found = run(first + "run 0\nunfix bond\nunfix cem\n" + again + move + "run 200\n", tmp_path / "after").table()["f_bond"]
     figures.below("shells askew, sheets given up before the run: force, over the largest",
-                  abs(found - wanted).max() / abs(wanted).max(), 1e-10)
+                  abs(found - wanted).max() / abs(wanted).max(), 1e-9)  # rounding feeds the springs of the links

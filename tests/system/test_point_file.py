@@ -57,6 +57,37 @@ def test_round_trip(tmp_path, figures):
             figures.below(f"{ranks} ranks: {name} of cement from a file against the made one", error, 1e-6)
 
 
+def test_round_trip_of_a_skew_bond(tmp_path, figures):
+    """The lattice along the axes of the bond is found: damage, axes and foot points turn into them and back, and the bond breaks as the one it came from."""
+    n, box = (1, 2, 3), 3 * (12.5e-3,)
+    made = pair(SPACING, direction=n, half_box=box)
+    body = cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + pull(8.0, 2e-6, n) + thermo(10, ["f_bond", "f_cem[8]", "f_bond[17]"])
+    kept = made[:made.index("create_cement")] + f"create_cement calcite pair 1 2 file ../whole.txt spacing {SPACING:.15g}\n"
+    one = run(made + "write_cement ../whole.txt\n" + body + "run 700\nwrite_cement ../cracked.txt\n", tmp_path / "made").table()
+    assert one["f_bond[17]"][-1] > 100
+    two = run(kept + body + "run 700\n", tmp_path / "read").table()
+    for name in ("f_bond", "f_cem[8]"):
+        figures.below(f"skew bond from a file: {name} against the made one", abs(one[name] - two[name]).max() / abs(one[name]).max(), 1e-6)
+    # Damage and axes once more, with the grains where they began.
+    rest = cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + "fix move grains nve/sphere\nrun 0\n"
+    first = run(made + rest + "write_cement ../rest.txt\n", tmp_path / "rest")
+    a = read(tmp_path / "rest.txt")
+    lines = (tmp_path / "rest.txt").read_text().splitlines()
+    head = next(i for i, line in enumerate(lines) if line.startswith("grain_i"))
+    columns = lines[head].split()
+    for i in range(head + 1, len(lines)):
+        words = lines[i].split()
+        for c, value in zip(("dxx", "dyy", "dzz", "dyz", "dxz", "dxy"), (0.5, 0.2, 0.3, 0.1, -0.05, 0.07)):
+            words[columns.index(c)] = str(value)
+        lines[i] = " ".join(words)
+    (tmp_path / "damaged.txt").write_text("\n".join(lines) + "\n")
+    run(edit(kept, "whole.txt", "damaged.txt") + rest + "write_cement ../again.txt\n", tmp_path / "again")
+    b, wanted = read(tmp_path / "again.txt"), read(tmp_path / "damaged.txt")
+    assert first.status == 0 and a.keys() == b.keys()
+    worst = max(np.abs(wanted[c] - b[c]).max() / max(np.abs(wanted[c]).max(), 1e-300) for c in b)
+    figures.below("skew bond with damage: written, read and written again, relative change of any column", worst, 1e-13)
+
+
 def test_round_trip_of_a_broken_bond(tmp_path, figures):
     """Damage, axes, failed points and links that let go survive, though a grain has moved."""
     script = (pair(SPACING) + cement(CELL, 5e-9, axis="radial", damage=DAMAGE) + PULL + "run 700\n"

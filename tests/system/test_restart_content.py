@@ -12,9 +12,9 @@ from scenes import cement, edit, launch, pair, restarted, run, thermo
 SEAL = 40
 FIX_HEAD, FIX_BOND, FIX_NODE = 36, 6, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
 # Of the numbers of a bond.
-BOND = {"first": 0, "second": 1, "origin": 2, "radius": 5, "centre": 7, "orientation": 13, "shift": 21, "area": 27, "box": 29, "axis": 32,
-        "in motion": 36, "condensed": 37, "volume": 38, "spacing": 39, "lattice": 40, "regular": 43, "thickness": 44, "points": 45}
-BOND_NUMBERS = 46
+BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
+        "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49}
+BOND_NUMBERS = 50
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 16, "coupling": 19, "kn": 20, "law": 23, "bonds": 31,
        "nodes": 32}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
@@ -115,7 +115,7 @@ def test_unchanged(tmp_path, files):
     ("head", "size", 44, "44 numbers"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
     ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
     ("bond", "first", -7.0, "first grain is -7"), ("bond", "first", 0.5, "first grain is 0.5"), ("bond", "second", 1.0, "from 2"), ("bond", "second", NAN, "second grain"),
-    ("bond", "orientation", 7.0, "orientation"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
+    ("bond", "orientation", 7.0, "orientation"), ("bond", "turn", 7.0, "axes"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
     ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"),
     ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
     ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Where a bond lies in the box, how it is turned, and which of its grains is the first do not matter.
 
-The lattice of the points and the grid are cubic and lie about the middle of the gap, so a pair that is moved, mirrored at a
-plane of the grid or turned by a quarter about an axis of it is the same pair: forces of it agree to rounding. So do they with
-the IDs of the grains swapped, but for columns that belong to a grain, which swap. With viscosity this holds through failure;
+The lattice of the points and the grid are cubic and lie about the middle of the gap, along the line of centres. So a pair that is moved,
+turned onto that line whichever way it points, mirrored at a plane of the grid or turned by a quarter about an axis of it is the same pair:
+forces of it agree to rounding. So do they with the IDs of the grains swapped, but for columns that belong to a grain, which swap. With viscosity this holds through failure;
 without it up to the first failure, from where on rounding may grow (test_symmetry.py).
 """
+import csv
 import re
 
 import numpy as np
 import pytest
-from scenes import RADIUS, cement, edit, host, NEIGHBOURS, pull, run, thermo
+from scenes import NEIGHBOURS, RADIUS, cement, dump, edit, host, point_quantities, pull, run, thermo
 
 SPACING = 1e-4
 VISCOUS = "viscosity 1e-6"
@@ -66,6 +67,13 @@ def quarter_turn(d):
     return R
 
 
+def turn_onto(axis, n):
+    """The smallest rotation that takes the one to the other, by Rodrigues' formula."""
+    c, v = axis @ n, np.cross(axis, n)
+    K = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    return np.eye(3) + K + K @ K / (1 + c)
+
+
 PLACES = [(0.01, 0, 0.003), (1.1e-3, -2.3e-3, 5.7e-3), (-7.7e-3, 3.1e-3, 9.1e-3), (-0.00944882, 0.00507026, 0.00076287)]
 MOVES = ([(f"at {p}", np.eye(3), p) for p in PLACES]
          + [(f"mirrored across {'xyz'[d]}", mirror(d), (0, 0, 0)) for d in range(3)]
@@ -91,6 +99,77 @@ def test_points_in_the_middle(tmp_path, figures):
     figures.below(f"{name}, through failure and after it: force over the peak", worst.max(), 1e-9)
     for c in SHARES + REST:
         figures.below(f"{name}: {c}", abs(one.table()[c] - other.table()[c]).max() / max(abs(one.table()[c]).max(), 1e-300), 1e-9)
+
+
+# The axis of the box nearest to each, of equally near ones the first: that of the pair which is the same.
+@pytest.mark.parametrize("n, nearest", [((1, 2, 3), (0, 0, 1)), ((1, 1, 1), (1, 0, 0)), ((-3, 1, 2), (-1, 0, 0)), ((0.3, -1, 0), (0, -1, 0))],
+                         ids=["123", "111", "-312", "in a plane"])
+def test_any_direction(n, nearest, tmp_path, figures):
+    """Forces, shares and sums of a skew pair, with gravity across it, are those of one along an axis, turned."""
+    R, along, g = turn_onto(np.array(nearest, float), unit(n)), np.array([0.4, 0.8, 0.9]), np.array([3e4, -2e4, 1e4])
+
+    def loaded(axis, turn):
+        weight = "fix weight all gravity {:.17g} vector {:.17g} {:.17g} {:.17g}\n".format(np.linalg.norm(g), *(turn @ unit(g)))
+        text = scene(MENISCUS, axis, turn @ along, 700, VISCOUS, PLACES[1])
+        return run(text.replace("run 700", weight + "run 700"), tmp_path)
+
+    one, other = loaded(nearest, np.eye(3)), loaded(n, R)
+    f, g2 = forces(one), forces(other)
+    name = "meniscus along (" + ",".join(f"{c:g}" for c in n) + ") against one along an axis"
+    peak = np.linalg.norm(f[:, 2], axis=1).max()
+    assert one.table()["f_cem[2]"][-1] > 100 and one.table()["f_cem[2]"][-1] == other.table()["f_cem[2]"][-1]
+    figures.below(f"{name}, with gravity, through failure: force over the peak", abs(g2 - moved(f, R)).max() / peak, 1e-9)
+    for c in SHARES + REST:
+        figures.below(f"{name}: {c}", abs(one.table()[c] - other.table()[c]).max() / max(abs(one.table()[c]).max(), 1e-300), 1e-9)
+
+
+TENSORS = ["damage", "stress", "strain"]
+PARTS = ["xx", "yy", "zz", "yz", "xz", "xy"]
+
+
+def test_points_of_a_skew_pair(tmp_path, figures):
+    """Whatever is told of points and events is in the axes of the box."""
+    n = (1, 2, 3)
+    R, along = turn_onto(np.array((0.0, 0, 1)), unit(n)), np.array([0.4, 0.8, 0.9])
+    quantities = [f"{t}_{c}" for t in TENSORS for c in PARTS] + ["axis_x", "axis_y", "axis_z", "pressure", "stress_max", "failed"]
+    columns = ["x", "y", "z", "vx", "vy", "vz"] + [f"c_{q}" for q in quantities]
+
+    def looked_at(axis, turn):
+        text = scene(MENISCUS, axis, turn @ along, 560, VISCOUS + " events events.csv")
+        done = run(text.replace("run 560", point_quantities(quantities) + dump(560, columns) + "run 560"), tmp_path / "".join(map(str, axis)))
+        with open(done.directory / "events.csv") as f:
+            return done.points(560), list(csv.DictReader(f))
+
+    (a, first), (b, second) = looked_at((0, 0, 1), np.eye(3)), looked_at(n, R)
+    assert (a["c_failed"] == b["c_failed"]).all() and 50 < a["c_failed"].sum() < len(a["x"])
+
+    def tensors(p, name):
+        v = np.array([p[f"c_{name}_{c}"] for c in PARTS])
+        return v[[0, 5, 4, 5, 1, 3, 4, 3, 2]].reshape(3, 3, -1)
+
+    worst = {}
+    for name in ("x y z", "vx vy vz", "c_axis_x c_axis_y c_axis_z"):
+        u, w = (np.array([p[c] for c in name.split()]) for p in (a, b))
+        worst[name] = abs(R @ u - w).max() / abs(w).max()
+    for name in TENSORS:
+        u, w = tensors(a, name), tensors(b, name)
+        worst[name] = abs(np.einsum("ij,jkp,lk->ilp", R, u, R) - w).max() / abs(w).max()
+    for name in ("c_pressure", "c_stress_max"):
+        worst[name] = abs(a[name] - b[name]).max() / abs(a[name]).max()
+    assert [e["point"] for e in first] == [e["point"] for e in second] and len(first) > 50
+    for name in ("r", "z", "damage1"):
+        worst["events, " + name] = max(abs(float(e[name]) - float(f[name])) / max(abs(float(f[name])), 1e-4) for e, f in zip(first, second))
+    u, w = (np.array([[float(e[f"direction_{c}"]) for c in "xyz"] for e in events]) for events in (first, second))
+    worst["events, direction"] = (1.0 - abs(np.einsum("ei,ei->e", u @ R.T, w))).max()
+    # the angle, from the axis of the box most across the line of centres
+    e1 = unit(np.array((1.0, 0, 0)) - unit(n)[0] * unit(n))
+    e2 = np.cross(unit(n), e1)
+    X = np.array([[float(e["r"]) * f(float(e["theta"])) for f in (np.cos, np.sin)] + [float(e["z"])] for e in first]) @ R.T
+    turned = np.arctan2(X @ e2, X @ e1)
+    worst["events, theta"] = abs(np.exp(1j * turned) - np.exp(1j * np.array([float(e["theta"]) for e in second]))).max()
+    limit = {"events, direction": 1e-5, "events, theta": 1e-7, "events, r": 1e-7, "events, z": 1e-7}
+    for name, value in worst.items():
+        figures.below(f"points of a skew pair, {name}: against a pair along z, turned", value, limit.get(name, 1e-8))
 
 
 @pytest.mark.parametrize("damage", [VISCOUS, ""], ids=["viscous", "not"])

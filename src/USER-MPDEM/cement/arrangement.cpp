@@ -322,10 +322,11 @@ void Cement::start_velocities(std::vector<BondLayout>& layouts) {
     std::vector<double>& velocity = fresh.back().velocity;
     velocity.assign(3 * kLanes * points.blocks.size(), 0.0);
     double* s = &sums[static_cast<std::size_t>(kNormal) * (l.body - first)];
+    const Mat3<double> axes = axes_of(bonds_.table[l.body]);
     for (std::size_t b = 0; b < points.blocks.size(); ++b)
       for (int lane = 0; lane < kLanes; ++lane) {
         if (!(points.meta[b].occupied >> lane & 1)) continue;
-        const std::array<double, 3> v = host_.initial_velocity(points.tags[b][lane]);
+        const std::array<double, 3> v = turned_back(axes, host_.initial_velocity(points.tags[b][lane]).data());
         std::copy(v.begin(), v.end(), &velocity[3 * (kLanes * b + lane)]);
         const double V = points.blocks[b].volume[lane];
         double y[4] = {1.0, 0, 0, 0};

@@ -37,9 +37,9 @@ class BondDescription {
     for (int s = 0; s < 2; ++s) {
       add(&body.radius[s], 1, h);
       add(body.centre[s], 3, h);
-      add(body.orientation[s], 4, 1.0);
       add(side[s].x, 3, h);
-      add(side[s].R.a[0], 9, 1.0);
+      // what the grain has turned since: how it lay at the creation does not matter
+      add(product(side[s].R, transpose(rotation_of(body.orientation[s]))).a[0], 9, 1.0);
     }
     add(grid.displacement.data(), grid.displacement.size(), h);
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {

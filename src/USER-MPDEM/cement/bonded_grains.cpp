@@ -156,12 +156,11 @@ void BondedGrains::react(double dt, EnergyBooks& books) {
   for (Grain& g : grains) std::fill(g.state->load, g.state->load + 6, 0.0);
   for (const OwnedSide& o : owned_) {
     const GrainSide& s = sides.sides[o.at];
+    const Six load = in_box(s, s.force, s.torque);
     Grain& g = grains[o.grain];
-    for (int d = 0; d < 3; ++d) {
-      g.force[d] += s.force[d];
-      g.force[3 + d] += s.torque[d];
-      g.state->load[d] += s.force[d];
-      g.state->load[3 + d] += s.torque[d];
+    for (int d = 0; d < 6; ++d) {
+      g.force[d] += load[d];
+      g.state->load[d] += load[d];
     }
   }
   react_to_jumps(dt, books);
@@ -180,10 +179,11 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
     const GrainSide& s = sides.sides[o.at];
     Grain& grain = grains[o.grain];
     const GrainState& g = *grain.state;
+    const Six of_jump = in_box(s, s.jump_force, s.jump_force + 3), of_transfer = in_box(s, s.transfer_force, s.transfer_force + 3);
     double power = 0.0;
     for (int d = 0; d < 6; ++d) {
-      grain.force[d] += s.jump_force[d] + s.transfer_force[d];
-      power += s.jump_force[d] * 0.5 * (g.before[d] + g.v[d]) + s.transfer_force[d] * g.v[d];
+      grain.force[d] += of_jump[d] + of_transfer[d];
+      power += of_jump[d] * 0.5 * (g.before[d] + g.v[d]) + of_transfer[d] * g.v[d];
     }
     books.do_work(-dt * power);
   }
@@ -207,15 +207,16 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   sides.sum_forces();
   for (Grain& grain : grains) {
     const GrainSide& s = sides.sides[owned_[grain.sides.front()].at];
+    const Six change = in_box(s, s.a, s.alpha);
     for (int d = 0; d < 6; ++d)
-      if (grain.free[d]) grain.velocity[d] += d < 3 ? s.a[d] : s.alpha[d - 3];
+      if (grain.free[d]) grain.velocity[d] += change[d];
   }
   for (const OwnedSide& o : owned_) {
     if (o.body >= end_of_work) continue;
     const GrainSide& s = sides.sides[o.at];
     const Grain& grain = grains[o.grain];
-    for (int d = 0; d < 6; ++d)
-      books.do_work(-(d < 3 ? s.force[d] : s.torque[d - 3]) * 0.5 * (grain.state->ended[d] + grain.velocity[d]));
+    const Six load = in_box(s, s.force, s.torque);
+    for (int d = 0; d < 6; ++d) books.do_work(-load[d] * 0.5 * (grain.state->ended[d] + grain.velocity[d]));
   }
 }
 
@@ -237,7 +238,7 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
   std::vector<Six> jump(owned_.size());
   for (std::size_t k = 0; k < jump.size(); ++k) {
     const GrainSide& s = sides.sides[owned_[k].at];
-    std::copy(s.jump, s.jump + 6, jump[k].begin());
+    jump[k] = in_box(s, s.jump, s.jump + 3);
   }
   std::vector<std::vector<double>> acceleration;
   for (const Bond& b : bonds.awake()) acceleration.push_back(b.grid.acceleration);
@@ -283,8 +284,7 @@ void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
   std::vector<Six> rates(owned_.size());
   for (std::size_t k = 0; k < owned_.size(); ++k) {
     const GrainSide& s = sides.sides[owned_[k].at];
-    std::copy(s.a, s.a + 3, rates[k].begin());
-    std::copy(s.alpha, s.alpha + 3, rates[k].begin() + 3);
+    rates[k] = in_box(s, s.a, s.alpha);
   }
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
@@ -302,10 +302,12 @@ EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
     if (o.body < first_body) continue;
     const GrainSide& s = sides.sides[o.at];
     const GrainState& g = *grains[o.grain].state;
+    double force[6];
+    for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
+    const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {
-      const double f = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
-      power.now -= f * g.ended[d];
-      power.before -= f * g.v[d];
+      power.now -= f[d] * g.ended[d];
+      power.before -= f[d] * g.v[d];
     }
   }
   return {dt_last * power.now, dt_last * power.before};

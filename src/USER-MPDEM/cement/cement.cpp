@@ -210,8 +210,9 @@ void Cement::complete_forces() {
   condensed_.add_forces(grains_.sides, of_condensed);
   for (Bond& b : bonds_.awake()) {
     if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
+    const std::array<double, 3> along = gravity_of(b);
     for (int i = 0; i < b.grid.size() && weighs; ++i)
-      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * g[d];
+      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * along[d];
     host_.add_node_forces(b);
     if (faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), 0.5 * (dt_last_ + now_.dt), now_.dt);
   }
@@ -277,9 +278,11 @@ double Cement::damping_work(double later, int first_body) {
   return dt_last_ * power;
 }
 
+std::array<double, 3> Cement::gravity_of(const Bond& b) const { return turned_back(axes_of(bonds_.body(b)), now_.gravity); }
+
 // Of the weight of this rank's nodes on a velocity.
 double Cement::gravity_power(const Bond& b, const std::vector<double>& velocity) const {
-  const double* g = now_.gravity;
+  const std::array<double, 3> g = gravity_of(b);
   if ((g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0) || velocity.empty()) return 0.0;
   double power = 0.0;
   for (int i = 0; i < b.grid.size(); ++i) {

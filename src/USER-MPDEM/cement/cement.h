@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The cement of a scene: bonds, their layout, time stepping, books of energy and cracks. It knows no host program: a host
-// gives it grains and steps, and takes loads, velocities and reports. doc/architecture.md has the step as a recipe.
+// gives it grains and steps, and takes loads, velocities and reports, all in the axes of the box. doc/architecture.md has the step as a recipe.
 //
 // State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at the points. Consistent units.
 // Functions are collective. Bad states are thrown, see parallel/agree.h.
@@ -139,7 +139,7 @@ class Cement {
   // Added mass: at either side of each bond, over all ranks.
   std::vector<double> added_mass_of_sides();
   double cement_mass();    // of this rank, with the mass scale
-  // Position and velocity of the points of a bond at the present time, from the origin of its body.
+  // Displacement and velocity of the points of a bond at the present time, in the axes of its body.
   struct PointMotionNow {
     vd u[3], v[3];
   };
@@ -227,6 +227,7 @@ class Cement {
   EnergyBooks::StepWork work_of_step(int first_body);
   EnergyBooks::StepWork inertial_work_of_step(int first_body) const;
   double kinetic_energy(const Bond& b, double kick) const;
+  std::array<double, 3> gravity_of(const Bond& b) const;  // in the axes of its body
   double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
   double half_kick(const Bond& b, const std::vector<double>& jump) const;
 

@@ -77,7 +77,7 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
   const int shape = plan_.bonds()[f.first].kind;
   std::vector<Neighbour> neighbours;
   if (!near_.empty())
-    for (const CementPlan::Near& other : near_[f.first]) neighbours.push_back({&plan_.shape_of(plan_.bonds()[other.bond].kind), other.apart});
+    for (const CementPlan::Near& other : near_[f.first]) neighbours.push_back({&plan_.shape_of(plan_.bonds()[other.bond].kind), other.apart, other.turn});
   f.points = fill_with_points(plan_.shape_of(shape), wish_.spacing, most, neighbours);
   f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
   move_origin(f.points, f.corner);
@@ -102,6 +102,7 @@ void CementMaker::fill_by_file(Fill& f) {
   PointCloud cloud = read_points(text, wish_.file, bond.pair, o);
   check_grains_of_file(f.first, cloud.other_grains);
   f.points = std::move(cloud.points);
+  f.turn = cloud.turn;
   f.corner = cloud.corner;
   move_origin(f.points, f.corner);
   Body& body = f.body;
@@ -241,9 +242,8 @@ std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::
   for (std::size_t n = part.from; n < part.to; ++n) {
     const Fill& f = fill_of(n);
     if (f.box.isEmpty()) continue;
-    const Body body = body_of(n);
-    const Vector3 origin(body.origin[0], body.origin[1], body.origin[2]);
-    for (const Vector3& shift : shifts) search.meeting(Box(f.box).translate(origin + shift), [&](int r) { need[fill_of_bond_[n]][r] = 1; });
+    const Box box = box_around(body_of(n), f.box);
+    for (const Vector3& shift : shifts) search.meeting(Box(box).translate(shift), [&](int r) { need[fill_of_bond_[n]][r] = 1; });
   }
   return need;
 }

@@ -18,6 +18,17 @@ constexpr double kPointsOfAPart = 100000.0;
 constexpr int kListed = 20;  // bonds told of one by one
 }  // namespace
 
+Box box_around(const Body& body, const Box& box) {
+  Box around;
+  if (box.isEmpty()) return around;
+  const Mat3<double> axes = axes_of(body);
+  for (int n = 0; n < 8; ++n) {
+    const Vector3 corner = box.corner(static_cast<Box::CornerType>(n));
+    around.extend(Vector3(place_in_box(body, axes, corner.data()).data()));
+  }
+  return around;
+}
+
 CementMaker::CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<Body>& table, const Scene& scene, CementMakerHost& host)
     : comm_(comm), plan_(plan), wish_(plan.wish()), box_(plan.box()), table_(table), host_(host), first_body_(table.size()),
       atoms_before_(scene.atoms), last_tag_(scene.last_tag) {
@@ -51,6 +62,7 @@ void CementMaker::group_fills() {
       for (const CementPlan::Near& other : near_[n]) {
         key.append(reinterpret_cast<const char*>(&bonds[other.bond].kind), sizeof(int));
         key.append(reinterpret_cast<const char*>(other.apart.data()), 3 * sizeof(double));
+        key.append(reinterpret_cast<const char*>(other.turn.coeffs().data()), 4 * sizeof(double));
       }
     const auto found = known.emplace(std::move(key), static_cast<int>(fills_.size()));
     if (found.second) {
@@ -137,16 +149,22 @@ Body CementMaker::body_of(std::size_t n) const {
   const Fill& f = fill_of(n);
   Body body = f.body;
   const GrainToBond &g0 = bond.grain[0], &g1 = bond.grain[1];
+  const Eigen::Quaterniond to_box = bond.turn * f.turn;
   for (int s = 0; s < 2; ++s) {
     const GrainToBond& g = bond.grain[s];
     body.grain[s] = g.tag;
     body.radius[s] = g.radius;
-    std::copy(g.q, g.q + 4, body.orientation[s]);
-    const Vector3 centre = bond.pair.centre(s) - f.corner;
+    const Eigen::Quaterniond q = to_box.conjugate() * Eigen::Quaterniond(g.q[0], g.q[1], g.q[2], g.q[3]);
+    const double orientation[4] = {q.w(), q.x(), q.y(), q.z()};
+    std::copy(orientation, orientation + 4, body.orientation[s]);
+    const Vector3 centre = f.turn.conjugate() * bond.pair.centre(s) - f.corner;
     for (int c = 0; c < 3; ++c) body.centre[s][c] = centre[c];
   }
+  const double turn[4] = {to_box.w(), to_box.x(), to_box.y(), to_box.z()};
+  std::copy(turn, turn + 4, body.turn);
+  const std::array<double, 3> ahead = turned(axes_of(body), body.centre[0]);
   for (int c = 0; c < 3; ++c) {
-    body.origin[c] = g0.x[c] - body.centre[0][c];
+    body.origin[c] = g0.x[c] - ahead[c];
     if (!box_.periodic[c]) continue;
     // Multiples of the box; taken from integers, not from a difference of coordinates.
     body.shift[0][c] = std::round((g0.x[c] - g0.unwrapped[c]) / box_.period[c]) * box_.period[c];

@@ -22,7 +22,7 @@ namespace mpdem {
 struct NewBond {
   int row, first_tag;
   const Body& body;
-  const std::vector<FillPoint>& points;  // from the origin of the body
+  const std::vector<FillPoint>& points;  // in the coordinates of the body
   const Box& box;                        // of the points
 };
 
@@ -31,6 +31,9 @@ struct FullPoint {
   Vector3 x;
   int body;
 };
+
+// Around a box in the coordinates of a body, in those of the box.
+Box box_around(const Body& body, const Box& box);
 
 // What the maker asks of its host.
 class CementMakerHost {
@@ -74,10 +77,11 @@ class CementMaker {
     std::size_t first;  // bond
     bool known = false;
     Body body;          // what all of the bonds have in common; known to all ranks, as the box
-    Box box;            // of the points, from the origin
-    std::vector<FillPoint> points;    // from the origin, on ranks that need them
+    Box box;            // of the points, in the coordinates of the body
+    std::vector<FillPoint> points;    // in these, on ranks that need them
     std::vector<char> sent;           // to each rank, by the one that makes them
     Vector3 corner = Vector3::Zero();  // origin from the middle of the gap
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // to the axes of the planned bond; points of a file may have their own
   };
   // Bonds from `from` to `to` that are made together, with their bodies.
   struct Part {

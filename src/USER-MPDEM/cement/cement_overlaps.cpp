@@ -24,14 +24,15 @@ class PointsNear {
     near_.reserve(fill.size());
     for (std::size_t n = 0; n < fill.size(); ++n) near_.emplace(key(cell(fill[n].X[0]), cell(fill[n].X[1]), cell(fill[n].X[2])), static_cast<int>(n));
   }
-  // Of the points less than `half` from x along each axis; half at most the width.
-  double volume_around(const Vector3& x, double half) const {
+  // Of the points less than `half` from x along each of three axes, to which `turn` takes those of the points; half at most the width
+  // over the root of three.
+  double volume_around(const Vector3& x, double half, const Eigen::Matrix3d& turn) const {
     const long at[3] = {cell(x[0]), cell(x[1]), cell(x[2])};
     double sum = 0.0;
     for (int n = 0; n < 27; ++n) {
       const auto range = near_.equal_range(key(at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1));
       for (auto it = range.first; it != range.second; ++it)
-        if ((fill_[it->second].X - x).cwiseAbs().maxCoeff() < half) sum += fill_[it->second].volume;
+        if ((turn * (fill_[it->second].X - x)).cwiseAbs().maxCoeff() < half) sum += fill_[it->second].volume;
     }
     return sum;
   }
@@ -44,15 +45,33 @@ class PointsNear {
   std::unordered_multimap<long, int> near_;
 };
 
-Vector3 origin_of(const Body& b) { return {b.origin[0], b.origin[1], b.origin[2]}; }
+// Coordinates of the box in those of a body.
+struct Coordinates {
+  Vector3 origin;
+  Mat3<double> axes;
+  explicit Coordinates(const Body& b) : origin(b.origin), axes(axes_of(b)) {}
+  Vector3 into(const Vector3& x) const {
+    const Vector3 from = x - origin;
+    return Vector3(turned_back(axes, from.data()).data());
+  }
+  Vector3 out(const Vector3& X) const { return origin + Vector3(turned(axes, X.data()).data()); }
+  // From axes of this one to those of another.
+  Eigen::Matrix3d to(const Coordinates& other) const {
+    const Mat3<double> m = product(transpose(other.axes), axes);
+    Eigen::Matrix3d r;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) r(i, j) = m.a[i][j];
+    return r;
+  }
+};
 
 }  // namespace
 
-// Points overlap that are less than this apart along each axis.
+// From the middle of a cell to its corners.
 double CementMaker::reach_of_cells() const {
   double widest = wish_.spacing;
   for (const Body& b : table_) widest = std::max(widest, b.spacing);
-  return 0.5 * widest;
+  return 0.5 * std::sqrt(3.0) * widest;
 }
 
 // Volume of new points inside cells that bodies before `bodies` fill (nearly) whole; those of the part come after those
@@ -61,37 +80,40 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
   const int there = static_cast<int>(table_.size());
   const Vector3 margin = Vector3::Constant(reach_of_cells());
   std::vector<Box> boxes;
+  std::vector<Coordinates> of;
   for (std::size_t k = 0; k < part.bodies.size(); ++k) {
     const Fill& f = fill_of(part.from + k);
-    const Vector3 origin = origin_of(part.bodies[k]);
-    boxes.push_back(f.points.empty() ? Box() : Box(f.box.min() + origin - margin, f.box.max() + origin + margin));
+    const Box around = box_around(part.bodies[k], f.box);
+    of.emplace_back(part.bodies[k]);
+    boxes.push_back(f.points.empty() ? Box() : Box(around.min() - margin, around.max() + margin));
   }
   const BoxSearch search(boxes);
   const std::vector<Vector3> shifts = box_.images();
   std::map<int, PointsNear> by_cells;  // of the fills that are asked for
   std::map<std::pair<std::size_t, int>, double> found;
-  const auto look = [&](std::size_t k, int body, double spacing, const Vector3& x) {
+  // x: middle of a full cell
+  const auto look = [&](std::size_t k, int body, const Coordinates& of_body, double spacing, const Vector3& x) {
     const PointsNear& near = by_cells.try_emplace(fill_of_bond_[part.from + k], fill_of(part.from + k).points, 2.0 * margin[0]).first->second;
-    const double inside = near.volume_around(x - origin_of(part.bodies[k]), 0.5 * spacing * (1.0 - 1e-6));
+    const double inside = near.volume_around(of[k].into(x), 0.5 * spacing * (1.0 - 1e-6), of[k].to(of_body));
     if (inside > 0.0) found[{part.from + k, body}] += inside;
   };
   if (there > 0)
     for (const FullPoint& p : host_.full_points(std::min(bodies, there)))
-      for (const Vector3& shift : shifts) search.holding(p.x + shift, [&](int k) { look(k, p.body, table_[p.body].spacing, p.x + shift); });
+      for (const Vector3& shift : shifts) search.holding(p.x + shift, [&](int k) { look(k, p.body, Coordinates(table_[p.body]), table_[p.body].spacing, p.x + shift); });
   const double full = 0.95 * std::pow(wish_.spacing, 3);
   for (std::size_t m = 0; m < part.bodies.size() && bodies > there; ++m) {
     const Fill& f = fill_of(part.from + m);
     if (f.points.empty()) continue;
-    const Vector3 origin = origin_of(part.bodies[m]);
-    for (const Vector3& shift : shifts) {
-      const Vector3 way = origin + shift;
-      search.meeting(Box(f.box).translate(way), [&](int k) {
+    const Box around = box_around(part.bodies[m], f.box);
+    for (const Vector3& shift : shifts)
+      search.meeting(Box(around).translate(shift), [&](int k) {
         if (static_cast<std::size_t>(k) <= m) return;
-        for (const FillPoint& p : f.points)
-          if (p.volume >= full && search.box(k).contains(p.X + way) && box_.owns(origin + p.X))
-            look(k, there + static_cast<int>(m), wish_.spacing, p.X + way);
+        for (const FillPoint& p : f.points) {
+          if (p.volume < full) continue;
+          const Vector3 x = of[m].out(p.X);
+          if (search.box(k).contains(x + shift) && box_.owns(x)) look(k, there + static_cast<int>(m), of[m], wish_.spacing, x + shift);
+        }
       });
-    }
   }
   std::vector<Overlap> mine;
   for (const auto& f : found) mine.push_back({f.first.first, f.first.second, f.second});
@@ -138,19 +160,20 @@ void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) con
     const Body& body = part.bodies[k];
     const Fill& f = fill_of(part.from + k);
     if (!part.kept[k] || f.points.empty()) continue;
-    const Vector3 origin = origin_of(body);
+    const Coordinates of(body);
+    const Box around = box_around(body, f.box);
     Inside in{part.from + k, 0.0, 0.0, 0};
     for (const Vector3& shift : shifts)
-      near_grains_->meeting(Box(f.box).translate(origin - shift), [&](int g) {
+      near_grains_->meeting(Box(around).translate(-shift), [&](int g) {
         const Sphere& grain = grains_[g];
-        const Vector3 centre = grain.x + shift - origin;
+        const Vector3 centre = of.into(grain.x + shift);
         const double within = grain.radius - tolerance;
         if (within <= 0.0 || f.box.exteriorDistance(centre) >= within) return;
         for (int s = 0; s < 2; ++s)
           if (grain.tag == body.grain[s] && (centre - Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2])).norm() < tolerance) return;
         for (const FillPoint& p : f.points) {
           const double depth = grain.radius - (p.X - centre).norm();
-          if (depth <= tolerance || !box_.owns(origin + p.X)) continue;
+          if (depth <= tolerance || !box_.owns(of.out(p.X))) continue;
           ++in.points;
           if (depth > in.deepest) in.tag = grain.tag;
           in.deepest = std::max(in.deepest, depth);
@@ -194,13 +217,15 @@ void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
 }
 
 int CementMaker::points_outside(const Fill& f, const Body& body) const {
-  const auto in = [&](const Vector3& X) {
+  const auto in = [&](const Vector3& x) {
     bool all = true;
-    for (int c = 0; c < 3; ++c) all = all && (box_.periodic[c] || (body.origin[c] + X[c] >= box_.low[c] && body.origin[c] + X[c] < box_.high[c]));
+    for (int c = 0; c < 3; ++c) all = all && (box_.periodic[c] || (x[c] >= box_.low[c] && x[c] < box_.high[c]));
     return all;
   };
-  if (f.points.empty() || (in(f.box.min()) && in(f.box.max()))) return 0;
-  return static_cast<int>(std::count_if(f.points.begin(), f.points.end(), [&](const FillPoint& p) { return !in(p.X); }));
+  const Box around = box_around(body, f.box);
+  if (f.points.empty() || (in(around.min()) && in(around.max()))) return 0;
+  const Coordinates of(body);
+  return static_cast<int>(std::count_if(f.points.begin(), f.points.end(), [&](const FillPoint& p) { return !in(of.out(p.X)); }));
 }
 
 }  // namespace mpdem

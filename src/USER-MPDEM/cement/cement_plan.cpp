@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../geometry/bond_axes.h"
 #include "../geometry/composite.h"
 #include "../parallel/agree.h"
 #include "../parallel/gather_all.h"
@@ -62,6 +63,13 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   return "";
 }
 
+// Those of the bond, see bond_axes.h.
+void CementPlan::choose_axes(PlannedBond& bond) {
+  const BondAxes axes = bond_axes(bond.pair.n);
+  bond.turn = axes.turn;
+  bond.pair = pair_between(bond.pair.R1, bond.pair.R2, bond.between.norm() * axes.n);
+}
+
 void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
                       const std::function<std::string(CementWish&)>& read_words) {
   std::unordered_multimap<int, GrainToBond> grain_of;
@@ -90,6 +98,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       const std::string wrong = read_words(wish_);
       if (!wrong.empty()) trouble.tell(n, scene, prefix(bond) + wrong);
     }
+    if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
     const std::string far = trouble_of_place(bond, wish_.spacing);
     if (!far.empty()) trouble.tell(n, place_of_points, prefix(bond) + far);
     bond.kind = kind_of(bond, kinds);
@@ -187,7 +196,11 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
     bool image;
   };
   double widest = 0.0;
-  for (const PlannedBond& b : bonds_) widest = std::max(widest, shape_of(b.kind).half_extent().maxCoeff());
+  std::vector<Vector3> extent;  // half of it, along the axes of the box
+  for (const PlannedBond& b : bonds_) {
+    extent.push_back(b.turn.toRotationMatrix().cwiseAbs() * shape_of(b.kind).half_extent());
+    widest = std::max(widest, extent.back().maxCoeff());
+  }
   const Vector3 low(box_.low[0], box_.low[1], box_.low[2]), high(box_.high[0], box_.high[1], box_.high[2]);
   const int images[3] = {box_.periodic[0], box_.periodic[1], box_.periodic[2]};
   std::vector<Place> places;
@@ -208,10 +221,10 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
     for (std::size_t m = n + 1; m < places.size() && places[m].middle[0] - places[n].middle[0] <= 2.0 * widest; ++m) {
       const Place &a = places[n], &b = places[m];
       const Vector3 apart = b.middle - a.middle;
-      const Shape &of_a = shape_of(bonds_[a.bond].kind), &of_b = shape_of(bonds_[b.bond].kind);
-      if ((apart.cwiseAbs().array() > (of_a.half_extent() + of_b.half_extent()).array()).any()) continue;
-      if (!a.image) near[a.bond].push_back({b.bond, apart});
-      if (!b.image) near[b.bond].push_back({a.bond, -apart});
+      if ((apart.cwiseAbs().array() > (extent[a.bond] + extent[b.bond]).array()).any()) continue;
+      const Eigen::Quaterniond of_a = bonds_[a.bond].turn.conjugate(), of_b = bonds_[b.bond].turn.conjugate();
+      if (!a.image) near[a.bond].push_back({b.bond, of_a * apart, of_b * bonds_[a.bond].turn});
+      if (!b.image) near[b.bond].push_back({a.bond, -(of_b * apart), of_a * bonds_[b.bond].turn});
     }
   return near;
 }

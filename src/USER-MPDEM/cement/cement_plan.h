@@ -8,6 +8,7 @@
 
 #include <mpi.h>
 
+#include <Eigen/Geometry>
 #include <climits>
 #include <functional>
 #include <memory>
@@ -43,10 +44,11 @@ struct GrainToBond {
 struct PlannedBond {
   GrainToBond grain[2];
   Vector3 between;  // from the first grain to the second
-  GrainPair pair;
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // from the axes of its body to those of the box
+  GrainPair pair;   // in the axes of its body
   int kind = 0;
   // Of the middle of the gap, beside the first grain.
-  Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - pair.centre(0); }
+  Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
 
 // What keeps a bond from being made: the first bond in the order of the command, and of it the first check.
@@ -68,7 +70,7 @@ class CementPlan {
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
             const std::function<std::string(CementWish&)>& read_words);
 
-  // Bonds of the same shape: radii, gap, direction and mass of the grains are the same to the bit.
+  // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
   struct Kind {
     std::size_t first;             // bond
     std::unique_ptr<Shape> shape;  // see shape_of; none: points from a file
@@ -76,7 +78,8 @@ class CementPlan {
   };
   struct Near {
     std::size_t bond;
-    Vector3 apart;  // of its middle
+    Vector3 apart;            // of its middle, in the axes of the body that it is near to
+    Eigen::Quaterniond turn;  // from these to its own axes
   };
   const CementWish& wish() const { return wish_; }
   const SceneBox& box() const { return box_; }
@@ -93,6 +96,7 @@ class CementPlan {
  private:
   static std::string prefix(const PlannedBond& bond);
   std::string trouble_of_geometry(PlannedBond& bond) const;
+  static void choose_axes(PlannedBond& bond);
   int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
   static std::string trouble_of_place(const PlannedBond& bond, double length);
   void measure_kinds(BondTrouble& trouble);

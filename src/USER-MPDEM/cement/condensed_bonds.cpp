@@ -153,7 +153,7 @@ void CondensedBonds::add_forces(GrainSides& sides, const double* gravity) const 
     // what of the inertia does not hang on the accelerations, and the weight
     GrainSide still[2] = {side[0], side[1]};
     for (GrainSide& s : still) std::fill(s.a, s.a + 3, 0.0), std::fill(s.alpha, s.alpha + 3, 0.0);
-    const CondensedMotion::Vector12 inertia = model.M * (m.motion.rate(still) - m.motion.uniform(gravity)) + m.motion.centripetal(model, side);
+    const CondensedMotion::Vector12 inertia = model.M * (m.motion.rate(still) - m.motion.uniform(turned_back(side->axes, gravity).data())) + m.motion.centripetal(model, side);
     m.motion.loads(-inertia).add_to(side);
   }
 }
@@ -208,8 +208,9 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
   e.kept = 0.5 * before.dot(model.M * after);
   const CondensedMotion::Vector12 p = model.M * now;
   const Body& b = bonds.table[body];
-  const Vector3 P = m->motion.axes() * (p.segment<3>(0) + p.segment<3>(6));
-  const Vector3 L = m->motion.axes() * (p.segment<3>(3) + p.segment<3>(9)) + (CondensedMotion::vector(b.origin) + m->motion.middle()).cross(P);
+  const auto in_box = [side](const Vector3& v) { return CondensedMotion::vector(turned(side->axes, v.data()).data()); };
+  const Vector3 P = in_box(m->motion.axes() * (p.segment<3>(0) + p.segment<3>(6)));
+  const Vector3 L = in_box(m->motion.axes() * (p.segment<3>(3) + p.segment<3>(9))) + (CondensedMotion::vector(b.origin) + in_box(m->motion.middle())).cross(P);
   std::copy(P.data(), P.data() + 3, e.momentum);
   std::copy(L.data(), L.data() + 3, e.angular_momentum);
   return e;
@@ -237,7 +238,7 @@ double CondensedBonds::gravity_power(const GrainSides& sides, const double* grav
     const GrainSide* side = &sides.sides[m.side];
     CondensedMotion::Vector12 q = m.motion.velocity(side, 0.0);
     if (rates) q = m.motion.velocity(side, 1.0) - q;
-    power += q.dot(m.solution->model.M * m.motion.uniform(gravity));
+    power += q.dot(m.solution->model.M * m.motion.uniform(turned_back(side->axes, gravity).data()));
   }
   return power;
 }
@@ -309,7 +310,8 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
     take_up_field(bond->points, grid, turn);
   }
   const bool cut = cut_.count(body) > 0;
-  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, bonds.table[body], sides, gravity, law);
+  const std::array<double, 3> along = turned_back(axes_of(bonds.table[body]), gravity);
+  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, bonds.table[body], sides, along.data(), law);
 }
 
 // The fields are linear. What is left of forces is of the order of the strain, but links are stiff: a step of Newton's method takes it away.

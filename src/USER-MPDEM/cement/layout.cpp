@@ -16,7 +16,7 @@ namespace mpdem {
 namespace {
 
 Vector3 axis_at(const Vector3& X, const Body& body, const CementOptions& options) {
-  if (options.axis == AxisRule::global) return Vector3(options.axis_direction[0], options.axis_direction[1], options.axis_direction[2]);
+  if (options.axis == AxisRule::global) return Vector3(turned_back(axes_of(body), options.axis_direction).data());
   Vector3 centre[2];
   for (int s = 0; s < 2; ++s) centre[s] = Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2]);
   if (options.axis == AxisRule::bond) return centre[1] - centre[0];

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "../geometry/bond_axes.h"
 #include "../mpm/point_row.h"
 
 namespace mpdem {
@@ -198,6 +199,23 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
   return shared_cell(p, corner, spacing, other) < 0;
 }
 
+// That of which the points of full cells lie in the middle of cells, if there is one.
+struct Lattice {
+  double largest_volume = 0.0;
+  Vector3 corner;
+  bool regular;
+  Lattice(const std::vector<FillPoint>& points, double spacing) {
+    for (const FillPoint& p : points) largest_volume = std::max(largest_volume, p.volume);
+    std::vector<FillPoint> full;  // cut cells have their centroids off the middle
+    for (const FillPoint& p : points)
+      if (p.volume > 0.99 * largest_volume) full.push_back(p);
+    corner = beside_the_points(full, spacing);
+    // one that is within rounding of where shapes have theirs is it
+    if (corner.cwiseAbs().maxCoeff() < 1e-3 * spacing) corner.setZero();
+    regular = is_lattice(points, full, corner, spacing);
+  }
+};
+
 // A row of the file as far as it has columns for it.
 class RowReader : public record_detail::Visitor<RowReader> {
  public:
@@ -237,6 +255,7 @@ class PointFile {
       line_.push_back(file_.line());
     }
     check_whole();
+    choose_axes();
     find_corner();
     find_lattice();
     measure();
@@ -367,6 +386,27 @@ class PointFile {
     }
   }
 
+  // Those of the box, unless the points have a lattice along those of the bond alone.
+  void choose_axes() {
+    if (Lattice(cloud_.points, o_.spacing).regular) return;
+    const BondAxes axes = bond_axes(pair_.n);
+    std::vector<FillPoint> turned = cloud_.points;
+    const Matrix3 T = axes.turn.conjugate().toRotationMatrix();
+    for (FillPoint& p : turned) {
+      p.X = T * p.X;
+      p.axis = T * p.axis;
+      for (int k = 0; k < p.links; ++k) p.link[k].foot = T * p.link[k].foot;
+      const double* D = p.damage;
+      const Matrix3 d = T * (Matrix3() << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2]).finished() * T.transpose();
+      const double along[6] = {d(0, 0), d(1, 1), d(2, 2), d(1, 2), d(0, 2), d(0, 1)};
+      std::copy(along, along + 6, p.damage);
+    }
+    if (!Lattice(turned, o_.spacing).regular) return;
+    cloud_.points.swap(turned);
+    cloud_.turn = axes.turn;
+    n_ = axes.n;
+  }
+
   void find_corner() {
     int other = -1, twice = shared_cell(cloud_.points, cloud_.corner, o_.spacing, other);
     if (twice >= 0 || on_a_face(cloud_.points, o_.spacing)) {
@@ -379,25 +419,20 @@ class PointFile {
     const int earlier = std::min(line_[twice], line_[other]);
     if (apart < 1e-6 * o_.spacing) stop(place, "the point repeats that of line ", earlier);
     stop(place, "the point shares a cell of a lattice of spacing ", o_.spacing, " with that of line ", earlier, ", ", apart,
-         " away; points must lie on a cubic lattice along the axes of the box: use its spacing");
+         " away; points must lie on a cubic lattice along the axes of the box or of the bond: use its spacing");
   }
 
   void find_lattice() {
-    for (const FillPoint& p : cloud_.points) cloud_.largest_volume = std::max(cloud_.largest_volume, p.volume);
-    std::vector<FillPoint> full;  // cut cells have their centroids off the middle
-    for (const FillPoint& p : cloud_.points)
-      if (p.volume > 0.99 * cloud_.largest_volume) full.push_back(p);
-    cloud_.lattice = beside_the_points(full, o_.spacing);
-    // one that is within rounding of where shapes have theirs is it
-    if (cloud_.lattice.cwiseAbs().maxCoeff() < 1e-3 * o_.spacing) cloud_.lattice.setZero();
-    cloud_.regular = is_lattice(cloud_.points, full, cloud_.lattice, o_.spacing);
-    if (!cloud_.regular) cloud_.lattice = cloud_.corner;
+    const Lattice found(cloud_.points, o_.spacing);
+    cloud_.largest_volume = found.largest_volume;
+    cloud_.regular = found.regular;
+    cloud_.lattice = found.regular ? found.corner : cloud_.corner;
   }
 
   void measure() {
     double low = 1e300, high = -1e300, thickest = 0.0;
     for (const FillPoint& p : cloud_.points) {
-      const double z = p.X.dot(pair_.n), r = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
+      const double z = p.X.dot(n_), r = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
       cloud_.volume += p.volume;
       low = std::min(low, z);
       high = std::max(high, z);
@@ -413,6 +448,7 @@ class PointFile {
   Columns columns_;
   double attach_;
   PointCloud cloud_;
+  Vector3 n_ = pair_.n;    // in the axes of the points
   std::vector<int> line_;  // of each point
 };
 

@@ -15,12 +15,14 @@
 //   foot_ix foot_iy foot_iz, foot_j.   and where on its surface (else the nearest place)
 //   attached_i attached_j              0: that link has let go
 //   damage_i damage_j                  of that link, for traction laws that know it; points that failed may then be attached
+// Points lie on a cubic lattice along the axes of the box or, as those that shapes make, along those of the bond (geometry/bond_axes.h).
 // Without the area columns, points within `attach` of a surface are attached to it with
 // volume R^2/(r^2 attach) (r: distance to the centre), which for a layer of that thickness sums
 // up to the area of the sphere.
 #ifndef MPDEM_POINT_FILE_H
 #define MPDEM_POINT_FILE_H
 
+#include <Eigen/Geometry>
 #include <functional>
 #include <map>
 #include <string>
@@ -39,7 +41,8 @@ struct PointFileOptions {
 };
 
 struct PointCloud {
-  std::vector<FillPoint> points;
+  std::vector<FillPoint> points;  // in axes of the lattice
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // from these to those of the box
   // Place of a corner of the lattice, from the middle of the gap. Each point has a cell of its own;
   // 0 if that can be, else in the middle between points of a lattice.
   Vector3 corner = Vector3::Zero();

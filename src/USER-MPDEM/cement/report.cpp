@@ -33,20 +33,22 @@ struct NodeSums {
     }
   }
   // half: half a step.
-  void add(const Grid& grid, const double* origin, double half) {
+  void add(const Grid& grid, const Body& body, double half) {
+    const Mat3<double> axes = axes_of(body);
     for (int i = 0; i < grid.size(); ++i) {
       if (!grid.halo.counts_here()[i]) continue;
-      double v[3], x[3], kick[3];
+      double now[3], kick[3], place[3];
       for (int d = 0; d < 3; ++d) {
         kick[d] = half * grid.acceleration[3 * i + d];
-        v[d] = grid.velocity[3 * i + d] + kick[d];
-        x[d] = origin[d] + grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+        now[d] = grid.velocity[3 * i + d] + kick[d];
+        place[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
       }
+      const std::array<double, 3> v = turned(axes, now), x = place_in_box(body, axes, place);
       const double mass = grid.mass[i];
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
-        kinetic += 0.5 * mass * v[d] * v[d];
-        kept += 0.5 * mass * (v[d] - kick[d]) * (v[d] + kick[d]);
+        kinetic += 0.5 * mass * now[d] * now[d];
+        kept += 0.5 * mass * (now[d] - kick[d]) * (now[d] + kick[d]);
         momentum[d] += mass * v[d];
         angular_momentum[d] += mass * (x[e] * v[g] - x[g] * v[e]);
       }
@@ -82,7 +84,7 @@ CementTotals Cement::totals(double reach_of_box) {
     of_points.add(bond.points, *law_, true);
     if (!bonds_.is_awake(bond)) sum[kCoupling] -= of_points.elastic - before;  // the rest of its energy is in the links
     if (!bonds_.is_awake(bond)) continue;
-    of_nodes.add(bond.grid, bonds_.body(bond).origin, 0.5 * dt_last_);
+    of_nodes.add(bond.grid, bonds_.body(bond), 0.5 * dt_last_);
     const GrainSide* side = grains_.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
@@ -151,7 +153,7 @@ const std::vector<BondState>& Cement::bond_states() {
   states_.assign(n, BondState{});
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!built_) return states_;
-  constexpr int kSide = 9;  // force, torque, position of the grain
+  constexpr int kSide = 9;  // force, torque, position of the grain from the origin of the body
   enum { kFailed = 2 * kSide, kVolume, kDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
   std::vector<double> sum(width * n, 0.0), most(n, 0.0);
@@ -159,11 +161,10 @@ const std::vector<BondState>& Cement::bond_states() {
     if (!penalty_) break;
     const GrainSide& s = grains_.sides.sides[o.at];
     double* row = &sum[width * o.body + kSide * o.side];
-    for (int d = 0; d < 3; ++d) {
-      row[d] = s.force[d];
-      row[3 + d] = s.torque[d];
-      row[6 + d] = s.x[d];
-    }
+    const std::array<double, 6> load = in_box(s, s.force, s.torque);
+    const std::array<double, 3> x = turned(s.axes, s.x);
+    std::copy(load.begin(), load.end(), row);
+    std::copy(x.begin(), x.end(), row + 6);
   }
   for (const Bond& b : bonds_) {
     PointSums of_bond;

@@ -5,7 +5,7 @@
 // go with it. The operator is that of the step: the same grid, ties, links and damage (mpm/stiffness_force.h,
 // PenaltyLinks::add_small_force()), about the present state.
 //
-// Motion j is that of the second grain against the first, which is held: j = 0, 1, 2 a translation along x, y, z of the box, 3, 4, 5 a
+// Motion j is that of the second grain against the first, which is held: j = 0, 1, 2 a translation along x, y, z of the body, 3, 4, 5 a
 // turn about x, y, z and the middle of the contact. K_ij is the force (i < 3) or the moment about the middle (i > 2) that holds
 // the second grain there. The middle lies on the line of centres, half-way between the surfaces. K is symmetric, and zero
 // for a bond that holds one grain only.
@@ -29,7 +29,7 @@
 
 namespace mpdem {
 
-// The frame of a bond. Lengths are from the origin of its body.
+// The frame of a bond, in the coordinates of its body.
 struct BondFrame {
   Eigen::Vector3d axis;    // unit vector from the first grain to the second
   Eigen::Vector3d middle;  // of the contact

@@ -16,13 +16,30 @@ namespace mpdem {
 
 namespace {
 
-void write(const StaticBond& found, const Body& body, StiffnessOfBond& to) {
+// In the axes of the body, until into_box().
+void write(const StaticBond& found, StiffnessOfBond& to) {
   for (int d = 0; d < 3; ++d) {
-    to.middle[d] = body.origin[d] + found.frame.middle[d];
+    to.middle[d] = found.frame.middle[d];
     to.axis[d] = found.frame.axis[d];
   }
   std::copy(found.stiffness.data(), found.stiffness.data() + 36, to.K);
   to.products = found.products;
+}
+
+Eigen::Matrix3d matrix(const Mat3<double>& m) {
+  Eigen::Matrix3d r;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) r(i, j) = m.a[i][j];
+  return r;
+}
+
+void turn(const Eigen::Matrix3d& axes, StiffnessOfBond& s) {
+  Matrix6 both = Matrix6::Zero();
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = axes;
+  Eigen::Map<Matrix6> K(s.K);
+  Eigen::Map<Eigen::Vector3d> axis(s.axis);
+  K = (both * K * both.transpose()).eval();
+  axis = (axes * axis).eval();
 }
 
 class StiffnessFinder {
@@ -45,10 +62,8 @@ class StiffnessFinder {
         solved.emplace(hash, static_cast<int>(n));
         continue;
       }
-      const int other = layouts_[equal->second].body;
-      to = found_[other];
+      to = found_[layouts_[equal->second].body];
       to.products = 0.0;
-      for (int d = 0; d < 3; ++d) to.middle[d] += table_[layouts_[n].body].origin[d] - table_[other].origin[d];
     }
   }
 
@@ -70,17 +85,22 @@ class StiffnessFinder {
     for (const BondLayout& l : layouts_) {
       if (!table_[l.body].condensed) continue;
       StiffnessOfBond& s = found_[l.body];
-      const Eigen::Map<const Eigen::Vector3d> origin(table_[l.body].origin);
-      Eigen::Map<Eigen::Vector3d> middle(s.middle), axis(s.axis);
+      Eigen::Map<Eigen::Vector3d> middle(s.middle);
       CondensedModel model;
-      model.middle = middle - origin;
+      model.middle = middle;
       const CondensedMotion now(model, table_[l.body], &grains_.sides.sides[grains_.sides.find(l.body, 0)]);
-      Matrix6 turn = Matrix6::Zero();
-      turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = now.axes();
-      Eigen::Map<Matrix6> K(s.K);
-      K = (turn * K * turn.transpose()).eval();
-      middle = origin + now.middle();
-      axis = (now.axes() * axis).eval();
+      turn(now.axes(), s);
+      middle = now.middle();
+    }
+  }
+
+  void into_box() {
+    for (const BondLayout& l : layouts_) {
+      const Body& body = table_[l.body];
+      StiffnessOfBond& s = found_[l.body];
+      const std::array<double, 3> middle = place_in_box(body, axes_of(body), s.middle);
+      std::copy(middle.begin(), middle.end(), s.middle);
+      turn(matrix(axes_of(body)), s);
     }
   }
 
@@ -116,7 +136,7 @@ class StiffnessFinder {
     }
     BondLayout& l = layouts_[layout];
     const StaticParts parts{l.points, l.grid, l.links, side_of(row), table_[row], law_};
-    write(solve_static(comm, &parts), table_[row], found_[row]);
+    write(solve_static(comm, &parts), found_[row]);
   }
 
   const std::vector<Body>& table_;
@@ -146,6 +166,7 @@ std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() {
   throw_if_any(comm_, trouble);
   finder.solve_cut(comm_);
   finder.turn_condensed();
+  finder.into_box();
   return finder.of_all(comm_);
 }
 

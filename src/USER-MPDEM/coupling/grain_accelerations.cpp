@@ -28,6 +28,14 @@ Matrix3 second(const std::array<double, MassMoments::kSize>& m) {
   return T;
 }
 
+// From the axes of a side to those of the box.
+Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) turn(i, j) = turn(3 + i, 3 + j) = s.axes.a[i][j];
+  return turn;
+}
+
 }  // namespace
 
 void MassMoments::add(double mass, const double* r, double* m) {
@@ -86,6 +94,14 @@ void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& si
   sides.sum(sum_.data(), kWidth);
 }
 
+// radius: of this rank.
+void GrainAccelerations::choose_sweeps(MPI_Comm comm, double radius) {
+  MPI_Allreduce(&radius, &radius_, 1, MPI_DOUBLE, MPI_MAX, comm);
+  radius_ = std::min(radius_, 1.0 - 1e-6);
+  const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_));
+  sweeps_ = rate > 0.0 ? std::min(kMostSweeps, 2 + static_cast<int>(std::log(kPrecision) / std::log(rate))) : 1;
+}
+
 void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains,
                               const std::vector<Vector6>& load, GrainSides& sides, bool fresh, const CondensedMass* condensed) {
   add_up(bonds, sides);
@@ -97,7 +113,8 @@ void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, c
     const Grain& grain = grains[g];
     Unknown& u = unknowns_[g];
     const GrainSide& first = sides.sides[owned[grain.sides.front()]];
-    u.now << Eigen::Map<const Vector3>(first.a), Eigen::Map<const Vector3>(first.alpha);
+    const std::array<double, 6> now = in_box(first, first.a, first.alpha);
+    u.now = Eigen::Map<const Vector6>(now.data());
     Matrix6 D = Matrix6::Zero(), W = Matrix6::Zero();
     for (int i = 0; i < 6; ++i) {
       D(i, i) = i < 3 ? grain.mass : grain.inertia;
@@ -107,20 +124,22 @@ void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, c
     for (int k : grain.sides) {
       const int at = owned[k], other = at + (sides.sides[at].side == 0 ? 1 : -1);
       const double* of = &sum_[kWidth * at];
-      u.load += Eigen::Map<const Vector6>(of);
+      const Matrix6 turn = turn_of(sides.sides[at]);
+      u.load += turn * Eigen::Map<const Vector6>(of);
       MassMoments own, shared;
       std::copy(of + 6, of + 6 + MassMoments::kSize, own.m.begin());
       std::copy(of + 6 + MassMoments::kSize, of + kWidth, shared.m.begin());
-      D += own.matrix();
+      D += turn * own.matrix() * turn.transpose();
       const int c = condensed ? condensed->of_side[at] : -1;
       if (c >= 0) {
-        D += condensed->own[c];
-        W += condensed->own[c];  // 2 |R0.C R1| is at most R0.A R0 + R1.B R1, of a matrix of masses
-        couplings_.push_back({static_cast<int>(g), other, -condensed->other[c]});
+        const Matrix6 mass = turn * condensed->own[c] * turn.transpose();
+        D += mass;
+        W += mass;  // 2 |R0.C R1| is at most R0.A R0 + R1.B R1, of a matrix of masses
+        couplings_.push_back({static_cast<int>(g), other, -turn * condensed->other[c]});
       }
       if (shared.m[0] == 0.0) continue;
-      couplings_.push_back({static_cast<int>(g), other, shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
-      W += shared.matrix();
+      couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
+      W += turn * shared.matrix() * turn.transpose();
     }
     u.load -= D * u.given;
     // rows and columns of what is given become those of the identity
@@ -136,12 +155,7 @@ void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, c
     if (fresh && !W.isZero(0.0))
       radius = std::max(radius, Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(W, D, Eigen::EigenvaluesOnly).eigenvalues()[5]);
   }
-  if (fresh) {
-    MPI_Allreduce(&radius, &radius_, 1, MPI_DOUBLE, MPI_MAX, comm);
-    radius_ = std::min(radius_, 1.0 - 1e-6);
-    const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_));
-    sweeps_ = rate > 0.0 ? std::min(kMostSweeps, 2 + static_cast<int>(std::log(kPrecision) / std::log(rate))) : 1;
-  }
+  if (fresh) choose_sweeps(comm, radius);
 
   found_.resize(owned.size());
   double omega = 1.0;

@@ -20,7 +20,7 @@
 // they give to nodes.
 //
 // Prescribed components of the motion of a grain are not unknowns. Lengths are from the body's origin, force and
-// torque about the centre of the grain.
+// torque about the centre of the grain. A grain is solved for in the axes of the box.
 #ifndef MPDEM_GRAIN_ACCELERATIONS_H
 #define MPDEM_GRAIN_ACCELERATIONS_H
 
@@ -83,9 +83,10 @@ class GrainAccelerations {
   };
   struct Coupling {
     int grain, other;  // into the grains and the sides
-    Matrix6 B;
+    Matrix6 B;  // from accelerations of the other side, in its axes, to loads in those of the box
   };
   void add_up(const std::vector<OfBond>& bonds, GrainSides& sides);
+  void choose_sweeps(MPI_Comm comm, double radius);
 
   std::vector<double> sum_;
   std::vector<Unknown> unknowns_;

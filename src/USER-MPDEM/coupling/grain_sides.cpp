@@ -8,14 +8,13 @@ namespace mpdem {
 
 namespace {
 constexpr int kMotion = 27;  // present, x, v, omega, q, a, alpha, mass_ratio, jump
-}
 
-Mat3<double> rotation_of(const double* q) {
-  const double w = q[0], x = q[1], y = q[2], z = q[3];
-  return {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-           {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-           {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+// A vector of the box into the axes of a side.
+void take(const GrainSide& s, const double* of_box, double* to) {
+  const std::array<double, 3> v = turned_back(s.axes, of_box);
+  std::copy(v.begin(), v.end(), to);
 }
+}  // namespace
 
 void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<int>& here,
                        const std::vector<Key>& owned) {
@@ -30,6 +29,7 @@ void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std
     sides[i].body = keys[i][0];
     sides[i].side = keys[i][1];
     sides[i].tag = bodies[keys[i][0]].grain[keys[i][1]];
+    sides[i].axes = axes_of(bodies[keys[i][0]]);
   }
   owned_at_.clear();
   for (const Key& k : owned)
@@ -73,16 +73,15 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
     const double* b = &buffer_[kMotion * i];
     GrainSide& s = sides[i];
     if (b[0] != 1.0) orphan_ = static_cast<int>(i);
-    for (int d = 0; d < 3; ++d) {
-      s.x[d] = b[1 + d];
-      s.v[d] = b[4 + d];
-      s.omega[d] = b[7 + d];
-      s.a[d] = b[14 + d];
-      s.alpha[d] = b[17 + d];
-    }
+    take(s, b + 1, s.x);
+    take(s, b + 4, s.v);
+    take(s, b + 7, s.omega);
+    take(s, b + 14, s.a);
+    take(s, b + 17, s.alpha);
     s.mass_ratio = b[20];
-    std::copy(b + 21, b + 27, s.jump);
-    s.R = rotation_of(b + 10);
+    take(s, b + 21, s.jump);
+    take(s, b + 24, s.jump + 3);
+    s.R = product(transpose(s.axes), rotation_of(b + 10));
   }
 }
 
@@ -94,14 +93,17 @@ void GrainSides::hand_out(const std::vector<std::array<double, 6>>& values) {
 
 void GrainSides::set_jumps(const std::vector<std::array<double, 6>>& jump) {
   hand_out(jump);
-  for (std::size_t i = 0; i < sides.size(); ++i) std::copy(&buffer_[6 * i], &buffer_[6 * i] + 6, sides[i].jump);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    take(sides[i], &buffer_[6 * i], sides[i].jump);
+    take(sides[i], &buffer_[6 * i + 3], sides[i].jump + 3);
+  }
 }
 
 void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acceleration) {
   hand_out(acceleration);
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    std::copy(&buffer_[6 * i], &buffer_[6 * i] + 3, sides[i].a);
-    std::copy(&buffer_[6 * i] + 3, &buffer_[6 * i] + 6, sides[i].alpha);
+    take(sides[i], &buffer_[6 * i], sides[i].a);
+    take(sides[i], &buffer_[6 * i + 3], sides[i].alpha);
   }
 }
 

@@ -3,7 +3,8 @@
 //
 // The two sides of every body. A side has the grain there, its motion as the links see it, and the force and moment
 // of the bond on it. The rank that owns the grain holds the side, and so does every rank with links to it. The owner
-// hands out the motion, and the forces of all holders are added up. So a grain may live on any rank.
+// hands out the motion, and the forces of all holders are added up. So a grain may live on any rank. A side is in the axes of its
+// body; what comes in and goes out by functions is in those of the box.
 #ifndef MPDEM_GRAIN_SIDES_H
 #define MPDEM_GRAIN_SIDES_H
 
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include "../mpm/body.h"
-#include "../numerics/tensor3.h"
+#include "../numerics/rotation.h"
 #include "../parallel/halo_sum.h"
 
 namespace mpdem {
@@ -19,17 +20,24 @@ namespace mpdem {
 struct GrainSide {
   int body, side;
   int tag;
+  Mat3<double> axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // of the body: they turn its vectors into those of the box
   // motion, lengths from the body's origin
   double x[3], v[3], omega[3];
   double a[3], alpha[3];  // rates of v and omega; those of distribute() until set_accelerations()
   double jump[6];         // change of v and omega in the last step that a and alpha did not foretell
   double mass_ratio;      // see AddedMass; 0 if prescribed
-  Mat3<double> R;  // body frame of the grain to global
+  Mat3<double> R;  // from axes fixed in the grain
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
   // force and moment of added mass whose nodes change their velocity at once: by jumps of grains, and by transfers
   double jump_force[6], transfer_force[6];
 };
+
+// Translation and rotation, or force and moment, of a side in the axes of the box.
+inline std::array<double, 6> in_box(const GrainSide& s, const double* first, const double* second) {
+  const std::array<double, 3> a = turned(s.axes, first), b = turned(s.axes, second);
+  return {a[0], a[1], a[2], b[0], b[1], b[2]};
+}
 
 class GrainSides {
  public:
@@ -76,8 +84,6 @@ class GrainSides {
   HaloSum halo_;
   int orphan_ = -1;
 };
-
-Mat3<double> rotation_of(const double* q);
 
 }  // namespace mpdem
 

@@ -34,7 +34,7 @@ double share(const std::vector<Neighbour>& neighbours, const Vector3& x) {
   int ties = 1;
   for (const Neighbour& n : neighbours) {
     const double other = (x - n.middle).squaredNorm(), tolerance = 1e-9 * (own + other);
-    if (other > own + tolerance || !n.shape->inside(x - n.middle)) continue;
+    if (other > own + tolerance || !n.shape->inside(n.own(x))) continue;
     if (other < own - tolerance) return 0.0;
     ++ties;
   }
@@ -50,7 +50,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
     const double apart = n.middle.norm();
     const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // before the plane between the middles
     if (beyond > reach) continue;
-    const bool whole = n.shape->clearance(x - n.middle) >= reach, inside = n.shape->inside(x - n.middle);
+    const bool whole = n.shape->clearance(n.own(x)) >= reach, inside = n.shape->inside(n.own(x));
     if (whole && !inside) continue;
     if (whole && beyond < -reach) return Owner::neighbour;
     owner = Owner::several;

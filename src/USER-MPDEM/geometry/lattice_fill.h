@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Material points of a shape: one for each cell of a cubic lattice, symmetric about the
+// Material points of a shape: one for each cell of a cubic lattice along the axes of its coordinates, symmetric about the
 // origin, that the shape fills or cuts. A cut cell gives its point the volume and the
 // centroid of the part inside (sub-sampled), then all volumes are scaled to the exact
 // volume of the shape. The attached surface of each grain is cut by the same lattice:
@@ -15,6 +15,7 @@
 #ifndef MPDEM_LATTICE_FILL_H
 #define MPDEM_LATTICE_FILL_H
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "shape.h"
@@ -40,7 +41,9 @@ struct FillPoint {
 
 struct Neighbour {
   const Shape* shape;
-  Vector3 middle;  // where its coordinates start
+  Vector3 middle;           // where its coordinates start
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // to its axes
+  Vector3 own(const Vector3& x) const { return turn * (x - middle); }
 };
 
 // Throws ShapeError if no cell of the lattice is inside, or if there would be more than `most` points.

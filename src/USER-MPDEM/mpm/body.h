@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A body is the cement between two grains as it was created: the origin of its reference coordinates, its grains as
+// A body is the cement between two grains as it was created: origin and axes of its coordinates, its grains as
 // they were then, and its lattice of points. The table of bodies is the same on every rank.
+//
+// Coordinates of a body have axes of their own, so that its lattice and its grid lie along the line of centres whichever way that points in the
+// box: bonds of one shape have one answer and one cost. All that is stored of a body, its points, nodes and links is in these axes, but for
+// what says otherwise. They turn into those of the box where cement meets grains (GrainSides), gravity, and who looks at it.
 #ifndef MPDEM_BODY_H
 #define MPDEM_BODY_H
 
+#include <array>
 #include <cmath>
 
+#include "../numerics/rotation.h"
 #include "../parallel/record.h"
 
 namespace mpdem {
@@ -17,15 +23,16 @@ enum class AxisRule { none, radial, bond, global };
 
 struct Body {
   int grain[2] = {0, 0};                              // tags, ascending
-  double origin[3] = {0, 0, 0};                       // of the reference coordinates
+  double origin[3] = {0, 0, 0};                       // of its coordinates, in those of the box
+  double turn[4] = {1, 0, 0, 0};                      // from its axes to those of the box
   double radius[2] = {0, 0};                          // of the grains
   double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // of the grains, from the origin
-  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation
+  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation, to the axes of the body
   double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from unwrapped coordinates of LIGGGHTS to those of the body
   double attached_area[2] = {0, 0};
   double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
   AxisRule axis_rule = AxisRule::none;                // none: no frames yet
-  double axis[3] = {0, 0, 0};                         // its direction
+  double axis[3] = {0, 0, 0};                         // its direction, in the axes of the box
   bool in_motion = false;                             // a step was taken: displacements are those of nodes
   bool condensed = false;                             // displacements are those of the grains, see coupling/condensed_bond.h
   double volume = 0;
@@ -41,6 +48,7 @@ struct Body {
     visit("the ID of its first grain", b.grain[0], from(1.0, kLargestInt));
     visit("the ID of its second grain, the larger one,", b.grain[1], from(b.grain[0] < kLargestInt ? b.grain[0] + 1.0 : kLargestInt, kLargestInt));
     visit("its origin", b.origin, kFinite);
+    visit.rotation("its axes", b.turn);
     visit("the radius of a grain", b.radius, kPositive);
     visit("the centre of a grain", b.centre, kFinite);
     for (auto& q : b.orientation) visit.rotation("the orientation of a grain", q);
@@ -62,6 +70,14 @@ struct Body {
     visit("its number of points", b.points, from(1.0, kLargestInt));
   }
 };
+
+inline Mat3<double> axes_of(const Body& body) { return rotation_of(body.turn); }
+// From coordinates of a body to those of the box. axes: of the body.
+inline std::array<double, 3> place_in_box(const Body& body, const Mat3<double>& axes, const double* X) {
+  std::array<double, 3> x = turned(axes, X);
+  for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + x[d];
+  return x;
+}
 
 inline int lattice_cell(const Body& body, int d, double X) {
   return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));

@@ -54,6 +54,15 @@ std::vector<vd> largest_damages(const PointStore& points) {
   return all;
 }
 
+std::array<double, 3> without_sign(std::array<double, 3> normal) {
+  int most = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::fabs(normal[i]) > std::fabs(normal[most]) + 1e-9) most = i;
+  if (normal[most] < 0.0)
+    for (double& x : normal) x = -x;
+  return normal;
+}
+
 CrackOfPoint crack_of(const PointStore& points, int slot) {
   const int b = slot / kLanes, lane = slot % kLanes;
   const Mat3<vd> R = rotation_matrix(points.blocks[b].q);
@@ -67,14 +76,12 @@ CrackOfPoint crack_of(const PointStore& points, int slot) {
   CrackOfPoint c;
   for (int i = 0; i < 3; ++i) c.damage[i] = d.value[i][lane];
   std::sort(c.damage, c.damage + 3, [](double x, double y) { return x > y; });
-  int first = 0, most = 0;
+  int first = 0;
   for (int i = 1; i < 3; ++i)
     if (n.value[i][lane] > n.value[first][lane]) first = i;
-  for (int i = 0; i < 3; ++i) c.normal[i] = n.axes.a[i][first][lane];
-  for (int i = 1; i < 3; ++i)
-    if (std::fabs(c.normal[i]) > std::fabs(c.normal[most]) + 1e-9) most = i;
-  if (c.normal[most] < 0.0)
-    for (double& x : c.normal) x = -x;
+  const auto& axis = n.axes.a;
+  const std::array<double, 3> normal = without_sign({axis[0][first][lane], axis[1][first][lane], axis[2][first][lane]});
+  std::copy(normal.begin(), normal.end(), c.normal);
   return c;
 }
 

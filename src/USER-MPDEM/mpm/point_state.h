@@ -46,11 +46,13 @@ vd largest_damage_of(const PointStore& points, int b, const L& law) {
 // The same of all blocks. The store must know its law.
 std::vector<vd> largest_damages(const PointStore& points);
 
-// Principal values of the damage of a point, in falling order, and the normal of its crack, in global axes. A normal
-// has no sign, so its largest component is made positive. The store must know the law.
+// Principal values of the damage of a point, in falling order, and the normal of its crack, in the axes of its body, as without_sign()
+// gives it. The store must know the law.
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
+// A normal has no sign, so its largest component is made positive.
+std::array<double, 3> without_sign(std::array<double, 3> normal);
 CrackOfPoint crack_of(const PointStore& points, int slot);
 
 // Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if the store does not

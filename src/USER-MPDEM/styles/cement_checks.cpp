@@ -157,9 +157,10 @@ void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecM
                         "file before the first run; keep that fix, or after read_restart define it with that ID at once. For other "
                         "parameters create the cement in a new scene (write_cement, create_cement ... file)");
     if (!trouble.empty()) continue;
-    double x[3], most = 0.0;
-    for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + avec.points_of(i).blocks[b].X[d][l];
-    lmp->domain->remap(x);
+    double X[3], most = 0.0;
+    for (int d = 0; d < 3; ++d) X[d] = avec.points_of(i).blocks[b].X[d][l];
+    std::array<double, 3> x = place_in_box(body, axes_of(body), X);
+    lmp->domain->remap(x.data());
     for (int d = 0; d < 3; ++d) most = std::max(most, std::fabs(x[d] - lmp->atom->x[i][d]));
     if (most > 1e-9 * cell)
       trouble = text_of(who, "a command changed the position of material point ", lmp->atom->tag[i], " by ", most,

@@ -86,7 +86,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   const mpdem::PointBlock& p = points.blocks[b];
   const mpdem::BlockMeta& m = points.meta[b];
   const auto state = mpdem::state_of<L>(points, b);
-  const mpdem::Mat3<vd> R = mpdem::rotation_matrix(p.q);
+  const mpdem::Mat3<vd> R = mpdem::product(axes_, mpdem::rotation_matrix(p.q));  // from the frame of the material
   if (quantity_ == kDamage) return law.largest_damage(state);
   if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
   if (quantity_ == kDrive) {
@@ -135,6 +135,9 @@ void ComputeMpmAtom::compute_peratom() {
 void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
   const mpdem::PointStore& points = bond.points;
   value_.resize(points.blocks.size());
+  const mpdem::Mat3<double> axes = mpdem::axes_of(body);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) axes_.a[i][j] = mpdem::splat(axes.a[i][j]);
   mpdem::with_law(cement_->law(), [&](const auto& law) {
     for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
   });

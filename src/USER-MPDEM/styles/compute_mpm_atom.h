@@ -44,6 +44,7 @@ class ComputeMpmAtom : public Compute {
     mpdem::vd v;
   };
   std::vector<Row> value_;  // of each block of a bond
+  mpdem::Mat3<mpdem::vd> axes_;  // of its body
 };
 
 }  // namespace LAMMPS_NS

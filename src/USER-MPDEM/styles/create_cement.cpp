@@ -362,11 +362,10 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
 }
 
 // Whether a point of a body belongs to this rank, and where.
-bool CreateCement::place(const Body& body, const FillPoint& p, double* x, int* image) const {
-  for (int c = 0; c < 3; ++c) {
-    x[c] = body.origin[c] + p.X[c];
-    image[c] = 0;
-  }
+bool CreateCement::place(const Body& body, const mpdem::Mat3<double>& axes, const FillPoint& p, double* x, int* image) const {
+  const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, p.X.data());
+  std::copy(in_box.begin(), in_box.end(), x);
+  std::fill(image, image + 3, 0);
   return box_.take_in(x, image);
 }
 
@@ -374,16 +373,19 @@ std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool 
   double x[3], at_most = 0.0;
   int image[3];
   for (const NewBond& b : bonds) {
-    if (box_.own().contains(mpdem::Box(b.box).translate(Vector3(b.body.origin[0], b.body.origin[1], b.body.origin[2])))) at_most += b.points.size();
+    const mpdem::Mat3<double> axes = mpdem::axes_of(b.body);
+    if (box_.own().contains(mpdem::box_around(b.body, b.box))) at_most += b.points.size();
     else
-      for (const FillPoint& p : b.points) at_most += place(b.body, p, x, image);
+      for (const FillPoint& p : b.points) at_most += place(b.body, axes, p, x, image);
   }
   if (atom->nlocal + at_most > atom->nmax)
     AtomVecMpdem::of(lmp)->grow(static_cast<int>(std::min(2147483646.0, std::max(atom->nlocal + at_most, more ? 1.5 * atom->nmax : 0.0))));
   const int before = atom->nlocal;
-  for (const NewBond& b : bonds)
+  for (const NewBond& b : bonds) {
+    const mpdem::Mat3<double> axes = mpdem::axes_of(b.body);
     for (std::size_t n = 0; n < b.points.size(); ++n)
-      if (place(b.body, b.points[n], x, image)) add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+      if (place(b.body, axes, b.points[n], x, image)) add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+  }
   return atom->nlocal - before;
 }
 

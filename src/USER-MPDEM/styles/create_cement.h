@@ -58,7 +58,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void say(const std::string& text) override;
   void warn(const std::string& text) override;
   void keep_contact_history() const;
-  bool place(const mpdem::Body& body, const mpdem::FillPoint& p, double* x, int* image) const;
+  bool place(const mpdem::Body& body, const mpdem::Mat3<double>& axes, const mpdem::FillPoint& p, double* x, int* image) const;
   void add_point(const mpdem::FillPoint& p, const mpdem::NewBond& bond, int tag, double* x, const int* image);
 
   int groupbit_ = 0, type_ = 0;

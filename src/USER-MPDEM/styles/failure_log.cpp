@@ -22,13 +22,14 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
   e.point = points.tags[slot / kLanes][slot % kLanes];
   e.bond = bond.body + 1;
 
-  // Polar coordinates about the line of centres, from the coordinate axis most across it.
-  Vector3 axis, X;
+  // Polar coordinates about the line of centres, from the axis of the box most across it.
+  const Mat3<double> axes = axes_of(body);
+  double between[3], place[3];
   for (int d = 0; d < 3; ++d) {
-    axis[d] = body.centre[1][d] - body.centre[0][d];
-    X[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
+    between[d] = body.centre[1][d] - body.centre[0][d];
+    place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
   }
-  axis.normalize();
+  const Vector3 axis = Vector3(turned(axes, between).data()).normalized(), X(turned(axes, place).data());
   int least = 0;
   for (int d = 1; d < 3; ++d)
     if (std::fabs(axis[d]) < std::fabs(axis[least]) - 1e-12) least = d;
@@ -39,7 +40,8 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
 
   const CrackOfPoint crack = crack_of(points, slot);
   std::copy(crack.damage, crack.damage + 3, e.damage);
-  std::copy(crack.normal, crack.normal + 3, e.direction);
+  const std::array<double, 3> normal = without_sign(turned(axes, crack.normal));
+  std::copy(normal.begin(), normal.end(), e.direction);
   return e;
 }
 

@@ -356,16 +356,21 @@ void FixMpm::fill_atoms() {
   for (const mpdem::Bond& bond : avec_->bonds) {
     cement_->motion_of_points(bond, motion);
     const mpdem::Body& body = avec_->bonds.body(bond);
+    const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (std::size_t b = 0; b < motion.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
         const int i = bond.points.meta[b].occupied >> l & 1 ? atom->map(bond.points.tags[b][l]) : -1;
         if (i < 0 || i >= atom->nlocal) continue;
         double* x = atom->x[i];
+        double place[3], velocity[3];
         for (int d = 0; d < 3; ++d) {
-          x[d] = body.origin[d] + bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
-          atom->v[i][d] = motion[b].v[d][l];
+          place[d] = bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
+          velocity[d] = motion[b].v[d][l];
           atom->f[i][d] = 0.0;  // LIGGGHTS does not clear it for points, and it has no meaning
         }
+        const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, place), v = mpdem::turned(axes, velocity);
+        std::copy(in_box.begin(), in_box.end(), x);
+        std::copy(v.begin(), v.end(), atom->v[i]);
         // Not `remap` of the old flags: x is unwrapped here.
         atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
         domain->remap(x, atom->image[i]);

@@ -83,7 +83,7 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::ma
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
   if (has_axis) {
-    const Eigen::Matrix3d R = quaternion(r.q).toRotationMatrix();
+    const Eigen::Matrix3d R = (quaternion(body.turn) * quaternion(r.q)).toRotationMatrix();
     m = R * m * R.transpose();
     for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
   }
