@@ -55,7 +55,7 @@ def last_rows(directory):
 
 def test_specimen(poured, tmp_path, figures):
     """150 beads, poured and settled, read from a restart file, cemented, pressed on with 50 N, compressed past the peak."""
-    result = go("in.compress", prepared(poured, tmp_path), 2, **COARSE, seat=599, press=650, record=50, frames=650)  # ends with a row
+    result = go("in.compress", prepared(poured, tmp_path), 2, **COARSE, seat=599, press=1000, record=50, frames=1000)  # ends with a row
     seat, press = tables(result)
     last = last_rows(tmp_path)
     points = sum(int(float(r["points"])) for r in last)
