@@ -45,6 +45,11 @@ struct Row {
   bool unilateral = false;
   bool split = false;        // nodes, where material parts
   double interface = 1.0;    // of points with links
+  int substeps = 1;          // of the cement in a step of the host
+  bool free_ends = false;    // all grains follow forces
+  double grain_mass = 2e-5;
+  double contact = 0.0;      // stiffness of a spring of the host along z between the first grain and the second
+  double pull[3] = {0, 0, 0};  // a force of the host on the last grain, the opposite on the first
 };
 
 // SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
@@ -81,9 +86,9 @@ class RowOfGrains : public CementHost {
       grain.tag = 1 + g;
       grain.x[2] = place_of(g, 0.0);
       grain.radius = kRadius;
-      grain.mass = 2e-5;
+      grain.mass = row_.grain_mass;
       grain.inertia = 0.4 * grain.mass * kRadius * kRadius;
-      const bool free = row_.free_middle && g > 0 && g < row_.bonds;
+      const bool free = row_.free_ends || (row_.free_middle && g > 0 && g < row_.bonds);
       for (bool& f : grain.free) f = free;
       GrainState& s = states_[grain.tag];
       std::copy(grain.x, grain.x + 3, s.x);
@@ -125,7 +130,9 @@ class RowOfGrains : public CementHost {
     cement->lay_out_run();
     clear_forces();
     cement->check_state();
+    add_host_forces();
     cement->start_run();
+    cement->grains().show_loads(row_.substeps);
     first_ = true;
   }
   void run(int steps) {
@@ -138,6 +145,8 @@ class RowOfGrains : public CementHost {
     set_step();
     if (first_) cement->take_up_commands();
     first_ = false;
+    const bool divided = row_.substeps > 1;
+    if (divided) cement->begin_substeps();
     std::vector<std::array<double, 6>> before;
     for (Grain& g : grains) {
       before.push_back({});
@@ -148,14 +157,24 @@ class RowOfGrains : public CementHost {
       if (!g.free[2]) {
         prescribe(g);
       }
-      for (int d = 0; d < 3; ++d) {
+      for (int d = 0; d < 3 && !divided; ++d) {
         g.moved[d] = g.x[d] - s.x[d];
         s.x[d] = g.x[d];
       }
     }
-    cement->grains().turn(dt);
+    if (divided) {
+      cement->take_substeps();
+      for (Grain& g : grains)
+        for (int d = 0; d < 3; ++d) {
+          g.moved[d] = g.x[d] - g.state->x[d];
+          g.state->x[d] = g.x[d];
+        }
+    } else {
+      cement->grains().turn(dt);
+    }
     if (hand_over_at_ == number) hand_over();
     clear_forces();
+    add_host_forces();
     cement->step();
     for (std::size_t n = 0; n < grains.size(); ++n) {
       Grain& g = grains[n];
@@ -164,6 +183,7 @@ class RowOfGrains : public CementHost {
         if (!g.free[d]) work -= 0.5 * (before[n][d] + g.force[d]) * g.moved[d];
     }
     cement->end_step();
+    cement->grains().show_loads(row_.substeps);
     for (int b = 0; b < row_.bonds; ++b)
       if (cement->cracks().separated(b) && !was_separated_.count(b)) {
         was_separated_.insert({b, number});
@@ -251,6 +271,19 @@ class RowOfGrains : public CementHost {
     for (const Bond& b : bonds) n += b.points.size();
     return n;
   }
+  // How far the second grain is away from where it was against the first.
+  double contact_stretch() const {
+    double z[2] = {0.0, 0.0};
+    for (const Grain& g : cement->grains().grains)
+      if (g.tag <= 2) z[g.tag - 1] = g.x[2];
+    MPI_Allreduce(MPI_IN_PLACE, z, 2, MPI_DOUBLE, MPI_SUM, comm_);
+    return z[1] - z[0] - 2 * kRadius - kGap;
+  }
+  // Of the spring of the host.
+  double contact_energy() const {
+    const double way = contact_stretch();
+    return 0.5 * row_.contact * way * way;
+  }
   // How far the last grain is away from where it was against the first.
   double stretch() const { return place_of(row_.bonds, time_) - place_of(0, time_) - row_.bonds * (2 * kRadius + kGap); }
 
@@ -293,7 +326,8 @@ class RowOfGrains : public CementHost {
   void set_step() {
     StepInput now;
     now.number = number;
-    now.dt = dt;
+    now.substeps = row_.substeps;
+    now.dt = dt / row_.substeps;
     cement->set_step(now);
   }
   std::vector<Grain> take_grains() {
@@ -307,6 +341,13 @@ class RowOfGrains : public CementHost {
   }
   void clear_forces() {
     for (Grain& g : cement->grains().grains) std::fill(g.force, g.force + 6, 0.0);
+  }
+  void add_host_forces() {
+    const double force = row_.contact * contact_stretch();
+    for (Grain& g : cement->grains().grains) {
+      if (g.tag <= 2 && row_.contact > 0.0) g.force[2] += g.tag == 1 ? force : -force;
+      for (int d = 0; d < 3; ++d) g.force[d] += g.tag == 1 ? -row_.pull[d] : g.tag == 1 + row_.bonds ? row_.pull[d] : 0.0;
+    }
   }
   void half_kick(Grain& g) const {
     for (int d = 0; d < 6; ++d)

@@ -131,10 +131,10 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded, const CondensedMass* condensed) {
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, const CondensedMass* condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n)
-    for (int d = 0; d < 6; ++d) load_[n][d] = loaded ? grains[n].force[d] + grains[n].state->late[d] : 0.0;
+    for (int d = 0; d < 6; ++d) load_[n][d] = loads * (grains[n].force[d] + grains[n].state->late[d]);
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
     if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.side});
@@ -164,6 +164,25 @@ void BondedGrains::react(double dt, EnergyBooks& books) {
     }
   }
   react_to_jumps(dt, books);
+}
+
+void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books) {
+  for (Grain& g : grains) {
+    std::copy(g.force, g.force + 6, g.kick);
+    std::fill(g.force, g.force + 6, 0.0);
+  }
+  react(dt, books);
+  for (Grain& g : grains)
+    for (int d = 0; d < 6; ++d) {
+      g.of_cement[d] = g.force[d];
+      g.force[d] = g.kick[d] + g.of_cement[d] / n;
+    }
+}
+
+void BondedGrains::show_loads(int substeps) {
+  if (substeps == 1) return;
+  for (Grain& g : grains)
+    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps;
 }
 
 void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
@@ -199,7 +218,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     b.grid.clear_force();
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
-  if (any_free_) find_accelerations(comm, bonds, false);
+  if (any_free_) find_accelerations(comm, bonds, 0.0);
   for (Bond& b : bonds.awake()) {
     b.added.carry(b.grid, side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());

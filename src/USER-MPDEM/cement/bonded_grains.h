@@ -70,8 +70,8 @@ class BondedGrains {
   // Loads of the host that come after the cement in a step; before and after them.
   void watch_late_loads(bool after);
 
-  // Collective. Accelerations of free grains; loaded: with the load of the host so far and what came late in the last step.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, bool loaded = true, const CondensedMass* condensed = nullptr);
+  // Collective. Accelerations of free grains, with so many times the load of the host so far and what came late in the last step.
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, const CondensedMass* condensed = nullptr);
   void added_mass_changed() { fresh_ = true; }
 
   // Jumps in a step, before nodes drift.
@@ -79,6 +79,11 @@ class BondedGrains {
   void follow_jumps(Bond& b, double dt, double dt_last);
   // Collective. Forces of the cement on the grains, once those of all bonds are with the sides.
   void react(double dt, EnergyBooks& books);
+  // Collective. The same in one of n sub-steps. The load of the host acts for the whole step, so that in the first of its sub-steps the grain is
+  // accelerated by n times it. What is added to the loads of the grains is the n-th part.
+  void react_in_substep(double dt, int n, EnergyBooks& books);
+  // For who looks at the loads after a step: the whole of the load of the cement.
+  void show_loads(int substeps);
   // Collective. Of that, the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and its work.
   void react_to_jumps(double dt, EnergyBooks& books);
   void expect_sudden_forces() { sudden_forces_are_due_ = true; }

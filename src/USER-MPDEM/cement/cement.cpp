@@ -46,6 +46,11 @@ void Cement::take_up_commands() {
 }
 
 void Cement::step() {
+  substep_ = now_.substeps;
+  advance();
+}
+
+void Cement::advance() {
   grains_.find_rates(now_.dt, dt_last_, books_);
   timer_.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places();
@@ -67,8 +72,8 @@ void Cement::step() {
     for (const Bond& b : bonds_.awake()) books_.rub(dt_last_ * b.faces.power(b.grid, 0.5 * dt_last_));
   kinematics_->account_for_accelerations();
   timer_.start(StepTimer::kCoupling);
-  grains_.react(now_.dt, books_);
-  grains_.watch_late_loads(false);
+  react();
+  if (ends_step()) grains_.watch_late_loads(false);
   wake_bonds();
   timer_.stop();
 }
@@ -119,7 +124,7 @@ double Cement::energy_of(const Bond& b) const {
 // After a check; not in it, where the forces of the step are still to be shown, and which may
 // be the step of a restart file.
 void Cement::look_for_cracks() {
-  if (!can_break()) return;
+  if (!can_break() || !begins_step()) return;
   const bool after_check = (now_.number - 1) % options_.check_every == 0;
   if (!after_check && (now_.number - 1) % kWatchEvery != 0) return;
   if (options_.split) {
@@ -228,7 +233,7 @@ void Cement::complete_forces() {
 void Cement::find_grain_accelerations() {
   if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
-  grains_.find_accelerations(comm_, bonds_, true, condensed_.any() ? &condensed_.mass() : nullptr);
+  grains_.find_accelerations(comm_, bonds_, ends_step() ? now_.substeps : 0, condensed_.any() ? &condensed_.mass() : nullptr);
   timer_.start(StepTimer::kNodes);
 }
 
@@ -342,7 +347,7 @@ EnergyBooks::StepWork Cement::work_of_step(int first_body) {
 }
 
 void Cement::end_step() {
-  grains_.watch_late_loads(true);
+  if (ends_step()) grains_.watch_late_loads(true);
   grains_.keep_velocities(dt_last_);
   books_.end_step(work_of_step(0), inertial_work_of_step(0));
   for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && !b->in_motion; ++b) b->in_motion = true;
@@ -368,6 +373,7 @@ void Cement::check_state() {
 }
 
 void Cement::start_run() {
+  substep_ = now_.substeps;
   // added mass with the eigenvalue as it is known now
   if (!options_.updated && penalty_)
     books_.release_by([&] { return added_energy_ahead(all_rows(), 0.0); }, [&] { refresh_added_mass(); });
@@ -384,7 +390,7 @@ void Cement::start_run() {
     b.grid.ties.pull_back(b.grid.force.data());
   }
   complete_forces();
-  if (penalty_) grains_.react(now_.dt, books_);
+  if (penalty_) react();
   start_bodies();
 }
 

@@ -56,7 +56,8 @@ class CementHost {
 // When, and what acts everywhere.
 struct StepInput {
   std::int64_t number = 0;  // of this step
-  double dt = 0;
+  double dt = 0;            // with sub-steps: of one of them
+  int substeps = 1;         // that the cement takes in a step of the host
   double gravity[3] = {0, 0, 0};
 };
 
@@ -94,6 +95,8 @@ class Cement {
   bool built() const { return built_; }
   int bodies_started() const { return bodies_started_; }
   double dt_last() const { return dt_last_; }
+  double dt() const { return now_.dt; }  // of the cement
+  int substeps() const { return now_.substeps; }
 
   // Points that are new have their damage as a tensor, those of a restart file as the state of a law: makes all of them states of this
   // one. Throws BadState if it cannot go on from them.
@@ -112,6 +115,8 @@ class Cement {
   EigenvalueEstimate eigenvalue_of_new_layout();
   EigenvalueEstimate eigenvalue();
   double step_for(double eigenvalue, double relax);
+  // Collective, needs links. Largest step with which grains on massless bonds of the present static stiffness would be stable.
+  double grains_step();
   // What the damping of `quasistatic` takes of the step, and the damping that takes a tenth at most.
   struct DampedStep {
     double step, undamped, admitted;
@@ -125,6 +130,12 @@ class Cement {
   // A run: start, then steps, each with its end.
   void take_up_commands();  // before the first step
   void start_run();
+  // With sub-steps, see substeps.cpp: before the host moves its grains, when it has their velocities and loads of the end of the last step; and after
+  // it has moved them. The cement takes all sub-steps but the last. Where free grains arrive, and the velocities with which they do, are left with
+  // the grains for the host to take over.
+  void begin_substeps();
+  void take_substeps();
+  // A step, or the last of the sub-steps of one.
   void step();
   void end_step();
   // Throws if any node is not finite or a bonded grain is gone.
@@ -199,6 +210,16 @@ class Cement {
   double relaxation_rate(double share);
   double shear_speed() const;
 
+  // Is this the first, or the last, of the sub-steps of a step of the host?
+  bool begins_step() const { return substep_ == 1; }
+  bool ends_step() const { return substep_ == now_.substeps; }
+  void react();
+  void advance();
+  // Of a grain in a step of the host.
+  struct Way {
+    double from[3], length[3], velocity[6];  // the last at its end
+  };
+  void move_grains(const std::vector<Way>& ways);
   // phases of a step
   static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
   void look_for_cracks();
@@ -250,6 +271,7 @@ class Cement {
   std::vector<NodeKinematics> restored_nodes_;  // by row of the table, until the first layout
   std::optional<PenaltyParameters> penalty_;
   StepInput now_;
+  int substep_ = 1;  // counted from 1
   double inertia_ = 0.0, dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   double eigenvalue_ = 0.0;               // found for the present layout, 0: not yet
   int bodies_started_ = 0;                // the first of the table; the others are new and where they were made

@@ -14,6 +14,8 @@
 
 namespace mpdem {
 
+constexpr int kMostSubsteps = 1000;
+
 struct CementOptions {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
@@ -32,6 +34,7 @@ struct CementOptions {
   bool unilateral = false;               // failed points are stiff while their crack is closed, see mpm/closing_points.h
   bool condense = false;                 // bonds whose damage is far from its threshold, see cement/condensed_bonds.h
   double wake = 0.8;                     // share of the threshold that ends that
+  int subcycle = 1;                      // sub-steps in a step of the host, 0: as many as the cement needs
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

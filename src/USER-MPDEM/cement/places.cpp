@@ -43,7 +43,7 @@ void Cement::open_places_of_files() {
 // Collective. Places whose points failed go on to the nearest that hold. Nodes and grains are where they were at the end of the last step.
 // Answers the bonds where some did, the same on all ranks.
 std::vector<int> Cement::move_places() {
-  if (!touches() || (now_.number - 1) % kWatchEvery != 0) return {};
+  if (!touches() || !begins_step() || (now_.number - 1) % kWatchEvery != 0) return {};
   struct OfBond {
     std::vector<FreedPlaces::Arrival> arrivals;
     std::vector<std::array<int, 2>> gone;

@@ -20,8 +20,8 @@ class Total : public Kinematics {
     Cement& c = cement_;
     const CementOptions& o = c.options_;
     const double dt = c.now_.dt, kick = 0.5 * (c.dt_last_ + dt);
-    const bool transfer = o.reproject_every > 0 && c.now_.number % o.reproject_every == 0;
-    const bool may_be_distorted = o.reproject_distortion > 0.0 && c.now_.number % o.check_every == 0;
+    const bool transfer = o.reproject_every > 0 && c.ends_step() && c.now_.number % o.reproject_every == 0;
+    const bool may_be_distorted = o.reproject_distortion > 0.0 && c.ends_step() && c.now_.number % o.check_every == 0;
     c.average_drives();
     c.grains_.clear_sudden_forces();
     c.grains_.sides.clear_forces();

@@ -75,6 +75,26 @@ void BondedAtoms::write_forces(const BondedGrains& grains) const {
     }
 }
 
+void BondedAtoms::read_places(BondedGrains& grains) const {
+  const Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n) lmp_->domain->unmap(atom.x[atoms_[n]], atom.image[atoms_[n]], grains.grains[n].x);
+}
+
+void BondedAtoms::write_motion(const BondedGrains& grains) const {
+  const Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n) {
+    const int i = atoms_[n];
+    const Grain& g = grains.grains[n];
+    double moved_to[3];
+    lmp_->domain->unmap(atom.x[i], atom.image[i], moved_to);
+    for (int d = 0; d < 6; ++d) {
+      if (!g.free[d]) continue;
+      if (d < 3) atom.x[i][d] += g.x[d] - moved_to[d];
+      (d < 3 ? atom.v[i][d] : atom.omega[i][d - 3]) = g.velocity[d];
+    }
+  }
+}
+
 void BondedAtoms::write_velocities(const BondedGrains& grains) const {
   Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n)
@@ -167,7 +187,7 @@ void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
 }
 
 // Any smooth motion stays well within twice the larger of the two velocities.
-void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double cell) {
+void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double cell, double dt) {
   const Atom& atom = *lmp_->atom;
   const Update& update = *lmp_->update;
   for (std::size_t n = 0; n < atoms_.size(); ++n) {
@@ -178,10 +198,10 @@ void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double 
     lmp_->domain->unmap(atom.x[i], atom.image[i], grain.x);
     for (int d = 0; d < 3; ++d) {
       grain.moved[d] = grain.x[d] - g.x[d];
-      jump[d] = grain.moved[d] - update.dt * atom.v[i][d];
+      jump[d] = grain.moved[d] - dt * atom.v[i][d];
       g.x[d] = grain.x[d];
     }
-    const double expected = update.dt * std::max(length(atom.v[i]), length(g.v));
+    const double expected = dt * std::max(length(atom.v[i]), length(g.v));
     const bool known = g.placed;
     g.placed = true;
     if (known && trouble_.empty() && length(jump) > 2.0 * expected + 1e-5 * cell)

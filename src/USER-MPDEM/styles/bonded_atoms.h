@@ -26,6 +26,9 @@ class BondedAtoms {
   // Velocity and load of LIGGGHTS to the engine.
   void read(BondedGrains& grains) const;
   void write_forces(const BondedGrains& grains) const;
+  // After the host moved its grains: where they are; and where free ones are to be instead, with their velocities.
+  void read_places(BondedGrains& grains) const;
+  void write_motion(const BondedGrains& grains) const;
   void write_velocities(const BondedGrains& grains) const;
   // Gravity by fixes that come later in the step than `fix`, for grains that start: they feel it in the first step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;
@@ -36,7 +39,7 @@ class BondedAtoms {
   void watch_for_those_that_leave(double cell);
   // In each step, before the engine forgets the velocities of the last one: position, and how far each moved. A grain goes where its
   // velocity takes it.
-  void follow(BondedGrains& grains, const LAMMPS_NS::AtomVecMpdem& avec, double cell);
+  void follow(BondedGrains& grains, const LAMMPS_NS::AtomVecMpdem& avec, double cell, double dt);
   // At the start of a run, against the end of the last one, the restart file or create_cement. Collective.
   void check_stayed(LAMMPS_NS::AtomVecMpdem& avec, double cell) const;
   // What to do about an atom that is out of the box, by its speed.

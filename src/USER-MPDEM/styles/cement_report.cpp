@@ -63,10 +63,16 @@ const std::vector<BondState>& CementReport::bonds(Cement& c) {
   return *bonds_;
 }
 
+namespace {
+std::string of_substeps(const Cement& c) {
+  return c.substeps() > 1 ? text_of(" of ", c.substeps(), " sub-steps") : std::string();
+}
+}  // namespace
+
 void CementReport::parameters(Cement& c, bigint points) {
   const CementOptions& o = c.options();
   const std::vector<Body>& table = c.bonds().table;
-  const Cement::DampedStep damped = c.damped_step(c.limiting_eigenvalue(lmp_->update->dt));
+  const Cement::DampedStep damped = c.damped_step(c.limiting_eigenvalue(c.dt()));
   const double limit = damped.step;
   if (lmp_->comm->me == 0 && !reported_) {
     const VtiConstants& e = c.law().elasticity().constants;
@@ -77,14 +83,14 @@ void CementReport::parameters(Cement& c, bigint points) {
     text += c.law().report(o.cell);
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
-    text += text_of("  time step ", lmp_->update->dt, ", stable up to ", limit, c.eigenvalue_is_known() ? "" : " at least", "\n");
+    text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.eigenvalue_is_known() ? "" : " at least", "\n");
     say(text);
     warn(c);
   }
   if (damped.admitted < o.relax) damping(c);
-  if (lmp_->update->dt > kRounding * limit)
-    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", limit,
-                                 "; use 'timestep ", 0.9 * limit, "' or less, or a larger cell"));
+  if (c.dt() > kRounding * limit)
+    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c),
+                                 "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, or a larger cell"));
 }
 
 // Where the step goes by it, not by the cell. From the eigenvalue itself: below the bound more damping would seem to do. Collective.
@@ -98,8 +104,8 @@ void CementReport::damping(Cement& c) {
   const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped,
                                    " to ", damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted,
                                    "' or less, which leaves 0.9 of the step");
-  if (lmp_->update->dt > kRounding * damped.step)
-    stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step: ", text, ", or 'timestep ", 0.9 * damped.step, "'"));
+  if (c.dt() > kRounding * damped.step)
+    stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step", of_substeps(c), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
   if (!reported_ && lmp_->comm->me == 0 && damped.step < 0.5 * damped.undamped) lmp_->error->warning("fix mpm", 0, (who_ + text).c_str());
 }
 

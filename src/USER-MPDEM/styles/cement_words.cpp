@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "cracks", "unilateral", "condense", "timestep", "quasistatic", "skip", "check", "events"};
+                                            "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
@@ -84,6 +84,11 @@ double take_step_fraction(Arguments& args) {
   const double share = args.number("timestep auto");
   if (!(share > 0.0 && share <= 1.0)) args.complain(text_of("'timestep auto ", share, "': share of the stable step, must lie in (0, 1]"));
   return share;
+}
+
+void take_subcycle(Arguments& args, CementOptions& o) {
+  o.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer("subcycle", 1);
+  if (o.subcycle > kMostSubsteps) args.complain(text_of("'subcycle ", o.subcycle, "': number of sub-steps, must be at most ", kMostSubsteps));
 }
 
 // Energies of a crack per area that a script asks for, 0: none.
@@ -224,6 +229,8 @@ CementWords take_cement_words(Arguments& args) {
       take_skip(args, w);
     } else if (key == "timestep") {
       w.step_fraction = take_step_fraction(args);
+    } else if (key == "subcycle") {
+      take_subcycle(args, o);
     } else if (key == "quasistatic") {
       o.mass_scale = args.number("quasistatic");
       if (!(o.mass_scale >= 1.0)) args.complain(text_of("'quasistatic ", o.mass_scale, "': factor on the inertia, must be 1 or more"));

@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -34,7 +35,8 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 24;
+constexpr int kVectorSize = 25;
+constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, for `subcycle auto`
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
@@ -80,7 +82,8 @@ void FixMpm::guarded(F f) {
 mpdem::StepInput FixMpm::step_input() const {
   mpdem::StepInput now;
   now.number = update->ntimestep;
-  now.dt = update->dt;
+  now.substeps = substeps();
+  now.dt = update->dt / now.substeps;
   if (gravity_) gravity_->get_gravity(now.gravity);
   return now;
 }
@@ -145,15 +148,45 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   set_time_step(coupling);
 }
 
-// `timestep auto`: before other fixes take up the step. In the init of fix `running`.
+int FixMpm::substeps() const {
+  const int given = cement_->options().subcycle;
+  if (given > 0 || longest_substep_ == 0.0) return std::max(1, given);
+  constexpr double kRounding = 1e-9;
+  return static_cast<int>(std::min<double>(INT_MAX, std::max(1.0, std::ceil(update->dt / longest_substep_ - kRounding))));
+}
+
+// `timestep auto` and `subcycle auto`: before other fixes take up the step. In the init of fix `running`.
 void FixMpm::set_time_step(const Fix* running) {
-  if (step_fraction_ == 0.0) return;
+  const int subcycle = cement_->options().subcycle;
+  if (step_fraction_ == 0.0 && subcycle > 0) return;
   mpdem::EigenvalueEstimate e{};
   double limit = 0.0;
   guarded([&] {
     e = cement_->eigenvalue_of_new_layout();
     limit = cement_->step_for(e.value + e.residual, cement_->options().relax);
+    if (subcycle > 0) {
+      limit *= subcycle;
+      return;
+    }
+    longest_substep_ = kShareOfSubsteps * limit;
+    if (step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
   });
+  if (step_fraction_ > 0.0) set_time_step(running, limit, e);
+  if (subcycle == 0) tell_substeps();
+}
+
+void FixMpm::tell_substeps() {
+  const int n = substeps();
+  if (n > mpdem::kMostSubsteps)
+    mpdem::stop_all(lmp, who() + text_of("'subcycle auto' takes ", n, " sub-steps of the cement in a time step of ", update->dt, ", at most ", mpdem::kMostSubsteps,
+                                         " are allowed; use 'timestep ", mpdem::kMostSubsteps * longest_substep_, "' or less"));
+  if (comm->me == 0 && n != substeps_told_)
+    for (FILE* f : {screen, logfile})
+      if (f) std::fprintf(f, "%s\n", text_of(who(), "subcycle auto: ", n, " sub-steps of ", update->dt / n, " in a time step of ", update->dt).c_str());
+  substeps_told_ = n;
+}
+
+void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e) {
   // Never longer than before: what goes by step*dt would jump, and cement that fails leaves longer steps behind.
   double dt = step_fraction_ * limit;
   std::string share = text_of(step_fraction_, " of the limit,");
@@ -221,6 +254,7 @@ void FixMpm::setup(int) {
   atoms_.read(cement_->grains());
   if (cement_->penalty()) atoms_.expect_gravity(cement_->grains(), this);
   guarded([this] { cement_->start_run(); });
+  cement_->grains().show_loads(substeps());
   atoms_.write_velocities(cement_->grains());
   atoms_.write_forces(cement_->grains());
   report_->added_mass(*cement_, *avec_);
@@ -230,16 +264,26 @@ void FixMpm::setup(int) {
 
 // Commands may have changed velocities since the end of the last step.
 void FixMpm::pre_initial_integrate() {
-  if (update->ntimestep != update->firststep + 1) return;
+  const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
+  if (!first && !divided) return;
   atoms_.read(cement_->grains());
-  guarded([this] { cement_->take_up_commands(); });
-  atoms_.write_velocities(cement_->grains());
+  guarded([&] {
+    if (first) cement_->take_up_commands();
+    if (divided) cement_->begin_substeps();
+  });
+  if (first) atoms_.write_velocities(cement_->grains());
 }
 
 // Orientation of bonded grains: LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
-  cement_->grains().turn(update->dt);
+  if (substeps() == 1) {
+    cement_->grains().turn(update->dt);
+    return;
+  }
+  atoms_.read_places(cement_->grains());
+  guarded([this] { cement_->take_substeps(); });
+  atoms_.write_motion(cement_->grains());
 }
 
 void FixMpm::pre_exchange() {
@@ -256,7 +300,7 @@ void FixMpm::pre_neighbor() {
 
 void FixMpm::post_force(int) {
   report_->forget();  // who asked earlier in this step was told of the last one
-  atoms_.follow(cement_->grains(), *avec_, cell());
+  atoms_.follow(cement_->grains(), *avec_, cell(), step_input().dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
   atoms_.write_forces(cement_->grains());
@@ -269,6 +313,8 @@ void FixMpm::end_of_step() {
   if (output_due || first || update->ntimestep % kReportEvery == 0) atoms_.report_trouble();
   atoms_.read(cement_->grains());
   guarded([this] { cement_->end_step(); });
+  cement_->grains().show_loads(substeps());
+  if (substeps() > 1) atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // the same, before the work of this step was counted
   if (check_due) write_events();
@@ -293,7 +339,7 @@ void FixMpm::reset_dt() {
 
 double FixMpm::stable_step() {
   double step = 0.0;
-  guarded([&] { step = cement_->stable_step(); });
+  guarded([&] { step = substeps() * cement_->stable_step(); });
   return step;
 }
 
@@ -395,7 +441,7 @@ double FixMpm::compute_vector(int n) {
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
                       t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
-                      static_cast<double>(cement_->awake_bonds())};
+                      static_cast<double>(cement_->awake_bonds()), static_cast<double>(substeps())};
   return v[n];
 }
 

@@ -72,8 +72,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   AtomVecMpdem* cement() const { return avec_; }
   // Slots of the atoms, which fall behind while points change cells; before they are read.
   void sync_slots() { cement_->sync_slots(); }
-  // Collective.
+  // Collective. Of LIGGGHTS, with as many sub-steps as now.
   double stable_step();
+  // Of the cement in a step of LIGGGHTS.
+  int substeps() const;
   // Collective, after init() of all fixes; needs a coupling. A run need not have begun.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
   bool is_coupled() const { return cement_->penalty().has_value(); }
@@ -90,6 +92,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::StepInput step_input() const;
   bool coupling_follows();
   void set_time_step(const Fix* running);
+  void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
+  void tell_substeps();
   void fill_atoms();
   void write_events();
   void check_state();
@@ -104,6 +108,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step
   double auto_step_ = 0.0;      // what `timestep auto` found last
+  double longest_substep_ = 0.0;  // `subcycle auto`
+  int substeps_told_ = 0;
   double memory_limit_ = 0.0;   // of a rank, bytes
 };
 

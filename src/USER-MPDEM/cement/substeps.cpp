@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Sub-steps: two clocks. The host moves its grains with a long step, the cement and the free grains that it holds take n short ones in it, all of
+// them by the same central difference. The load of the host is known at the ends of its step and acts there, as an impulse of its whole step. This is
+// the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step alone, momentum is exact, and with n = 1
+// nothing is left but the step itself.
+//
+// With the velocity w of the grain in a sub-step dt, the load F of the host and f of the cement on it, and its mass M:
+//
+//   start of the step    w = v + dt/2 (n F + f)/M,  v the velocity at the end of the last step
+//   within it            w <- w + dt f/M
+//   end of the step      v = w + dt/2 (n F + f)/M = w + n dt/2 (F + f/n)/M, which the host does with its step n dt.
+#include "cement.h"
+
+namespace mpdem {
+
+namespace {
+double inertia_of(const Grain& g, int d) { return d < 3 ? g.mass : g.inertia; }
+}  // namespace
+
+void Cement::react() {
+  if (now_.substeps == 1) grains_.react(now_.dt, books_);
+  else grains_.react_in_substep(now_.dt, now_.substeps, books_);
+}
+
+void Cement::begin_substeps() {
+  const int n = now_.substeps;
+  for (Grain& g : grains_.grains)
+    for (int d = 0; d < 6; ++d) {
+      g.start[d] = g.velocity[d];
+      g.kick[d] = n * (g.force[d] - g.of_cement[d]) + g.of_cement[d];
+    }
+}
+
+// Motion that is prescribed is even within the step.
+void Cement::take_substeps() {
+  const int n = now_.substeps;
+  const double dt = now_.dt;
+  std::vector<Way> ways;
+  for (Grain& g : grains_.grains) {
+    Way way;
+    for (int d = 0; d < 3; ++d) {
+      way.from[d] = g.state->x[d];
+      way.length[d] = g.x[d] - g.state->x[d];
+      g.x[d] = g.state->x[d];
+    }
+    for (int d = 0; d < 6; ++d)
+      if (g.free[d]) g.velocity[d] = g.start[d];
+    std::copy(g.velocity, g.velocity + 6, way.velocity);
+    ways.push_back(way);
+  }
+  for (substep_ = 1; substep_ <= n; ++substep_) {
+    move_grains(ways);
+    if (ends_step()) break;
+    advance();
+    for (Grain& g : grains_.grains)
+      for (int d = 0; d < 6; ++d) {
+        g.kick[d] = g.of_cement[d];
+        if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
+      }
+    end_step();
+  }
+}
+
+// The last sub-step leaves the place before it in the state, for the host to find the motion.
+void Cement::move_grains(const std::vector<Way>& ways) {
+  const int n = now_.substeps;
+  const double dt = now_.dt;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    Grain& g = grains_.grains[i];
+    for (int d = 0; d < 6; ++d) {
+      if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
+      else if (d < 3) g.velocity[d] = ends_step() ? ways[i].velocity[d] : ways[i].length[d] / (n * dt);
+    }
+    for (int d = 0; d < 3; ++d) {
+      const double before = g.x[d];
+      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways[i].from[d] + ways[i].length[d] * substep_ / n;
+      g.moved[d] = g.x[d] - before;
+      g.state->x[d] = ends_step() ? before : g.x[d];
+    }
+  }
+  grains_.turn(dt);
+}
+
+}  // namespace mpdem

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Sub-steps of the cement in a step of the host, on 1, 2 and 4 ranks.
+#include "cement/cement.h"
+
+#include <cstring>
+
+#include "lanes.h"
+#include "cement_host.h"
+#include "mpi_ranks.h"
+
+namespace mpdem {
+namespace {
+
+using test::Row;
+using test::RowOfGrains;
+
+// Largest difference over the largest number of the kind, over all points and grains. Of grains three numbers are one kind. What is next to nothing has
+// no digits.
+double difference(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
+  constexpr double kNothing = 1e-7;
+  EXPECT_EQ(a.size(), b.size());
+  std::map<std::pair<bool, std::size_t>, std::array<double, 2>> most;  // of points or grains, by place in the record
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end(); ++i, ++j) {
+    EXPECT_EQ(i->first, j->first);
+    for (std::size_t n = 0; n < std::min(i->second.size(), j->second.size()); ++n) {
+      std::array<double, 2>& m = most[{i->first > 0, i->first > 0 ? n : n / 3}];
+      m[0] = std::max(m[0], std::fabs(i->second[n] - j->second[n]));
+      m[1] = std::max(m[1], std::fabs(j->second[n]));
+    }
+  }
+  double worst = 0.0;
+  for (const auto& m : most) worst = std::max(worst, m.second[0] / std::max(kNothing, m.second[1]));
+  return worst;
+}
+
+struct Case {
+  bool updated;
+  int mass_order;
+  double length;
+  int substeps;
+};
+class Divided : public ::testing::TestWithParam<Case> {};
+
+// A step with n sub-steps is n steps, if the load of the host is nothing: by prescribed and free grains, while points fail.
+TEST_P(Divided, IsThatManySteps) {
+  const Case& c = GetParam();
+  Row r;
+  r.bonds = 2;
+  r.free_middle = true;
+  r.ramp = 0.0;
+  r.speed = 2.0;
+  r.updated = c.updated;
+  r.mass_order = c.mass_order;
+  r.length = c.length;
+  RowOfGrains fine(MPI_COMM_WORLD, r);
+  r.substeps = c.substeps;
+  RowOfGrains coarse(MPI_COMM_WORLD, r);
+  coarse.dt = c.substeps * test::kStep;
+  fine.setup();
+  coarse.setup();
+  double worst = 0.0;
+  for (int n = 0; n < 900 / c.substeps && fine.all_failed().size() < 20; ++n) {
+    coarse.step();
+    fine.run(c.substeps);
+    if (n % 10 == 0) worst = std::max(worst, difference(coarse.content(), fine.content()));
+  }
+  test::expect_within(worst, 1e-6, "points and grains");
+  EXPECT_GE(fine.all_failed().size(), 20u);
+  std::vector<std::array<int, 2>> expected;
+  for (const auto& e : fine.all_failed()) expected.push_back({(e[0] + c.substeps - 1) / c.substeps, e[1]});
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(coarse.all_failed(), expected);
+  const CementTotals a = coarse.cement->totals(0.1), b = fine.cement->totals(0.1);
+  for (double CementTotals::*sum : {&CementTotals::kinetic, &CementTotals::elastic, &CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
+    EXPECT_NEAR(a.*sum, b.*sum, 1e-9 * b.external_work);
+  test::expect_within(std::fabs(a.imbalance), 1e-3, "imbalance of the books");
+}
+
+INSTANTIATE_TEST_SUITE_P(Substeps, Divided,
+                         ::testing::Values(Case{false, 1, 0.0, 2}, Case{false, 1, 0.0, 7}, Case{false, 2, 0.0, 7}, Case{false, 1, 2.5 * test::kSpacing, 7}, Case{true, 1, 0.0, 7}),
+                         [](const ::testing::TestParamInfo<Case>& p) {
+                           return std::string(p.param.updated ? "updated" : "total") + std::to_string(p.param.mass_order) + (p.param.length > 0.0 ? "_nonlocal_" : "_") +
+                                  std::to_string(p.param.substeps);
+                         });
+
+// Cement of one bond, kg.
+double cement_mass() { return 2710 * M_PI * (test::kGap * test::kOuter * test::kOuter + 0.5 * std::pow(test::kOuter, 4) / test::kRadius); }
+
+struct Sums {
+  double momentum[3], angular_momentum[3], energy;
+};
+// Of grains and cement, and of the springs between them.
+Sums sums_of(RowOfGrains& host) {
+  const CementTotals t = host.cement->totals(0.1);
+  Sums s{};
+  for (const Grain& g : host.cement->grains().grains)
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      s.momentum[d] += g.mass * g.velocity[d];
+      s.angular_momentum[d] += g.mass * (g.x[e] * g.velocity[f] - g.x[f] * g.velocity[e]) + g.inertia * g.velocity[3 + d];
+      s.energy += 0.5 * g.mass * g.velocity[d] * g.velocity[d] + 0.5 * g.inertia * g.velocity[3 + d] * g.velocity[3 + d];
+    }
+  for (int d = 0; d < 3; ++d) {
+    s.momentum[d] = host.sum(s.momentum[d]) + t.momentum[d];
+    s.angular_momentum[d] = host.sum(s.angular_momentum[d]) + t.angular_momentum[d];
+  }
+  s.energy = host.sum(s.energy) + t.kinetic + t.elastic + t.coupling + host.contact_energy();
+  return s;
+}
+
+// Free grains in a spin, pulled apart by the host with forces along z that have no sum, as a contact has none.
+TEST(Substeps, MomentumStays) {
+  Row r;
+  r.free_ends = true;
+  r.substeps = 9;
+  r.B0 = 0.0;
+  r.grain_mass = 20 * cement_mass();
+  r.contact = 1e6;
+  r.pull[2] = 5.0;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.dt = r.substeps * test::kStep;
+  host.setup();
+  for (Grain& g : host.cement->grains().grains)
+    for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? 0.02 : -0.03) * (d + 1) * (d < 3 ? 1.0 : 20.0);
+  host.step();
+  const Sums from = sums_of(host);
+  double most[2] = {0.0, 0.0};
+  for (int n = 0; n < 60; ++n) {
+    host.step();
+    const Sums s = sums_of(host);
+    for (int d = 0; d < 3; ++d) most[0] = std::max(most[0], std::fabs(s.momentum[d] - from.momentum[d]));
+    most[1] = std::max(most[1], std::fabs(s.angular_momentum[2] - from.angular_momentum[2]));
+  }
+  test::expect_within(most[0] / (r.grain_mass * 0.1), 1e-11, "momentum");
+  test::expect_within(most[1] / (r.grain_mass * 0.1 * test::kRadius), 1e-11, "angular momentum");
+}
+
+struct Pair {
+  double ratio;    // mass of both grains over that of their cement
+  double contact;  // its frequency times the step of the host, 2 is its limit
+  int substeps;
+};
+class FreePair : public ::testing::TestWithParam<Pair> {};
+
+// The energy stays: without a contact as in the step itself, with one by what a spring at that step makes it swing, (w dt/2)^2 of it. With a contact that is known
+// at the ends of the step alone there are bands of steps that grow; none of these pairs is in one.
+TEST_P(FreePair, EnergyStays) {
+  const Pair& p = GetParam();
+  Row r;
+  r.free_ends = true;
+  r.substeps = p.substeps;
+  r.B0 = 0.0;
+  r.grain_mass = 0.5 * p.ratio * cement_mass();
+  const double dt = p.substeps * test::kStep;
+  r.contact = 0.5 * r.grain_mass * p.contact * p.contact / (dt * dt);
+  RowOfGrains host(MPI_COMM_SELF, r);
+  host.dt = dt;
+  host.setup();
+  for (Grain& g : host.cement->grains().grains) g.velocity[2] = g.tag == 1 ? -0.01 : 0.01;
+  host.step();
+  const double from = sums_of(host).energy;
+  double worst = 0.0;
+  for (int n = 0; n < 300; ++n) {
+    host.step();
+    worst = std::max(worst, std::fabs(sums_of(host).energy / from - 1.0));
+  }
+  test::expect_within(worst, (p.ratio < 1.0 ? 0.03 : 0.003) + 0.5 * p.contact * p.contact, "energy");
+}
+
+INSTANTIATE_TEST_SUITE_P(Substeps, FreePair,
+                         ::testing::Values(Pair{0.1, 0.0, 5}, Pair{0.1, 0.0, 9}, Pair{1.0, 0.0, 14}, Pair{10.0, 0.0, 23}, Pair{100.0, 0.0, 14}, Pair{1e4, 0.0, 14},
+                                           Pair{10.0, 0.4, 14}, Pair{100.0, 0.4, 9}, Pair{1e4, 0.4, 14}, Pair{1e4, 1.0, 9}));
+
+// Bonds with springs of the cement between grains that weigh much more: the frequency of the pair is that of the static stiffness, and not of the step of the host.
+TEST(Substeps, FrequencyOfAFreePair) {
+  Row r;
+  r.free_ends = true;
+  r.substeps = 20;
+  r.B0 = 0.0;
+  r.grain_mass = 500 * cement_mass();
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.dt = r.substeps * test::kStep;
+  host.setup();
+  const StiffnessOfBond found = host.cement->stiffness_of_bonds()[0];
+  const double w = std::sqrt(2.0 * found.K[14] / (r.grain_mass + 0.5 * cement_mass() / 3.0));  // z, z; a third of either half of the cement moves along
+  // grains on a massless spring of that stiffness, in all their motions
+  Eigen::Matrix<double, 6, 12> motion = Eigen::Matrix<double, 6, 12>::Zero();
+  Eigen::Matrix<double, 12, 1> scale;
+  for (int s = 0; s < 2; ++s)
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      const double sign = s == 0 ? -1.0 : 1.0, arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // along z, from the grain to the middle
+      motion(d, 6 * s + d) = motion(3 + d, 6 * s + 3 + d) = sign;
+      if (arm != 0.0) {
+        motion(f, 6 * s + 3 + e) = -sign * arm;  // a turn about e takes what lies along d along -f
+        motion(e, 6 * s + 3 + f) = sign * arm;
+      }
+      scale[6 * s + d] = 1.0 / std::sqrt(r.grain_mass);
+      scale[6 * s + 3 + d] = 1.0 / std::sqrt(0.4 * r.grain_mass * test::kRadius * test::kRadius);
+    }
+  const Eigen::Matrix<double, 12, 12> K = scale.asDiagonal() * motion.transpose() * Eigen::Map<const Matrix6>(found.K) * motion * scale.asDiagonal();
+  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>>(K).eigenvalues()[11];
+  EXPECT_NEAR(host.cement->grains_step() * std::sqrt(largest), 2.0, 1e-6);
+  for (Grain& g : host.cement->grains().grains) g.velocity[2] = g.tag == 1 ? -0.01 : 0.01;
+  double last = 0.0, first = 0.0, end = 0.0;
+  int crossings = 0;
+  for (int n = 1; n < 4000 && crossings < 5; ++n) {
+    host.step();
+    const double stretch = host.contact_stretch();
+    if (n > 1 && stretch * last < 0.0) {
+      end = (n - 1 + last / (last - stretch)) * host.dt;
+      if (crossings++ == 0) first = end;
+    }
+    last = stretch;
+  }
+  ASSERT_EQ(crossings, 5);
+  EXPECT_NEAR(M_PI * 4 / (end - first) / w, 1.0, 2e-3);
+}
+
+// Pulled to failure: the same peak and events of all ranks, as one alone has them; the books balance.
+TEST(Substeps, PulledThroughFailure) {
+  Row r;
+  r.ramp = 8e-6;
+  r.speed = 2.0;
+  double peak[2];
+  for (int divided = 0; divided < 2; ++divided) {
+    r.substeps = divided ? 10 : 1;
+    RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r);
+    host.dt = alone.dt = r.substeps * test::kStep;
+    host.setup();
+    alone.setup();
+    peak[divided] = 0.0;
+    for (int n = 0; n < 300; ++n) {
+      host.run(divided ? 1 : 10);
+      alone.run(divided ? 1 : 10);
+      peak[divided] = std::max(peak[divided], host.tension(0));
+    }
+    const CementTotals t = host.cement->totals(0.1);
+    EXPECT_EQ(t.separated, 1.0);
+    test::expect_within(std::fabs(t.imbalance), 2e-3, "imbalance of the books");
+    EXPECT_EQ(host.all_failed(), alone.all_failed());
+    EXPECT_EQ(host.separated, alone.separated);
+  }
+  EXPECT_NEAR(peak[1] / peak[0], 1.0, 5e-3);
+}
+
+TEST(Substeps, RestartsToTheBit) {
+  Row r;
+  r.bonds = 2;
+  r.free_middle = true;
+  r.substeps = 6;
+  r.pull[2] = 3.0;
+  RowOfGrains whole(MPI_COMM_WORLD, r);
+  whole.dt = r.substeps * test::kStep;
+  whole.setup();
+  for (int at : {50, 95}) {
+    whole.run(at - whole.number);
+    const RowOfGrains::Saved saved = whole.save();
+    RowOfGrains again(MPI_COMM_WORLD, r, saved, whole.bonds.table);
+    again.setup();
+    whole.setup();
+    whole.failed.clear();
+    whole.run(17);
+    again.run(17);
+    EXPECT_EQ(again.all_failed(), whole.all_failed());
+    EXPECT_EQ(difference(whole.content(), again.content()), 0.0);
+  }
+  EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
+}
+
+}  // namespace
+}  // namespace mpdem
