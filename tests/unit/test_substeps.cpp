@@ -36,7 +36,6 @@ double difference(const std::map<int, std::vector<double>>& a, const std::map<in
 }
 
 struct Case {
-  bool updated;
   int mass_order;
   double length;
   int substeps;
@@ -51,7 +50,6 @@ TEST_P(Divided, IsThatManySteps) {
   r.free_middle = true;
   r.ramp = 0.0;
   r.speed = 2.0;
-  r.updated = c.updated;
   r.mass_order = c.mass_order;
   r.length = c.length;
   RowOfGrains fine(MPI_COMM_WORLD, r);
@@ -79,9 +77,9 @@ TEST_P(Divided, IsThatManySteps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Substeps, Divided,
-                         ::testing::Values(Case{false, 1, 0.0, 2}, Case{false, 1, 0.0, 7}, Case{false, 2, 0.0, 7}, Case{false, 1, 2.5 * test::kSpacing, 7}, Case{true, 1, 0.0, 7}),
+                         ::testing::Values(Case{1, 0.0, 2}, Case{1, 0.0, 7}, Case{2, 0.0, 7}, Case{1, 2.5 * test::kSpacing, 7}),
                          [](const ::testing::TestParamInfo<Case>& p) {
-                           return std::string(p.param.updated ? "updated" : "total") + std::to_string(p.param.mass_order) + (p.param.length > 0.0 ? "_nonlocal_" : "_") +
+                           return "order" + std::to_string(p.param.mass_order) + (p.param.length > 0.0 ? "_nonlocal_" : "_") +
                                   std::to_string(p.param.substeps);
                          });
 
@@ -202,7 +200,9 @@ TEST(Substeps, FrequencyOfAFreePair) {
     }
   const Eigen::Matrix<double, 12, 12> K = scale.asDiagonal() * motion.transpose() * Eigen::Map<const Matrix6>(found.K) * motion * scale.asDiagonal();
   const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>>(K).eigenvalues()[11];
-  EXPECT_NEAR(host.cement->grains_step() * std::sqrt(largest), 2.0, 1e-6);
+  const double share = host.cement->grains_step() * std::sqrt(largest);  // of a bound
+  EXPECT_LE(share, 2.0 * (1.0 + 1e-9));
+  EXPECT_GE(share, 1.995);
   for (Grain& g : host.cement->grains().grains) g.velocity[2] = g.tag == 1 ? -0.01 : 0.01;
   double last = 0.0, first = 0.0, end = 0.0;
   int crossings = 0;

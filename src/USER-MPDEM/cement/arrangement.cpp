@@ -281,6 +281,9 @@ void Cement::start_anew(Bond& b) {
   b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
                      ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
                      : Relaxation();
+  b.impulse = penalty_ && options_.subcycle != 1 && !(options_.split && cracks_.separated(b.body))
+                  ? SharedImpulse(b.grid, bonds_.body(b), cracks_.separated(b.body))
+                  : SharedImpulse();
   b.jump.clear();
 }
 

@@ -14,6 +14,7 @@
 #include "../coupling/freed_places.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
+#include "../coupling/shared_impulse.h"
 #include "../mpm/advance_updated.h"
 #include "../mpm/closing_points.h"
 #include "../mpm/consistent_mass.h"
@@ -35,6 +36,7 @@ struct Bond {
   ClosingPoints closing;
   AddedMass added;
   Relaxation relaxation;
+  SharedImpulse impulse;  // with sub-steps only
   Resting resting;
   UpdatedPass updated;  // of `updated` kinematics
   int side = 0;         // place of its first side, see GrainSides

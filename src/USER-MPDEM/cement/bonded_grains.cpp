@@ -142,6 +142,50 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double 
   fresh_ = false;
 }
 
+void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, const CondensedMass* condensed) {
+  if (!any_free_) return;
+  constexpr int kNumbers = sizeof(SharedImpulse::Moments) / sizeof(double);
+  std::vector<SharedImpulse::Moments> moments(sides.sides.size());
+  for (const Bond& b : bonds.awake()) b.impulse.add_moments(b.grid, side_of(b), &moments[b.side]);
+  sides.sum(reinterpret_cast<double*>(moments.data()), kNumbers);
+  CondensedMass mass;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const GrainSide &s = sides.sides[i], &other = sides.sides[i + (s.side == 0 ? 1 : -1)];
+    const int c = condensed ? condensed->of_side[i] : -1;
+    const double e[3] = {s.x[0] - other.x[0], s.x[1] - other.x[1], s.x[2] - other.x[2]};
+    mass.of_side.push_back(static_cast<int>(i));
+    mass.own.push_back(c < 0 ? moments[i].own.matrix() : condensed->own[c]);
+    mass.other.push_back(c < 0 ? moments[i].shared.coupling(e) : condensed->other[c]);
+  }
+  load_.resize(grains.size());
+  for (std::size_t g = 0; g < grains.size(); ++g)
+    for (int d = 0; d < 6; ++d) load_[g][d] = n * (grains[g].force[d] + grains[g].state->late[d]);
+  const std::vector<GrainSide> kept(sides.sides);
+  sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
+  sides.clear_forces();
+  sides.clear_sudden_forces();
+  impulses_.find(comm, {}, grains, load_, sides, true, &mass);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    GrainSide& s = sides.sides[i];
+    std::copy(kept[i].force, kept[i].force + 3, s.force);
+    std::copy(kept[i].torque, kept[i].torque + 3, s.torque);
+    std::copy(kept[i].jump_force, kept[i].jump_force + 6, s.jump_force);
+    std::copy(kept[i].transfer_force, kept[i].transfer_force + 6, s.transfer_force);
+  }
+  for (Bond& b : bonds.awake()) b.impulse.push(b.grid, side_of(b), b.added);
+  std::vector<Six> impulse(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) std::copy(sides.sides[i].impulse, sides.sides[i].impulse + 6, impulse[i].begin());
+  sides.sum(reinterpret_cast<double*>(impulse.data()), 6);
+  for (std::size_t i = 0; i < kept.size(); ++i) std::copy(impulse[i].begin(), impulse[i].end(), sides.sides[i].impulse);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    GrainSide& s = sides.sides[i];
+    for (int d = 0; d < 3; ++d) {
+      s.a[d] += kept[i].a[d];
+      s.alpha[d] += kept[i].alpha[d];
+    }
+  }
+}
+
 void BondedGrains::clear_sudden_forces() {
   sides.clear_sudden_forces();
   sudden_forces_are_due_ = false;
@@ -176,13 +220,19 @@ void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books) {
     for (int d = 0; d < 6; ++d) {
       g.of_cement[d] = g.force[d];
       g.force[d] = g.kick[d] + g.of_cement[d] / n;
+      g.unshown[d] = 0.0;
     }
+  for (const OwnedSide& o : owned_) {
+    const GrainSide& s = sides.sides[o.at];
+    const Six impulse = in_box(s, s.impulse, s.impulse + 3);
+    for (int d = 0; d < 6; ++d) grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
+  }
 }
 
 void BondedGrains::show_loads(int substeps) {
   if (substeps == 1) return;
   for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps;
+    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps - g.unshown[d];
 }
 
 void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {

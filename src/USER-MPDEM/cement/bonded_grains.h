@@ -79,8 +79,10 @@ class BondedGrains {
   void follow_jumps(Bond& b, double dt, double dt_last);
   // Collective. Forces of the cement on the grains, once those of all bonds are with the sides.
   void react(double dt, EnergyBooks& books);
-  // Collective. The same in one of n sub-steps. The load of the host acts for the whole step, so that in the first of its sub-steps the grain is
-  // accelerated by n times it. What is added to the loads of the grains is the n-th part.
+  // Collective. The load of the host so far and what came late in the last step act for n sub-steps at once: forces of this impulse on nodes and grains, and
+  // what grains are accelerated by beyond their accelerations so far.
+  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, const CondensedMass* condensed);
+  // Collective. react() in one of n sub-steps. What is added to the loads of the grains is the n-th part.
   void react_in_substep(double dt, int n, EnergyBooks& books);
   // For who looks at the loads after a step: the whole of the load of the cement.
   void show_loads(int substeps);
@@ -118,7 +120,7 @@ class BondedGrains {
   void watch_jump(const Grain& g);
 
   std::vector<OwnedSide> owned_;
-  GrainAccelerations accelerations_;
+  GrainAccelerations accelerations_, impulses_;
   std::vector<GrainAccelerations::Vector6> load_;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // of velocity

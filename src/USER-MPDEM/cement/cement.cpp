@@ -223,6 +223,7 @@ void Cement::complete_forces() {
   }
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
+  if (now_.substeps > 1 && ends_step()) share_impulses();
   condensed_.add_inertia(grains_.sides);
   for (Bond& b : bonds_.awake()) {
     b.added.carry(b.grid, grains_.side_of(b));
@@ -233,7 +234,7 @@ void Cement::complete_forces() {
 void Cement::find_grain_accelerations() {
   if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
-  grains_.find_accelerations(comm_, bonds_, ends_step() ? now_.substeps : 0, condensed_.any() ? &condensed_.mass() : nullptr);
+  grains_.find_accelerations(comm_, bonds_, now_.substeps == 1, condensed_.any() ? &condensed_.mass() : nullptr);
   timer_.start(StepTimer::kNodes);
 }
 

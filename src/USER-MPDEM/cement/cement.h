@@ -217,9 +217,13 @@ class Cement {
   void advance();
   // Of a grain in a step of the host.
   struct Way {
-    double from[3], length[3], velocity[6];  // the last at its end
+    double from[3], length[3], start[6], end[6];  // the latter are velocities
+    // At the share t of the time of the step.
+    double place(int d, double time, double t) const;
+    double velocity(int d, double time, double t) const;
   };
   void move_grains(const std::vector<Way>& ways);
+  void share_impulses();
   // phases of a step
   static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart
   void look_for_cracks();

@@ -153,6 +153,7 @@ const std::vector<BondState>& Cement::bond_states() {
   states_.assign(n, BondState{});
   for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!built_) return states_;
+  const double of_other_substeps = 1.0 - 1.0 / now_.substeps;
   constexpr int kSide = 9;  // force, torque, position of the grain from the origin of the body
   enum { kFailed = 2 * kSide, kVolume, kDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
@@ -161,9 +162,9 @@ const std::vector<BondState>& Cement::bond_states() {
     if (!penalty_) break;
     const GrainSide& s = grains_.sides.sides[o.at];
     double* row = &sum[width * o.body + kSide * o.side];
-    const std::array<double, 6> load = in_box(s, s.force, s.torque);
+    const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
     const std::array<double, 3> x = turned(s.axes, s.x);
-    std::copy(load.begin(), load.end(), row);
+    for (int d = 0; d < 6; ++d) row[d] = load[d] - of_other_substeps * impulse[d];
     std::copy(x.begin(), x.end(), row + 6);
   }
   for (const Bond& b : bonds_) {

@@ -140,10 +140,11 @@ double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows, cons
 // Where nodes split, patches are blocks about them, one support further than those that changed: the modes that are new are as short as a cell.
 void Cement::check_step_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (eigenvalue_ == 0.0 || options_.updated) return;
+  const int n = now_.substeps;
   const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(now_.dt, rows, patches), options_.relax);
   if (now_.dt > limit)
-    throw BadState(text_of("time step ", now_.dt, " exceeds the stable step ", limit, " after ", event, " at step ", now_.number,
-                           "; use 'timestep ", 0.9 * limit, "' or less"));
+    throw BadState(text_of("time step ", n * now_.dt, " exceeds the stable step ", n * limit, n > 1 ? text_of(" of ", n, " sub-steps") : "", " after ", event, " at step ",
+                           now_.number, "; use 'timestep ", 0.9 * n * limit, "' or less"));
   if (eigenvalue_ != known) refresh_added_mass();
 }
 

@@ -4,13 +4,15 @@
 // Sub-steps: two clocks. The host moves its grains with a long step, the cement and the free grains that it holds take n short ones in it, all of
 // them by the same central difference. The load of the host is known at the ends of its step and acts there, as an impulse of its whole step. This is
 // the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step alone, momentum is exact, and with n = 1
-// nothing is left but the step itself.
+// nothing is left but the step itself. The impulse moves grains and cement together, see coupling/shared_impulse.h.
 //
 // With the velocity w of the grain in a sub-step dt, the load F of the host and f of the cement on it, and its mass M:
 //
 //   start of the step    w = v + dt/2 (n F + f)/M,  v the velocity at the end of the last step
 //   within it            w <- w + dt f/M
 //   end of the step      v = w + dt/2 (n F + f)/M = w + n dt/2 (F + f/n)/M, which the host does with its step n dt.
+#include <cmath>
+
 #include "cement.h"
 
 namespace mpdem {
@@ -18,6 +20,20 @@ namespace mpdem {
 namespace {
 double inertia_of(const Grain& g, int d) { return d < 3 ? g.mass : g.inertia; }
 }  // namespace
+
+double Cement::Way::place(int d, double time, double t) const {
+  return from[d] + length[d] * t * t * (3.0 - 2.0 * t) + time * t * (1.0 - t) * (start[d] * (1.0 - t) - end[d] * t);
+}
+
+double Cement::Way::velocity(int d, double time, double t) const {
+  return 6.0 * length[d] / time * t * (1.0 - t) + start[d] * (1.0 - t) * (1.0 - 3.0 * t) + end[d] * t * (3.0 * t - 2.0);
+}
+
+void Cement::share_impulses() {
+  timer_.start(StepTimer::kCoupling);
+  grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.any() ? &condensed_.mass() : nullptr);
+  timer_.start(StepTimer::kNodes);
+}
 
 void Cement::react() {
   if (now_.substeps == 1) grains_.react(now_.dt, books_);
@@ -29,11 +45,12 @@ void Cement::begin_substeps() {
   for (Grain& g : grains_.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
-      g.kick[d] = n * (g.force[d] - g.of_cement[d]) + g.of_cement[d];
+      g.kick[d] = n * (g.force[d] + g.unshown[d] - g.of_cement[d]) + g.of_cement[d];
     }
 }
 
-// Motion that is prescribed is even within the step.
+// Of motion that is prescribed, places and velocities at both ends of the step are known: a cubic between, so that the velocity is continuous. Where
+// the velocities are not those of the motion, as when a grain starts at once, motion is even within the step.
 void Cement::take_substeps() {
   const int n = now_.substeps;
   const double dt = now_.dt;
@@ -45,9 +62,13 @@ void Cement::take_substeps() {
       way.length[d] = g.x[d] - g.state->x[d];
       g.x[d] = g.state->x[d];
     }
-    for (int d = 0; d < 6; ++d)
+    for (int d = 0; d < 6; ++d) {
+      way.start[d] = g.start[d];
+      way.end[d] = g.velocity[d];
+      const double mean = d < 3 ? way.length[d] / (n * dt) : 0.5 * (way.start[d] + way.end[d]);
+      if (std::fabs(mean - 0.5 * (way.start[d] + way.end[d])) > 0.25 * std::fabs(way.end[d] - way.start[d])) way.start[d] = way.end[d] = mean;
       if (g.free[d]) g.velocity[d] = g.start[d];
-    std::copy(g.velocity, g.velocity + 6, way.velocity);
+    }
     ways.push_back(way);
   }
   for (substep_ = 1; substep_ <= n; ++substep_) {
@@ -71,11 +92,12 @@ void Cement::move_grains(const std::vector<Way>& ways) {
     Grain& g = grains_.grains[i];
     for (int d = 0; d < 6; ++d) {
       if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
-      else if (d < 3) g.velocity[d] = ends_step() ? ways[i].velocity[d] : ways[i].length[d] / (n * dt);
+      else if (d < 3) g.velocity[d] = ways[i].velocity(d, n * dt, double(substep_) / n);
+      else g.velocity[d] = ways[i].start[d] + (substep_ - 0.5) / n * (ways[i].end[d] - ways[i].start[d]);
     }
     for (int d = 0; d < 3; ++d) {
       const double before = g.x[d];
-      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways[i].from[d] + ways[i].length[d] * substep_ / n;
+      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways[i].place(d, n * dt, double(substep_) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = ends_step() ? before : g.x[d];
     }

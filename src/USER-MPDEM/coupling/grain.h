@@ -24,9 +24,9 @@ struct Grain {
   bool free[6] = {};                       // the component follows forces; otherwise it is prescribed
   double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
   double moved[3] = {0, 0, 0};             // displacement in this step
-  // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, and what accelerates the grain in
-  // the next sub-step.
-  double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
+  // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, what of it is the impulse
+  // of other sub-steps, and what accelerates the grain in the next sub-step.
+  double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
   GrainState* state = nullptr;
   std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 

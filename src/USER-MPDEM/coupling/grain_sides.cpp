@@ -109,7 +109,7 @@ void GrainSides::set_accelerations(const std::vector<std::array<double, 6>>& acc
 
 void GrainSides::clear_forces() {
   for (GrainSide& s : sides)
-    for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
+    for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = s.impulse[d] = s.impulse[3 + d] = 0.0;
 }
 
 void GrainSides::clear_sudden_forces() {

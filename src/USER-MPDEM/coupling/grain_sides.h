@@ -29,6 +29,7 @@ struct GrainSide {
   Mat3<double> R;  // from axes fixed in the grain
   // bond force and moment about the grain's centre, on the grain
   double force[3], torque[3];
+  double impulse[6];  // what is of shared impulses in that, see shared_impulse.h
   // force and moment of added mass whose nodes change their velocity at once: by jumps of grains, and by transfers
   double jump_force[6], transfer_force[6];
 };

@@ -15,14 +15,9 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
   return critical_share * 2.0 * M_PI * shear_speed / body.thickness;
 }
 
-Relaxation::Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed)
-    : share_(grid.size(), 0.0) {
-  for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
+std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, bool apart) {
+  std::vector<double> share(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
-    const int field = grid.keys[i][0], piece = piece_of(part_of_field(field));
-    if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field)
-      ranges_.push_back({i, i, apart && piece > 1 ? 0.0 : rate(body, critical_share, shear_speed)});
-    ranges_.back().last = i + 1;
     double depth[2];
     for (int s = 0; s < 2; ++s) {
       double r2 = 0.0;
@@ -33,7 +28,20 @@ Relaxation::Relaxation(const Grid& grid, const Body& body, bool apart, double cr
       depth[s] = std::max(std::sqrt(r2) - body.radius[s], 0.0);
     }
     const double sum = depth[0] + depth[1];
-    share_[i] = apart ? std::min(piece, 1) : sum > 0.0 ? depth[0] / sum : 0.5;
+    const int piece = piece_of(part_of_field(grid.keys[i][0]));
+    share[i] = !apart ? (sum > 0.0 ? depth[0] / sum : 0.5) : piece > 1 ? -1.0 : piece;
+  }
+  return share;
+}
+
+Relaxation::Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed)
+    : share_(shares_of_second_grain(grid, body, apart)) {
+  for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
+  for (int i = 0; i < grid.size(); ++i) {
+    const int field = grid.keys[i][0], piece = piece_of(part_of_field(field));
+    if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field)
+      ranges_.push_back({i, i, apart && piece > 1 ? 0.0 : rate(body, critical_share, shear_speed)});
+    ranges_.back().last = i + 1;
   }
 }
 

@@ -22,6 +22,9 @@
 
 namespace mpdem {
 
+// s of each node; below 0: of a loose piece, which follows no grain. apart: whether the bond came apart.
+std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, bool apart);
+
 // Damping of one bond. `side` always points to the first of its two sides. The second follows it.
 class Relaxation {
  public:

@@ -171,6 +171,9 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain(text_of("'condense yes' is for 'mass_order 1', the mass that condensed bonds have; use 'condense no' or leave 'mass_order ", o.mass_order, "' out"));
   if (o.condense && o.unilateral)
     args.complain("'condense yes' is for 'unilateral no': points that are stiff again while their crack is closed are not linear; use 'condense no' or leave 'unilateral yes' out");
+  if (o.subcycle != 1 && transfers)
+    args.complain(text_of("'subcycle' is for 'kinematics total' without 'reproject': cement follows impulses on its grains by its places in the reference; use "
+                          "'subcycle no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.updated && o.basis == Basis::linear)
     w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
                 "from cell to cell; use 'basis quadratic'";

@@ -15,6 +15,7 @@
 #include "error.h"
 #include "files_in_use.h"
 #include "modify.h"
+#include "prescribed_motion.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -157,6 +158,9 @@ void FixMpmCouple::check_integrators() {
         if (mover)
           trouble = who + text_of("moved by two fixes, '", mover->id, "' (", mover->style, ") and '", fix->id, "' (", fix->style,
                                   "), twice as far as it should be; take it out of the group of one, or unfix one");
+        else if (cement_->options().subcycle != 1 && !mpdem::moves_as_substeps_do(*fix))
+          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), and with 'subcycle' of fix mpm (id ", cement_->id,
+                                  ") free grains are moved as by 'fix nve/sphere'; use that, or 'subcycle no'");
         mover = fix;
       }
       if (mover || !trouble.empty()) continue;

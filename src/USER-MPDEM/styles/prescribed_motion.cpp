@@ -64,4 +64,6 @@ PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom) {
   return p;
 }
 
+bool moves_as_substeps_do(const LAMMPS_NS::Fix& fix) { return is(&fix, {"nve/sphere", "nve", "move", "nve/noforce"}); }
+
 }  // namespace mpdem

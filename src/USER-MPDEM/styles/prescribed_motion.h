@@ -7,6 +7,7 @@
 #define MPDEM_PRESCRIBED_MOTION_H
 
 namespace LAMMPS_NS {
+class Fix;
 class LAMMPS;
 }
 
@@ -20,6 +21,8 @@ struct PrescribedMotion {
 };
 
 PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom);
+// Does the fix move free grains by the velocity Verlet steps that sub-steps take, or prescribe their motion?
+bool moves_as_substeps_do(const LAMMPS_NS::Fix& fix);
 
 }  // namespace mpdem
 

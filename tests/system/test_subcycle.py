@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""fix mpm ... subcycle: the cement takes sub-steps in a step of LIGGGHTS."""
+import numpy as np
+import pytest
+from scenes import CONTACT, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, thermo
+
+STEP = 4e-9
+BREAKING = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(6e-3, 6e-3, 12.5e-3))
+SUMS = ["f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[9]", "f_cem[11]", "f_cem[12]", "f_cem[19]"]
+
+
+def breaking(n, word=None, more=""):
+    """n steps of the cement in one of LIGGGHTS."""
+    return (BREAKING + cement(2e-4, n * STEP, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check {100 // n} subcycle {word or n} {more}")
+            + pull(0.5, 8e-6))
+
+
+def test_one_is_none(tmp_path):
+    """To the bit."""
+    tables = [run(edit(breaking(1), " subcycle 1 ", words) + thermo(50, ["f_bond"] + SUMS) + "run 1000\n", tmp_path / str(k)).table()
+              for k, words in enumerate(["  ", " subcycle no ", " subcycle 1 "])]
+    for t in tables[1:]:
+        for name in t:
+            assert (t[name] == tables[0][name]).all(), name
+
+
+@pytest.mark.parametrize("more", ["", "cracks split", "regularization nonlocal 2e-4"])
+def test_breaking(more, tmp_path, figures):
+    """A pair that is pulled apart: force, energies and mode of the pair that takes short steps."""
+    fine = run(breaking(1, more=more) + thermo(100, ["f_bond"] + SUMS) + "run 6000\n", tmp_path / "fine").table()
+    coarse = run(breaking(10, more=more) + thermo(10, ["f_bond"] + SUMS) + "run 600\n", tmp_path / "coarse").table()
+    figures.below("peak of the force", abs(coarse["f_bond"].max() / fine["f_bond"].max() - 1), 5e-3)
+    figures.below("work", abs(coarse["f_cem[11]"][-1] / fine["f_cem[11]"][-1] - 1), 5e-3)
+    figures.below("imbalance", np.abs(coarse["f_cem[12]"]).max(), 1e-2)
+    assert coarse["f_cem[19]"][-1] == 1 and fine["f_cem[19]"][-1] == 1
+    modes = [[line for line in (tmp_path / d / "in.test.out").read_text().splitlines() if "debonding" in line or "internal" in line or "mixed" in line] for d in ("fine", "coarse")]
+    assert [m.split(":")[0] for m in modes[0]] == [m.split(":")[0] for m in modes[1]]
+
+
+def test_ranks(tmp_path):
+    tables = {n: run(breaking(10) + thermo(10, ["f_bond", "f_cem[2]", "f_cem[19]"]) + "run 600\n", tmp_path / str(n), n).table() for n in (1, 2, 4)}
+    for n in (2, 4):
+        for name in ("f_cem[2]", "f_cem[19]"):
+            assert (tables[n][name] == tables[1][name]).all(), (n, name)
+        assert tables[n]["f_bond"] == pytest.approx(tables[1]["f_bond"], abs=1e-6 * tables[1]["f_bond"].max())
+
+
+def flying(n, word=None):
+    """A free pair that spins; it swings as its cement pulls it around. With a contact that presses on it."""
+    text = pair(2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(0.02, 0.02, 0.02))
+    return edit(text, "density 2500", "density 250") + CONTACT + cement(4e-4, n * 1.6e-8, damage=f"subcycle {word or n}") + SPINNING
+
+
+def test_flight(tmp_path, figures):
+    """Momentum to rounding, angular momentum as well as the positions of grains that swing are known; energy of grains and cement."""
+    found = {}
+    for n in (1, 8):
+        energy = ('compute k grains reduce sum v_kin\nvariable E equal c_k+f_cem[5]+f_cem\n')
+        kin = 'variable kin atom "0.5*mass*(vx^2+vy^2+vz^2)+0.2*mass*0.005^2*(omegax^2+omegay^2+omegaz^2)"\n'
+        text = edit(flying(n), "velocity     all set", kin + "velocity     all set") + MOMENTA + energy
+        text = text.replace(CONTACT, "")
+        found[n] = run(text + thermo(80 // n, MOMENTUM_COLUMNS + ["v_E", "f_bond"]) + f"run {16000 // n}\n", tmp_path / str(n)).table()
+    for n, t in found.items():
+        P = np.array([t[c] for c in MOMENTUM_COLUMNS])
+        drift = np.abs(P - P[:, :1]).max(axis=1) / np.repeat([np.linalg.norm(P[:3, 0]), np.linalg.norm(P[3:, 0])], 3)
+        figures.below(f"{n}: drift of momentum", drift[:3].max(), 1e-12)
+        figures.below(f"{n}: drift of angular momentum", drift[3:].max(), 1e-7)
+        figures.below(f"{n}: drift of energy", np.abs(t["v_E"] / t["v_E"][0] - 1).max(), 1e-4)
+    assert found[8]["f_bond"][:50] == pytest.approx(found[1]["f_bond"][:50], abs=1e-4 * np.abs(found[1]["f_bond"]).max())
+
+
+@pytest.mark.parametrize("at", [60, 110])
+def test_restart(at, tmp_path):
+    """Of free grains that the cement and a contact swing, to the bit."""
+    columns = ["f_bond", "f_cem[5]", "f_cem[6]", "f_cem[7]"]
+    script = flying(8)
+    whole = run(script + thermo(10, columns) + f"run {at}\nwrite_restart r\nrun 200\n", tmp_path, 2).table()
+    fixes = CONTACT + cement(4e-4, 8 * 1.6e-8, damage="subcycle 8") + "fix          motion grains nve/sphere\n"
+    again = run(restarted("r") + fixes + thermo(10, columns) + "run 200\n", tmp_path, 2, name="in.again").table()
+    rows = len(again["step"])
+    for name in columns:
+        assert (whole[name][-rows:] == again[name]).all(), name
+
+
+def test_auto(tmp_path, figures):
+    """LIGGGHTS takes a step of the grains, the cement as many as it needs."""
+    text = edit(flying(1, word="auto"), "subcycle auto", "subcycle auto timestep auto 0.1").replace(CONTACT, "")
+    result = run(text + "thermo_style custom step dt f_cem[25]\nthermo 10\n" + 'variable d equal dt\nvariable n equal f_cem[25]\nrun 10\nprint "dt ${d}"\nprint "n ${n}"\n', tmp_path)
+    dt, n = result.value("dt"), result.value("n")
+    assert 2 < n < 100 and 3e-8 < dt / n < 6e-8, (dt, n)
+    assert f"subcycle auto: {n:.0f} sub-steps" in result.output
+
+
+BAD = {
+    "many": ("subcycle 8", "subcycle 1001", ["fix mpm (id cem)", "'subcycle 1001'", "at most 1000"]),
+    "none": ("subcycle 8", "subcycle 0", ["fix mpm (id cem)", "subcycle", "0"]),
+    "a word": ("subcycle 8", "subcycle yes", ["fix mpm (id cem)", "subcycle", "yes"]),
+    "a long step": ("timestep     1.28e-07", "timestep     1e-06", ["fix mpm (id cem)", "1e-06 exceeds the stable step", "of 8 sub-steps", "use 'timestep"]),
+    "a long step, by itself": ("timestep     1.28e-07", "timestep     1e-03", ["fix mpm (id cem)", "'subcycle auto'", "at most 1000", "use 'timestep"]),
+    "updated": ("subcycle 8", "subcycle 8 kinematics updated", ["fix mpm (id cem)", "'subcycle' is for 'kinematics total'", "leave 'kinematics updated' out"]),
+    "another integrator": ("motion grains nve/sphere", "motion grains nve/limit 1e-6", ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_message(name, tmp_path):
+    old, new, needed = BAD[name]
+    text = edit(flying(8) + "run 10\n", old, new)
+    if "itself" in name:
+        text = edit(text, "subcycle 8", "subcycle auto")
+    result = launch(text, tmp_path, 2)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    missing = [word for word in needed if word not in result.errors()[0]]
+    assert not missing, result.errors()[0]
