@@ -84,10 +84,10 @@ def test_restart(at, tmp_path):
 
 def test_auto(tmp_path, figures):
     """LIGGGHTS takes a step of the grains, the cement as many as it needs."""
-    text = edit(flying(1, word="auto"), "subcycle auto", "subcycle auto timestep auto 0.1").replace(CONTACT, "")
+    text = edit(flying(1, word="auto"), "subcycle auto", "subcycle auto timestep auto 0.5").replace(CONTACT, "").replace("density 250", "density 2500")
     result = run(text + "thermo_style custom step dt f_cem[25]\nthermo 10\n" + 'variable d equal dt\nvariable n equal f_cem[25]\nrun 10\nprint "dt ${d}"\nprint "n ${n}"\n', tmp_path)
     dt, n = result.value("dt"), result.value("n")
-    assert 2 < n < 100 and 3e-8 < dt / n < 6e-8, (dt, n)
+    assert 4 < n < 50 and 3e-8 < dt / n < 7.5e-8, (dt, n)
     assert f"subcycle auto: {n:.0f} sub-steps" in result.output
 
 
@@ -98,7 +98,7 @@ BAD = {
     "a long step": ("timestep     1.28e-07", "timestep     1e-06", ["fix mpm (id cem)", "1e-06 exceeds the stable step", "of 8 sub-steps", "use 'timestep"]),
     "a long step, by itself": ("timestep     1.28e-07", "timestep     1e-03", ["fix mpm (id cem)", "'subcycle auto'", "at most 1000", "use 'timestep"]),
     "updated": ("subcycle 8", "subcycle 8 kinematics updated", ["fix mpm (id cem)", "'subcycle' is for 'kinematics total'", "leave 'kinematics updated' out"]),
-    "another integrator": ("motion grains nve/sphere", "motion grains nve/limit 1e-6", ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"]),
+    "another integrator": ("motion grains nve/sphere", "motion grains nve/limit radius_ratio 0.1", ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"]),
 }
 
 
