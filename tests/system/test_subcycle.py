@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """fix mpm ... subcycle: the cement takes sub-steps in a step of LIGGGHTS."""
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scenes import CONTACT, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, thermo
 
+ROOT = Path(__file__).parents[2]
 STEP = 4e-9
 BREAKING = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(6e-3, 6e-3, 12.5e-3))
 SUMS = ["f_cem[2]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[9]", "f_cem[11]", "f_cem[12]", "f_cem[19]"]
@@ -89,6 +93,37 @@ def test_auto(tmp_path, figures):
     dt, n = result.value("dt"), result.value("n")
     assert 4 < n < 50 and 3e-8 < dt / n < 7.5e-8, (dt, n)
     assert f"subcycle auto: {n:.0f} sub-steps" in result.output
+
+
+def test_example(tmp_path, figures):
+    """Loose beads around a pair that is lifted, free to fall, in contact: as in short steps."""
+    script = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()
+    peak, lines = {}, {}
+    for word, step in (("auto", "4e-7"), ("no", "5e-8")):
+        result = launch(script, tmp_path, name=f"in.{word}", arguments=["-var", "side", "4", "-var", "step", step, "-var", "substeps", word, "-var", "time", "4e-5",
+                                                                      "-var", "rows", "100"])
+        assert result.status == 0 and not result.errors(), result.output[-2000:]
+        rows = [line.split(",") for line in (tmp_path / "bond.csv").read_text().splitlines()]
+        at = rows[0].index("tension")
+        peak[word] = max(float(row[at]) for row in rows[1:])
+        lines[word] = [line.split(":")[2].split(",")[0] for line in result.output.splitlines() if ": bond 1 of grains" in line]
+    figures.below("peak of the force", abs(peak["auto"] / peak["no"] - 1), 5e-3)
+    assert lines["auto"] == lines["no"] and len(lines["no"]) == 1, lines
+
+
+def test_stability(figures):
+    """Of the method itself. Without a contact, and with one at a fifth of the limit, nothing grows; with one at the limit what the page says."""
+    sys.path.insert(0, str(ROOT / "tests" / "verification"))
+    from subcycle_stability import RATIOS, growth
+    steps = np.linspace(1, 40, 40)
+    for share in (0, 0.2):
+        found = [g for g in (growth(ratio, r, share, "shared") for ratio in RATIOS for r in steps) if g is not None]
+        assert len(found) > 70
+        figures.below(f"growth a step, contact at {share} of the limit", max(found), 1e-5)
+    for how, least, most in (("shared", 0, 2), ("grains alone", 1, 15), ("held", 130, 145)):
+        found = [g for g in (growth(ratio, r, 0.9, how) for ratio in (10, 100, 1000, 10000) for r in steps) if g is not None]
+        figures.note(f"contact at 0.9 of the limit, {how}", f"{sum(g > 1e-5 for g in found)} of {len(found)} grow")
+        assert least <= sum(g > 1e-5 for g in found) <= most
 
 
 BAD = {
