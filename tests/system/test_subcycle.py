@@ -41,6 +41,21 @@ def test_breaking(more, tmp_path, figures):
     assert [m.split(":")[0] for m in modes[0]] == [m.split(":")[0] for m in modes[1]]
 
 
+def test_condensed(tmp_path, figures):
+    """Condensed bonds take sub-steps, too: a pair that is lifted, whose other grain is free and weighs. It wakes and breaks, as in short steps."""
+    text = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()
+    peak = {}
+    for word, step in (("auto", "4e-7"), ("no", "5e-8")):
+        result = launch(edit(text, "subcycle ${substeps}", f"condense yes subcycle {word}"), tmp_path, name=f"in.{word}",
+                        arguments=["-var", "side", "2", "-var", "step", step, "-var", "time", "4e-5", "-var", "rows", "100"])
+        assert result.status == 0 and not result.errors(), result.output[-2000:]
+        rows = [line.split(",") for line in (tmp_path / "bond.csv").read_text().splitlines()]
+        tension, mode = (rows[0].index(name) for name in ("tension", "mode"))
+        peak[word] = max(float(row[tension]) for row in rows[1:])
+        assert rows[-1][mode] == "debonding"
+    figures.below("peak, against short steps", abs(peak["auto"] / peak["no"] - 1), 5e-3)
+
+
 def test_ranks(tmp_path):
     tables = {n: run(breaking(10) + thermo(10, ["f_bond", "f_cem[2]", "f_cem[19]"]) + "run 600\n", tmp_path / str(n), n).table() for n in (1, 2, 4)}
     for n in (2, 4):
