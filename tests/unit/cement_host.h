@@ -301,6 +301,7 @@ class RowOfGrains : public CementHost {
     o.updated = row_.updated;
     o.tied = !row_.updated;
     o.check_every = 20;
+    o.subcycle = row_.substeps;
     o.split = row_.split;
     o.unilateral = row_.unilateral;
     o.length = row_.length;
