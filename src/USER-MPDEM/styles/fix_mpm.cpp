@@ -164,12 +164,9 @@ void FixMpm::set_time_step(const Fix* running) {
   guarded([&] {
     e = cement_->eigenvalue_of_new_layout();
     limit = cement_->step_for(e.value + e.residual, cement_->options().relax);
-    if (subcycle > 0) {
-      limit *= subcycle;
-      return;
-    }
-    longest_substep_ = kShareOfSubsteps * limit;
-    if (step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
+    if (subcycle > 0) limit *= subcycle;
+    else longest_substep_ = kShareOfSubsteps * limit;
+    if (subcycle == 0 && step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
   });
   if (step_fraction_ > 0.0) set_time_step(running, limit, e);
   if (subcycle == 0) tell_substeps();
