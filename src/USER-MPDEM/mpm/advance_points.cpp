@@ -11,6 +11,8 @@ namespace mpdem {
 
 namespace {
 
+constexpr int kAhead = 2;  // blocks: about as long as memory takes to answer
+
 // Of one block, with its weights s: strain at the end of the step, and the force if the stress does not wait.
 template <class L, class W>
 inline void advance_block(PointStore& points, int b, const W& s, const double* velocity, double* force, double dt, PointStress<L>& stress_at_end,
@@ -50,9 +52,12 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     with_weights<Type>(p, m, inverse_h,
                        [&](const auto& s) { scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume)); });
   };
+  const int blocks = static_cast<int>(points.blocks.size());
+  const auto skips = [&](int b) { return options.skip_failed && points.meta[b].failed == points.meta[b].occupied; };
   for (int b = first; b < last; ++b) {
+    if (b + kAhead < blocks && !skips(b + kAhead)) points.prefetch(b + kAhead);
+    if (skips(b)) continue;
     const BlockMeta& m = points.meta[b];
-    if (m.failed == m.occupied && options.skip_failed) continue;
     clock.start();
     with_weights<Type>(points.blocks[b], m, inverse_h,
                        [&](const auto& s) { advance_block(points, b, s, velocity, force, dt, stress_at_end, clock); });

@@ -6,12 +6,42 @@
 #ifndef MPDEM_SCATTER_H
 #define MPDEM_SCATTER_H
 
+#include <cstring>
+
 #include "../numerics/tensor3.h"
 #include "basis.h"
 
 namespace mpdem {
 
 namespace detail {
+
+// p[l] += s[first + l] for as many lanes as a Part has.
+template <class Part>
+inline void add_part(double* p, const vd& s, int first) {
+  Part sum, more;
+  std::memcpy(&sum, p, sizeof sum);
+  std::memcpy(&more, reinterpret_cast<const char*>(&s) + first * sizeof(double), sizeof more);
+  sum += more;
+  std::memcpy(p, &sum, sizeof sum);
+}
+
+// The same for N lanes, as vectors: the compiler takes a loop over them apart, lane by lane.
+template <int N>
+inline void add_lanes(double* p, const vd& s, int first = 0) {
+  using v2 = double __attribute__((vector_size(16)));
+  using v4 = double __attribute__((vector_size(32)));
+  if constexpr (N >= 8) {
+    add_part<vd>(p, s, first);
+  } else if constexpr (N >= 4) {
+    add_part<v4>(p, s, first);
+    add_lanes<N - 4>(p + 4, s, first + 4);
+  } else if constexpr (N >= 2) {
+    add_part<v2>(p, s, first);
+    add_lanes<N - 2>(p + 2, s, first + 2);
+  } else if constexpr (N == 1) {
+    add_part<double>(p, s, first);
+  }
+}
 
 // Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column.
 // Reductions run eight at a time; what is over of a column waits until there are eight.
@@ -24,9 +54,7 @@ class ColumnSums {
 
   // `values` holds kPadded vectors, of which those beyond kValues are zero.
   void add(int c, const vd* values) {
-    double* p = place(c);
-    const vd s = sum_lanes_of_8(values);
-    for (int l = 0; l < kFirst; ++l) p[l] += s[l];
+    add_lanes<kFirst>(place(c), sum_lanes_of_8(values));
     if constexpr (kOver > 0) {
       const int at = c * kOver % 8;
       for (int l = 0; l < kOver; ++l) rest_[at + l] = values[8 + l];
@@ -51,7 +79,7 @@ class ColumnSums {
   void add_rest(int c, int columns) {
     const vd s = sum_lanes_of_8(rest_);
     for (int n = 0; n < columns; ++n)
-      for (int l = 0; l < kOver; ++l) place(c - columns + 1 + n)[8 + l] += s[kOver * n + l];
+      add_lanes<kOver>(place(c - columns + 1 + n) + 8, s, kOver * n);
   }
   double* place(int c) const { return nodal_ + 3 * static_cast<long>(column_[c]); }
   double* nodal_;
