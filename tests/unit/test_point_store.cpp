@@ -57,7 +57,7 @@ std::vector<double> content(const PointStore& s) {
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
     const BlockMeta& m = s.meta[b];
     for (int d = 0; d < 3; ++d) all.push_back(m.base[d]);
-    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged)})
+    for (int v : {m.body, m.part, m.joined, int(m.second), int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged)})
       all.push_back(v);
     for (int l = 0; l < kLanes; ++l) {
       all.push_back(s.tags[b][l]);
@@ -306,6 +306,8 @@ TEST(PointStore, PartsInPlace) {
     Filled whole(93, 400);
     const std::vector<int> place = whole.store.arrange(kCell, Basis::quadratic, {}, join);
     std::map<int, int> all_moves;  // slots of the other store
+    const std::size_t arranged = f.store.blocks.size();
+    int joined_copies = 0;  // points in the second cell of a copy
     test::Random random(94);
     for (int round = 0; round < 4; ++round) {
       std::map<int, int> moves, slot_of_tag;
@@ -337,6 +339,11 @@ TEST(PointStore, PartsInPlace) {
           expected.part = part.at(tag);
           EXPECT_EQ(packed(f.store.record(slot)), packed(expected));
           EXPECT_EQ(slot % kLanes, slot_of_tag.at(tag) % kLanes);  // the lane that it had
+          const BlockMeta& m = f.store.meta[b];
+          EXPECT_EQ(m.linked >> l & 1, expected.links > 0);
+          for (int d = 0; d < 3; ++d)
+            EXPECT_EQ(m.base[d] + (m.joined == d && (m.second >> l & 1)), support_base(expected.X[d], 1.0 / kCell, cell_shift(Basis::quadratic)));
+          joined_copies += b >= arranged && m.joined != kOneCell && m.second >> l & 1;
           if (!moves.count(slot_of_tag.at(tag))) {
             EXPECT_EQ(slot, slot_of_tag.at(tag));
           }
@@ -345,6 +352,7 @@ TEST(PointStore, PartsInPlace) {
       for (const auto& p : part) all_moves[place[whole.slots[of_tag.at(p.first)]]] = p.second;
     }
     EXPECT_GT(f.store.blocks.size(), whole.store.blocks.size());
+    EXPECT_EQ(joined_copies > 0, join);
     f.store.arrange(kCell, Basis::quadratic, {}, join);
     whole.store.arrange(kCell, Basis::quadratic, all_moves, join);
     EXPECT_EQ(content(f.store), content(whole.store));

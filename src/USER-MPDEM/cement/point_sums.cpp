@@ -14,6 +14,7 @@ namespace {
 template <class L>
 void add_points(const PointStore& points_of, const L& law, bool with_energy, PointSums& sums) {
   for (std::size_t b = 0; b < points_of.blocks.size(); ++b) {
+    if (b + 1 < points_of.blocks.size()) points_of.prefetch(static_cast<int>(b) + 1);
     const PointBlock& p = points_of.blocks[b];
     const BlockMeta& m = points_of.meta[b];
     sums.points += __builtin_popcount(m.occupied);

@@ -283,6 +283,10 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
       using Type = decltype(type);
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const LinkBlock& b = blocks_[i];
+        if (i + 1 < blocks_.size()) {
+          prefetch_bytes(&blocks_[i + 1], sizeof(LinkBlock));
+          prefetch_bytes(columns(blocks_[i + 1]), kLanes * columns_of_cell_ * sizeof(int));
+        }
         if (!b.attached) continue;
         GrainSide& s = side[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);

@@ -239,12 +239,45 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 
 void EdgeTies::clear() { *this = EdgeTies(); }
 
+void EdgeTies::Rows::add(int node, double weight) {
+  constexpr std::size_t kLast = 64;  // more of them are seldom, and may be there twice
+  const std::size_t first = weight_.size() - std::min(weight_.size(), kLast);
+  const std::size_t at = std::find(weight_.begin() + first, weight_.end(), weight) - weight_.begin();
+  if (at == weight_.size()) weight_.push_back(weight);
+  node_.push_back(node);
+  place_.push_back(static_cast<int>(at));
+}
+
+void EdgeTies::Rows::append(const Rows& other, int row) {
+  other.for_each(row, [this](int node, double weight) { add(node, weight); });
+  end_row();
+}
+
+bool EdgeTies::Rows::same_nodes(int row, const Rows& other, int of_other) const {
+  return length(row) == other.length(of_other) && std::equal(&node_[first_[row]], &node_[first_[row]] + length(row), &other.node_[other.first_[of_other]]);
+}
+
+bool EdgeTies::Rows::same_weights(int row, const Rows& other, int of_other) const {
+  for (int n = 0; n < length(row); ++n)
+    if (weight_[place_[first_[row] + n]] != other.weight_[other.place_[other.first_[of_other] + n]]) return false;
+  return true;
+}
+
+void EdgeTies::Rows::renumber(const std::vector<int>& place) {
+  for (int& n : node_) n = place[n];
+}
+
+void EdgeTies::Rows::shrink_to_fit() {
+  for (auto* v : {&first_, &node_, &place_}) v->shrink_to_fit();
+  weight_.shrink_to_fit();
+}
+
+std::size_t EdgeTies::Rows::memory_usage() const {
+  return sizeof(int) * (first_.capacity() + node_.capacity() + place_.capacity()) + sizeof(double) * weight_.capacity();
+}
+
 void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
   clear();
-  if (ties.empty()) return;
-  row_.assign(keys.size(), -1);
-  first_.push_back(0);
-  first_heir_.push_back(0);
   const auto node = [&keys](const Key& k) {
     const int n = place_of(keys, k);
     if (n < 0) throw std::logic_error("a tie to a node that the grid does not have");
@@ -252,56 +285,27 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   };
   for (const EdgeTie& t : ties) {
     slave_.push_back(node(t.slave));
-    row_[slave_.back()] = static_cast<int>(slave_.size()) - 1;
-    for (const auto& h : t.heirs) {
-      heir_.push_back(node(h.first));
-      heir_share_.push_back(h.second);
-    }
-    first_heir_.push_back(static_cast<int>(heir_.size()));
-    double sum = 0.0;
-    for (const auto& m : t.masters) {
-      master_.push_back(node(m.first));
-      weight_.push_back(m.second);
-      sum += std::fabs(m.second);
-    }
-    weight_sum_.push_back(sum);
-    first_.push_back(static_cast<int>(master_.size()));
+    for (const auto& h : t.heirs) heirs_.add(node(h.first), h.second);
+    heirs_.end_row();
+    for (const auto& m : t.masters) masters_.add(node(m.first), m.second);
+    masters_.end_row();
   }
-  for (auto* v : {&slave_, &first_, &master_, &first_heir_, &heir_}) v->shrink_to_fit();
-  for (auto* v : {&weight_, &weight_sum_, &heir_share_}) v->shrink_to_fit();
+  if (!std::is_sorted(slave_.begin(), slave_.end())) throw std::logic_error("ties that are not in the order of their nodes");
+  slave_.shrink_to_fit();
+  heirs_.shrink_to_fit();
+  masters_.shrink_to_fit();
 }
 
-void EdgeTies::find_rows(std::size_t nodes) {
-  row_.assign(slave_.empty() ? 0 : nodes, -1);
-  for (std::size_t t = 0; t < slave_.size(); ++t) row_[slave_[t]] = static_cast<int>(t);
-}
-
-void EdgeTies::renumber(const std::vector<int>& place, std::size_t nodes) {
-  for (auto* numbers : {&slave_, &master_, &heir_})
-    for (int& n : *numbers) n = place[n];
-  find_rows(nodes);
+void EdgeTies::renumber(const std::vector<int>& place) {
+  for (int& n : slave_) n = place[n];
+  masters_.renumber(place);
+  heirs_.renumber(place);
 }
 
 void EdgeTies::append(const EdgeTies& other, int row) {
-  if (first_.empty()) first_.assign(1, 0);
-  if (first_heir_.empty()) first_heir_.assign(1, 0);
   slave_.push_back(other.slave_[row]);
-  weight_sum_.push_back(other.weight_sum_[row]);
-  const int first = other.first_[row], last = other.first_[row + 1], heir = other.first_heir_[row], last_heir = other.first_heir_[row + 1];
-  master_.insert(master_.end(), &other.master_[first], &other.master_[0] + last);
-  weight_.insert(weight_.end(), &other.weight_[first], &other.weight_[0] + last);
-  heir_.insert(heir_.end(), &other.heir_[heir], &other.heir_[0] + last_heir);
-  heir_share_.insert(heir_share_.end(), &other.heir_share_[heir], &other.heir_share_[0] + last_heir);
-  first_.push_back(static_cast<int>(master_.size()));
-  first_heir_.push_back(static_cast<int>(heir_.size()));
-}
-
-bool EdgeTies::same_row(int row, const EdgeTies& other, int of_other) const {
-  const int n = first_[row + 1] - first_[row], heirs = first_heir_[row + 1] - first_heir_[row];
-  return other.first_[of_other + 1] - other.first_[of_other] == n && other.first_heir_[of_other + 1] - other.first_heir_[of_other] == heirs &&
-         std::equal(&master_[first_[row]], &master_[first_[row]] + n, &other.master_[other.first_[of_other]]) &&
-         std::equal(&weight_[first_[row]], &weight_[first_[row]] + n, &other.weight_[other.first_[of_other]]) &&
-         std::equal(&heir_[first_heir_[row]], &heir_[first_heir_[row]] + heirs, &other.heir_[other.first_heir_[of_other]]);
+  masters_.append(other.masters_, row);
+  heirs_.append(other.heirs_, row);
 }
 
 bool EdgeTies::exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys) {
@@ -309,82 +313,82 @@ bool EdgeTies::exchange(const std::vector<int>& nodes, const std::vector<EdgeTie
   fresh.bind(wanted, keys);
   bool freed = false;
   std::size_t f = 0;
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
+  for (std::size_t t = 0; t < size(); ++t) {
     while (f < fresh.size() && fresh.slave_[f] < slave_[t]) next.append(fresh, static_cast<int>(f++));
     if (!std::binary_search(nodes.begin(), nodes.end(), slave_[t])) {
       next.append(*this, static_cast<int>(t));
       continue;
     }
     const int row = fresh.row(slave_[t]);
-    const bool is_edge = first_[t + 1] - first_[t] > 1;
-    freed = freed || (is_edge && (row < 0 || !same_row(static_cast<int>(t), fresh, row)));
+    const bool is_edge = masters_.length(t) > 1;
+    const bool same = row >= 0 && masters_.same_nodes(t, fresh.masters_, row) && masters_.same_weights(t, fresh.masters_, row) &&
+                      heirs_.same_nodes(t, fresh.heirs_, row);
+    freed = freed || (is_edge && !same);
   }
   while (f < fresh.size()) next.append(fresh, static_cast<int>(f++));
-  next.find_rows(keys.size());
   *this = std::move(next);
   return freed;
 }
 
 std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {
   std::vector<EdgeTie> ties(slave_.size());
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
+  for (std::size_t t = 0; t < size(); ++t) {
     ties[t].slave = keys[slave_[t]];
-    for (int n = first_[t]; n < first_[t + 1]; ++n) ties[t].masters.emplace_back(keys[master_[n]], weight_[n]);
-    for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) ties[t].heirs.emplace_back(keys[heir_[n]], heir_share_[n]);
+    masters_.for_each(t, [&](int node, double weight) { ties[t].masters.emplace_back(keys[node], weight); });
+    heirs_.for_each(t, [&](int node, double share) { ties[t].heirs.emplace_back(keys[node], share); });
   }
   return ties;
 }
 
 void EdgeTies::pull_back(double* values) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
+  for (std::size_t t = 0; t < size(); ++t) {
     double v[3];
     for (int d = 0; d < 3; ++d) {
       v[d] = values[3 * slave_[t] + d];
       values[3 * slave_[t] + d] = 0.0;
     }
-    for (int n = first_[t]; n < first_[t + 1]; ++n)
-      for (int d = 0; d < 3; ++d) values[3 * master_[n] + d] += weight_[n] * v[d];
+    masters_.for_each(t, [&](int node, double weight) {
+      for (int d = 0; d < 3; ++d) values[3 * node + d] += weight * v[d];
+    });
   }
 }
 
 void EdgeTies::pull_back_sizes(double* values) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
+  for (std::size_t t = 0; t < size(); ++t) {
     double& v = values[slave_[t]];
-    for (int n = first_[t]; n < first_[t + 1]; ++n) values[master_[n]] += std::fabs(weight_[n]) * v;
+    masters_.for_each(t, [&](int node, double weight) { values[node] += std::fabs(weight) * v; });
     v = 0.0;
   }
 }
 
 void EdgeTies::bequeath(double* values, int width) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t)
+  for (std::size_t t = 0; t < size(); ++t)
     for (int c = 0; c < width; ++c) {
       double& v = values[width * slave_[t] + c];
-      for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) values[width * heir_[n] + c] += heir_share_[n] * v;
+      heirs_.for_each(t, [&](int node, double share) { values[width * node + c] += share * v; });
       v = 0.0;
     }
 }
 
 void EdgeTies::take_of_heirs(double* values, int width) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t)
+  for (std::size_t t = 0; t < size(); ++t)
     for (int c = 0; c < width; ++c) {
       double sum = 0.0;
-      for (int n = first_heir_[t]; n < first_heir_[t + 1]; ++n) sum += heir_share_[n] * values[width * heir_[n] + c];
+      heirs_.for_each(t, [&](int node, double share) { sum += share * values[width * node + c]; });
       values[width * slave_[t] + c] = sum;
     }
 }
 
 void EdgeTies::extend(double* values) const {
-  for (std::size_t t = 0; t < slave_.size(); ++t) {
+  for (std::size_t t = 0; t < size(); ++t) {
     double sum[3] = {0.0, 0.0, 0.0};
-    for (int n = first_[t]; n < first_[t + 1]; ++n)
-      for (int d = 0; d < 3; ++d) sum[d] += weight_[n] * values[3 * master_[n] + d];
+    masters_.for_each(t, [&](int node, double weight) {
+      for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * node + d];
+    });
     for (int d = 0; d < 3; ++d) values[3 * slave_[t] + d] = sum[d];
   }
 }
 
-std::size_t EdgeTies::memory_usage() const {
-  return sizeof(int) * (slave_.capacity() + row_.capacity() + first_.capacity() + master_.capacity() + first_heir_.capacity() + heir_.capacity()) +
-         sizeof(double) * (weight_.capacity() + weight_sum_.capacity() + heir_share_.capacity());
-}
+std::size_t EdgeTies::memory_usage() const { return sizeof(int) * slave_.capacity() + masters_.memory_usage() + heirs_.memory_usage(); }
 
 }  // namespace mpdem

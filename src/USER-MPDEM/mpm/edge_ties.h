@@ -23,6 +23,8 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -54,11 +56,11 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 // Ties with places of nodes instead of keys. Slaves, heirs and masters are all on this rank.
 class EdgeTies {
  public:
-  // Throws std::logic_error if one is not among the keys.
+  // Slaves ascend. Throws std::logic_error if one is not among the keys.
   void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   void clear();
-  // Nodes went to other places, and there are so many now.
-  void renumber(const std::vector<int>& place, std::size_t nodes);
+  // Nodes went to other places, in the same order.
+  void renumber(const std::vector<int>& place);
   // Ties of these nodes (ascending) are these now, whatever they were. Answers whether one that was tied as an edge is not any more, or to
   // others: that takes momentum to another place.
   bool exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys);
@@ -68,13 +70,20 @@ class EdgeTies {
   bool empty() const { return slave_.empty(); }
   std::size_t size() const { return slave_.size(); }
   // Row of a node; -1 if it is free.
-  int row(long node) const { return row_.empty() ? -1 : row_[node]; }
+  int row(int node) const {
+    const auto at = std::lower_bound(slave_.begin(), slave_.end(), node);
+    return at != slave_.end() && *at == node ? static_cast<int>(at - slave_.begin()) : -1;
+  }
   // Sum of the sizes of the weights of a row.
-  double weight_sum(int row) const { return weight_sum_[row]; }
+  double weight_sum(int row) const {
+    double sum = 0.0;
+    for_each_master(row, [&sum](int, double weight) { sum += std::fabs(weight); });
+    return sum;
+  }
   // Calls f(node, weight) for the masters of a row.
   template <class F>
   void for_each_master(int row, F f) const {
-    for (int n = first_[row]; n < first_[row + 1]; ++n) f(master_[n], weight_[n]);
+    masters_.for_each(row, f);
   }
 
   // Moves values of slaves to their masters, by the weights. Three numbers a node.
@@ -91,12 +100,31 @@ class EdgeTies {
   std::size_t memory_usage() const;
 
  private:
+  // Nodes with a weight each, of each row. Weights are few numbers that come again and again, and small bonds have many ties, so an entry
+  // has the place of its weight in a list.
+  class Rows {
+   public:
+    void add(int node, double weight);
+    void end_row() { first_.push_back(static_cast<int>(node_.size())); }
+    void append(const Rows& other, int row);
+    int length(int row) const { return first_[row + 1] - first_[row]; }
+    bool same_nodes(int row, const Rows& other, int of_other) const;
+    bool same_weights(int row, const Rows& other, int of_other) const;
+    void renumber(const std::vector<int>& place);
+    void shrink_to_fit();
+    template <class F>
+    void for_each(int row, F f) const {
+      for (int n = first_[row]; n < first_[row + 1]; ++n) f(node_[n], weight_[place_[n]]);
+    }
+    std::size_t memory_usage() const;
+
+   private:
+    std::vector<int> first_{0}, node_, place_;  // place of the weight
+    std::vector<double> weight_;                // mostly each once
+  };
   void append(const EdgeTies& other, int row);
-  bool same_row(int row, const EdgeTies& other, int of_other) const;
-  void find_rows(std::size_t nodes);
-  std::vector<int> slave_, row_;
-  std::vector<int> first_, master_, first_heir_, heir_;
-  std::vector<double> weight_, weight_sum_, heir_share_;
+  std::vector<int> slave_;  // ascending
+  Rows masters_, heirs_;
 };
 
 }  // namespace mpdem

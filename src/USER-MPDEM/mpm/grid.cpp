@@ -294,7 +294,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
   for (auto* v : {&mass, &tie_factor_}) spread(*v, 1, place, keys.size(), 0.0);
   spread(given_volume, 1, place, keys.size(), -1.0);
-  ties.renumber(place, keys.size());
+  ties.renumber(place);
   halo.resize(keys.size());
   return place;
 }
