@@ -130,7 +130,7 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
   }
   const Vector3 V(0.3, -0.2, 0.5), w(0.7, 0.4, -0.6);
   CondensedMotion::Vector12 q;
-  q << V, w, V, w;
+  for (int n = 0; n < 4; ++n) q.segment<3>(3 * n) = n % 2 == 0 ? V : w;
   double energy = 0.0;
   for (const auto& n : nodes) energy += 0.5 * n.first * (V + w.cross(n.second - model.middle)).squaredNorm();
   EXPECT_NEAR(0.5 * q.dot(rigid.M * q), energy, 1e-12 * energy);
