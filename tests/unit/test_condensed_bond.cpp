@@ -5,6 +5,10 @@
 #include "coupling/condensed_bond.h"
 
 #include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "coupling/condensed_pack.h"
 
 #include "lanes.h"
 
@@ -148,6 +152,92 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
   const CondensedMotion::Vector12 f = motion.centripetal(rigid, side);
   const Vector3 resultant = f.segment<3>(0) + f.segment<3>(6), expected = w.cross(w.cross(centre));
   EXPECT_LT((resultant - expected).norm(), 1e-12);
+}
+
+// Eleven bonds between five grains, in lanes, against one by one: large and small turns.
+TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
+  constexpr int kGrains = 5, kBonds = 11;
+  for (double apart : {1e-5, 0.05, 0.9}) {
+    std::array<GrainState, kGrains> state;
+    std::vector<Grain> grains(kGrains);
+    Eigen::Matrix<double, 6, 1> rate[kGrains];
+    const Eigen::Quaterniond turn(random.frame());
+    for (int g = 0; g < kGrains; ++g) {
+      grains[g].tag = 10 + 3 * g;
+      grains[g].state = &state[g];
+      grains[g].mass_ratio = 0.1 * g;
+      write(state[g].q, Eigen::Quaterniond(Eigen::AngleAxisd(apart * random.uniform(0.3, 1), random.direction())) * turn);
+      for (int d = 0; d < 3; ++d) grains[g].x[d] = random.uniform(-2, 2);
+      for (int d = 0; d < 6; ++d) {
+        state[g].v[d] = random.uniform(-1, 1);
+        state[g].jump[d] = random.uniform(-1, 1);
+        rate[g][d] = random.uniform(-1, 1);
+      }
+    }
+    std::vector<CondensedModel> models(kBonds, model);
+    std::vector<Body> bodies(kBonds, body);
+    const double bound[6] = {1, 2, 3, 4, 5, 6};
+    std::vector<CondensedPack::Part> parts;
+    std::vector<std::array<int, 2>> ends;
+    for (int b = 0; b < kBonds; ++b) {
+      const int first = b % (kGrains - 1), second = first + 1 + (b % 3) % (kGrains - 1 - first);
+      ends.push_back({first, second});
+      for (int s = 0; s < 2; ++s) {
+        const int g = ends.back()[s];
+        bodies[b].grain[s] = grains[g].tag;
+        write(bodies[b].orientation[s], Eigen::Quaterniond(random.frame()).slerp(0.9, Eigen::Quaterniond::Identity()));
+        const Vector3 centre = turn.inverse() * CondensedMotion::vector(grains[g].x) + 0.1 * random.vector();
+        set(bodies[b].centre[s], centre);
+        for (int d = 0; d < 3; ++d) bodies[b].shift[s][d] = random.uniform(-0.01, 0.01) * apart;
+      }
+      models[b].add_node(0.7 + 0.1 * b, random.vector(), Eigen::Matrix<double, 3, 6>::Constant(0.1 * b));
+      parts.push_back({&models[b], &bodies[b], bound});
+    }
+    CondensedPack pack;
+    pack.build(MPI_COMM_SELF, parts, grains);
+    const double gravity[3] = {0.3, -0.2, -9.81}, dt = 0.5;
+    pack.distribute(grains);
+    pack.find_loads(gravity);
+    pack.find_jump_loads(dt);
+    std::vector<double> rates;
+    for (const auto& r : rate) rates.insert(rates.end(), r.data(), r.data() + 6);
+    pack.set_accelerations(rates.data());
+    pack.find_inertial_loads();
+
+    double sum[kGrains][6] = {}, still[kGrains][6] = {}, jump[kGrains][6] = {}, most = 0.0, worst = 0.0, worst_d = 0.0;
+    for (int b = 0; b < kBonds; ++b) {
+      auto side = pack.sides(b, bodies[b]);
+      const CondensedMotion motion(models[b], bodies[b], side.data());
+      double level = 0.0;
+      for (int j = 0; j < 6; ++j) {
+        worst_d = std::max(worst_d, std::fabs(motion.relative()[j] - pack.relative(b, j)));
+        level += bound[j] * std::fabs(motion.relative()[j]);
+      }
+      EXPECT_NEAR(pack.level(b), level, 1e-11 * (1 + level));
+      const GrainLoads all = motion.all(models[b], side.data(), gravity);
+      const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.of_sides(side[0].jump, side[1].jump)));
+      for (GrainSide& s : side) {
+        std::fill(s.a, s.a + 3, 0.0);
+        std::fill(s.alpha, s.alpha + 3, 0.0);
+      }
+      const GrainLoads without = motion.all(models[b], side.data(), gravity);
+      for (int s = 0; s < 2; ++s)
+        for (int d = 0; d < 6; ++d) {
+          sum[ends[b][s]][d] += all.of[s][d];
+          still[ends[b][s]][d] += without.of[s][d];
+          jump[ends[b][s]][d] += of_jump.of[s][d];
+        }
+    }
+    EXPECT_LT(worst_d, 1e-12);
+    for (int g = 0; g < kGrains; ++g)
+      for (int d = 0; d < 6; ++d) {
+        most = std::max({most, std::fabs(sum[g][d]), std::fabs(jump[g][d])});
+        worst = std::max({worst, std::fabs(pack.load(g, d) - still[g][d]), std::fabs(pack.load(g, d) + pack.inertial_load(g, d) - sum[g][d]),
+                          std::fabs(pack.jump_load(g, d) - jump[g][d])});
+      }
+    EXPECT_GT(most, 1.0);
+    test::expect_within(worst / most, 1e-13, "loads on grains, in lanes and one by one");
+  }
 }
 
 }  // namespace

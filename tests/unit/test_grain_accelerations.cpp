@@ -81,6 +81,8 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
         if (!g.free[i]) (i < 3 ? a : alpha)[i % 3] = s.random.uniform(-1, 1);
         s.load[n][i] = s.random.uniform(-1, 1);
       }
+      copy(a, g.acceleration);
+      copy(alpha, g.acceleration + 3);
       for (int side : g.sides) {
         copy(a, s.motion[side].a);
         copy(alpha, s.motion[side].alpha);

@@ -95,8 +95,15 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
   if (moves) keep_motion(untied, motion);
   start_velocities(layouts);
   bonds_.drop_empty();
+  bind_shared_nodes();
+  for (int row : rows)
+    if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
+}
+
+// Collective. Nodes of bonds that are awake.
+void Cement::bind_shared_nodes() {
   std::vector<HaloSum*> halos;
-  for (Bond& b : bonds_)
+  for (Bond& b : bonds_.awake())
     if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
   shared_nodes_.build(halos);
   if (options_.skip.nonlocal) {
@@ -105,8 +112,6 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
     MPI_Allreduce(&cut, &any, 1, MPI_INT, MPI_MAX, comm_);
     any_bond_is_cut_ = any != 0;
   }
-  for (int row : rows)
-    if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
 }
 
 // Where bonds and grains are on the ranks where they were.
@@ -121,8 +126,8 @@ void Cement::bind_grains() {
   grains_.distribute(bonds_);  // who looks before the next step is not to find grains at rest
   built_ = true;
   if (dt_last_ == 0.0) dt_last_ = now_.dt;
-  condensed_.bind(comm_, bonds_, grains_.sides);
-  condensed_.follow(bonds_, grains_.sides);
+  condensed_.bind(comm_, bonds_, grains_);
+  condensed_.follow(grains_, weight_of_cement().data());
 }
 
 // Bonds that no step has moved yet, since their points and nodes are at the creation.
@@ -133,16 +138,26 @@ void Cement::choose_condensed() {
     if (b.condensed && !options_.condense)
       throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1], " still is; use 'condense yes'"));
   }
+  bonds_.awake_changed();
 }
 
 // Collective. After their layout, with the links of the run.
 void Cement::condense(const std::vector<int>& rows) {
-  if (!options_.condense) return;
+  if (!options_.condense || !penalty_) return;
+  std::vector<int> apart;
   for (int row : rows)
-    if (cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) bonds_.table[row].condensed = false;
-  condensed_.solve(comm_, bonds_, rows, *law_);
-  condensed_.bind(comm_, bonds_, grains_.sides);
-  condensed_.follow(bonds_, grains_.sides);
+    if (bonds_.table[row].condensed && cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) apart.push_back(row);
+  for (int row : apart) bonds_.table[row].condensed = false;
+  bonds_.awake_changed();
+  condensed_.solve(comm_, bonds_, rows, *law_, *penalty_, inertia_);
+  if (!apart.empty()) {
+    bind_grains();
+    bind_shared_nodes();
+    refresh_added_mass(apart);
+    return;
+  }
+  condensed_.bind(comm_, bonds_, grains_);
+  condensed_.follow(grains_, weight_of_cement().data());
 }
 
 void Cement::lay_out_run() {

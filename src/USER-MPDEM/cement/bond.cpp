@@ -20,14 +20,25 @@ Bond& Bonds::make(int body) {
   auto at = std::lower_bound(here_.begin(), here_.end(), body, comes_before);
   if (at == here_.end() || at->body != body) {
     at = here_.emplace(at);
+    awake_is_known_ = false;
     at->body = body;
   }
   return *at;
 }
 
 void Bonds::drop_empty() {
+  awake_is_known_ = false;
   here_.erase(std::remove_if(here_.begin(), here_.end(), [](const Bond& b) { return b.points.blocks.empty(); }), here_.end());
   here_.shrink_to_fit();
+}
+
+const std::vector<int>& Bonds::awake_places() const {
+  if (awake_is_known_) return awake_;
+  awake_is_known_ = true;
+  awake_.clear();
+  for (std::size_t n = 0; n < here_.size(); ++n)
+    if (is_awake(here_[n])) awake_.push_back(static_cast<int>(n));
+  return awake_;
 }
 
 std::size_t Bonds::memory_usage() const {

@@ -70,34 +70,31 @@ class Bonds {
   std::size_t size() const { return here_.size(); }
 
   // Those that are resolved: of condensed bonds nodes and points wait.
-  template <class Iterator>
+  template <class B>
   class Awake {
    public:
-    Awake(Iterator at, Iterator end, const std::vector<Body>& table) : at_(at), end_(end), table_(table) { skip(); }
-    auto& operator*() const { return *at_; }
+    Awake(B* bonds, const int* at) : bonds_(bonds), at_(at) {}
+    B& operator*() const { return bonds_[*at_]; }
     Awake& operator++() {
       ++at_;
-      skip();
       return *this;
     }
     bool operator!=(const Awake& other) const { return at_ != other.at_; }
 
    private:
-    void skip() {
-      while (at_ != end_ && table_[at_->body].condensed) ++at_;
-    }
-    Iterator at_, end_;
-    const std::vector<Body>& table_;
+    B* bonds_;
+    const int* at_;
   };
-  template <class Iterator>
+  template <class B>
   struct AwakeRange {
-    Iterator first, last;
-    const std::vector<Body>& table;
-    Awake<Iterator> begin() const { return {first, last, table}; }
-    Awake<Iterator> end() const { return {last, last, table}; }
+    B* bonds;
+    const std::vector<int>& places;
+    Awake<B> begin() const { return {bonds, places.data()}; }
+    Awake<B> end() const { return {bonds, places.data() + places.size()}; }
   };
-  AwakeRange<std::vector<Bond>::iterator> awake() { return {here_.begin(), here_.end(), table}; }
-  AwakeRange<std::vector<Bond>::const_iterator> awake() const { return {here_.begin(), here_.end(), table}; }
+  AwakeRange<Bond> awake() { return {here_.data(), awake_places()}; }
+  AwakeRange<const Bond> awake() const { return {here_.data(), awake_places()}; }
+  void awake_changed() { awake_is_known_ = false; }  // after changes of Body::condensed
   bool is_awake(const Bond& b) const { return !table[b.body].condensed; }
 
   const Body& body(const Bond& b) const { return table[b.body]; }
@@ -114,7 +111,11 @@ class Bonds {
   std::size_t memory_usage() const;
 
  private:
+  const std::vector<int>& awake_places() const;
+
   std::vector<Bond> here_;
+  mutable std::vector<int> awake_;
+  mutable bool awake_is_known_ = false;
 };
 
 }  // namespace mpdem

@@ -29,11 +29,12 @@ void BondedGrains::replace(std::vector<Grain> now) {
   for (std::size_t n = 0; n < now.size() && !changed_; ++n) {
     now[n].sides = std::move(grains[n].sides);
     now[n].mass_ratio = grains[n].mass_ratio;
+    now[n].made_for = grains[n].made_for;
   }
   grains = std::move(now);
 }
 
-void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
+void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density, bool all) {
   std::unordered_map<int, int> by_tag;
   for (std::size_t n = 0; n < grains.size(); ++n) {
     by_tag.emplace(grains[n].tag, static_cast<int>(n));
@@ -47,12 +48,15 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
       const auto it = by_tag.find(bonds.table[b].grain[s]);
       if (it == by_tag.end()) continue;
       cement[it->second] += density * bonds.table[b].volume;
+      grains[it->second].made_for = bonds.table[b].radius[s];
+      if (bonds.table[b].condensed && !all) continue;
       grains[it->second].sides.push_back(static_cast<int>(owned_.size()));
       owned_.push_back({it->second, -1, static_cast<int>(b), s});
       keys.push_back({static_cast<int>(b), s, 0, 0});
     }
   std::vector<int> here;
-  for (const Bond& b : bonds) here.push_back(b.body);
+  for (const Bond& b : bonds)
+    if (all || bonds.is_awake(b)) here.push_back(b.body);
   sides.build(comm, bonds.table, here, keys);
   for (std::size_t k = 0; k < owned_.size(); ++k) owned_[k].at = sides.owned()[k];
   for (Bond& b : bonds) b.side = sides.find(b.body, 0);
@@ -66,7 +70,21 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
   any_free_ = any != 0;
 }
 
+void BondedGrains::wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<GrainSide>& woken) {
+  std::vector<GrainSide> before(sides.sides);
+  before.insert(before.end(), woken.begin(), woken.end());
+  const auto comes_before = [](const GrainSide& a, const GrainSide& b) { return std::make_pair(a.body, a.side) < std::make_pair(b.body, b.side); };
+  std::sort(before.begin(), before.end(), comes_before);
+  bind(comm, bonds, density);
+  for (GrainSide& s : sides.sides) {
+    const auto was = std::lower_bound(before.begin(), before.end(), s, comes_before);
+    if (was != before.end() && !comes_before(s, *was)) s = *was;
+  }
+}
+
 void BondedGrains::distribute(const Bonds& bonds) {
+  for (Grain& grain : grains)
+    for (int d = 0; d < 6; ++d) grain.acceleration[d] = d < 3 ? grain.state->a[d] : 0.0;
   std::vector<GrainSides::Motion> motion(owned_.size());
   for (std::size_t k = 0; k < owned_.size(); ++k) {
     const Grain& grain = grains[owned_[k].grain];
@@ -131,7 +149,7 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, const CondensedMass* condensed) {
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, CondensedPack* condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) load_[n][d] = loads * (grains[n].force[d] + grains[n].state->late[d]);
@@ -142,29 +160,23 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double 
   fresh_ = false;
 }
 
-void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, const CondensedMass* condensed) {
+void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed) {
   if (!any_free_) return;
-  constexpr int kNumbers = sizeof(SharedImpulse::Moments) / sizeof(double);
-  std::vector<SharedImpulse::Moments> moments(sides.sides.size());
+  std::vector<SideMoments> moments(sides.sides.size());
   for (const Bond& b : bonds.awake()) b.impulse.add_moments(b.grid, side_of(b), &moments[b.side]);
-  sides.sum(reinterpret_cast<double*>(moments.data()), kNumbers);
-  CondensedMass mass;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const GrainSide &s = sides.sides[i], &other = sides.sides[i + (s.side == 0 ? 1 : -1)];
-    const int c = condensed ? condensed->of_side[i] : -1;
-    const double e[3] = {s.x[0] - other.x[0], s.x[1] - other.x[1], s.x[2] - other.x[2]};
-    mass.of_side.push_back(static_cast<int>(i));
-    mass.own.push_back(c < 0 ? moments[i].own.matrix() : condensed->own[c]);
-    mass.other.push_back(c < 0 ? moments[i].shared.coupling(e) : condensed->other[c]);
-  }
   load_.resize(grains.size());
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) load_[g][d] = n * (grains[g].force[d] + grains[g].state->late[d]);
   const std::vector<GrainSide> kept(sides.sides);
+  std::vector<double> total;  // accelerations of the grains
+  for (Grain& g : grains) {
+    total.insert(total.end(), g.acceleration, g.acceleration + 6);
+    std::fill(g.acceleration, g.acceleration + 6, 0.0);
+  }
   sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   sides.clear_forces();
   sides.clear_sudden_forces();
-  impulses_.find(comm, {}, grains, load_, sides, true, &mass);
+  impulses_.find_impulse(comm, moments, grains, load_, sides, condensed);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     GrainSide& s = sides.sides[i];
     std::copy(kept[i].force, kept[i].force + 3, s.force);
@@ -184,6 +196,9 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, const Cond
       s.alpha[d] += kept[i].alpha[d];
     }
   }
+  for (std::size_t n = 0; n < grains.size(); ++n)
+    for (int d = 0; d < 6; ++d) grains[n].acceleration[d] = total[6 * n + d] += grains[n].acceleration[d];
+  if (condensed) condensed->set_accelerations(total.data());
 }
 
 void BondedGrains::clear_sudden_forces() {
@@ -195,7 +210,7 @@ void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last) {
   b.added.follow_jumps(b.grid, side_of(b), 2.0 / (dt_last + dt), 1.0 / dt);
 }
 
-void BondedGrains::react(double dt, EnergyBooks& books) {
+void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* condensed) {
   sides.sum_forces();
   for (Grain& g : grains) std::fill(g.state->load, g.state->load + 6, 0.0);
   for (const OwnedSide& o : owned_) {
@@ -207,15 +222,26 @@ void BondedGrains::react(double dt, EnergyBooks& books) {
       g.state->load[d] += load[d];
     }
   }
+  for (std::size_t n = 0; condensed && n < grains.size(); ++n) {
+    Grain& g = grains[n];
+    double of_jumps = 0.0;
+    for (int d = 0; d < 6; ++d) {
+      const double load = condensed->load(n, d) + condensed->inertial_load(n, d), of_jump = condensed->jump_load(n, d);
+      g.force[d] += load + of_jump;
+      g.state->load[d] += load;
+      of_jumps += of_jump * 0.5 * (g.state->before[d] + g.state->v[d]);
+    }
+    books.do_work(-dt * of_jumps);
+  }
   react_to_jumps(dt, books);
 }
 
-void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books) {
+void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {
   for (Grain& g : grains) {
     std::copy(g.force, g.force + 6, g.kick);
     std::fill(g.force, g.force + 6, 0.0);
   }
-  react(dt, books);
+  react(dt, books, condensed);
   for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) {
       g.of_cement[d] = g.force[d];
@@ -262,6 +288,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
                                      int end_of_work, EnergyBooks& books) {
   sides.set_jumps(jump);
   sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
+  for (Grain& grain : grains) std::fill(grain.acceleration, grain.acceleration + 6, 0.0);
   sides.clear_forces();
   sides.clear_sudden_forces();
   for (Bond& b : bonds.awake()) {
@@ -274,12 +301,9 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     b.grid.update_acceleration(b.added.of_nodes());
   }
   sides.sum_forces();
-  for (Grain& grain : grains) {
-    const GrainSide& s = sides.sides[owned_[grain.sides.front()].at];
-    const Six change = in_box(s, s.a, s.alpha);
+  for (Grain& grain : grains)
     for (int d = 0; d < 6; ++d)
-      if (grain.free[d]) grain.velocity[d] += change[d];
-  }
+      if (grain.free[d]) grain.velocity[d] += grain.acceleration[d];
   for (const OwnedSide& o : owned_) {
     if (o.body >= end_of_work) continue;
     const GrainSide& s = sides.sides[o.at];
@@ -289,17 +313,20 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   }
 }
 
-bool BondedGrains::find_commands(MPI_Comm comm) {
+bool BondedGrains::find_commands(MPI_Comm comm, CondensedPack* condensed) {
   int some = 0, any;
-  std::vector<Six> jump(owned_.size(), Six{});
-  for (const Grain& grain : grains)
+  std::vector<Six> jump(owned_.size(), Six{}), of_grains(grains.size(), Six{});
+  for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) {
+      const Grain& grain = grains[n];
       const double change = grain.free[d] ? grain.velocity[d] - grain.state->ended[d] : 0.0;
+      of_grains[n][d] = change;
       for (int k : grain.sides) jump[k][d] = change;
       some = some || change != 0.0;
     }
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
   if (any) sides.set_jumps(jump);
+  if (any && condensed) condensed->set_jumps(of_grains.empty() ? nullptr : of_grains.front().data());
   return any != 0;
 }
 
@@ -350,19 +377,18 @@ void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body,
 }
 
 void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
-  std::vector<Six> rates(owned_.size());
-  for (std::size_t k = 0; k < owned_.size(); ++k) {
-    const GrainSide& s = sides.sides[owned_[k].at];
-    rates[k] = in_box(s, s.a, s.alpha);
-  }
-  for (Grain& grain : grains) {
-    GrainState& g = *grain.state;
+  std::vector<Six> rates(owned_.size()), found(grains.size());
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    std::copy(grains[n].acceleration, grains[n].acceleration + 6, found[n].begin());
+    for (int k : grains[n].sides) rates[k] = found[n];
+    GrainState& g = *grains[n].state;
     if (g.seen) continue;
     g.seen = true;
-    for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last * rates[grain.sides.front()][d];
+    for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last * found[n][d];
   }
   distribute(bonds);
   sides.set_accelerations(rates);
+  for (std::size_t n = 0; n < grains.size(); ++n) std::copy(found[n].begin(), found[n].end(), grains[n].acceleration);
 }
 
 EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
@@ -377,6 +403,19 @@ EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
     for (int d = 0; d < 6; ++d) {
       power.now -= f[d] * g.ended[d];
       power.before -= f[d] * g.v[d];
+    }
+  }
+  return {dt_last * power.now, dt_last * power.before};
+}
+
+EnergyBooks::StepWork BondedGrains::work_of(const CondensedPack& condensed, double dt_last) const {
+  EnergyBooks::StepWork power;
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    const GrainState& g = *grains[n].state;
+    for (int d = 0; d < 6; ++d) {
+      const double f = condensed.load(n, d) + condensed.inertial_load(n, d);
+      power.now -= f * g.ended[d];
+      power.before -= f * g.v[d];
     }
   }
   return {dt_last * power.now, dt_last * power.before};

@@ -54,8 +54,12 @@ class BondedGrains {
   //   m (V + Omega r)^2 <= (1 + t) m V^2 + (1 + 1/t) m r^2 Omega^2   and its moment of inertia is 2/5 m r^2.
   static double mass_ratio(const Grain& g, double cement);
 
-  // Collective. After grains or bonds changed place: sides of the bonds, and who owns them. density: of the inertia of the cement.
-  void bind(MPI_Comm comm, Bonds& bonds, double density);
+  // Collective. After grains or bonds changed place: sides of the bonds that are awake, or of all, and who owns them. density: of the
+  // inertia of the cement.
+  void bind(MPI_Comm comm, Bonds& bonds, double density, bool all = false);
+  // Collective. Bonds woke in a step: they get sides, and the others keep theirs with all they have. woken: the state of the new sides on ranks
+  // that had the condensed bonds, ascending.
+  void wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<GrainSide>& woken);
   // Collective. Motion to all who have a side.
   void distribute(const Bonds& bonds);
   // By the velocities that the host gave them.
@@ -71,19 +75,19 @@ class BondedGrains {
   void watch_late_loads(bool after);
 
   // Collective. Accelerations of free grains, with so many times the load of the host so far and what came late in the last step.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, const CondensedMass* condensed = nullptr);
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, CondensedPack* condensed = nullptr);
   void added_mass_changed() { fresh_ = true; }
 
   // Jumps in a step, before nodes drift.
   void clear_sudden_forces();
   void follow_jumps(Bond& b, double dt, double dt_last);
-  // Collective. Forces of the cement on the grains, once those of all bonds are with the sides.
-  void react(double dt, EnergyBooks& books);
+  // Collective. Forces of the cement on the grains, once those of all bonds are with the sides. condensed: or null.
+  void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
   // Collective. The load of the host so far and what came late in the last step act for n sub-steps at once: forces of this impulse on nodes and grains, and
   // what grains are accelerated by beyond their accelerations so far.
-  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, const CondensedMass* condensed);
+  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
   // Collective. react() in one of n sub-steps. What is added to the loads of the grains is the n-th part.
-  void react_in_substep(double dt, int n, EnergyBooks& books);
+  void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
   // For who looks at the loads after a step: the whole of the load of the cement.
   void show_loads(int substeps);
   // Collective. Of that, the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and its work.
@@ -98,7 +102,7 @@ class BondedGrains {
   // Collective. Takes up what commands did to velocities since the last step, by find_commands().
   void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
   // Collective. Leaves in the jumps of the sides what commands did to velocities of free grains; false if nothing.
-  bool find_commands(MPI_Comm comm);
+  bool find_commands(MPI_Comm comm, CondensedPack* condensed);
   // Collective. Added mass of new bodies gets the velocity of its grains, which are at a full step where they have not been seen before.
   void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books);
   // Grains that were not seen before go back to the middle of the step before, like the nodes of new bodies.
@@ -106,6 +110,8 @@ class BondedGrains {
 
   // Work on the cement of bodies from first_body on, in a step. That of jumps and transfers has been counted.
   EnergyBooks::StepWork work(double dt_last, int first_body) const;
+  // That of loads of condensed bonds, of all of them.
+  EnergyBooks::StepWork work_of(const CondensedPack& condensed, double dt_last) const;
 
   // The first jump of a prescribed velocity above a limit that is no small part of it, in this run on this rank.
   struct Jump {

@@ -40,8 +40,8 @@ void Cement::take_up_states() {
 }
 
 void Cement::take_up_commands() {
-  if (!(any_added_mass_ || condensed_.any()) || !grains_.find_commands(comm_)) return;
-  books_.do_work(condensed_.work_of_commands(grains_.sides, dt_last_));
+  if (!(any_added_mass_ || condensed_.any()) || !grains_.find_commands(comm_, condensed_.pack())) return;
+  books_.do_work(condensed_.work_of_commands(bonds_, dt_last_));
   if (any_added_mass_) grains_.take_up_commands(comm_, bonds_, now_.dt, dt_last_, books_);
 }
 
@@ -55,17 +55,14 @@ void Cement::advance() {
   timer_.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places();
   grains_.distribute(bonds_);
-  condensed_.follow(bonds_, grains_.sides);
+  condensed_.follow(grains_, weight_of_cement().data());
   refresh_for_places(moved);
   look_for_cracks();
   advance_.dissipated = advance_.released = 0.0;
   kinematics_->advance();
   books_.dissipate(advance_.dissipated);
   books_.release(advance_.released);
-  if (condensed_.any()) {
-    condensed_.add_jumps(grains_.sides, now_.dt);
-    grains_.expect_sudden_forces();
-  }
+  if (condensed_.any()) condensed_.pack()->find_jump_loads(now_.dt);
   complete_forces();
   books_.damp(damping_work(0.5 * dt_last_, 0));
   if (faces_touch())
@@ -83,15 +80,25 @@ void Cement::wake_bonds() {
   if (!condensed_.any()) return;
   const std::vector<int> rows = agreed_rows(condensed_.due(bonds_, options_, *law_));
   if (rows.empty()) return;
-  const double half = 0.5 * dt_last_, *g = now_.gravity;
-  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
+  const std::array<double, 3> weight = weight_of_cement();
   double given_up = 0.0;
+  std::vector<GrainSide> sides;
   for (int row : rows) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, grains_.sides, half);
+    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, 0.5 * dt_last_);
     given_up += e.elastic + e.kept;
-    bonds_.table[row].condensed = false;
+    condensed_.wake(comm_, row, bonds_.find(row), bonds_, weight.data(), dt_last_, *law_);
+    if (!condensed_.has(row)) continue;
+    const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, bonds_, weight.data());
+    sides.insert(sides.end(), of_row.begin(), of_row.end());
+  }
+  for (int row : rows) bonds_.table[row].condensed = false;
+  bonds_.awake_changed();
+  condensed_.drop(comm_, rows, bonds_, grains_);
+  condensed_.resume(grains_, weight.data());
+  grains_.wake(comm_, bonds_, inertia_, sides);
+  bind_shared_nodes();
+  for (int row : rows) {
     Bond* b = bonds_.find(row);
-    condensed_.wake(comm_, row, b, bonds_, grains_.sides, of_condensed, dt_last_, *law_);
     if (!b) continue;
     b->resting = Resting();
     b->near_threshold = options_.skip.nonlocal && is_near_threshold(b->points, *law_);
@@ -100,9 +107,12 @@ void Cement::wake_bonds() {
   for (int row : rows)
     if (const Bond* b = bonds_.find(row)) given_up -= energy_of(*b);
   books_.release(given_up);
-  condensed_.drop(rows);
-  condensed_.bind(comm_, bonds_, grains_.sides);
-  condensed_.follow(bonds_, grains_.sides);
+}
+
+// The acceleration by gravity that acts on the inertia of the cement.
+std::array<double, 3> Cement::weight_of_cement() const {
+  const double* g = now_.gravity;
+  return {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
 }
 
 // Of its points, nodes and links, as central differences keep it.
@@ -199,7 +209,7 @@ void Cement::add_link_forces(Bond& b) {
 
 void Cement::sum_shared(std::vector<double> Grid::*values, int width) {
   std::vector<double*> of_bonds;
-  for (Bond& b : bonds_)
+  for (Bond& b : bonds_.awake())
     if (b.cut_by_ranks()) of_bonds.push_back((b.grid.*values).data());
   shared_nodes_.sum(of_bonds, width);
 }
@@ -211,8 +221,6 @@ void Cement::complete_forces() {
   timer_.start(StepTimer::kNodes);
   const double* g = now_.gravity;
   const bool weighs = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0;
-  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
-  condensed_.add_forces(grains_.sides, of_condensed);
   for (Bond& b : bonds_.awake()) {
     if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
     const std::array<double, 3> along = gravity_of(b);
@@ -224,7 +232,7 @@ void Cement::complete_forces() {
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (now_.substeps > 1 && ends_step()) share_impulses();
-  condensed_.add_inertia(grains_.sides);
+  if (condensed_.any()) condensed_.pack()->find_inertial_loads();
   for (Bond& b : bonds_.awake()) {
     b.added.carry(b.grid, grains_.side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
@@ -234,7 +242,7 @@ void Cement::complete_forces() {
 void Cement::find_grain_accelerations() {
   if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
-  grains_.find_accelerations(comm_, bonds_, now_.substeps == 1, condensed_.any() ? &condensed_.mass() : nullptr);
+  grains_.find_accelerations(comm_, bonds_, now_.substeps == 1, condensed_.pack());
   timer_.start(StepTimer::kNodes);
 }
 
@@ -339,11 +347,9 @@ EnergyBooks::StepWork Cement::work_of_step(int first_body) {
     work.now += before + 0.5 * dt_last_ * dt_last_ * gravity_power(b, b.grid.acceleration);
     work.before += before;
   }
-  const double* g = now_.gravity;
-  const double of_condensed[3] = {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
-  const double before = dt_last_ * condensed_.gravity_power(grains_.sides, of_condensed, false, first_body);
-  work.now += before + 0.5 * dt_last_ * dt_last_ * condensed_.gravity_power(grains_.sides, of_condensed, true, first_body);
-  work.before += before;
+  const EnergyBooks::StepWork of_condensed = condensed_.work(grains_, bonds_, weight_of_cement().data(), dt_last_, first_body);
+  work.now += of_condensed.now;
+  work.before += of_condensed.before;
   return work;
 }
 
@@ -367,8 +373,9 @@ void Cement::check_state() {
     else if (!b.grid.finite() && trouble.empty())
       trouble = text_of("a node of the grid is not finite at step ", now_.number,
                         "; check the motion of the grains, the time step and the contact model");
-  if (penalty_ && grains_.sides.orphan() >= 0)
-    trouble = text_of("grain ", grains_.sides.sides[grains_.sides.orphan()].tag, " has cement but was deleted or lost at step ", now_.number,
+  const int orphan = grains_.sides.orphan() >= 0 ? grains_.sides.sides[grains_.sides.orphan()].tag : condensed_.any() ? condensed_.pack()->orphan() : 0;
+  if (penalty_ && orphan != 0)
+    trouble = text_of("grain ", orphan, " has cement but was deleted or lost at step ", now_.number,
                       "; keep bonded grains, or use a larger box");
   throw_if_any(comm_, trouble);
 }
@@ -380,6 +387,7 @@ void Cement::start_run() {
     books_.release_by([&] { return added_energy_ahead(all_rows(), 0.0); }, [&] { refresh_added_mass(); });
   if (penalty_ && bodies_started_ < static_cast<int>(bonds_.table.size()))
     grains_.start_added_mass(comm_, bonds_, bodies_started_, any_added_mass_, books_);
+  condensed_.follow(grains_, weight_of_cement().data());
   kinematics_->find_internal_force();
   grains_.sides.clear_forces();
   grains_.clear_sudden_forces();
@@ -418,9 +426,9 @@ void Cement::start_bodies() {
     mine += b.added.energy(grid, grains_.side_of(b), 0.0, dt_last_);
     kinematics_->start_points(b);
   }
-  condensed_.follow(bonds_, grains_.sides);
+  condensed_.resume(grains_, weight_of_cement().data());
   for (int row = bodies_started_; row < rows; ++row) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, grains_.sides, 0.5 * dt_last_);
+    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, 0.5 * dt_last_);
     mine += e.elastic + e.kept;
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, comm_);

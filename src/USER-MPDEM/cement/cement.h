@@ -194,6 +194,8 @@ class Cement {
   void sort_links(Bond& b);
   void lay_out_parts(Cracks::Found found);
   void choose_condensed();
+  void bind_shared_nodes();
+  std::array<double, 3> weight_of_cement() const;
   void condense(const std::vector<int>& rows);
   void remember_axis();
   void check_restored(const CementHead& head) const;

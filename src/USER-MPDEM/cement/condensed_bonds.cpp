@@ -49,28 +49,51 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
     MPI_Allreduce(MPI_IN_PLACE, s->model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
     MPI_Allreduce(MPI_IN_PLACE, s->model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
   }
-  std::fill(s->bound, s->bound + 6, 0.0);
-  if (b) find_strain_bounds(b->points, s->fields.strain, law, s->bound);
+  if (!b) return s;
+  find_strain_bounds(b->points, s->fields.strain, law, s->bound);
+  s->sums.add(b->points, law, false);
+  const auto energy_by = [&](int i, int j) {
+    for (std::size_t n = 0; n < b->points.blocks.size(); ++n)
+      b->points.blocks[n].strain = i == j ? s->fields.strain[i][n] : s->fields.strain[i][n] + s->fields.strain[j][n];
+    PointSums sums;
+    sums.add(b->points, law, true);
+    return sums.elastic;
+  };
+  for (int i = 0; i < 6; ++i) s->energy(i, i) = 2.0 * energy_by(i, i);
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < i; ++j) s->energy(i, j) = s->energy(j, i) = energy_by(i, j) - 0.5 * (s->energy(i, i) + s->energy(j, j));
+  for (PointBlock& p : b->points.blocks) p.strain = Sym3<vd>{};
   return s;
 }
 
-void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law) {
+void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia) {
   std::unordered_multimap<std::size_t, int> known;
-  std::vector<char> cut(rows.size(), 0);
+  std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
   std::string trouble;
   const auto description = [&](int row) {
     const Bond& b = *bonds.find(row);
     return BondDescription(b.points, b.grid, bonds.table[row], SidesAtCreation(bonds.table[row]).side);
   };
+  std::size_t of_all = 0;
+  for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
+    of_all = (of_all ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
+  solved_last_ = 0;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = rows[n];
-    solutions_.erase(row);
     Bond* b = bonds.find(row);
-    if (!b || !bonds.table[row].condensed) continue;
+    if (!b || !bonds.table[row].condensed) {
+      solutions_.erase(row);
+      described_.erase(row);
+      continue;
+    }
     cut[n] = b->cut_by_ranks();
-    if (cut[n]) continue;
     const BondDescription mine = description(row);
-    const auto range = known.equal_range(mine.hash());
+    const std::size_t hash = mine.hash() ^ of_all;
+    const auto before = described_.find(row);
+    solved_already[n] = before != described_.end() && before->second == hash && solutions_.count(row) > 0;
+    described_[row] = hash;
+    if (cut[n] || solved_already[n]) continue;
+    const auto range = known.equal_range(hash);
     const auto equal = std::find_if(range.first, range.second, [&](const auto& k) { return description(k.second) == mine; });
     if (equal != range.second) {
       solutions_[row] = solutions_[equal->second];
@@ -78,148 +101,132 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
     }
     try {
       solutions_[row] = solved(MPI_COMM_SELF, b, bonds.table[row], law);
-      known.emplace(mine.hash(), row);
+      known.emplace(hash, row);
+      ++solved_last_;
     } catch (const BadState& e) {
       if (trouble.empty()) trouble = e.what();
     }
   }
   throw_if_any(comm, trouble);
   MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, solved_already.data(), static_cast<int>(cut.size()), MPI_SIGNED_CHAR, MPI_MIN, comm);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
-  }
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    if (!cut[n]) continue;
+    if (!cut[n] || solved_already[n]) continue;
     Bond* b = bonds.find(rows[n]);
     auto s = solved(comm, b, bonds.table[rows[n]], law);
-    if (b) solutions_[rows[n]] = std::move(s);
+    if (!b) continue;
+    solutions_[rows[n]] = std::move(s);
+    ++solved_last_;
   }
 }
 
-// The model of a bond goes to all ranks that have a side of it.
-void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, GrainSides& sides) {
+// The model of a bond goes to all ranks that have a grain of it.
+void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
   int me;
   MPI_Comm_rank(comm, &me);
-  constexpr int kWidth = CondensedModel::kNumbers;
   std::vector<int> teller(bonds.table.size(), std::numeric_limits<int>::max());
   for (const auto& s : solutions_) teller[s.first] = me;
   MPI_Allreduce(MPI_IN_PLACE, teller.data(), static_cast<int>(teller.size()), MPI_INT, MPI_MIN, comm);
-  any_ = std::any_of(teller.begin(), teller.end(), [](int t) { return t != std::numeric_limits<int>::max(); });
+  const auto owned = [&](int tag) {
+    const auto at = std::lower_bound(grains.grains.begin(), grains.grains.end(), tag, [](const Grain& g, int t) { return g.tag < t; });
+    return at != grains.grains.end() && at->tag == tag;
+  };
+  std::vector<Key> keys, wanted;
+  std::vector<double> numbers;
   members_.clear();
-  mass_ = CondensedMass();
-  if (!any_) return;
-  std::vector<double> numbers(kWidth * sides.sides.size(), 0.0);
-  for (const auto& s : solutions_)
-    if (teller[s.first] == me) s.second->model.pack(&numbers[kWidth * static_cast<std::size_t>(sides.find(s.first, 0))]);
-  sides.sum(numbers.data(), kWidth);
-  mass_.of_side.assign(sides.sides.size(), -1);
-  for (std::size_t at = 0; at < sides.sides.size(); at += 2) {
-    const int body = sides.sides[at].body;
-    if (teller[body] == std::numeric_limits<int>::max()) continue;
-    Member m{body, static_cast<int>(at), teller[body] == me, nullptr, {}, CondensedMotion::Vector6::Zero(), 0.0};
-    const auto own = solutions_.find(body);
+  for (int row = 0; row < static_cast<int>(teller.size()); ++row) {
+    if (teller[row] == std::numeric_limits<int>::max()) continue;
+    const auto own = solutions_.find(row);
     if (own != solutions_.end()) {
-      m.solution = own->second;
-    } else {
-      auto s = std::make_shared<Solution>();
-      s->model.unpack(&numbers[kWidth * at]);
-      m.solution = std::move(s);
+      members_.push_back({row, teller[row] == me, own->second});
+      keys.push_back({row, 0, 0, 0});
+      numbers.resize(numbers.size() + CondensedModel::kNumbers);
+      own->second->model.pack(&numbers[numbers.size() - CondensedModel::kNumbers]);
+    } else if (owned(bonds.table[row].grain[0]) || owned(bonds.table[row].grain[1])) {
+      members_.push_back({row, false, nullptr});
+      wanted.push_back({row, 0, 0, 0});
     }
-    for (int s = 0; s < 2; ++s) mass_.of_side[at + s] = 2 * static_cast<int>(members_.size()) + s;
-    members_.push_back(std::move(m));
   }
+  std::vector<char> found;
+  const std::vector<double> fetched = fetch_values(comm, CondensedModel::kNumbers, keys, numbers, wanted, found);
+  const double* from = fetched.data();
+  for (Member& m : members_) {
+    if (m.solution) continue;
+    auto s = std::make_shared<Solution>();
+    s->model.unpack(from);
+    from += CondensedModel::kNumbers;
+    m.solution = std::move(s);
+  }
+  pack_up(comm, bonds, grains);
 }
 
-void CondensedBonds::drop(const std::vector<int>& rows) {
-  for (int row : rows) solutions_.erase(row);
+void CondensedBonds::pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
+  std::vector<CondensedPack::Part> parts;
+  for (const Member& m : members_) parts.push_back({&m.solution->model, &bonds.table[m.body], m.solution->bound});
+  pack_.build(comm, parts, grains.grains);
+}
+
+void CondensedBonds::drop(MPI_Comm comm, const std::vector<int>& rows, const Bonds& bonds, const BondedGrains& grains) {
+  for (int row : rows) {
+    solutions_.erase(row);
+    described_.erase(row);
+  }
+  const auto gone = [&](const Member& m) { return std::binary_search(rows.begin(), rows.end(), m.body); };
+  members_.erase(std::remove_if(members_.begin(), members_.end(), gone), members_.end());
+  pack_up(comm, bonds, grains);
 }
 
 const CondensedBonds::Member* CondensedBonds::find(int body) const {
+  const int part = part_of(body);
+  return part < 0 ? nullptr : &members_[part];
+}
+
+int CondensedBonds::part_of(int body) const {
   const auto m = std::lower_bound(members_.begin(), members_.end(), body, [](const Member& a, int b) { return a.body < b; });
-  return m != members_.end() && m->body == body ? &*m : nullptr;
+  return m != members_.end() && m->body == body ? static_cast<int>(m - members_.begin()) : -1;
 }
 
-void CondensedBonds::follow(const Bonds& bonds, const GrainSides& sides) {
-  for (Member& m : members_) m.motion = CondensedMotion(m.solution->model, bonds.table[m.body], &sides.sides[m.side]);
+void CondensedBonds::follow(const BondedGrains& grains, const double* gravity) {
+  pack_.distribute(grains.grains);
+  pack_.find_loads(gravity);
 }
 
-void CondensedBonds::add_forces(GrainSides& sides, const double* gravity) const {
-  for (const Member& m : members_) {
-    if (!m.tells) continue;
-    GrainSide* side = &sides.sides[m.side];
-    const CondensedModel& model = m.solution->model;
-    m.motion.elastic(model).add_to(side);
-    // what of the inertia does not hang on the accelerations, and the weight
-    GrainSide still[2] = {side[0], side[1]};
-    for (GrainSide& s : still) std::fill(s.a, s.a + 3, 0.0), std::fill(s.alpha, s.alpha + 3, 0.0);
-    const CondensedMotion::Vector12 inertia = model.M * (m.motion.rate(still) - m.motion.uniform(turned_back(side->axes, gravity).data())) + m.motion.centripetal(model, side);
-    m.motion.loads(-inertia).add_to(side);
-  }
+void CondensedBonds::resume(const BondedGrains& grains, const double* gravity) {
+  follow(grains, gravity);
+  std::vector<double> accelerations;
+  for (const Grain& g : grains.grains) accelerations.insert(accelerations.end(), g.acceleration, g.acceleration + 6);
+  pack_.set_accelerations(accelerations.data());
+  pack_.find_inertial_loads();
 }
 
-void CondensedBonds::add_jumps(GrainSides& sides, double dt) const {
-  for (const Member& m : members_) {
-    if (!m.tells) continue;
-    GrainSide* side = &sides.sides[m.side];
-    const bool jumps = std::any_of(side[0].jump, side[0].jump + 6, [](double j) { return j != 0.0; }) ||
-                       std::any_of(side[1].jump, side[1].jump + 6, [](double j) { return j != 0.0; });
-    if (!jumps) continue;
-    const GrainLoads l = m.motion.loads(-1.0 / dt * (m.solution->model.M * m.motion.of_sides(side[0].jump, side[1].jump)));
-    for (int s = 0; s < 2; ++s)
-      for (int d = 0; d < 6; ++d) side[s].jump_force[d] += l.of[s][d];
-  }
-}
-
-const CondensedMass& CondensedBonds::mass() {
-  mass_.own.resize(2 * members_.size());
-  mass_.other.resize(2 * members_.size());
-  for (std::size_t n = 0; n < members_.size(); ++n)
-    for (int s = 0; s < 2; ++s) {
-      mass_.own[2 * n + s] = members_[n].motion.mass(members_[n].solution->model, s, s);
-      mass_.other[2 * n + s] = members_[n].motion.mass(members_[n].solution->model, s, 1 - s);
-    }
-  return mass_;
-}
-
-void CondensedBonds::add_inertia(GrainSides& sides) const {
-  for (const Member& m : members_) {
-    if (!m.tells) continue;
-    GrainSide* side = &sides.sides[m.side];
-    double a[2][6];
-    for (int s = 0; s < 2; ++s)
-      for (int d = 0; d < 3; ++d) {
-        a[s][d] = side[s].a[d];
-        a[s][3 + d] = side[s].alpha[d];
-      }
-    m.motion.loads(-(m.solution->model.M * m.motion.of_sides(a[0], a[1]))).add_to(side);
-  }
-}
-
-CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bonds, const GrainSides& sides, double half) const {
+CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bonds, double half) const {
   Energies e;
-  const Member* m = find(body);
-  if (!m || !m->tells) return e;
-  const GrainSide* side = &sides.sides[m->side];
-  const CondensedModel& model = m->solution->model;
-  const CondensedMotion::Vector12 before = m->motion.velocity(side, 0.0), now = m->motion.velocity(side, half), after = m->motion.velocity(side, 2.0 * half);
-  e.elastic = m->motion.energy(model);
+  const int part = part_of(body);
+  if (part < 0 || !members_[part].tells) return e;
+  const CondensedModel& model = members_[part].solution->model;
+  const Body& b = bonds.table[body];
+  const auto side = sides_of(part, bonds);
+  const CondensedMotion motion(model, b, side.data());
+  const CondensedMotion::Vector12 before = motion.velocity(side.data(), 0.0), now = motion.velocity(side.data(), half),
+                                  after = motion.velocity(side.data(), 2.0 * half);
+  e.elastic = motion.energy(model);
   e.kinetic = 0.5 * now.dot(model.M * now);
   e.kept = 0.5 * before.dot(model.M * after);
   const CondensedMotion::Vector12 p = model.M * now;
-  const Body& b = bonds.table[body];
-  const auto in_box = [side](const Vector3& v) { return CondensedMotion::vector(turned(side->axes, v.data()).data()); };
-  const Vector3 P = in_box(m->motion.axes() * (p.segment<3>(0) + p.segment<3>(6)));
-  const Vector3 L = in_box(m->motion.axes() * (p.segment<3>(3) + p.segment<3>(9))) + (CondensedMotion::vector(b.origin) + in_box(m->motion.middle())).cross(P);
+  const auto in_box = [&side](const Vector3& v) { return CondensedMotion::vector(turned(side[0].axes, v.data()).data()); };
+  const Vector3 P = in_box(motion.axes() * (p.segment<3>(0) + p.segment<3>(6)));
+  const Vector3 L = in_box(motion.axes() * (p.segment<3>(3) + p.segment<3>(9))) + (CondensedMotion::vector(b.origin) + in_box(motion.middle())).cross(P);
   std::copy(P.data(), P.data() + 3, e.momentum);
   std::copy(L.data(), L.data() + 3, e.angular_momentum);
   return e;
 }
 
-CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, const GrainSides& sides, double half) const {
+CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double half) const {
   Energies sum;
   for (const Member& m : members_) {
-    const Energies e = energies_of(m.body, bonds, sides, half);
+    const Energies e = energies_of(m.body, bonds, half);
     sum.elastic += e.elastic;
     sum.kinetic += e.kinetic;
     sum.kept += e.kept;
@@ -231,37 +238,77 @@ CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, const Grai
   return sum;
 }
 
-double CondensedBonds::gravity_power(const GrainSides& sides, const double* gravity, bool rates, int first_body) const {
-  double power = 0.0;
-  for (const Member& m : members_) {
-    if (!m.tells || m.body < first_body) continue;
-    const GrainSide* side = &sides.sides[m.side];
-    CondensedMotion::Vector12 q = m.motion.velocity(side, 0.0);
-    if (rates) q = m.motion.velocity(side, 1.0) - q;
-    power += q.dot(m.solution->model.M * m.motion.uniform(turned_back(side->axes, gravity).data()));
-  }
-  return power;
+double CondensedBonds::energy_of_points(const Bond& b) const {
+  const int part = part_of(b.body);
+  CondensedMotion::Vector6 d;
+  for (int j = 0; j < 6; ++j) d[j] = pack_.relative(part, j);
+  return 0.5 * d.dot(members_[part].solution->energy * d);
 }
 
-double CondensedBonds::work_of_commands(const GrainSides& sides, double dt_last) const {
-  double work = 0.0;
+std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bonds, const double* gravity) const {
+  const int part = part_of(body);
+  auto side = sides_of(part, bonds);
+  const CondensedModel& model = members_[part].solution->model;
+  const GrainLoads loads = CondensedMotion(model, bonds.table[body], side.data()).all(model, side.data(), turned_back(side[0].axes, gravity).data());
+  for (GrainSide& s : side) s.body = body;
+  loads.add_to(side.data());
+  return side;
+}
+
+// Those of all bonds are added up by grain already.
+EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last,
+                                           int first_body) const {
+  if (!any()) return {};
+  if (first_body == 0) return grains.work_of(pack_, dt_last);
+  EnergyBooks::StepWork work;
   for (const Member& m : members_) {
+    if (m.body < first_body) continue;
+    const auto side = loaded_sides(m.body, bonds, gravity);
+    for (const GrainSide& s : side) {
+      const auto g = std::lower_bound(grains.grains.begin(), grains.grains.end(), s.tag, [](const Grain& a, int tag) { return a.tag < tag; });
+      if (g == grains.grains.end() || g->tag != s.tag) continue;
+      const std::array<double, 6> f = in_box(s, s.force, s.torque);
+      for (int d = 0; d < 6; ++d) {
+        work.now -= dt_last * f[d] * g->state->ended[d];
+        work.before -= dt_last * f[d] * g->state->v[d];
+      }
+    }
     if (!m.tells) continue;
-    const GrainSide* side = &sides.sides[m.side];
-    const CondensedMotion::Vector12 change = m.motion.of_sides(side[0].jump, side[1].jump);
-    work += 0.5 * (m.motion.velocity(side, dt_last) + change).dot(m.solution->model.M * change);
+    const CondensedModel& model = m.solution->model;
+    const CondensedMotion motion(model, bonds.table[m.body], side.data());
+    const CondensedMotion::Vector12 weight = model.M * motion.uniform(turned_back(side[0].axes, gravity).data()), q = motion.velocity(side.data(), 0.0);
+    const double before = dt_last * q.dot(weight);
+    work.before += before;
+    work.now += before + 0.5 * dt_last * dt_last * (motion.velocity(side.data(), 1.0) - q).dot(weight);
   }
   return work;
 }
 
-CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const GrainSides& sides, double later) const {
-  const Member& m = *find(bond.body);
-  const GrainSide* side = &sides.sides[m.side];
+double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) const {
+  double work = 0.0;
+  for (std::size_t part = 0; part < members_.size(); ++part) {
+    const Member& m = members_[part];
+    if (!m.tells) continue;
+    const auto side = sides_of(static_cast<int>(part), bonds);
+    const CondensedModel& model = m.solution->model;
+    const CondensedMotion motion(model, bonds.table[m.body], side.data());
+    const CondensedMotion::Vector12 change = motion.of_sides(side[0].jump, side[1].jump);
+    work += 0.5 * (motion.velocity(side.data(), dt_last) + change).dot(model.M * change);
+  }
+  return work;
+}
+
+CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body& body, double later) const {
+  const int part = part_of(bond.body);
+  const Member& m = members_[part];
+  const auto sides = pack_.sides(part, body);
+  const GrainSide* side = sides.data();
+  const CondensedMotion motion(m.solution->model, body, side);
   const Vector3& middle = m.solution->model.middle;
-  const CondensedMotion::Vector12 v = m.motion.velocity(side, later), a = m.motion.rate(side);
-  const CondensedMotion::Vector6 d = m.motion.relative(), half = 0.5 * d;
-  const Matrix3& Q = m.motion.axes();
-  const Vector3 c = m.motion.middle(), w = m.motion.turning(side);
+  const CondensedMotion::Vector12 v = motion.velocity(side, later), a = motion.rate(side);
+  const CondensedMotion::Vector6 d = motion.relative(), half = 0.5 * d;
+  const Matrix3& Q = motion.axes();
+  const Vector3 c = motion.middle(), w = motion.turning(side);
   const auto rigid = [](const CondensedMotion::Vector6& g, const Vector3& Y) { return Vector3(g.head<3>() + Vector3(g.tail<3>()).cross(Y)); };
   NodeMotion n;
   for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
@@ -284,38 +331,39 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Grai
 }
 
 void CondensedBonds::show_strain(Bond& bond) const {
-  const Member& m = *find(bond.body);
-  const CondensedMotion::Vector6 d = m.motion.relative();
+  const int part = part_of(bond.body);
+  const Member& m = members_[part];
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};
-    for (int j = 0; j < 6; ++j) e = e + splat(d[j]) * m.solution->fields.strain[j][b];
+    for (int j = 0; j < 6; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
     bond.points.blocks[b].strain = e;
   }
 }
 
-void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const GrainSides& sides, const double* gravity, double dt_last,
-                          const Law& law) const {
+void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const {
+  const Body& row = bonds.table[body];
   if (bond) {
     Grid& grid = bond->grid;
     show_strain(*bond);
-    NodeMotion n = nodes_of(*bond, sides, 0.5 * dt_last);
+    NodeMotion n = nodes_of(*bond, row, 0.5 * dt_last);
     for (std::size_t i = 0; i < n.velocity.size(); ++i) n.velocity[i] -= 0.5 * dt_last * n.acceleration[i];
     grid.displacement.swap(n.displacement);
     grid.velocity.swap(n.velocity);
     grid.acceleration.swap(n.acceleration);
-    const Matrix3& Q = find(body)->motion.axes();
+    const int part = part_of(body);
+    const Matrix3 Q = CondensedMotion(members_[part].solution->model, row, sides_of(part, bonds).data()).axes();
     double turn[3][3];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
     take_up_field(bond->points, grid, turn);
   }
   const bool cut = cut_.count(body) > 0;
-  const std::array<double, 3> along = turned_back(axes_of(bonds.table[body]), gravity);
-  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, bonds.table[body], sides, along.data(), law);
+  const std::array<double, 3> along = turned_back(axes_of(row), gravity);
+  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, row, along.data(), law);
 }
 
 // The fields are linear. What is left of forces is of the order of the strain, but links are stiff: a step of Newton's method takes it away.
-void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const GrainSides& sides, const double* gravity, const Law& law) const {
+void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const {
   constexpr int kIterations = 2;
   for (int k = 0; k < kIterations; ++k) {
     if (!bond) {
@@ -323,19 +371,19 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const G
       continue;
     }
     Grid& grid = bond->grid;
-    GrainSide side[2] = {sides.sides[bond->side], sides.sides[bond->side + 1]};
+    std::array<GrainSide, 2> side = pack_.sides(part_of(bond->body), body);
     for (GrainSide& s : side)  // no dampers
       for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
     std::vector<double> velocity(grid.velocity.size(), 0.0);
     velocity.swap(grid.velocity);
     grid.clear_force();
     add_internal_force(bond->points, grid, law);
-    bond->links.add_force(grid, side);
+    bond->links.add_force(grid, side.data());
     grid.sum_force();
     for (int i = 0; i < grid.size(); ++i)
       for (int d = 0; d < 3; ++d)
         if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
-    const StaticParts parts{bond->points, grid, bond->links, side, body, law};
+    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law};
     grid.velocity = solve_static(comm, &parts, grid.force);
     AdvanceOptions options;
     options.nonlocal = true;  // without averages no damage grows
@@ -366,18 +414,21 @@ double CondensedBonds::largest_root(Bond& b, const CementOptions& options, const
 std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law) {
   const double wakes = root_of_share(law, options.wake);
   std::vector<int> rows;
-  for (Member& m : members_) {
-    const CondensedMotion::Vector6& d = m.motion.relative();
-    double bound = 0.0, changed = 0.0;
+  if (!pack_.any_level_reaches(wakes)) return rows;
+  for (std::size_t part = 0; part < members_.size(); ++part) {
+    Member& m = members_[part];
+    const double bound = pack_.level(static_cast<int>(part));
+    if (bound < wakes) continue;
+    double changed = 0.0, d[6];
     for (int j = 0; j < 6; ++j) {
-      bound += std::fabs(d[j]) * m.solution->bound[j];
+      d[j] = pack_.relative(static_cast<int>(part), j);
       changed += std::fabs(d[j] - m.looked_at[j]) * m.solution->bound[j];
     }
-    if (bound < wakes || changed < m.margin) continue;
+    if (changed < m.margin) continue;
     Bond* b = bonds.find(m.body);
     if (!b) continue;
     const double root = largest_root(*b, options, law);
-    m.looked_at = d;
+    std::copy(d, d + 6, m.looked_at);
     m.margin = margin_of_root(law, bound, root, wakes);
     if (root >= wakes) rows.push_back(m.body);
   }
@@ -385,7 +436,7 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
 }
 
 std::size_t CondensedBonds::memory_usage() const {
-  std::size_t bytes = members_.capacity() * sizeof(Member);
+  std::size_t bytes = members_.capacity() * sizeof(Member) + pack_.memory_usage();
   for (const auto& s : solutions_) bytes += s.second.use_count() > 0 ? s.second->fields.memory_usage() / s.second.use_count() : 0;
   return bytes;
 }

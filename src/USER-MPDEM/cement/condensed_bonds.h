@@ -17,60 +17,63 @@
 #include <vector>
 
 #include "../coupling/condensed_bond.h"
-#include "../coupling/grain_accelerations.h"
+#include "../coupling/condensed_pack.h"
 #include "bond.h"
+#include "bonded_grains.h"
 #include "options.h"
+#include "point_sums.h"
 #include "static_bond.h"
 
 namespace mpdem {
 
 class CondensedBonds {
  public:
-  // Collective. Solves those of the rows whose table says that they are condensed, which were laid out at rest. They have no
-  // loads before bind().
-  void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law);
-  // Collective. After the sides were built anew.
-  void bind(MPI_Comm comm, const Bonds& bonds, GrainSides& sides);
+  // Collective. Solves those of the rows whose table says that they are condensed, which were laid out at rest, but for those that are solved already
+  // and did not change. They have no loads before bind(). links, inertia: what the solutions hang on beside the bonds.
+  void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia);
+  int solved_last() const { return solved_last_; }  // by this rank
+  // Collective. After bonds or grains went to other ranks.
+  void bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
   bool has(int body) const { return find(body) != nullptr; }
-  bool any() const { return any_; }  // on any rank
+  bool any() const { return pack_.any(); }  // on any rank
 
-  // In a step: where the grains are, loads that do not hang on their accelerations.
-  void follow(const Bonds& bonds, const GrainSides& sides);
-  void add_forces(GrainSides& sides, const double* gravity) const;
-  // The change of velocity that accelerations did not foretell, as a force over the step.
-  void add_jumps(GrainSides& sides, double dt) const;
-  const CondensedMass& mass();
-  // Loads by the accelerations of the sides.
-  void add_inertia(GrainSides& sides) const;
+  // Collective. In a step: motion of the grains, loads that do not hang on their accelerations.
+  void follow(const BondedGrains& grains, const double* gravity);
+  // Collective. The same with the accelerations that the grains have, and the loads by these.
+  void resume(const BondedGrains& grains, const double* gravity);
+  CondensedPack* pack() { return any() ? &pack_ : nullptr; }
 
   struct Energies {
     double elastic = 0, kinetic = 0, kept = 0;  // kept: the kinetic energy of central differences
     double momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};  // the latter about the origin of the box
   };
   // Of those that this rank tells. half: half a step.
-  Energies energies(const Bonds& bonds, const GrainSides& sides, double half) const;
-  Energies energies_of(int body, const Bonds& bonds, const GrainSides& sides, double half) const;
-  // Power of the weight on velocities (rates: on accelerations) of the sides; of bodies from first_body on.
-  double gravity_power(const GrainSides& sides, const double* gravity, bool rates, int first_body) const;
-
+  Energies energies(const Bonds& bonds, double half) const;
+  Energies energies_of(int body, const Bonds& bonds, double half) const;
+  // Of a bond that this rank tells: all loads on its grains. Elastic energy of its points; that of its links is the rest.
+  bool tells(int body) const { return find(body) && find(body)->tells; }
+  std::array<GrainSide, 2> loaded_sides(int body, const Bonds& bonds, const double* gravity) const;
+  double energy_of_points(const Bond& b) const;
+  const PointSums& sums_of_points(const Bond& b) const { return find(b.body)->solution->sums; }
+  // Work of the loads on the grains of this rank, and of the weight, in a step; of bodies from first_body on.
+  EnergyBooks::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_body) const;
   // Work of commands that changed the velocities of grains between two runs by the jumps of the sides: the cement follows.
-  double work_of_commands(const GrainSides& sides, double dt_last) const;
+  double work_of_commands(const Bonds& bonds, double dt_last) const;
 
   // Those of this rank that have to wake, ascending. Looks at the points of a bond only where a bound does not tell.
   std::vector<int> due(Bonds& bonds, const CementOptions& options, const Law& law);
-  // Of the nodes of a bond, three numbers each; the velocity is that of the sides, `later` of their acceleration later.
+  // Of the nodes of a bond, three numbers each; the velocity is that of the grains, `later` of their acceleration later.
   struct NodeMotion {
     std::vector<double> displacement, velocity, acceleration;
   };
-  NodeMotion nodes_of(const Bond& bond, const GrainSides& sides, double later) const;
+  NodeMotion nodes_of(const Bond& bond, const Body& body, double later) const;
   // Writes the strain by the present motion to the points of a bond, for who looks.
   void show_strain(Bond& bond) const;
   // Collective. Points and nodes of a bond take up the present, in equilibrium with the accelerations of the grains. bond: null if this rank has
   // nothing of it. dt_last: velocities lie half of it behind.
-  void wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const GrainSides& sides, const double* gravity, double dt_last,
-            const Law& law) const;
-  // They have no solution any more; bind() then.
-  void drop(const std::vector<int>& rows);
+  void wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const;
+  // Collective. They are condensed no more.
+  void drop(MPI_Comm comm, const std::vector<int>& rows, const Bonds& bonds, const BondedGrains& grains);
 
   std::size_t memory_usage() const;
   int count() const;  // told by this rank
@@ -79,27 +82,32 @@ class CondensedBonds {
   struct Solution {
     StaticBond fields;
     CondensedModel model;
-    double bound[6];  // of the root of the drive by each motion, see find_strain_bounds() of mpm/field_drive.h
+    double bound[6] = {};  // of the root of the drive by each motion, see find_strain_bounds() of mpm/field_drive.h
+    PointSums sums;
+    Matrix6 energy = Matrix6::Zero();  // of the points: d.energy d/2
   };
-  struct Member {
-    int body, side;
+  struct Member {  // in the order of the pack
+    int body;
     bool tells;
     std::shared_ptr<const Solution> solution;  // without fields if this rank has no points of it
-    CondensedMotion motion;
-    CondensedMotion::Vector6 looked_at;  // the relative motion when its points were looked at last
-    double margin;                       // how much the bound may change until the next time
+    double looked_at[6] = {};                  // the relative motion when its points were looked at last
+    double margin = 0.0;                       // how much the bound may change until the next time
   };
   const Member* find(int body) const;
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law);
   double largest_root(Bond& b, const CementOptions& options, const Law& law) const;
 
-  void settle(MPI_Comm comm, Bond* bond, const Body& body, const GrainSides& sides, const double* gravity, const Law& law) const;
+  void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;
+  void pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
+  int part_of(int body) const;  // -1: none
+  std::array<GrainSide, 2> sides_of(int part, const Bonds& bonds) const { return pack_.sides(part, bonds.table[members_[part].body]); }
 
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // of bonds with points here
+  std::map<int, std::size_t> described_;                      // hash of what they were solved for
+  int solved_last_ = 0;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   std::vector<Member> members_;                               // ascending in body
-  CondensedMass mass_;
-  bool any_ = false;
+  CondensedPack pack_;
 };
 
 }  // namespace mpdem

@@ -38,4 +38,13 @@ void PointSums::add(const PointStore& points_of, const Law& of_any_kind, bool wi
   with_law(of_any_kind, [&](const auto& law) { add_points(points_of, law, with_energy, *this); });
 }
 
+void PointSums::add(const PointSums& other) {
+  points += other.points;
+  failed += other.failed;
+  volume += other.volume;
+  damaged_volume += other.damaged_volume;
+  elastic += other.elastic;
+  largest_damage = std::max(largest_damage, other.largest_damage);
+}
+
 }  // namespace mpdem

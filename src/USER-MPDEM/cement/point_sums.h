@@ -18,6 +18,7 @@ struct PointSums {
 
   // with_energy: the stress of every point is found.
   void add(const PointStore& points_of, const Law& law, bool with_energy);
+  void add(const PointSums& other);
 };
 
 }  // namespace mpdem

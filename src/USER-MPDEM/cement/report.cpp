@@ -56,6 +56,14 @@ struct NodeSums {
   }
 };
 
+// Force, torque and position of the grain from the origin of the body, in the axes of the box. of_other_substeps: part of the impulse of a step.
+void tell(const GrainSide& s, double of_other_substeps, double* row) {
+  const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
+  const std::array<double, 3> x = turned(s.axes, s.x);
+  for (int d = 0; d < 6; ++d) row[d] = load[d] - of_other_substeps * impulse[d];
+  std::copy(x.begin(), x.end(), row + 6);
+}
+
 void count_separated(const Cracks& cracks, CementTotals& t) {
   for (std::size_t r = 0; r < cracks.size(); ++r) {
     if (!cracks.separated(r)) continue;
@@ -77,13 +85,17 @@ CementTotals Cement::totals(double reach_of_box) {
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
-  const CondensedBonds::Energies condensed = condensed_.energies(bonds_, grains_.sides, 0.5 * dt_last_);
+  const CondensedBonds::Energies condensed = condensed_.energies(bonds_, 0.5 * dt_last_);
   for (Bond& bond : bonds_) {
-    const double before = of_points.elastic;
-    if (!bonds_.is_awake(bond)) condensed_.show_strain(bond);
+    if (!bonds_.is_awake(bond)) {
+      // the rest of its energy is in the links
+      const double of_bond = condensed_.energy_of_points(bond);
+      of_points.add(condensed_.sums_of_points(bond));
+      sum[kElastic] += of_bond;
+      sum[kCoupling] -= of_bond;
+      continue;
+    }
     of_points.add(bond.points, *law_, true);
-    if (!bonds_.is_awake(bond)) sum[kCoupling] -= of_points.elastic - before;  // the rest of its energy is in the links
-    if (!bonds_.is_awake(bond)) continue;
     of_nodes.add(bond.grid, bonds_.body(bond), 0.5 * dt_last_);
     const GrainSide* side = grains_.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
@@ -161,15 +173,17 @@ const std::vector<BondState>& Cement::bond_states() {
   for (const BondedGrains::OwnedSide& o : grains_.owned()) {
     if (!penalty_) break;
     const GrainSide& s = grains_.sides.sides[o.at];
-    double* row = &sum[width * o.body + kSide * o.side];
-    const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
-    const std::array<double, 3> x = turned(s.axes, s.x);
-    for (int d = 0; d < 6; ++d) row[d] = load[d] - of_other_substeps * impulse[d];
-    std::copy(x.begin(), x.end(), row + 6);
+    tell(s, of_other_substeps, &sum[width * o.body + kSide * o.side]);
+  }
+  for (const Bond& b : bonds_) {
+    if (!condensed_.tells(b.body)) continue;
+    const std::array<GrainSide, 2> side = condensed_.loaded_sides(b.body, bonds_, weight_of_cement().data());
+    for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * b.body + kSide * s]);
   }
   for (const Bond& b : bonds_) {
     PointSums of_bond;
-    of_bond.add(b.points, *law_, false);
+    if (bonds_.is_awake(b)) of_bond.add(b.points, *law_, false);
+    else of_bond = condensed_.sums_of_points(b);
     double* row = &sum[width * b.body];
     row[kFailed] = of_bond.failed;
     row[kVolume] = of_bond.volume;
@@ -242,7 +256,7 @@ void Cement::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * dt_last_ * bond.grid.acceleration[i];
   if (condensed_.has(bond.body)) {
-    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, grains_.sides, 0.5 * dt_last_);
+    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, bonds_.body(bond), 0.5 * dt_last_);
     velocity.swap(n.velocity);
     displacement.swap(n.displacement);
   }

@@ -152,7 +152,7 @@ class StiffnessFinder {
 std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() {
   std::vector<BondLayout> layouts = layouts_of_copies(&*penalty_);
   BondedGrains grains(grains_);
-  grains.bind(comm_, bonds_, inertia_);
+  grains.bind(comm_, bonds_, inertia_, true);
   grains.distribute(bonds_);
   const int orphan = grains.sides.orphan();
   throw_if_any(comm_, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));

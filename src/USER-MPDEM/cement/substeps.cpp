@@ -31,13 +31,13 @@ double Cement::Way::velocity(int d, double time, double t) const {
 
 void Cement::share_impulses() {
   timer_.start(StepTimer::kCoupling);
-  grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.any() ? &condensed_.mass() : nullptr);
+  grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.pack());
   timer_.start(StepTimer::kNodes);
 }
 
 void Cement::react() {
-  if (now_.substeps == 1) grains_.react(now_.dt, books_);
-  else grains_.react_in_substep(now_.dt, now_.substeps, books_);
+  if (now_.substeps == 1) grains_.react(now_.dt, books_, condensed_.pack());
+  else grains_.react_in_substep(now_.dt, now_.substeps, books_, condensed_.pack());
 }
 
 void Cement::begin_substeps() {

@@ -15,46 +15,8 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 
-Matrix3 matrix(const Mat3<double>& R) {
-  Matrix3 m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m(i, j) = R.a[i][j];
-  return m;
-}
-
-constexpr double kSmallAngle = 1e-4;
-
-// Rotation vector of a small or large turn, less than half of one. Off the diagonal the sine is exact where the cosine has lost its digits.
-Vector3 logarithm(const Matrix3& E) {
-  const Vector3 twice_sine(E(2, 1) - E(1, 2), E(0, 2) - E(2, 0), E(1, 0) - E(0, 1));
-  const double sine = 0.5 * twice_sine.norm(), cosine = 0.5 * (E.trace() - 1.0);
-  const double angle = std::atan2(sine, cosine);
-  return (sine > 1e-12 ? 0.5 * angle / sine : 0.5) * twice_sine;
-}
-
-Matrix3 exponential(const Vector3& t) {
-  const double angle = t.norm();
-  if (angle < kSmallAngle) {
-    const Matrix3 T = cross(t);
-    return Matrix3::Identity() + T * (Matrix3::Identity() + 0.5 * T * (Matrix3::Identity() + T / 3.0));
-  }
-  return Eigen::AngleAxisd(angle, t / angle).toRotationMatrix();
-}
-
-// exp(t + dt) = exp(J dt) exp(t)
-Matrix3 left_jacobian(const Vector3& t) {
-  const double a2 = t.squaredNorm(), a = std::sqrt(a2);
-  const Matrix3 T = cross(t);
-  if (a < kSmallAngle) return Matrix3::Identity() + 0.5 * T + T * T / 6.0;
-  return Matrix3::Identity() + (1.0 - std::cos(a)) / a2 * T + (a - std::sin(a)) / (a2 * a) * T * T;
-}
-
-Matrix3 inverse_left_jacobian(const Vector3& t) {
-  const double a2 = t.squaredNorm(), a = std::sqrt(a2);
-  const Matrix3 T = cross(t);
-  const double factor = a < kSmallAngle ? 1.0 / 12.0 : 1.0 / a2 - (1.0 + std::cos(a)) / (2.0 * a * std::sin(a));
-  return Matrix3::Identity() - 0.5 * T + factor * T * T;
-}
+Vector3 vector(const Three<double>& x) { return Vector3(x.a[0], x.a[1], x.a[2]); }
+Three<double> three(const Vector3& x) { return {{x[0], x[1], x[2]}}; }
 
 }  // namespace
 
@@ -91,35 +53,52 @@ void GrainLoads::add_to(GrainSide* side) const {
     }
 }
 
+double CondensedModel::coupling() const {
+  const Eigen::LLT<Matrix6> first(M.topLeftCorner<6, 6>()), second(M.bottomRightCorner<6, 6>());
+  if (first.info() != Eigen::Success || second.info() != Eigen::Success) return 1.0;
+  const Matrix6 half = first.matrixL().solve(Matrix6(M.topRightCorner<6, 6>()));
+  const Matrix6 both = second.matrixL().solve(Matrix6(half.transpose()));
+  return std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
+}
+
 CondensedMotion::CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side) {
-  Matrix3 Q[2];
+  Mat3<double> turn[2];
+  Three<double> arm[2];
   for (int s = 0; s < 2; ++s) {
-    Q[s] = matrix(side[s].R) * matrix(rotation_of(body.orientation[s])).transpose();
-    r_[s] = Q[s] * (model.middle - vector(body.centre[s]));
+    turn[s] = product(side[s].R, transpose(rotation_of(body.orientation[s])));
+    arm[s] = three(model.middle - vector(body.centre[s]));
+  }
+  motion_ = RelativeMotion<double>(turn, arm, three(vector(side[1].x) - vector(side[0].x)));
+  for (int s = 0; s < 2; ++s) {
+    r_[s] = mpdem::vector(motion_.r[s]);
     p_[s] = vector(side[s].x) + r_[s];
   }
-  Q0_ = Q[0];
-  theta_ = logarithm(Q[0].transpose() * Q[1]);
-  Q_ = Q[0] * exponential(0.5 * theta_);
-  d_ << Q_.transpose() * (p_[1] - p_[0]), theta_;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) Q_(i, j) = motion_.Q.a[i][j];
+  d_ << mpdem::vector(motion_.delta), mpdem::vector(motion_.theta);
 }
 
 GrainLoads CondensedMotion::elastic(const CondensedModel& model) const {
   const Vector6 f = model.K * d_;
-  const Vector3 of_delta = f.head<3>(), delta = d_.head<3>();
-  // the axes turn with half of theta
-  const Vector3 of_theta = f.tail<3>() + 0.5 * left_jacobian(-0.5 * theta_).transpose() * of_delta.cross(delta);
-  const Vector3 F = -Q_ * of_delta;
-  const Vector3 M = -Q0_ * (inverse_left_jacobian(theta_).transpose() * of_theta) + r_[1].cross(F);
-  const Vector3 apart = p_[1] - r_[1] - (p_[0] - r_[0]), M0 = -M - apart.cross(F);
+  Three<double> force, moment;
+  motion_.load(three(f.head<3>()), three(f.tail<3>()), force, moment);
+  const Three<double> moment0 = cross(force, motion_.apart) - moment;
   GrainLoads l;
   for (int d = 0; d < 3; ++d) {
-    l.of[1][d] = F[d];
-    l.of[0][d] = -F[d];
-    l.of[1][3 + d] = M[d];
-    l.of[0][3 + d] = M0[d];
+    l.of[1][d] = force.a[d];
+    l.of[0][d] = -force.a[d];
+    l.of[1][3 + d] = moment.a[d];
+    l.of[0][3 + d] = moment0.a[d];
   }
   return l;
+}
+
+GrainLoads CondensedMotion::all(const CondensedModel& model, const GrainSide* side, const double* gravity) const {
+  GrainLoads sum = elastic(model);
+  const GrainLoads inertial = loads(-(model.M * (rate(side) - uniform(gravity)) + centripetal(model, side)));
+  for (int s = 0; s < 2; ++s)
+    for (int d = 0; d < 6; ++d) sum.of[s][d] += inertial.of[s][d];
+  return sum;
 }
 
 CondensedMotion::Vector12 CondensedMotion::of_sides(const double* first, const double* second) const {
@@ -179,18 +158,6 @@ CondensedMotion::Vector12 CondensedMotion::centripetal(const CondensedModel& mod
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) f += B(a, b) * model.N.col(3 * a + b);
   return f;
-}
-
-CondensedMotion::Matrix6 CondensedMotion::mass(const CondensedModel& model, int s, int t) const {
-  const auto turned = [&](int i, int j) { return Matrix3(Q_ * model.M.block<3, 3>(6 * s + i, 6 * t + j) * Q_.transpose()); };
-  const Matrix3 of_s = cross(r_[s]), of_t = cross(r_[t]), a = turned(0, 0), c = turned(3, 0);
-  const Matrix3 b = turned(0, 3) - a * of_t, d = turned(3, 3) - c * of_t;
-  Matrix6 m;
-  m.topLeftCorner<3, 3>() = a;
-  m.topRightCorner<3, 3>() = b;
-  m.bottomLeftCorner<3, 3>() = c + of_s * a;
-  m.bottomRightCorner<3, 3>() = d + of_s * b;
-  return m;
 }
 
 }  // namespace mpdem

@@ -26,6 +26,7 @@
 #include "../mpm/body.h"
 #include "../mpm/grid.h"
 #include "grain_sides.h"
+#include "relative_motion.h"
 
 namespace mpdem {
 
@@ -41,6 +42,8 @@ struct CondensedModel {
 
   // Adds a node of mass m at X with its row of the six fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
+  // Of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1, the largest.
+  double coupling() const;
   static constexpr int kNumbers = 3 + 36 + 144 + 108;
   void pack(double* numbers) const;
   void unpack(const double* numbers);
@@ -59,7 +62,6 @@ class CondensedMotion {
   using Matrix3 = Eigen::Matrix3d;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Vector12 = Eigen::Matrix<double, 12, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   CondensedMotion() = default;
   CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side);
@@ -79,8 +81,8 @@ class CondensedMotion {
   GrainLoads loads(const Vector12& generalized) const;
   // What the centripetal acceleration of nodes beyond that of the p_s asks for.
   Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
-  // Mass in the coordinates of the sides: of side s by the acceleration of side t.
-  Matrix6 mass(const CondensedModel& model, int s, int t) const;
+  // All loads on the grains while the sides have these velocities and accelerations: elastic, of inertia and of weight.
+  GrainLoads all(const CondensedModel& model, const GrainSide* side, const double* gravity) const;
 
   const Matrix3& axes() const { return Q_; }
   Vector3 middle() const { return 0.5 * (p_[0] + p_[1]); }
@@ -89,8 +91,9 @@ class CondensedMotion {
   static Vector3 vector(const double* x) { return Vector3(x[0], x[1], x[2]); }
 
  private:
-  Matrix3 Q_ = Matrix3::Identity(), Q0_ = Matrix3::Identity();
-  Vector3 p_[2], r_[2], theta_;  // r: from the centres to p
+  RelativeMotion<double> motion_;
+  Matrix3 Q_ = Matrix3::Identity();
+  Vector3 p_[2], r_[2];  // r: from the centres to p
   Vector6 d_ = Vector6::Zero();
 };
 

@@ -27,6 +27,8 @@ struct Grain {
   // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, what of it is the impulse
   // of other sub-steps, and what accelerates the grain in the next sub-step.
   double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
+  double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: that which is expected of prescribed motion, or that found by the cement
+  double made_for = 0;                     // the radius when its cement was made
   GrainState* state = nullptr;
   std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 

@@ -11,7 +11,8 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kPrecision = 1e-10;  // of the energy that is kept, not of the momentum
+// Of the energy that is kept, not of the momentum. Condensed bonds have a small share of it.
+constexpr double kPrecision = 1e-10, kPrecisionOfCondensed = 1e-8;
 constexpr int kMostSweeps = 200;
 
 using Matrix3 = Eigen::Matrix3d;
@@ -94,90 +95,142 @@ void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& si
   sides.sum(sum_.data(), kWidth);
 }
 
-// radius: of this rank.
-void GrainAccelerations::choose_sweeps(MPI_Comm comm, double radius) {
-  MPI_Allreduce(&radius, &radius_, 1, MPI_DOUBLE, MPI_MAX, comm);
-  radius_ = std::min(radius_, 1.0 - 1e-6);
-  const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_));
-  sweeps_ = rate > 0.0 ? std::min(kMostSweeps, 2 + static_cast<int>(std::log(kPrecision) / std::log(rate))) : 1;
-}
-
-void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains,
-                              const std::vector<Vector6>& load, GrainSides& sides, bool fresh, const CondensedMass* condensed) {
-  add_up(bonds, sides);
+// Returns a bound of the spectral radius.
+double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh,
+                                  const CondensedPack* condensed, bool loads_of_condensed) {
   const std::vector<int>& owned = sides.owned();
-  unknowns_.resize(grains.size());
+  unknowns_.assign((grains.size() + kLanes - 1) / kLanes, Unknowns{});
   couplings_.clear();
   double radius = 0.0;
-  for (std::size_t g = 0; g < grains.size(); ++g) {
-    const Grain& grain = grains[g];
-    Unknown& u = unknowns_[g];
-    const GrainSide& first = sides.sides[owned[grain.sides.front()]];
-    const std::array<double, 6> now = in_box(first, first.a, first.alpha);
-    u.now = Eigen::Map<const Vector6>(now.data());
-    Matrix6 D = Matrix6::Zero(), W = Matrix6::Zero();
-    for (int i = 0; i < 6; ++i) {
-      D(i, i) = i < 3 ? grain.mass : grain.inertia;
-      u.given[i] = grain.free[i] ? 0.0 : u.now[i];
+  for (std::size_t g = 0; g < kLanes * unknowns_.size(); ++g) {
+    Unknowns& u = unknowns_[g / kLanes];
+    const int lane = static_cast<int>(g % kLanes);
+    if (g >= grains.size()) {
+      for (int i = 0; i < 6; ++i) u.D[sym6(i, i)][lane] = 1.0;
+      continue;
     }
-    u.load = load[g];
+    const Grain& grain = grains[g];
+    double D[kSym6] = {};
+    if (condensed) std::copy(condensed->mass(static_cast<int>(g)), condensed->mass(static_cast<int>(g)) + kSym6, D);
+    Matrix6 W = Matrix6::Zero();
+    if (condensed && fresh)
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) W(i, j) = condensed->coupling() * D[sym6(i, j)];
+    Vector6 sum = load[g];
+    for (int i = 0; i < 6; ++i) {
+      D[sym6(i, i)] += i < 3 ? grain.mass : grain.inertia;
+      if (condensed && loads_of_condensed) sum[i] += condensed->load(static_cast<int>(g), i) + condensed->jump_load(static_cast<int>(g), i);
+    }
     for (int k : grain.sides) {
       const int at = owned[k], other = at + (sides.sides[at].side == 0 ? 1 : -1);
       const double* of = &sum_[kWidth * at];
       const Matrix6 turn = turn_of(sides.sides[at]);
-      u.load += turn * Eigen::Map<const Vector6>(of);
+      sum += turn * Eigen::Map<const Vector6>(of);
       MassMoments own, shared;
       std::copy(of + 6, of + 6 + MassMoments::kSize, own.m.begin());
       std::copy(of + 6 + MassMoments::kSize, of + kWidth, shared.m.begin());
-      D += turn * own.matrix() * turn.transpose();
-      const int c = condensed ? condensed->of_side[at] : -1;
-      if (c >= 0) {
-        const Matrix6 mass = turn * condensed->own[c] * turn.transpose();
-        D += mass;
-        W += mass;  // 2 |R0.C R1| is at most R0.A R0 + R1.B R1, of a matrix of masses
-        couplings_.push_back({static_cast<int>(g), other, -turn * condensed->other[c]});
-      }
+      const Matrix6 m = turn * own.matrix() * turn.transpose();
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j <= i; ++j) D[sym6(i, j)] += m(i, j);
       if (shared.m[0] == 0.0) continue;
       couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
-      W += turn * shared.matrix() * turn.transpose();
+      W += std::copysign(1.0, shared.m[0]) * (turn * shared.matrix() * turn.transpose());
     }
-    u.load -= D * u.given;
+    for (int i = 0; i < 6; ++i) {
+      u.now[i][lane] = grain.acceleration[i];
+      u.free[i][lane] = grain.free[i];
+      u.given[i][lane] = grain.free[i] ? 0.0 : grain.acceleration[i];
+      for (int j = 0; j < 6; ++j)
+        if (!grain.free[j]) sum[i] -= D[sym6(i, j)] * grain.acceleration[j];
+      u.load[i][lane] = sum[i];
+    }
     // rows and columns of what is given become those of the identity
     for (int i = 0; i < 6; ++i) {
       if (grain.free[i]) continue;
-      for (Matrix6* m : {&D, &W}) {
-        m->row(i).setZero();
-        m->col(i).setZero();
-      }
-      D(i, i) = 1.0;
+      for (int j = 0; j < 6; ++j) D[sym6(i, j)] = i == j ? 1.0 : 0.0;
+      W.row(i).setZero();
+      W.col(i).setZero();
     }
-    u.inverse = D.ldlt().solve(Matrix6::Identity());
-    if (fresh && !W.isZero(0.0))
-      radius = std::max(radius, Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(W, D, Eigen::EigenvaluesOnly).eigenvalues()[5]);
+    for (int k = 0; k < kSym6; ++k) u.D[k][lane] = D[k];
+    if (!fresh || W.isZero(0.0)) continue;
+    Matrix6 whole;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) whole(i, j) = D[sym6(i, j)];
+    radius = std::max(radius, Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(W, whole, Eigen::EigenvaluesOnly).eigenvalues()[5]);
   }
-  if (fresh) choose_sweeps(comm, radius);
+  for (Unknowns& u : unknowns_) invert_sym6(u.D, u.inverse);
+  return radius;
+}
 
-  found_.resize(owned.size());
+// One of block Jacobi, accelerated by omega.
+void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed) {
+  from_others_.assign(6 * kLanes * unknowns_.size(), 0.0);
+  for (const Coupling& c : couplings_) {
+    const GrainSide& s = sides.sides[c.other];
+    const Vector6 b = c.B.leftCols<3>() * Eigen::Map<const Vector3>(s.a) + c.B.rightCols<3>() * Eigen::Map<const Vector3>(s.alpha);
+    for (int d = 0; d < 6; ++d) from_others_[6 * c.grain + d] += b[d];
+  }
+  if (condensed && !(first && condensed->at_rest())) condensed->take_coupling(from_others_.data());
+  for (std::size_t b = 0; b < unknowns_.size(); ++b) {
+    Unknowns& u = unknowns_[b];
+    const double* from = &from_others_[6 * kLanes * b];
+    double* to = &of_grains_[6 * kLanes * b];
+    vd load[6], next[6] = {};
+    for (int i = 0; i < 6; ++i) {
+      for (int l = 0; l < kLanes; ++l) load[i][l] = from[6 * l + i];
+      load[i] += u.load[i];
+    }
+    add_product_sym6(u.inverse, load, next);
+    for (int i = 0; i < 6; ++i) {
+      if (!first) next[i] = omega * (next[i] - u.before[i]) + u.before[i];
+      next[i] = select(u.free[i] != 0.0, next[i], u.given[i]);
+      u.before[i] = u.now[i];
+      u.now[i] = next[i];
+      for (int l = 0; l < kLanes; ++l) to[6 * l + i] = next[i][l];
+    }
+  }
+}
+
+void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
+                              GrainSides& sides, bool fresh, CondensedPack* condensed) {
+  add_up(bonds, sides);
+  solve(comm, grains, load, sides, fresh, condensed, true);
+}
+
+void GrainAccelerations::find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
+                                      GrainSides& sides, CondensedPack* condensed) {
+  sum_.assign(kWidth * sides.sides.size(), 0.0);
+  for (std::size_t i = 0; i < mass.size(); ++i)
+    for (int n = 0; n < MassMoments::kSize; ++n) {
+      sum_[kWidth * i + 6 + n] = mass[i].own.m[n];
+      sum_[kWidth * i + 6 + MassMoments::kSize + n] = -mass[i].shared.m[n];  // c0 c1/N of added mass is on the other side of the equations
+    }
+  sides.sum(sum_.data(), kWidth);
+  solve(comm, grains, load, sides, true, condensed, false);
+}
+
+void GrainAccelerations::solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh,
+                               CondensedPack* condensed, bool loads_of_condensed) {
+  const double radius = set_up(grains, load, sides, fresh, condensed, loads_of_condensed);
+  if (fresh) {
+    double most[2] = {radius, couplings_.empty() ? 0.0 : 1.0};
+    MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, comm);
+    radius_ = std::min(most[0], 1.0 - 1e-6);
+    const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_)), precision = most[1] > 0.0 ? kPrecision : kPrecisionOfCondensed;
+    sweeps_ = rate > 0.0 ? std::min(kMostSweeps, 1 + static_cast<int>(std::log(0.5 * precision) / std::log(rate))) : 1;
+  }
+  of_grains_.resize(6 * kLanes * unknowns_.size());
+  found_.resize(sides.owned().size());
   double omega = 1.0;
-  for (int sweep = 0; sweep < sweeps_; ++sweep) {
-    if (sweep > 0) omega = sweep == 1 ? 2.0 / (2.0 - radius_ * radius_) : 1.0 / (1.0 - 0.25 * radius_ * radius_ * omega);
-    std::size_t n = 0;
+  for (int k = 0; k < sweeps_; ++k) {
+    if (k > 0) omega = k == 1 ? 2.0 / (2.0 - radius_ * radius_) : 1.0 / (1.0 - 0.25 * radius_ * radius_ * omega);
+    sweep(omega, k == 0, sides, condensed);
     for (std::size_t g = 0; g < grains.size(); ++g) {
-      Unknown& u = unknowns_[g];
-      Vector6 next = u.load;
-      for (; n < couplings_.size() && couplings_[n].grain == static_cast<int>(g); ++n) {
-        const GrainSide& s = sides.sides[couplings_[n].other];
-        next += couplings_[n].B.leftCols<3>() * Eigen::Map<const Vector3>(s.a) + couplings_[n].B.rightCols<3>() * Eigen::Map<const Vector3>(s.alpha);
-      }
-      next = u.inverse * next;
-      if (sweep > 0) next = omega * (next - u.before) + u.before;
-      for (int i = 0; i < 6; ++i)
-        if (!grains[g].free[i]) next[i] = u.given[i];
-      u.before = u.now;
-      u.now = next;
-      for (int k : grains[g].sides) std::copy(next.data(), next.data() + 6, found_[k].begin());
+      std::copy(&of_grains_[6 * g], &of_grains_[6 * g] + 6, grains[g].acceleration);
+      for (int at : grains[g].sides) std::copy(grains[g].acceleration, grains[g].acceleration + 6, found_[at].begin());
     }
     sides.set_accelerations(found_);
+    if (condensed) condensed->set_accelerations(of_grains_.data());
   }
 }
 

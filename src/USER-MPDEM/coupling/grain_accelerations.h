@@ -31,7 +31,9 @@
 #include <vector>
 
 #include "../mpm/grid.h"
+#include "../numerics/sym6.h"
 #include "added_mass.h"
+#include "condensed_pack.h"
 #include "grain.h"
 #include "grain_sides.h"
 
@@ -48,10 +50,9 @@ struct MassMoments {
   Eigen::Matrix<double, 6, 6> coupling(const double* e) const;
 };
 
-// Mass of condensed bonds (condensed_bond.h) as accelerations of their grains see it.
-struct CondensedMass {
-  std::vector<int> of_side;  // place of each side in the lists, -1: no condensed bond
-  std::vector<Eigen::Matrix<double, 6, 6>> own, other;  // by its own acceleration, and by that of the other side
+// Of mass that goes with both grains of a bond: about one, and that which couples it to the other.
+struct SideMoments {
+  MassMoments own, shared;
 };
 
 class GrainAccelerations {
@@ -66,31 +67,42 @@ class GrainAccelerations {
     int side;  // place of its first side
   };
 
-  // Collective. Writes accelerations into a and alpha of the sides. Forces on nodes must be complete, and forces of
-  // links be with the sides of this rank. load: that on each grain, without that of the links. fresh: the added mass
-  // or what is condensed changed since the last call.
-  void find(MPI_Comm comm, const std::vector<OfBond>& bonds, const std::vector<Grain>& grains, const std::vector<Vector6>& load,
-            GrainSides& sides, bool fresh, const CondensedMass* condensed = nullptr);
+  // Collective. Writes accelerations to the grains, where those that are given stay, and into a and alpha of the sides. Forces on nodes must be
+  // complete, and forces of links be with the sides of this rank. load: that on each grain, without that of the links and of
+  // condensed bonds. fresh: the added mass or what is condensed changed since the last call.
+  void find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
+            GrainSides& sides, bool fresh, CondensedPack* condensed = nullptr);
+
+  // Collective. What a load on the grains alone accelerates, with this mass, for each side on this rank, and that of condensed bonds. The sides
+  // must have no forces, and the grains no accelerations.
+  void find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
+                    GrainSides& sides, CondensedPack* condensed);
 
   int sweeps() const { return sweeps_; }
 
  private:
   // Ranks add these numbers of a side up: force and moment, moments of c (1 - c/N), and of c0 c1/N.
   static constexpr int kWidth = 6 + 2 * MassMoments::kSize;
-  struct Unknown {
-    Matrix6 inverse;  // of the matrix of what is free
-    Vector6 load, given, now, before;
+  // Eight grains side by side.
+  struct Unknowns {
+    vd D[kSym6], inverse[kSym6];  // the matrix of what is free
+    vd load[6], given[6], free[6], now[6], before[6];  // free: 1 or 0
   };
   struct Coupling {
     int grain, other;  // into the grains and the sides
     Matrix6 B;  // from accelerations of the other side, in its axes, to loads in those of the box
   };
+  void solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh, CondensedPack* condensed,
+             bool loads_of_condensed);
+  double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh, const CondensedPack* condensed,
+                bool loads_of_condensed);
+  void sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed);
   void add_up(const std::vector<OfBond>& bonds, GrainSides& sides);
-  void choose_sweeps(MPI_Comm comm, double radius);
 
   std::vector<double> sum_;
-  std::vector<Unknown> unknowns_;
+  std::vector<Unknowns> unknowns_;
   std::vector<Coupling> couplings_;
+  std::vector<double> of_grains_, from_others_;  // six numbers each
   std::vector<std::array<double, 6>> found_;
   int sweeps_ = 1;
   double radius_ = 0;

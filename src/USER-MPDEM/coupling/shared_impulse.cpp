@@ -34,7 +34,7 @@ void take_from_grain(const double* r, const double* f, double scale, GrainSide& 
 
 SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, bool apart) : share_(shares_of_second_grain(grid, body, apart)) {}
 
-void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, Moments* of_sides) const {
+void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (int i = 0; i < grid.size() && !empty(); ++i) {
     if (share_[i] < 0.0 || !counts[i] || grid.mass[i] == 0.0) continue;

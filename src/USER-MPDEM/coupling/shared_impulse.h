@@ -30,10 +30,7 @@ class SharedImpulse {
   bool empty() const { return share_.empty(); }
 
   // Moments of the mass of the nodes that this rank counts: about either grain, m (1-s)^2 and m s^2, and m s (1-s) about both.
-  struct Moments {
-    MassMoments own, shared;
-  };
-  void add_moments(const Grid& grid, const GrainSide* side, Moments* of_sides) const;
+  void add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const;
   // The change of acceleration of the grains is that of the sides. Adds the forces to nodes, whose sum over ranks is complete, and the
   // reaction to grains, whose sum is still to come.
   void push(Grid& grid, GrainSide* side, const AddedMass& added) const;

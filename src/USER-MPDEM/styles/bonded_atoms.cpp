@@ -212,8 +212,7 @@ void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double 
                          "must not move bonded grains");
   }
   if (trouble_.empty() && update.ntimestep == update.firststep + 1) trouble_ = changed_box(lmp_, who_, avec.bonds.table);
-  for (const BondedGrains::OwnedSide& o : grains.owned())
-    if (trouble_.empty()) trouble_ = changed_radius(atoms_[o.grain], avec.bonds.table[o.body].radius[o.side]);
+  for (std::size_t n = 0; n < atoms_.size() && trouble_.empty(); ++n) trouble_ = changed_radius(atoms_[n], grains.grains[n].made_for);
 }
 
 std::string changed_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table) {

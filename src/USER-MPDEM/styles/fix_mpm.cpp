@@ -40,7 +40,7 @@ constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, f
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
-FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()) {
+FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp) {
   time_integrate = 1;
   restart_global = 1;
   scalar_flag = vector_flag = 1;
@@ -89,7 +89,8 @@ mpdem::StepInput FixMpm::step_input() const {
 }
 
 int FixMpm::setmask() {
-  return PRE_INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | END_OF_STEP | POST_RUN;
+  return PRE_INITIAL_INTEGRATE | INITIAL_INTEGRATE | POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | POST_FORCE | PRE_FINAL_INTEGRATE | FINAL_INTEGRATE |
+         END_OF_STEP | POST_RUN;
 }
 
 void FixMpm::init() {
@@ -244,6 +245,7 @@ void FixMpm::setup_pre_neighbor() {
 }
 
 void FixMpm::setup(int) {
+  hidden_.start(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, points_expected_); });
   write_events();
@@ -262,14 +264,20 @@ void FixMpm::setup(int) {
 // Commands may have changed velocities since the end of the last step.
 void FixMpm::pre_initial_integrate() {
   const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
-  if (!first && !divided) return;
-  atoms_.read(cement_->grains());
-  guarded([&] {
-    if (first) cement_->take_up_commands();
-    if (divided) cement_->begin_substeps();
-  });
-  if (first) atoms_.write_velocities(cement_->grains());
+  if (first || divided) {
+    atoms_.read(cement_->grains());
+    guarded([&] {
+      if (first) cement_->take_up_commands();
+      if (divided) cement_->begin_substeps();
+    });
+    if (first) atoms_.write_velocities(cement_->grains());
+  }
+  hidden_.hide();
 }
+
+void FixMpm::initial_integrate(int) { hidden_.show(); }
+void FixMpm::pre_final_integrate() { hidden_.hide(); }
+void FixMpm::final_integrate() { hidden_.show(); }
 
 // Orientation of bonded grains: LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {

@@ -24,6 +24,7 @@ FixStyle(mpm,FixMpm)
 #include "coupling_history.h"
 #include "failure_log.h"
 #include "fix.h"
+#include "hidden_points.h"
 
 namespace LAMMPS_NS {
 
@@ -38,10 +39,13 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void setup_pre_neighbor() override;
   void setup(int vflag) override;
   void pre_initial_integrate() override;
+  void initial_integrate(int vflag) override;
   void post_integrate() override;
   void pre_exchange() override;
   void pre_neighbor() override;
   void post_force(int vflag) override;
+  void pre_final_integrate() override;
+  void final_integrate() override;
   void end_of_step() override;
   void post_run() override;
   void reset_dt() override;
@@ -104,6 +108,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
   mpdem::CouplingHistory coupling_;
+  mpdem::HiddenPoints hidden_;
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step

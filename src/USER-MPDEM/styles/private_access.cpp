@@ -5,6 +5,8 @@
 // defines a function that returns a pointer to one member.
 #include "private_access.h"
 
+#include <algorithm>
+
 #include "comm.h"
 #include "dump.h"
 #include "fix_move.h"
@@ -12,6 +14,7 @@
 #include "input.h"
 #include "modify.h"
 #include "output.h"
+#include "variable.h"
 
 namespace mpdem {
 
@@ -31,6 +34,10 @@ struct Expose {
 
 MPDEM_EXPOSE(Modify, FixStyles*, fix_map)
 MPDEM_EXPOSE(Modify, ComputeStyles*, compute_map)
+MPDEM_EXPOSE(Modify, int*, list_initial_integrate)
+MPDEM_EXPOSE(Modify, int*, list_pre_final_integrate)
+MPDEM_EXPOSE(Modify, int*, list_final_integrate)
+MPDEM_EXPOSE(Variable, char***, data)
 MPDEM_EXPOSE(Input, CommandStyles*, command_map)
 MPDEM_EXPOSE(Dump, char*, filename)
 MPDEM_EXPOSE(Comm, int, bordergroup)
@@ -81,6 +88,18 @@ MoveMembers members_of(const FixMove* m) {
 SetForceMembers members_of(const FixSetForce* f) {
   return {{f->*pointer(FixSetForce_xstyle()), f->*pointer(FixSetForce_ystyle()), f->*pointer(FixSetForce_zstyle())},
           {f->*pointer(FixSetForce_xstr()), f->*pointer(FixSetForce_ystr()), f->*pointer(FixSetForce_zstr())}};
+}
+
+const char* formula_of(Variable* variables, int place) { return (variables->*pointer(Variable_data()))[place][0]; }
+
+void act_last(Modify* modify, const Fix* fix) {
+  const auto move = [&](int* list, int count) {
+    const auto at = std::find_if(list, list + count, [&](int i) { return modify->fix[i] == fix; });
+    if (at != list + count) std::rotate(at, at + 1, list + count);
+  };
+  move(modify->*pointer(Modify_list_initial_integrate()), modify->n_initial_integrate);
+  move(modify->*pointer(Modify_list_pre_final_integrate()), modify->n_pre_final_integrate);
+  move(modify->*pointer(Modify_list_final_integrate()), modify->n_final_integrate);
 }
 
 }  // namespace mpdem

@@ -22,6 +22,7 @@ class FixSetForce;
 class Input;
 class Modify;
 class Output;
+class Variable;
 }  // namespace LAMMPS_NS
 
 namespace mpdem {
@@ -56,6 +57,12 @@ struct MoveMembers {
   const char *place_variable[3], *velocity_variable[3];
 };
 MoveMembers members_of(const LAMMPS_NS::FixMove* move);
+
+// The formula of a variable of style equal, by its place in the table of variables.
+const char* formula_of(LAMMPS_NS::Variable* variables, int place);
+
+// In the rest of this run the fix is the last to act at the start of a step, before and after velocities are brought to its end.
+void act_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
 
 // Members of fix setforce, by direction.
 struct SetForceMembers {

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Symmetric matrices of six rows over `double` or the eight-lane `vd`, one matrix a lane: the lower triangle by rows, 21 numbers.
+#ifndef MPDEM_SYM6_H
+#define MPDEM_SYM6_H
+
+namespace mpdem {
+
+constexpr int kSym6 = 21;
+constexpr int sym6(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
+
+// Of a positive definite matrix, by its factors L D L^T.
+template <class T>
+inline void invert_sym6(const T* m, T* inverse) {
+  T L[6][6], r[6];  // L has its inverse later; r: of 1/D
+  for (int j = 0; j < 6; ++j) {
+    T d = m[sym6(j, j)];
+    T scaled[6];
+    for (int k = 0; k < j; ++k) {
+      scaled[k] = L[j][k] / r[k];
+      d -= L[j][k] * scaled[k];
+    }
+    r[j] = 1.0 / d;
+    for (int i = j + 1; i < 6; ++i) {
+      T s = m[sym6(i, j)];
+      for (int k = 0; k < j; ++k) s -= L[i][k] * scaled[k];
+      L[i][j] = s * r[j];
+    }
+  }
+  for (int j = 0; j < 6; ++j)
+    for (int i = j + 1; i < 6; ++i) {
+      T s = L[i][j];
+      for (int k = j + 1; k < i; ++k) s += L[i][k] * L[k][j];
+      L[i][j] = -s;
+    }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) {
+      T s = j == i ? r[i] : r[i] * L[i][j];
+      for (int k = i + 1; k < 6; ++k) s += r[k] * L[k][i] * L[k][j];
+      inverse[sym6(i, j)] = s;
+    }
+}
+
+// y += m x
+template <class T>
+inline void add_product_sym6(const T* m, const T* x, T* y) {
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) y[i] += m[sym6(i, j)] * x[j];
+}
+
+}  // namespace mpdem
+
+#endif
