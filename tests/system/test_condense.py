@@ -57,6 +57,55 @@ def test_frequency(tmp_path, figures):
     figures.below("amplitude of the force, condensed against resolved", abs(found["yes"][1] / found["no"][1] - 1), 2e-2)  # resolved cement starts at rest, and is struck
 
 
+def test_frequency_of_light_grains(tmp_path, figures):
+    """Grains of six to twelve times their cement. The added mass of the links of the resolved bond goes with the square of the step, and is a tenth
+    of its cement here; with twice the step it is more than the cement, and the period of the resolved bond 4e-3 longer."""
+    found, guess = {}, None
+    for word in ("yes", "no"):
+        text = edit(edit(edit(free_pair(word), "density 750", "density 225"), "density 450", "density 135"), "timestep     8e-09", "timestep 4e-9")
+        text += "velocity first set -0.00036 0.00048 -0.0008\nvelocity second set 0.0006 -0.0008 0.001333\n"
+        t = run(text + thermo(1, ["f_bond"]) + "run 6000\n", tmp_path / word).table()
+        f = t["f_bond"] - t["f_bond"].mean()
+        guess = guess or len(f) / np.argmax(np.abs(np.fft.rfft(f)))
+        found[word] = period_of(f, t["step"], guess)
+    figures.below("light grains: period, condensed against resolved", abs(found["yes"][0] / found["no"][0] - 1), 2e-3)
+
+
+# Bonds of equal and unequal grains, on a line that lies skew in the box.
+SKEW = dict(direction=(0.36, -0.48, 0.8), half_box=(0.02, 0.02, 0.02))
+SHAPES = {
+    "flat ring, unequal grains": edit(pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", **SKEW), "group        grains type 1\n",
+                                      "group        grains type 1\nset atom 2 diameter 0.0097\n"),
+    "meniscus": pair(1e-4, gap=2e-4, shape="meniscus", cement="neck 1e-3 contact 1.5e-3", **SKEW),
+    "coating": pair(1e-4, gap=1e-4, shape="coating", cement="thickness 3e-4 cap 25", **SKEW),
+}
+LOADS = {"x": ("0.06 0 0", ""), "y": ("0 0.06 0", ""), "z": ("0 0 0.06", ""),
+         "about x": ("0 0 0", "omegax 30"), "about y": ("0 0 0", "omegay 30"), "about z": ("0 0 0", "omegaz 30")}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_six_loads(shape, tmp_path, figures):
+    """Loads on both grains just before a bond wakes, and just after, when they are those of its links."""
+    worst = 0.0
+    for load, (velocity, turn) in LOADS.items():
+        text = SHAPES[shape] + cement(2e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 condense yes wake 0.01")
+        text += f"fix hold first move linear 0 0 0\nfix pull second move linear {velocity}\n" + (f"set group second {turn}\n" if turn else "")
+        t = run(text + thermo(1, [f"f_bond[{k}]" for k in range(1, 13)] + [AWAKE]) + "run 400\n", tmp_path / load.replace(" ", "_")).table()
+        at = int(np.argmax(t[AWAKE] > 0))
+        assert 21 < at < 390, (load, at)
+        loads = np.array([t[f"f_bond[{k}]"] for k in range(1, 13)])
+        # the last steps before it, on a straight line, against the mean of the steps after
+        before, after = loads[:, at - 20:at + 1], loads[:, at + 1:at + 9]
+        slope = (before[:, -1] - before[:, 0]) / 20
+        expected = before[:, -1:] + slope[:, None] * np.arange(1, 9)
+        off = np.abs((after - expected).mean(axis=1))
+        for part in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12)):
+            size = np.linalg.norm(before[part, -1])
+            worst = max(worst, off[part].max() / size)
+            figures.note(f"{shape}, {load}: loads {part.start + 1} to {part.stop}", f"{off[part].max() / size:.2g} of {size:.3g}")
+    figures.below(f"{shape}: loads, resolved against condensed", worst, 1e-3)
+
+
 BREAKING = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", half_box=(6e-3, 6e-3, 12.5e-3))
 
 
@@ -98,6 +147,74 @@ def test_threshold(words, tmp_path):
             for name, s in (("yes", script), ("no", edit(script, "condense yes wake 0.999", "condense no"))))
     wakes, damage, resolved = int(np.argmax(t[AWAKE] > 0)), int(np.argmax(t["f_cem[8]"] > 0)), int(np.argmax(r["f_cem[8]"] > 0))
     assert 100 < wakes < damage <= wakes + 6 and abs(damage - resolved) <= 3, (wakes, damage, resolved)
+
+
+def cycles(word, most, steps, count=1):
+    """The second grain goes to and fro by `most` along the line of centres, `count` times in `steps` each."""
+    text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense {word}")
+    turn = f"2*PI*v_t/{4e-9 * steps}"
+    return text + (f"variable t equal step*dt\nvariable z equal {most / 2}*(1-cos({turn}))\nvariable w equal {most * np.pi / (4e-9 * steps)}*sin({turn})\n"
+                   "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n")
+
+
+AGAIN = ["f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[12]", "f_cem[10]"]
+
+
+def test_condensed_again(tmp_path, figures):
+    """Corners are damaged, the load goes back, and the bond is condensed with its damage until the load comes again."""
+    steps, onset = 5000, 83.3  # force at the threshold
+    t, r = (run(cycles(word, 1.18e-7, steps) + thermo(1, AGAIN) + f"run {2 * steps}\n", tmp_path / word).table() for word in ("yes", "no"))
+    change = np.flatnonzero(np.diff(t[AWAKE]))
+    assert list(t[AWAKE][change + 1]) == [1, 0, 1, 0], change
+    assert t["f_cem[8]"][change[1]] > 0
+    force, energy = t["f_bond[9]"], t["f_cem[5]"] + t["f_cem[6]"] + t["f_cem[7]"]
+    for at in change:
+        jump = np.abs(force[at + 1] - 2 * force[at] + force[at - 1]).max()
+        figures.below(f"step {at}: jump of the force over that at the threshold", jump / onset, 1e-3)
+        figures.below(f"step {at}: jump of the energy", np.abs(energy[at + 1] - 2 * energy[at] + energy[at - 1]).max() / energy[at], 1e-3)
+        after = slice(at + 1, at + 200)
+        figures.below(f"step {at}: ringing in the 200 steps after", np.abs(force - r["f_bond[9]"])[after].max() / onset, 1e-3)
+    figures.below("force against resolved, all of it", np.abs(force - r["f_bond[9]"]).max() / onset, 2e-3)
+    figures.below("energy imbalance", np.abs(t["f_cem[12]"]).max(), 1e-4)
+    figures.below("energy dissipated, against resolved", abs(t["f_cem[8]"][-1] / r["f_cem[8]"][-1] - 1), 2e-2)
+
+
+def test_restart_of_one_condensed_again(tmp_path):
+    """The damage is in the points, from which the bond is solved again."""
+    script = cycles("yes", 1.18e-7, 5000)
+    whole = run(script + thermo(50, AGAIN) + "run 4000\nwrite_restart r\nrun 3500\n", tmp_path).table()
+    fixes = script[script.index("timestep"):]
+    again = run(restarted("r") + fixes + thermo(50, AGAIN) + "run 3500\n", tmp_path, name="in.again").table()
+    rows = len(again["step"])
+    assert again[AWAKE][0] == 0 and again[AWAKE][-1] == 1
+    assert (whole[AWAKE][-rows:] == again[AWAKE]).all()
+    for name in AGAIN[:1] + AGAIN[2:6]:
+        assert whole[name][-rows:] == pytest.approx(again[name], rel=1e-9, abs=1e-9 * np.abs(whole[name]).max()), name
+
+
+def test_momentum_of_one_condensed_again(tmp_path, figures):
+    """Free grains swing apart, their bond wakes, is damaged, and is condensed again."""
+    text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 10 condense yes")
+    text += "velocity first set 0.3 0 0.93\nvelocity second set 0.3 0 1.07\nfix motion grains nve/sphere\n"
+    t = run(text + MOMENTA + thermo(10, MOMENTUM_COLUMNS + [AWAKE, "f_cem[8]", "f_cem[12]"]) + "run 3000\n", tmp_path).table()
+    change = np.flatnonzero(np.diff(t[AWAKE]))
+    assert t["f_cem[8]"][-1] > 0 and len(change) >= 2 and t[AWAKE][change[1] + 1] == 0, (change, t["f_cem[8]"][-1])
+    P = np.array([t[c] for c in MOMENTUM_COLUMNS])
+    drift = np.abs(P - P[:, :1]).max(axis=1)
+    figures.below("drift of momentum", drift[:3].max() / np.linalg.norm(P[:3, 0]), 1e-10)
+    figures.below("drift of angular momentum", drift[3:].max() / (np.linalg.norm(P[:3, 0]) * 5e-3), 1e-8)
+    figures.below("energy imbalance", np.abs(t["f_cem[12]"]).max(), 1e-4)
+
+
+def test_second_run(tmp_path):
+    """Bonds are solved for once, equal ones together, and not again in a second run."""
+    text = edit((ROOT / "examples" / "packing" / "in.packing").read_text(), "events events.csv", "condense yes")
+    text = edit(text, "index 2.0", "index 1e-3")
+    text += "run 5\n"
+    result = launch(text, tmp_path, arguments=["-var", "side", "3", "-var", "steps", "5", "-var", "record", "5"])
+    assert result.status == 0, result.output[-1500:]
+    found = [tuple(map(int, w)) for w in re.findall(r"condensed (\d+) of (\d+) bonds, with (\d+) solutions", result.output)]
+    assert [f[:2] for f in found] == [(54, 54)] * 2 and found[1][2] == 0 and 0 < found[0][2] < 54, found
 
 
 def test_weight(tmp_path):

@@ -130,36 +130,6 @@ void Cement::bind_grains() {
   condensed_.follow(grains_, weight_of_cement().data());
 }
 
-// Bonds that no step has moved yet, since their points and nodes are at the creation.
-void Cement::choose_condensed() {
-  for (std::size_t row = 0; row < bonds_.table.size(); ++row) {
-    Body& b = bonds_.table[row];
-    if (!b.in_motion) b.condensed = options_.condense && penalty_;
-    if (b.condensed && !options_.condense)
-      throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1], " still is; use 'condense yes'"));
-  }
-  bonds_.awake_changed();
-}
-
-// Collective. After their layout, with the links of the run.
-void Cement::condense(const std::vector<int>& rows) {
-  if (!options_.condense || !penalty_) return;
-  std::vector<int> apart;
-  for (int row : rows)
-    if (bonds_.table[row].condensed && cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) apart.push_back(row);
-  for (int row : apart) bonds_.table[row].condensed = false;
-  bonds_.awake_changed();
-  condensed_.solve(comm_, bonds_, rows, *law_, *penalty_, inertia_);
-  if (!apart.empty()) {
-    bind_grains();
-    bind_shared_nodes();
-    refresh_added_mass(apart);
-    return;
-  }
-  condensed_.bind(comm_, bonds_, grains_);
-  condensed_.follow(grains_, weight_of_cement().data());
-}
-
 void Cement::lay_out_run() {
   NewPartsOfBonds parts = parts_at_start(splits_, sheets_);
   remember_axis();

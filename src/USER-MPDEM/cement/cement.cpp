@@ -72,47 +72,8 @@ void Cement::advance() {
   react();
   if (ends_step()) grains_.watch_late_loads(false);
   wake_bonds();
+  condense_again();
   timer_.stop();
-}
-
-// Of condensed bonds near their threshold, at the end of the forces of a step: they are resolved from the next drift on.
-void Cement::wake_bonds() {
-  if (!condensed_.any()) return;
-  const std::vector<int> rows = agreed_rows(condensed_.due(bonds_, options_, *law_));
-  if (rows.empty()) return;
-  const std::array<double, 3> weight = weight_of_cement();
-  double given_up = 0.0;
-  std::vector<GrainSide> sides;
-  for (int row : rows) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, bonds_, 0.5 * dt_last_);
-    given_up += e.elastic + e.kept;
-    condensed_.wake(comm_, row, bonds_.find(row), bonds_, weight.data(), dt_last_, *law_);
-    if (!condensed_.has(row)) continue;
-    const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, bonds_, weight.data());
-    sides.insert(sides.end(), of_row.begin(), of_row.end());
-  }
-  for (int row : rows) bonds_.table[row].condensed = false;
-  bonds_.awake_changed();
-  condensed_.drop(comm_, rows, bonds_, grains_);
-  condensed_.resume(grains_, weight.data());
-  grains_.wake(comm_, bonds_, inertia_, sides);
-  bind_shared_nodes();
-  for (int row : rows) {
-    Bond* b = bonds_.find(row);
-    if (!b) continue;
-    b->resting = Resting();
-    b->near_threshold = options_.skip.nonlocal && is_near_threshold(b->points, *law_);
-  }
-  refresh_added_mass(rows);
-  for (int row : rows)
-    if (const Bond* b = bonds_.find(row)) given_up -= energy_of(*b);
-  books_.release(given_up);
-}
-
-// The acceleration by gravity that acts on the inertia of the cement.
-std::array<double, 3> Cement::weight_of_cement() const {
-  const double* g = now_.gravity;
-  return {g[0] / options_.mass_scale, g[1] / options_.mass_scale, g[2] / options_.mass_scale};
 }
 
 // Of its points, nodes and links, as central differences keep it.

@@ -158,6 +158,7 @@ class Cement {
   // Strain of the points of condensed bonds, for who looks at points.
   void show_condensed_points();
   int awake_bonds() const;  // of all ranks
+  int bonds_solved() const { return condensed_.solved_last(); }  // at the last layout, by this rank
   PassTicks ticks() const { return advance_.ticks; }
   void clear_ticks() { advance_.ticks = PassTicks(); }
   std::size_t memory_usage() const { return bonds_.memory_usage(); }
@@ -249,6 +250,7 @@ class Cement {
   void find_grain_accelerations();
   void add_inertial_forces();
   void wake_bonds();
+  void condense_again();
   double energy_of(const Bond& b) const;
   double damping_work(double later, int first_body);
   EnergyBooks::StepWork work_of_step(int first_body);

@@ -9,25 +9,18 @@
 #include <unordered_map>
 
 #include "../parallel/agree.h"
-#include "../mpm/advance_points.h"
 #include "../mpm/field_drive.h"
 #include "bond_description.h"
+#include "condensed_fields.h"
 
 namespace mpdem {
 
 namespace {
 
 using Vector3 = Eigen::Vector3d;
-using Matrix3 = Eigen::Matrix3d;
 
-Vector3 place_of(const Grid& grid, int i) { return grid.h * Vector3(grid.keys[i][1], grid.keys[i][2], grid.keys[i][3]); }
-
-Eigen::Matrix<double, 3, 6> fields_at(const StaticBond& fields, int i) {
-  Eigen::Matrix<double, 3, 6> u;
-  for (int j = 0; j < 6; ++j)
-    for (int d = 0; d < 3; ++d) u(d, j) = fields.displacement[j][3 * i + d];
-  return u;
-}
+// The bound is that of whole material. It only says when points are looked at.
+constexpr double kDriveOfDamaged = 10.0;
 
 }  // namespace
 
@@ -52,6 +45,8 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
   s->sums.add(b->points, law, false);
+  if (s->sums.largest_damage > 0.0)
+    for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
   const auto energy_by = [&](int i, int j) {
     for (std::size_t n = 0; n < b->points.blocks.size(); ++n)
       b->points.blocks[n].strain = i == j ? s->fields.strain[i][n] : s->fields.strain[i][n] + s->fields.strain[j][n];
@@ -78,6 +73,8 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
   for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
     of_all = (of_all ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
   solved_last_ = 0;
+  int me;
+  MPI_Comm_rank(comm, &me);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = rows[n];
     Bond* b = bonds.find(row);
@@ -114,11 +111,11 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
     if (!cut[n] || solved_already[n]) continue;
+    if (me == 0) ++solved_last_;  // all ranks solve it
     Bond* b = bonds.find(rows[n]);
     auto s = solved(comm, b, bonds.table[rows[n]], law);
     if (!b) continue;
     solutions_[rows[n]] = std::move(s);
-    ++solved_last_;
   }
 }
 
@@ -296,104 +293,6 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
     work += 0.5 * (motion.velocity(side.data(), dt_last) + change).dot(model.M * change);
   }
   return work;
-}
-
-CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body& body, double later) const {
-  const int part = part_of(bond.body);
-  const Member& m = members_[part];
-  const auto sides = pack_.sides(part, body);
-  const GrainSide* side = sides.data();
-  const CondensedMotion motion(m.solution->model, body, side);
-  const Vector3& middle = m.solution->model.middle;
-  const CondensedMotion::Vector12 v = motion.velocity(side, later), a = motion.rate(side);
-  const CondensedMotion::Vector6 d = motion.relative(), half = 0.5 * d;
-  const Matrix3& Q = motion.axes();
-  const Vector3 c = motion.middle(), w = motion.turning(side);
-  const auto rigid = [](const CondensedMotion::Vector6& g, const Vector3& Y) { return Vector3(g.head<3>() + Vector3(g.tail<3>()).cross(Y)); };
-  NodeMotion n;
-  for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
-  for (int i = 0; i < bond.grid.size(); ++i) {
-    const Vector3 X = place_of(bond.grid, i), Y = X - middle;
-    const Eigen::Matrix<double, 3, 6> u = fields_at(m.solution->fields, i);
-    const Vector3 y = Y + u * d - rigid(half, Y);  // the axes go with half of the relative motion
-    const auto field = [&](const CondensedMotion::Vector12& q) {
-      const CondensedMotion::Vector6 first = q.head<6>(), second = q.tail<6>();
-      return Vector3(rigid(first, y) + u * (second - first));
-    };
-    const Vector3 of_node[3] = {c + Q * y - X, Q * field(v), Q * (field(a) + w.cross(w.cross(y)))};
-    for (int d3 = 0; d3 < 3; ++d3) {
-      n.displacement[3 * i + d3] = of_node[0][d3];
-      n.velocity[3 * i + d3] = of_node[1][d3];
-      n.acceleration[3 * i + d3] = of_node[2][d3];
-    }
-  }
-  return n;
-}
-
-void CondensedBonds::show_strain(Bond& bond) const {
-  const int part = part_of(bond.body);
-  const Member& m = members_[part];
-  for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
-    Sym3<vd> e{};
-    for (int j = 0; j < 6; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
-    bond.points.blocks[b].strain = e;
-  }
-}
-
-void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const {
-  const Body& row = bonds.table[body];
-  if (bond) {
-    Grid& grid = bond->grid;
-    show_strain(*bond);
-    NodeMotion n = nodes_of(*bond, row, 0.5 * dt_last);
-    for (std::size_t i = 0; i < n.velocity.size(); ++i) n.velocity[i] -= 0.5 * dt_last * n.acceleration[i];
-    grid.displacement.swap(n.displacement);
-    grid.velocity.swap(n.velocity);
-    grid.acceleration.swap(n.acceleration);
-    const int part = part_of(body);
-    const Matrix3 Q = CondensedMotion(members_[part].solution->model, row, sides_of(part, bonds).data()).axes();
-    double turn[3][3];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
-    take_up_field(bond->points, grid, turn);
-  }
-  const bool cut = cut_.count(body) > 0;
-  const std::array<double, 3> along = turned_back(axes_of(row), gravity);
-  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, row, along.data(), law);
-}
-
-// The fields are linear. What is left of forces is of the order of the strain, but links are stiff: a step of Newton's method takes it away.
-void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const {
-  constexpr int kIterations = 2;
-  for (int k = 0; k < kIterations; ++k) {
-    if (!bond) {
-      solve_static(comm, nullptr, {});
-      continue;
-    }
-    Grid& grid = bond->grid;
-    std::array<GrainSide, 2> side = pack_.sides(part_of(bond->body), body);
-    for (GrainSide& s : side)  // no dampers
-      for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
-    std::vector<double> velocity(grid.velocity.size(), 0.0);
-    velocity.swap(grid.velocity);
-    grid.clear_force();
-    add_internal_force(bond->points, grid, law);
-    bond->links.add_force(grid, side.data());
-    grid.sum_force();
-    for (int i = 0; i < grid.size(); ++i)
-      for (int d = 0; d < 3; ++d)
-        if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
-    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law};
-    grid.velocity = solve_static(comm, &parts, grid.force);
-    AdvanceOptions options;
-    options.nonlocal = true;  // without averages no damage grows
-    bond->points.average.clear();
-    AdvanceResult result;
-    grid.clear_force();
-    advance_points(bond->points, 0, static_cast<int>(bond->points.blocks.size()), grid, law, 1.0, options, result);
-    for (std::size_t i = 0; i < velocity.size(); ++i) grid.displacement[i] += grid.velocity[i];
-    velocity.swap(grid.velocity);
-  }
 }
 
 double CondensedBonds::largest_root(Bond& b, const CementOptions& options, const Law& law) const {

@@ -72,6 +72,13 @@ class CondensedBonds {
   // Collective. Points and nodes of a bond take up the present, in equilibrium with the accelerations of the grains. bond: null if this rank has
   // nothing of it. dt_last: velocities lie half of it behind.
   void wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const;
+  // Would a bond that is awake and whole on this rank be the same if it were condensed again, within kChange of force and energy at its
+  // threshold? side: its first, with the loads of the step. energy: that of its nodes, points and links. root: that of its largest drive.
+  bool fits(const Bond& awake, const Body& body, const GrainSide* side, double energy, double root, const double* gravity, double dt_last, const Law& law);
+  // What its nodes have of momentum beyond that of the condensed bond with the velocities of the sides, as loads over the step.
+  GrainLoads rest_of_momentum(const Bond& awake, const Body& body, const GrainSide* side, double dt) const;
+  void forget_candidate(int body) { candidates_.erase(body); }
+
   // Collective. They are condensed no more.
   void drop(MPI_Comm comm, const std::vector<int>& rows, const Bonds& bonds, const BondedGrains& grains);
 
@@ -106,6 +113,11 @@ class CondensedBonds {
   std::map<int, std::size_t> described_;                      // hash of what they were solved for
   int solved_last_ = 0;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
+  struct Candidate {
+    double damage, failed;  // when it was solved
+    std::shared_ptr<const Solution> solution;
+  };
+  std::map<int, Candidate> candidates_;  // bonds that are awake, solved to see whether they fit
   std::vector<Member> members_;                               // ascending in body
   CondensedPack pack_;
 };

@@ -88,11 +88,9 @@ CementTotals Cement::totals(double reach_of_box) {
   const CondensedBonds::Energies condensed = condensed_.energies(bonds_, 0.5 * dt_last_);
   for (Bond& bond : bonds_) {
     if (!bonds_.is_awake(bond)) {
-      // the rest of its energy is in the links
-      const double of_bond = condensed_.energy_of_points(bond);
+      const double energy = condensed_.energy_of_points(bond);
       of_points.add(condensed_.sums_of_points(bond));
-      sum[kElastic] += of_bond;
-      sum[kCoupling] -= of_bond;
+      sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
       continue;
     }
     of_points.add(bond.points, *law_, true);

@@ -151,6 +151,17 @@ GrainLoads CondensedMotion::loads(const Vector12& generalized) const {
   return l;
 }
 
+CondensedMotion::Vector12 CondensedMotion::generalized(const double* first, const double* second) const {
+  Vector12 g;
+  const double* of[2] = {first, second};
+  for (int s = 0; s < 2; ++s) {
+    const Vector3 f = vector(of[s]);
+    g.segment<3>(6 * s) = Q_.transpose() * f;
+    g.segment<3>(6 * s + 3) = Q_.transpose() * (vector(of[s] + 3) - r_[s].cross(f));
+  }
+  return g;
+}
+
 CondensedMotion::Vector12 CondensedMotion::centripetal(const CondensedModel& model, const GrainSide* side) const {
   const Vector3 w = turning(side);
   const Matrix3 B = w * w.transpose() - w.squaredNorm() * Matrix3::Identity();

@@ -77,8 +77,9 @@ class CondensedMotion {
   Vector12 of_sides(const double* first, const double* second) const;
   // A uniform field.
   Vector12 uniform(const double* g) const;
-  // Loads of generalized forces on q.
+  // Loads of generalized forces on q, and the other way from six numbers of each side.
   GrainLoads loads(const Vector12& generalized) const;
+  Vector12 generalized(const double* first, const double* second) const;
   // What the centripetal acceleration of nodes beyond that of the p_s asks for.
   Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
   // All loads on the grains while the sides have these velocities and accelerations: elastic, of inertia and of weight.

@@ -3,6 +3,7 @@
 #include "field_drive.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -129,6 +130,31 @@ void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
       }
     }
   });
+}
+
+void go_back_to_creation(PointStore& points) {
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    PointBlock& p = points.blocks[b];
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(points.meta[b].occupied >> l & 1)) continue;
+      Eigen::Matrix3d F;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+          F(i, j) = p.F.a[i][j][l];
+          p.F.a[i][j][l] = i == j ? 1.0 : 0.0;
+        }
+      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
+      if (!(R.determinant() > 0.0)) continue;  // failed, and inside out
+      const Eigen::Quaterniond q = (Eigen::Quaterniond(R).conjugate() * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
+      p.q.w[l] = q.w();
+      p.q.x[l] = q.x();
+      p.q.y[l] = q.y();
+      p.q.z[l] = q.z();
+    }
+    p.strain = Sym3<vd>{};
+  }
+  points.average.clear();
 }
 
 }  // namespace mpdem

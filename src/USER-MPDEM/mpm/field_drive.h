@@ -33,6 +33,9 @@ double largest_root_of_drive(const PointStore& points, const Law& law, bool aver
 // Before, the points are as they were made.
 void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]);
 
+// The other way: no deformation and no strain, frames without the turn of the deformation. The damage stays.
+void go_back_to_creation(PointStore& points);
+
 }  // namespace mpdem
 
 #endif

@@ -87,6 +87,12 @@ void CementReport::parameters(Cement& c, bigint points) {
     say(text);
     warn(c);
   }
+  if (o.condense && c.penalty()) {
+    int mine = c.bonds_solved(), all;
+    MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
+    const int bonds = static_cast<int>(table.size());
+    if (lmp_->comm->me == 0) say(text_of("  condensed ", bonds - c.awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew\n"));
+  }
   if (damped.admitted < o.relax) damping(c);
   if (c.dt() > kRounding * limit)
     stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c),

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Between a condensed bond and a resolved one: what nodes and points have by the static fields, and whether a bond that is awake goes by them.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "../mpm/advance_points.h"
+#include "../mpm/field_drive.h"
+#include "condensed_bonds.h"
+#include "condensed_fields.h"
+
+namespace mpdem {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+constexpr double kChange = 1e-3;  // of what the bond has at its threshold
+
+}  // namespace
+
+CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body& body, double later) const {
+  const int part = part_of(bond.body);
+  const Member& m = members_[part];
+  const auto sides = pack_.sides(part, body);
+  const GrainSide* side = sides.data();
+  const CondensedMotion motion(m.solution->model, body, side);
+  const Vector3& middle = m.solution->model.middle;
+  const CondensedMotion::Vector12 v = motion.velocity(side, later), a = motion.rate(side);
+  const CondensedMotion::Vector6 d = motion.relative(), half = 0.5 * d;
+  const Matrix3& Q = motion.axes();
+  const Vector3 c = motion.middle(), w = motion.turning(side);
+  const auto rigid = [](const CondensedMotion::Vector6& g, const Vector3& Y) { return Vector3(g.head<3>() + Vector3(g.tail<3>()).cross(Y)); };
+  NodeMotion n;
+  for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
+  for (int i = 0; i < bond.grid.size(); ++i) {
+    const Vector3 X = place_of(bond.grid, i), Y = X - middle;
+    const Eigen::Matrix<double, 3, 6> u = fields_at(m.solution->fields, i);
+    const Vector3 y = Y + u * d - rigid(half, Y);  // the axes go with half of the relative motion
+    const auto field = [&](const CondensedMotion::Vector12& q) {
+      const CondensedMotion::Vector6 first = q.head<6>(), second = q.tail<6>();
+      return Vector3(rigid(first, y) + u * (second - first));
+    };
+    const Vector3 of_node[3] = {c + Q * y - X, Q * field(v), Q * (field(a) + w.cross(w.cross(y)))};
+    for (int d3 = 0; d3 < 3; ++d3) {
+      n.displacement[3 * i + d3] = of_node[0][d3];
+      n.velocity[3 * i + d3] = of_node[1][d3];
+      n.acceleration[3 * i + d3] = of_node[2][d3];
+    }
+  }
+  return n;
+}
+
+void CondensedBonds::show_strain(Bond& bond) const {
+  const int part = part_of(bond.body);
+  const Member& m = members_[part];
+  for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
+    Sym3<vd> e{};
+    for (int j = 0; j < 6; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
+    bond.points.blocks[b].strain = e;
+  }
+}
+
+void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bonds, const double* gravity, double dt_last, const Law& law) const {
+  const Body& row = bonds.table[body];
+  if (bond) {
+    Grid& grid = bond->grid;
+    show_strain(*bond);
+    NodeMotion n = nodes_of(*bond, row, 0.5 * dt_last);
+    for (std::size_t i = 0; i < n.velocity.size(); ++i) n.velocity[i] -= 0.5 * dt_last * n.acceleration[i];
+    grid.displacement.swap(n.displacement);
+    grid.velocity.swap(n.velocity);
+    grid.acceleration.swap(n.acceleration);
+    const int part = part_of(body);
+    const Matrix3 Q = CondensedMotion(members_[part].solution->model, row, sides_of(part, bonds).data()).axes();
+    double turn[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
+    take_up_field(bond->points, grid, turn);
+  }
+  const bool cut = cut_.count(body) > 0;
+  const std::array<double, 3> along = turned_back(axes_of(row), gravity);
+  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, row, along.data(), law);
+}
+
+// The fields are linear. What is left of forces is of the order of the strain, but links are stiff: a step of Newton's method takes it away.
+void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const {
+  constexpr int kIterations = 2;
+  for (int k = 0; k < kIterations; ++k) {
+    if (!bond) {
+      solve_static(comm, nullptr, {});
+      continue;
+    }
+    Grid& grid = bond->grid;
+    std::array<GrainSide, 2> side = pack_.sides(part_of(bond->body), body);
+    for (GrainSide& s : side)  // no dampers
+      for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
+    std::vector<double> velocity(grid.velocity.size(), 0.0);
+    velocity.swap(grid.velocity);
+    grid.clear_force();
+    add_internal_force(bond->points, grid, law);
+    bond->links.add_force(grid, side.data());
+    grid.sum_force();
+    for (int i = 0; i < grid.size(); ++i)
+      for (int d = 0; d < 3; ++d)
+        if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
+    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law};
+    grid.velocity = solve_static(comm, &parts, grid.force);
+    AdvanceOptions options;
+    options.nonlocal = true;  // without averages no damage grows
+    bond->points.average.clear();
+    AdvanceResult result;
+    grid.clear_force();
+    advance_points(bond->points, 0, static_cast<int>(bond->points.blocks.size()), grid, law, 1.0, options, result);
+    for (std::size_t i = 0; i < velocity.size(); ++i) grid.displacement[i] += grid.velocity[i];
+    velocity.swap(grid.velocity);
+  }
+}
+
+bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* side, double energy, double root, const double* gravity, double dt_last,
+                          const Law& law) {
+  PointSums now;
+  now.add(awake.points, law, false);
+  Candidate& c = candidates_[awake.body];
+  if (!c.solution || c.damage != now.damaged_volume || c.failed != now.failed) {
+    Bond still(awake);
+    go_back_to_creation(still.points);
+    std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
+    c = {now.damaged_volume, now.failed, solved(MPI_COMM_SELF, &still, body, law)};
+  }
+  const CondensedModel& model = c.solution->model;
+  const Eigen::LLT<Matrix6> K(model.K);
+  if (K.info() != Eigen::Success || root == 0.0) return false;
+  const CondensedMotion motion(model, body, side);
+  const double elastic = motion.energy(model), at_threshold = elastic / (root * root);
+  const CondensedMotion::Vector12 before = motion.velocity(side, 0.0), after = motion.velocity(side, dt_last);
+  if (std::fabs(energy - elastic - 0.5 * before.dot(model.M * after)) > kChange * at_threshold) return false;
+  const GrainLoads loads = motion.all(model, side, turned_back(side->axes, gravity).data());
+  for (int s = 0; s < 2; ++s) {
+    double other[2][6] = {};
+    for (int d = 0; d < 3; ++d) {
+      other[s][d] = side[s].force[d] - loads.of[s][d];
+      other[s][3 + d] = side[s].torque[d] - loads.of[s][3 + d];
+    }
+    const CondensedMotion::Vector6 f = motion.generalized(other[0], other[1]).segment<6>(6 * s);
+    if (0.5 * f.dot(K.solve(f)) > kChange * kChange * at_threshold) return false;
+  }
+  return true;
+}
+
+GrainLoads CondensedBonds::rest_of_momentum(const Bond& awake, const Body& body, const GrainSide* side, double dt) const {
+  const Solution& s = *candidates_.at(awake.body).solution;
+  const CondensedMotion motion(s.model, body, side);
+  const Grid& grid = awake.grid;
+  CondensedMotion::Vector12 rest = -(s.model.M * motion.velocity(side, 0.0));
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!(grid.mass[i] > 0.0)) continue;
+    const Vector3 p = grid.mass[i] * (motion.axes().transpose() * CondensedMotion::vector(&grid.velocity[3 * i]));
+    const Vector3 place = place_of(grid, i) + CondensedMotion::vector(&grid.displacement[3 * i]);
+    const Vector3 Y = motion.axes().transpose() * (place - motion.middle());
+    const Eigen::Matrix<double, 3, 6> u = fields_at(s.fields, i);
+    CondensedMotion::Vector6 rigid;
+    rigid << p, Y.cross(p);
+    const CondensedMotion::Vector6 of_second = u.transpose() * p;
+    rest.head<6>() += rigid - of_second;
+    rest.tail<6>() += of_second;
+  }
+  return motion.loads(rest / dt);
+}
+
+}  // namespace mpdem
