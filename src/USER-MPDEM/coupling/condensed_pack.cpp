@@ -215,8 +215,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   Mat turn[2];
   Vec arm[2], x[2], omega[2];
   for (int s = 0; s < 2; ++s) {
-    vd q[4], e[4];
-    for (vd& component : q) component = vd{};
+    vd q[4] = {}, e[4];
     for (int l = 0; l < kLanes; ++l) {
       const double* from = &motion_[static_cast<std::size_t>(kMotion) * b.slot[s][l]];
       for (int d = 0; d < 3; ++d) {
