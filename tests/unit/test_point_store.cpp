@@ -42,6 +42,8 @@ PointRecord random_record(test::Random& random) {
     k.area = random.uniform(0, 1);
     k.attached = random.index(2);
   }
+  r.places = random.index(3);
+  for (int i = 0; i < r.places; ++i) r.place[i].grain = 1 + i;
   return r;
 }
 
@@ -57,7 +59,7 @@ std::vector<double> content(const PointStore& s) {
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
     const BlockMeta& m = s.meta[b];
     for (int d = 0; d < 3; ++d) all.push_back(m.base[d]);
-    for (int v : {m.body, m.part, m.joined, int(m.second), int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged)})
+    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged), int(m.second), m.joined})
       all.push_back(v);
     for (int l = 0; l < kLanes; ++l) {
       all.push_back(s.tags[b][l]);
@@ -66,6 +68,7 @@ std::vector<double> content(const PointStore& s) {
     }
   }
   for (const Link& k : s.links) all.insert(all.end(), {double(k.slot), double(k.grain), k.foot[0], k.area});
+  for (const FreedPlace& p : s.places) all.insert(all.end(), {double(p.slot), double(p.grain)});
   return all;
 }
 
@@ -296,66 +299,51 @@ TEST(PointStore, ArrangeMovesPointsToOtherParts) {
   expect_arranged(f.store, f.records, f.tags, f.arrange(part));
 }
 
-// Points go to parts in place, round by round, as where nodes split; then blocks are filled, and are those of a store that knew the parts.
+// Points go to parts in place, round by round, as where nodes split. The store is that which a layout of the same points gives, to the bit.
 TEST(PointStore, PartsInPlace) {
-  for (bool join : {false, true}) {
+  for (bool moving : {false, true}) {
     Filled f(93, 400);
     std::map<int, std::size_t> of_tag;
     for (std::size_t i = 0; i < f.tags.size(); ++i) of_tag[f.tags[i]] = i;
-    f.store.arrange(kCell, Basis::quadratic, {}, join);
-    Filled whole(93, 400);
-    const std::vector<int> place = whole.store.arrange(kCell, Basis::quadratic, {}, join);
-    std::map<int, int> all_moves;  // slots of the other store
-    const std::size_t arranged = f.store.blocks.size();
-    int joined_copies = 0;  // points in the second cell of a copy
+    if (moving) f.store.let_move();
+    f.store.arrange(kCell, Basis::quadratic, {}, true);
     test::Random random(94);
-    for (int round = 0; round < 4; ++round) {
-      std::map<int, int> moves, slot_of_tag;
+    for (int round = 0; round < 6; ++round) {
+      std::map<int, int> moves;
+      std::vector<int> slot_of_link;
+      for (const Link& k : f.store.links) slot_of_link.push_back(f.store.tags[k.slot / kLanes][k.slot % kLanes]);
       for (std::size_t b = 0; b < f.store.blocks.size(); ++b)
         for (int l = 0; l < kLanes; ++l) {
           if (!(f.store.meta[b].occupied >> l & 1)) continue;
-          const int slot = static_cast<int>(kLanes * b) + l;
-          slot_of_tag[f.store.tags[b][l]] = slot;
-          // some blocks as a whole, of others a few points; some to the part where they are
-          if (b % 5 == 0 || random.index(4) == 0) moves[slot] = b % 5 == 0 ? 2 + round : random.index(4);
+          // some blocks as a whole, of others a few points; some to the part where they are, or back
+          const bool whole = (b + round) % 7 == 0;
+          if (!whole && random.index(6) != 0) continue;
+          const int part = whole ? 3 - round % 3 : random.index(4);
+          moves[static_cast<int>(kLanes * b) + l] = part;
+          f.records[of_tag.at(f.store.tags[b][l])].part = part;
         }
-      std::map<int, int> part;
-      for (const auto& s : slot_of_tag) part[s.first] = moves.count(s.second) ? moves[s.second] : f.store.meta[s.second / kLanes].part;
-      const std::size_t blocks = f.store.blocks.size();
+      PointStore anew(f.store);
+      anew.arrange(kCell, Basis::quadratic, moves, true);
       const PointStore::PartMove moved = f.store.move_to_parts(moves, kCell, Basis::quadratic);
-      EXPECT_TRUE(std::is_sorted(f.store.links.begin(), f.store.links.end(), [](const Link& a, const Link& b) { return a.slot < b.slot; }));
-      EXPECT_EQ(moved.link_place.size(), f.store.links.size());
-      EXPECT_EQ(f.store.size(), 400);
-      for (std::size_t b = 0; b < f.store.blocks.size(); ++b) {
-        const bool told = std::count(moved.blocks.begin(), moved.blocks.end(), b) > 0;
-        EXPECT_TRUE(told || b < blocks);
-        for (int l = 0; l < kLanes; ++l) {
-          if (!(f.store.meta[b].occupied >> l & 1)) {
-            EXPECT_EQ(f.store.blocks[b].volume[l], 0.0);
-            continue;
-          }
-          const int slot = static_cast<int>(kLanes * b) + l, tag = f.store.tags[b][l];
-          PointRecord expected = f.records[of_tag.at(tag)];
-          expected.part = part.at(tag);
-          EXPECT_EQ(packed(f.store.record(slot)), packed(expected));
-          EXPECT_EQ(slot % kLanes, slot_of_tag.at(tag) % kLanes);  // the lane that it had
-          const BlockMeta& m = f.store.meta[b];
-          EXPECT_EQ(m.linked >> l & 1, expected.links > 0);
-          for (int d = 0; d < 3; ++d)
-            EXPECT_EQ(m.base[d] + (m.joined == d && (m.second >> l & 1)), support_base(expected.X[d], 1.0 / kCell, cell_shift(Basis::quadratic)));
-          joined_copies += b >= arranged && m.joined != kOneCell && m.second >> l & 1;
-          if (!moves.count(slot_of_tag.at(tag))) {
-            EXPECT_EQ(slot, slot_of_tag.at(tag));
-          }
-        }
+      EXPECT_EQ(content(f.store), content(anew));
+      ASSERT_EQ(moved.link_place.size(), f.store.links.size());
+      for (std::size_t k = 0; k < slot_of_link.size(); ++k) {
+        const int slot = f.store.links[moved.link_place[k]].slot;
+        EXPECT_EQ(f.store.tags[slot / kLanes][slot % kLanes], slot_of_link[k]);
       }
-      for (const auto& p : part) all_moves[place[whole.slots[of_tag.at(p.first)]]] = p.second;
+      EXPECT_EQ(f.store.size(), 400);
+      for (std::size_t b = 0; b < f.store.blocks.size(); ++b)
+        for (int l = 0; l < kLanes; ++l) {
+          if (!(f.store.meta[b].occupied >> l & 1)) continue;
+          const int tag = f.store.tags[b][l];
+          PointRecord expected = f.records[of_tag.at(tag)];
+          const PointRecord r = f.store.record(static_cast<int>(kLanes * b) + l);
+          expected.moving = r.moving;
+          for (int d = 0; d < 3; ++d) expected.X0[d] = r.X0[d];
+          EXPECT_EQ(packed(r), packed(expected));
+        }
     }
-    EXPECT_GT(f.store.blocks.size(), whole.store.blocks.size());
-    EXPECT_EQ(joined_copies > 0, join);
-    f.store.arrange(kCell, Basis::quadratic, {}, join);
-    whole.store.arrange(kCell, Basis::quadratic, all_moves, join);
-    EXPECT_EQ(content(f.store), content(whole.store));
+    EXPECT_GT(std::count_if(f.store.meta.begin(), f.store.meta.end(), [](const BlockMeta& m) { return m.part > 0; }), 30);
   }
 }
 

@@ -200,9 +200,16 @@ double Cement::added_energy_ahead(const std::vector<int>& rows, double later) {
 void Cement::drop_inert_added_mass() {
   books_.release_by([&] { return added_energy_ahead(all_rows(), 0.5 * (dt_last_ + now_.dt)); },
                     [&] {
-                      for (Bond& b : bonds_.awake()) b.links.drop_inertia(b.points);
+                      for (Bond& b : bonds_.awake()) drop_inert_links(b);
                       refresh_added_mass();
                     });
+}
+
+// A new layout leaves them out, and sums over links go by their blocks, so they go here too: a run in parts is the run as a whole.
+void Cement::drop_inert_links(Bond& b) {
+  if (!b.links.drop_inertia(b.points) || options_.updated) return;
+  b.links = PenaltyLinks(b.points, bonds_.body(b), *penalty_, options_.cell, inertia_, options_.basis);
+  b.links.find_columns(b.grid);
 }
 
 void Cement::refresh_added_mass() {

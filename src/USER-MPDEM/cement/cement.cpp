@@ -100,7 +100,6 @@ void Cement::look_for_cracks() {
   if (!after_check && (now_.number - 1) % kWatchEvery != 0) return;
   if (options_.split) {
     timer_.start(StepTimer::kLayout);
-    if (after_check) fill_blocks();
     split_nodes();
   }
   if (!after_check && !cracks_.some_path_is_cut(comm_)) return;

@@ -236,7 +236,7 @@ class Cement {
   void split_nodes();
   void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);
   std::vector<int> part_nodes(Bond& b, const NewParts& parts);
-  void fill_blocks();
+  void drop_inert_links(Bond& b);
   void take_failed(Bond& b);
   void let_go(Bond& b);
   void follow_links(Bond& b);

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Nodes that split (splits.h): what changes in a bond, in place. Points that go to other parts get blocks of their own, new nodes come
-// into the grid, and the ties and masses of those that are touched are found anew; all else stays where it is. At the next check
-// blocks are filled again by a layout. A bond that ranks cut is laid out as a whole at once.
+// into the grid, and the ties and masses of those that are touched are found anew; all else stays where it is. What comes of it is what a layout of
+// the same state gives, to the bit. A bond that ranks cut is laid out as a whole.
 #include <algorithm>
 
 #include "bond_motion.h"
@@ -101,7 +101,7 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
     for (int row : rows) {
       Bond* b = bonds_.find(row);
       if (!b) continue;
-      b->links.drop_inertia(b->points);
+      drop_inert_links(*b);
       if (std::binary_search(cut.begin(), cut.end(), row)) continue;
       const std::vector<int> nodes = part_nodes(*b, parts[row]);
       if (eigenvalue_ > 0.0) patches[row] = blocks_about(b->points, b->grid, nodes);
@@ -114,22 +114,6 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
     refresh_added_mass(rows);
     check_step_after(rows, "nodes split", &patches);
   });
-}
-
-// Bonds with blocks that are not full since points went to other parts.
-void Cement::fill_blocks() {
-  std::vector<int> mine;
-  for (const Bond& b : bonds_.awake())
-    if (b.points.blocks.size() != b.blocks_when_arranged) mine.push_back(b.body);
-  const std::vector<int> rows = agreed_rows(mine);
-  if (rows.empty()) return;
-  const auto energy = [&] {
-    double sum = 0.0;
-    for (int row : rows)
-      if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
-    return sum;
-  };
-  books_.release_by(energy, [&] { lay_out_again(rows); });
 }
 
 }  // namespace mpdem

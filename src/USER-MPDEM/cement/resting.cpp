@@ -22,13 +22,7 @@ void Resting::advance(PointStore& points, Grid& grid, const Law& law, double dt,
   const bool moves = !options.skip_resting || std::any_of(grid.velocity.begin(), grid.velocity.end(), [](double v) { return v != 0.0; });
   if (moves) {
     asleep_ = false;
-    const int n = static_cast<int>(points.blocks.size());
-    for (int b = 0; b < n;) {
-      int e = b;
-      while (e < n && points.meta[e].part == points.meta[b].part) ++e;
-      advance_points(points, b, e, grid, law, dt, options, result);
-      b = e;
-    }
+    advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, options, result);
   } else if (asleep_) {
     std::copy(internal_force_.begin(), internal_force_.end(), grid.force.begin());
   } else if (settle(points, grid, law, dt, options, result)) {

@@ -390,13 +390,16 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, do
   });
 }
 
-void PenaltyLinks::drop_inertia(PointStore& points) {
+bool PenaltyLinks::drop_inertia(PointStore& points) {
+  bool some = false;
   for (LinkBlock& b : blocks_) {
     if (b.inert == b.attached) continue;
+    some = true;
     b.inert = b.attached;
     for (int l = 0; l < kLanes; ++l)
       if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
   }
+  return some;
 }
 
 void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const {

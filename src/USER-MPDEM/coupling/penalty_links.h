@@ -98,7 +98,7 @@ class PenaltyLinks {
   // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it.
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
-  void drop_inertia(PointStore& points);
+  bool drop_inertia(PointStore& points);  // true if some were inert
   // Row-summed stiffness of this rank's links, and of their dampers at this time step, added to two numbers a node,
   // those of either side. Links that read tied nodes burden the masters.
   void add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const;

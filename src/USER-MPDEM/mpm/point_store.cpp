@@ -56,7 +56,8 @@ void PointStore::clear() {
   law_.reset();
   settled_ = 0;
   changed_ = false;
-  home_.clear();
+  homes_ = 0;
+  copies_.clear();
 }
 
 void PointStore::set(int slot, const PointRecord& r, int tag) {
@@ -178,6 +179,7 @@ namespace {
 
 struct Item {
   int body, part, base[3], tag, slot;
+  int to_part;  // that of the block; `part` is what blocks are planned by
 };
 
 bool same_cell(const Item& a, const Item& b) {
@@ -240,7 +242,7 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
 
 }  // namespace
 
-std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part, bool join) {
+std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part, bool stay) {
   const double inverse_h = 1.0 / cell, shift = cell_shift(basis);
   std::vector<Item> items;
   items.reserve(kLanes * blocks.size());
@@ -248,50 +250,72 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
   for (int slot = 0; slot < kLanes * static_cast<int>(blocks.size()); ++slot) {
     const int b = slot / kLanes, l = slot % kLanes;
     if (!(meta[b].occupied >> l & 1)) continue;
-    Item it{meta[b].body, meta[b].part, {}, tags[b][l], slot};
+    Item it{meta[b].body, 0, {}, tags[b][l], slot, meta[b].part};
     while (moved != new_part.end() && moved->first < slot) ++moved;
-    if (moved != new_part.end() && moved->first == slot) it.part = moved->second;
+    if (moved != new_part.end() && moved->first == slot) it.to_part = moved->second;
+    if (!stay) it.part = it.to_part;
     for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h, shift);
     items.push_back(it);
   }
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return same_cell(a, b) ? a.tag < b.tag : cell_before(a, b); });
 
-  const std::vector<Plan> plans = plan_blocks(items, join && may_join_cells(basis));
-  PointStore next;
-  next.links.reserve(links.size());
-  next.blocks.reserve(plans.size());
-  next.state_fields_ = state_fields_;
-  next.law_ = law_;
-  next.law_number_ = law_number_;
-  if (!state_.empty()) next.state_.reserve(plans.size() * state_fields_);
-  next.meta.reserve(plans.size());
-  next.tags.reserve(plans.size());
-  if (!motion.empty()) next.motion.reserve(plans.size());
-  std::vector<int> new_slot(kLanes * blocks.size(), -1);
+  const std::vector<Plan> plans = plan_blocks(items, stay && may_join_cells(basis));
+  const auto item_of = [&](const Plan& p, int l) -> const Item& { return items[l < p.count ? p.first + l : p.second + l - p.count]; };
+  std::vector<Family> families;
   for (const Plan& p : plans) {
-    const Item& first = items[p.first];
-    next.add_block(first.body, first.part, first.base, cell, basis);
-    next.meta.back().joined = p.joined;
-    next.meta.back().second = static_cast<std::uint8_t>(((1u << p.more) - 1) << p.count);
+    families.emplace_back();
+    for (int l = 0; l < p.count + p.more; ++l) {
+      families.back().part[l] = item_of(p, l).to_part;
+      std::copy(item_of(p, l).base, item_of(p, l).base + 3, families.back().cell[l].begin());
+    }
+  }
+  PointStore next;
+  next.homes_ = static_cast<int>(plans.size());
+  for (int h = 0; h < next.homes_; ++h)
+    for (int part : families[h].others()) next.copies_.push_back({h, part});
+  next.reserve_like(*this, plans.size() + next.copies_.size());
+  std::vector<int> new_slot(kLanes * blocks.size(), -1);
+  for (std::size_t n = 0; n < plans.size() + next.copies_.size(); ++n) {
+    const bool is_home = n < plans.size();
+    const int home = is_home ? static_cast<int>(n) : next.copies_[n - plans.size()].home;
+    const int part = is_home ? families[home].first() : next.copies_[n - plans.size()].part;
+    const Plan& p = plans[home];
+    next.add_block(items[p.first].body, part, families[home], cell, basis);
     if (!motion.empty()) next.let_move();
     for (int l = 0; l < p.count + p.more; ++l) {
-      const Item& item = items[l < p.count ? p.first + l : p.second + l - p.count];
-      const int slot = kLanes * (static_cast<int>(next.blocks.size()) - 1) + l;
-      const PointRecord r = record(item.slot);
-      next.set(slot, r, item.tag);
-      for (int k = 0; k < r.links; ++k) {
-        next.links.push_back(r.link[k]);
-        next.links.back().slot = slot;
-      }
-      for (int k = 0; k < r.places; ++k) {
-        next.places.push_back(r.place[k]);
-        next.places.back().slot = slot;
-      }
-      new_slot[item.slot] = slot;
+      const Item& item = item_of(p, l);
+      if (item.to_part != part) continue;
+      next.add_record(kLanes * static_cast<int>(n) + l, record(item.slot), item.tag);
+      new_slot[item.slot] = kLanes * static_cast<int>(n) + l;
     }
   }
   *this = std::move(next);
   return new_slot;
+}
+
+void PointStore::reserve_like(const PointStore& other, std::size_t n) {
+  links.reserve(other.links.size());
+  blocks.reserve(n);
+  state_fields_ = other.state_fields_;
+  law_ = other.law_;
+  law_number_ = other.law_number_;
+  if (!other.state_.empty()) state_.reserve(n * state_fields_);
+  meta.reserve(n);
+  tags.reserve(n);
+  if (!other.motion.empty()) motion.reserve(n);
+}
+
+// With its links and places, in slots that ascend.
+void PointStore::add_record(int slot, const PointRecord& r, int tag) {
+  set(slot, r, tag);
+  for (int k = 0; k < r.links; ++k) {
+    links.push_back(r.link[k]);
+    links.back().slot = slot;
+  }
+  for (int k = 0; k < r.places; ++k) {
+    places.push_back(r.place[k]);
+    places.back().slot = slot;
+  }
 }
 
 void PointStore::let_move() {
@@ -320,6 +344,7 @@ int PointStore::add_block(int body, int part, const int* base, double cell, Basi
     m.base[d] = base[d];
     // Empty lanes sit at the middle of the cell, where every weight is finite.
     blocks.back().X[d] = splat((base[d] + middle) * cell);
+    if (!motion.empty()) motion.back().X0[d] = blocks.back().X[d];
   }
   settled_ = blocks.size();
   return static_cast<int>(blocks.size()) - 1;
@@ -363,73 +388,6 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   meta[b].looked_at &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
-}
-
-void PointStore::find_homes() {
-  if (home_.size() == blocks.size()) return;
-  home_.resize(blocks.size());
-  std::iota(home_.begin(), home_.end(), 0);
-  copies_.clear();
-  for (std::size_t b = 0; b < blocks.size(); ++b) copies_[{static_cast<int>(b), meta[b].part}] = static_cast<int>(b);
-}
-
-// A block without points.
-int PointStore::copy_for(int b, int part, double cell, Basis basis) {
-  const BlockMeta of = meta[b];
-  const int copy = add_block(of.body, part, of.base, cell, basis);
-  meta[copy].joined = of.joined;
-  home_.push_back(home_[b]);
-  return copies_[{home_[b], part}] = copy;
-}
-
-void PointStore::move_lanes(int b, std::uint8_t lanes, int to, double cell, Basis basis) {
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(lanes >> l & 1)) continue;
-    take(*this, kLanes * b + l, kLanes * to + l);
-    const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
-    meta[to].second |= meta[b].second & bit;
-    meta[b].second &= static_cast<std::uint8_t>(~bit);
-    empty_lane(kLanes * b + l, cell, basis);
-  }
-}
-
-PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis) {
-  PartMove done;
-  find_homes();
-  std::map<int, int> new_block;  // of slots
-  for (auto i = part_of_slot.begin(); i != part_of_slot.end();) {
-    const int b = i->first / kLanes;
-    std::map<int, std::uint8_t> to;
-    std::uint8_t stays = meta[b].occupied;
-    for (; i != part_of_slot.end() && i->first / kLanes == b; ++i) {
-      if (i->second == meta[b].part) continue;
-      to[i->second] |= static_cast<std::uint8_t>(1u << i->first % kLanes);
-      stays &= static_cast<std::uint8_t>(~(1u << i->first % kLanes));
-    }
-    for (const auto& t : to) {
-      const auto there = copies_.find({home_[b], t.first});
-      if (there == copies_.end() && !stays) {  // the block itself goes
-        copies_.erase({home_[b], meta[b].part});
-        copies_[{home_[b], t.first}] = b;
-        meta[b].part = t.first;
-        stays = t.second;
-        done.blocks.push_back(b);
-        continue;
-      }
-      const int copy = there == copies_.end() ? copy_for(b, t.first, cell, basis) : there->second;
-      for (int l = 0; l < kLanes; ++l)
-        if (t.second >> l & 1) new_block[kLanes * b + l] = copy;
-      move_lanes(b, t.second, copy, cell, basis);
-      done.blocks.push_back(copy);
-    }
-  }
-  for (Link& k : links) {
-    const auto moved = new_block.find(k.slot);
-    if (moved != new_block.end()) k.slot = kLanes * moved->second + k.slot % kLanes;
-  }
-  done.link_place = sort_links();
-  average.clear();
-  return done;
 }
 
 std::vector<int> PointStore::sort_links() {

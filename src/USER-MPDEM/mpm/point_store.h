@@ -114,14 +114,15 @@ class PointStore {
   // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
   // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
   // new_part: of the points of these slots, ascending, that go to another part.
-  // join: what is left of two cells next to each other, and fits in a block, shares one. Such a block has a third more
-  // nodes, but it is one for two. Not for points that change cells.
-  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool join = false);
+  // stay: points do not change cells. What is left of two cells next to each other, and fits in a block, shares one then. Such a block
+  // has a third more nodes, but it is one for two. And the parts change neither blocks nor lanes: a block whose points are of several
+  // parts is a family. Its home has the points of the first part. Each other part has a copy, with each point in the lane that is its
+  // own at home. Blocks of a family have only the cells in which their points are. Copies stand behind all homes, in the order home, part.
+  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool stay = false);
 
-  // These points go to other parts, and all others stay where they are. A block whose points part gets a block for each part: its copy,
-  // in which each point has the lane that it had. The next arrange() fills blocks again.
+  // After arrange() of points that stay: these points go to other parts. Blocks are those that arrange() would make, to the bit.
   struct PartMove {
-    std::vector<int> blocks;      // that are new, or of another part
+    std::vector<int> blocks;      // that have other points than before
     std::vector<int> link_place;  // where each link went
   };
   PartMove move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis);
@@ -186,6 +187,15 @@ class PointStore {
     f(s.places);
     f(s.average);
   }
+  // Those with so many entries a block.
+  template <class Self, class F>
+  static void each_array_of_blocks(Self& s, F f) {
+    f(s.blocks, 1);
+    if (!s.state_.empty()) f(s.state_, s.state_fields_);
+    if (!s.motion.empty()) f(s.motion, 1);
+    f(s.meta, 1);
+    f(s.tags, 1);
+  }
   std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
   int tail_lanes_ = 0;       // used in the last block of the tail
   bool changed_ = false;
@@ -193,12 +203,31 @@ class PointStore {
   std::vector<vd> state_;
   int state_fields_ = kMostStateFields, law_number_ = 0;
   std::shared_ptr<const Law> law_;
-  // Since arrange(), once points moved to parts: block of which each one is a copy, and the copy for a part.
-  std::vector<int> home_;
-  std::map<std::pair<int, int>, int> copies_;
-  void find_homes();
-  int copy_for(int b, int part, double cell, Basis basis);
-  void move_lanes(int b, std::uint8_t lanes, int to, double cell, Basis basis);
+  int homes_ = 0;  // blocks before the first copy
+  struct Copy {
+    int home, part;
+  };
+  std::vector<Copy> copies_;
+  // Of the lanes of a home: parts, the blocks where they are, cells; -1: empty.
+  struct Family {
+    std::array<int, kLanes> part, from;
+    std::array<std::array<int, 3>, kLanes> cell;
+    Family() { part.fill(-1), from.fill(-1); }
+    int first() const;
+    std::vector<int> others() const;
+    // Cells of the block of a part, and its lanes in the second one.
+    void shape(int part, BlockMeta& m) const;
+  };
+  int add_block(int body, int part, const Family& family, double cell, Basis basis);
+  std::vector<int> blocks_of_family(int home) const;
+  std::map<int, Family> families_that_part(const std::map<int, int>& part_of_slot) const;
+  PointStore some(const std::vector<int>& which) const;
+  void append_copy(const PointStore& from, int b);
+  void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot, double cell,
+                  Basis basis);
+  void find_damaged(int b);
+  void reserve_like(const PointStore& other, std::size_t blocks);
+  void add_record(int slot, const PointRecord& r, int tag);
   void set(int slot, const PointRecord& r, int tag);
   void set_state_fields(int fields);
   void append_block();

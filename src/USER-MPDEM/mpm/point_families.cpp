@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Points of a store that go to other parts in place, see PointStore::arrange().
+#include <algorithm>
+#include <numeric>
+
+#include "point_store.h"
+
+namespace mpdem {
+
+int PointStore::Family::first() const {
+  int least = -1;
+  for (int p : part)
+    if (p >= 0 && (least < 0 || p < least)) least = p;
+  return least;
+}
+
+std::vector<int> PointStore::Family::others() const {
+  std::vector<int> parts;
+  const int home = first();
+  for (int p : part)
+    if (p >= 0 && p != home) parts.push_back(p);
+  std::sort(parts.begin(), parts.end());
+  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  return parts;
+}
+
+void PointStore::Family::shape(int of, BlockMeta& m) const {
+  const std::array<int, 3>*least = nullptr, *most = nullptr;
+  for (int l = 0; l < kLanes; ++l) {
+    if (part[l] != of) continue;
+    if (!least || cell[l] < *least) least = &cell[l];
+    if (!most || *most < cell[l]) most = &cell[l];
+  }
+  std::copy(least->begin(), least->end(), m.base);
+  m.joined = kOneCell;
+  for (int d = 0; d < 3; ++d)
+    if ((*most)[d] != (*least)[d]) m.joined = d;
+  m.second = 0;
+  for (int l = 0; l < kLanes; ++l)
+    if (part[l] == of && cell[l] != *least) m.second |= static_cast<std::uint8_t>(1u << l);
+}
+
+int PointStore::add_block(int body, int part, const Family& family, double cell, Basis basis) {
+  BlockMeta m;
+  family.shape(part, m);
+  const int b = add_block(body, part, m.base, cell, basis);
+  meta[b].joined = m.joined;
+  meta[b].second = m.second;
+  return b;
+}
+
+// Blocks of a family: the home, then its copies.
+std::vector<int> PointStore::blocks_of_family(int home) const {
+  std::vector<int> of{home};
+  const auto before = [](const Copy& c, int h) { return c.home < h; };
+  for (auto c = std::lower_bound(copies_.begin(), copies_.end(), home, before); c != copies_.end() && c->home == home; ++c)
+    of.push_back(homes_ + static_cast<int>(c - copies_.begin()));
+  return of;
+}
+
+std::map<int, PointStore::Family> PointStore::families_that_part(const std::map<int, int>& part_of_slot) const {
+  std::map<int, Family> families;
+  for (const auto& s : part_of_slot) {
+    const int b = s.first / kLanes, home = b < homes_ ? b : copies_[b - homes_].home;
+    const auto f = families.emplace(home, Family()).first;
+    for (int of : f->second.part[s.first % kLanes] < 0 ? blocks_of_family(home) : std::vector<int>())
+      for (int l = 0; l < kLanes; ++l)
+        if (meta[of].occupied >> l & 1) {
+          f->second.part[l] = meta[of].part;
+          f->second.from[l] = of;
+          std::copy(meta[of].base, meta[of].base + 3, f->second.cell[l].begin());
+          f->second.cell[l][0] += meta[of].joined == 0 && (meta[of].second >> l & 1);
+          f->second.cell[l][1] += meta[of].joined == 1 && (meta[of].second >> l & 1);
+          f->second.cell[l][2] += meta[of].joined == 2 && (meta[of].second >> l & 1);
+        }
+  }
+  for (const auto& s : part_of_slot) {
+    const int b = s.first / kLanes;
+    families[b < homes_ ? b : copies_[b - homes_].home].part[s.first % kLanes] = s.second;
+  }
+  return families;
+}
+
+// These blocks, without links and places.
+PointStore PointStore::some(const std::vector<int>& which) const {
+  PointStore s;
+  s.reserve_like(*this, which.size());
+  for (int b : which) s.append_copy(*this, b);
+  return s;
+}
+
+void PointStore::append_copy(const PointStore& from, int b) {
+  blocks.push_back(from.blocks[b]);
+  meta.push_back(from.meta[b]);
+  tags.push_back(from.tags[b]);
+  if (!from.motion.empty()) motion.push_back(from.motion[b]);
+  if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
+}
+
+// Lanes of block b, a home as it was or a copy that is new, are those of its part, from a store in which block n was block place[n] before.
+void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot,
+                            double cell, Basis basis) {
+  for (int l = 0; l < kLanes; ++l) {
+    if (family.part[l] != meta[b].part) {
+      empty_lane(kLanes * b + l, cell, basis);
+      continue;
+    }
+    if (b >= homes_ || family.from[l] != b) take(from, kLanes * place.at(family.from[l]) + l, kLanes * b + l);
+    new_slot[kLanes * family.from[l] + l] = kLanes * b + l;
+  }
+  find_damaged(b);
+}
+
+void PointStore::find_damaged(int b) {
+  BlockMeta& m = meta[b];
+  m.damaged = m.failed != 0;
+  const double* numbers = reinterpret_cast<const double*>(state(b));
+  for (int i = 0; i < kLanes * state_fields_; ++i) m.damaged = m.damaged || numbers[i] != 0.0;
+}
+
+PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis) {
+  PartMove done;
+  const std::map<int, Family> families = families_that_part(part_of_slot);
+  // what lanes are taken from
+  std::vector<int> sources;
+  for (const auto& f : families) sources.push_back(f.first);
+  for (int b = homes_; b < static_cast<int>(blocks.size()); ++b) sources.push_back(b);
+  const PointStore before = some(sources);
+  std::map<int, int> place;
+  for (std::size_t n = 0; n < sources.size(); ++n) place[sources[n]] = static_cast<int>(n);
+
+  std::vector<int> new_slot(kLanes * blocks.size());
+  std::iota(new_slot.begin(), new_slot.end(), 0);
+  each_array_of_blocks(*this, [&](auto& array, std::size_t width) { array.resize(width * homes_); });
+  for (const auto& f : families) {
+    meta[f.first].part = f.second.first();
+    f.second.shape(meta[f.first].part, meta[f.first]);
+    done.blocks.push_back(f.first);
+    fill_lanes(f.first, f.second, before, place, new_slot, cell, basis);
+  }
+  const std::vector<Copy> copies_before = std::move(copies_);
+  copies_.clear();
+  auto f = families.begin();
+  const auto add_copies_until = [&](int home) {
+    for (; f != families.end() && f->first < home; ++f)
+      for (int part : f->second.others()) {
+        const int b = add_block(meta[f->first].body, part, f->second, cell, basis);
+        copies_.push_back({f->first, part});
+        fill_lanes(b, f->second, before, place, new_slot, cell, basis);
+        done.blocks.push_back(b);
+      }
+  };
+  for (std::size_t n = 0; n < copies_before.size(); ++n) {
+    const Copy& c = copies_before[n];
+    add_copies_until(c.home);
+    if (families.count(c.home)) continue;
+    const int was = homes_ + static_cast<int>(n), b = static_cast<int>(blocks.size());
+    append_copy(before, place.at(was));
+    copies_.push_back(c);
+    for (int l = 0; l < kLanes; ++l) new_slot[kLanes * was + l] = kLanes * b + l;
+  }
+  add_copies_until(homes_);
+  settled_ = blocks.size();
+  for (Link& k : links) k.slot = new_slot[k.slot];
+  for (FreedPlace& p : places) p.slot = new_slot[p.slot];
+  done.link_place = sort_links();
+  std::stable_sort(places.begin(), places.end(), [](const FreedPlace& a, const FreedPlace& b) { return a.slot < b.slot; });
+  average.clear();
+  return done;
+}
+
+}  // namespace mpdem
