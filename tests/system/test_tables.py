@@ -3,6 +3,7 @@
 import os
 import sys
 
+import numpy as np
 import pytest
 from scenes import cement, edit, executable, launch, pair, pull, restarted, run, thermo
 
@@ -16,6 +17,23 @@ AGAIN = restarted("r") + FIXES + MOTION
 
 def tables(directory):
     return {name: (directory / name).read_bytes() for name in ("bond.csv", "events.csv")}
+
+
+def same(found, expected):
+    """Words, steps and counts are the same. The start of a run finds the forces anew, so other numbers are so to rounding, and the last of ten
+    digits may differ where they nearly cancel."""
+    for name in expected:
+        rows, others = ([line.split(b",") for line in tables[name].splitlines()] for tables in (found, expected))
+        if rows[0] != others[0] or len(rows) != len(others):
+            return False
+        for column, other in zip(zip(*rows[1:]), zip(*others[1:])):
+            try:
+                a, b = (np.array(c, dtype=float) for c in (column, other))
+            except ValueError:
+                a, b = None, None
+            if column != other and (a is None or abs(a - b).max() > 1e-9 * abs(b).max()):
+                return False
+    return True
 
 
 def steps(text):
@@ -33,7 +51,7 @@ def whole(tmp_path_factory):
 
 def test_run_in_parts(tmp_path, whole):
     run(FIRST + "run 300\nrun 0\nrun 150\nrun 70 pre no\n", tmp_path)
-    assert tables(tmp_path) == whole
+    assert same(tables(tmp_path), whole)
 
 
 @pytest.mark.parametrize("at", [300, 301, 350])
@@ -41,14 +59,14 @@ def test_restart(tmp_path, whole, at):
     """The file is of a step with a row, or of one without; steps that the first run made beyond it do not stay."""
     run(FIRST + f"run {at}\nwrite_restart r\nrun 33\n", tmp_path)
     run(AGAIN + f"run {520 - at}\n", tmp_path)
-    assert tables(tmp_path) == whole
+    assert same(tables(tmp_path), whole)
 
 
 def test_coupling_defined_anew(tmp_path, whole):
     again = next(line for line in FIXES.splitlines(True) if "mpm/couple" in line)
     for at in (300, 350):
         run(FIRST + f"run {at}\nunfix bond\n{again}run {520 - at}\n", tmp_path)
-        assert tables(tmp_path) == whole
+        assert same(tables(tmp_path), whole)
 
 
 def test_rows_of_another_scene_do_not_stay(tmp_path):

@@ -22,6 +22,7 @@ PointRecord random_record(test::Random& random) {
   r.part = random.index(2);
   r.failed = random.index(5) == 0;
   r.has_frame = random.index(2);
+  r.holds = random.index(4);
   for (double& v : r.X) v = random.uniform(-0.5, 0.5);
   r.volume = random.uniform(0.1, 1);
   for (double& v : r.F) v += random.uniform(-0.1, 0.1);

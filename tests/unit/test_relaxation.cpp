@@ -20,7 +20,11 @@ struct Damped : Scene {
     bodies[0].thickness = 0.1;
     bodies[1].thickness = 0.2;
     place_grains(0.1, 1.0);
-    for (Bond& b : bonds) b.relaxation = Relaxation(b.grid, bodies[b.body], apart[b.body], kShare, kSpeed);
+    for (Bond& b : bonds) {
+      for (BlockMeta& m : b.points.meta)
+        for (int g = 0; g < 2; ++g) m.holds[g] = apart[b.body] && piece_of(m.part) != g ? 0 : 0xff;
+      b.relaxation = Relaxation(b.grid, bodies[b.body], apart[b.body] ? nodes_held(b.points, b.grid) : std::vector<char>(), kShare, kSpeed);
+    }
   }
   std::vector<std::vector<double>> damping() {
     sides.clear_forces();

@@ -151,6 +151,8 @@ void Cement::lay_out_run() {
     }
     Cracks::Found found = look_at_bonds(true);
     if (!found.lay_out.empty()) lay_out_again(found.lay_out, std::move(found.parts), true, options_.split);
+    for (int row : found.held)
+      if (Bond* b = bonds_.find(row)) find_relaxation(*b);
   }
   condense(all_rows());
 }
@@ -261,6 +263,16 @@ void Cement::sync_slots() {
   }
 }
 
+// Each side of a bond that came apart is slowed against the grain that it holds to.
+void Cement::find_relaxation(Bond& b) {
+  b.relaxation = Relaxation();
+  b.impulse = SharedImpulse();
+  if (!penalty_ || (options_.relax == 0.0 && options_.subcycle == 1)) return;
+  const std::vector<char> held = cracks_.separated(b.body) ? nodes_held(b.points, b.grid) : std::vector<char>();
+  if (options_.relax > 0.0) b.relaxation = Relaxation(b.grid, bonds_.body(b), held, options_.relax, shear_speed());
+  if (options_.subcycle != 1) b.impulse = SharedImpulse(b.grid, bonds_.body(b), held);
+}
+
 // What hangs on the nodes of a bond.
 void Cement::start_anew(Bond& b) {
   b.mass.forget();
@@ -270,12 +282,7 @@ void Cement::start_anew(Bond& b) {
   b.mass.forget();
   b.added = AddedMass();
   b.resting = Resting();
-  b.relaxation = penalty_ && options_.relax > 0.0 && !(options_.split && cracks_.separated(b.body))
-                     ? Relaxation(b.grid, bonds_.body(b), cracks_.separated(b.body), options_.relax, shear_speed())
-                     : Relaxation();
-  b.impulse = penalty_ && options_.subcycle != 1 && !(options_.split && cracks_.separated(b.body))
-                  ? SharedImpulse(b.grid, bonds_.body(b), cracks_.separated(b.body))
-                  : SharedImpulse();
+  find_relaxation(b);
   b.jump.clear();
 }
 

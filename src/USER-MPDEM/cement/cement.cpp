@@ -22,7 +22,10 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
 Cement::~Cement() {
   if (!options_.split) return;
   for (Bond& b : bonds_)
-    for (BlockMeta& m : b.points.meta) m.part = m.looked_at = 0;
+    for (BlockMeta& m : b.points.meta) {
+      m.part = m.looked_at = 0;
+      m.holds[0] = m.holds[1] = 0xff;
+    }
 }
 
 void Cement::set_density(double density) { inertia_ = options_.mass_scale * density; }
@@ -106,8 +109,11 @@ void Cement::look_for_cracks() {
   timer_.start(StepTimer::kLayout);
   if (after_check) drop_inert_added_mass();
   Cracks::Found found = look_at_bonds(after_check);
+  const std::vector<int> held = found.held;
   if (options_.split) part_bonds(found.lay_out, std::move(found.parts));
   else lay_out_parts(std::move(found));
+  for (int row : held)
+    if (Bond* b = bonds_.find(row)) find_relaxation(*b);
 }
 
 // Bonds that hold by bridges alone that are narrower than a cell come apart there.

@@ -178,6 +178,7 @@ class Cement {
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts = {}, bool arrange = true, bool splits = false);
   void adopt(std::vector<BondLayout>& layouts);
   void start_anew(Bond& b);
+  void find_relaxation(Bond& b);
   LayoutRules rules();
   NewPartsOfBonds parts_at_start(Splits& splits, Sheets& sheets) const;
   std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty);

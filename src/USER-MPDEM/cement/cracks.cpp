@@ -21,6 +21,9 @@ struct Sent {
 struct Returned {
   int body, slot, part;
 };
+struct Held {
+  int body, slot, holds;
+};
 struct OfPath {
   int body, tag;
 };
@@ -45,6 +48,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   p.tag = points.tags[b][l];
   p.part = split ? 0 : piece_of(m.part);
   p.failed = m.failed >> l & 1;
+  p.holds = points.holds(slot);
   p.damage = static_cast<float>(std::max(damage, 0.0));
   const SheetPoint place = sheet_point(points, body, b, l);
   for (int d = 0; d < 3; ++d) {
@@ -176,7 +180,7 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   return looked_at;
 }
 
-Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
+Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
   Found found;
   const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
   if (looked_at.empty()) return found;
@@ -189,8 +193,9 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   // The bonds that come to this rank are whole.
   const WholeBonds whole = collect(comm, bonds, wanted, options.split);
   std::vector<std::vector<Returned>> back(ranks);
+  std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
-  constexpr int kRow = 5;  // separated, areas, has other parts
+  constexpr int kRow = 6;  // separated, areas, has other parts, holds to other grains
   std::vector<double> result(kRow * looked_at.size(), 0.0);
   std::vector<Separation> separations(rows);
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
@@ -212,12 +217,19 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < whole.sent.count[rank]; ++i, ++n) {
       const Sent& s = whole.sent.data[n];
-      const int part = separations[s.body].part[at[s.body]++];
+      const int k = at[s.body]++, part = separations[s.body].part[k];
+      double* row = &result[kRow * (std::lower_bound(looked_at.begin(), looked_at.end(), s.body) - looked_at.begin())];
+      const int holds = separations[s.body].separated ? separations[s.body].holds[k] : s.point.holds;
+      if (holds != s.point.holds) {
+        held[rank].push_back({s.body, s.slot, holds});
+        row[5] = 1.0;
+      }
       if (part == s.point.part || options.updated || options.split) continue;  // `updated` fragments may meet again, so they share their nodes
       back[rank].push_back({s.body, s.slot, part});
-      result[kRow * (std::lower_bound(looked_at.begin(), looked_at.end(), s.body) - looked_at.begin()) + 4] = 1.0;
+      row[4] = 1.0;
     }
   const std::vector<Returned> changed = all_to_all(comm, back).data;
+  for (const Held& h : all_to_all(comm, held).data) bonds.find(h.body)->points.set_holds(h.slot, h.holds);
   for (int r : looked_at) states_[r].path.clear();
   for (const OfPath& p : all_to_all(comm, paths).data) states_[p.body].path.push_back(p.tag);
   MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, comm);
@@ -232,6 +244,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, const Bonds& bonds, const Sheets& shee
       s.separation.inside = row[3];
       lay_out = lay_out || (options.tied && !options.split) || options.relax > 0.0;
     }
+    if (row[5] != 0.0) found.held.push_back(looked_at[k]);
     if (lay_out) found.lay_out.push_back(looked_at[k]);
   }
   for (const Returned& r : changed) {

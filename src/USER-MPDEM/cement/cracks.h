@@ -49,9 +49,10 @@ class Cracks {
   struct Found {
     std::vector<int> lay_out;  // ascending
     NewPartsOfBonds parts;
+    std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
     std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: of bonds that came apart, on the ranks that looked
   };
-  Found look(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris);
+  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris);
   // Bonds that have ties now and come to a layout without them.
   std::vector<int> untie(const CementOptions& options);
 

@@ -15,7 +15,23 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
   return critical_share * 2.0 * M_PI * shear_speed / body.thickness;
 }
 
-std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, bool apart) {
+std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
+  std::vector<double> held(2 * grid.size(), 0.0);
+  const int S = support(grid.basis);
+  for (const BlockMeta& m : points.meta) {
+    const int columns = (S + (m.joined == 0)) * (S + (m.joined == 1)), length = S + (m.joined == 2);
+    for (int c = 0; c < columns; ++c)
+      for (int k = 0; k < length; ++k)
+        for (int g = 0; g < 2; ++g)
+          if (m.holds[g] & m.occupied) held[2 * (m.column[c] + k) + g] = 1.0;
+  }
+  grid.halo.sum(held.data(), 2);
+  std::vector<char> bits(grid.size());
+  for (int i = 0; i < grid.size(); ++i) bits[i] = static_cast<char>((held[2 * i] > 0.0) + 2 * (held[2 * i + 1] > 0.0));
+  return bits;
+}
+
+std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, const std::vector<char>& held) {
   std::vector<double> share(grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     double depth[2];
@@ -28,45 +44,37 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, b
       depth[s] = std::max(std::sqrt(r2) - body.radius[s], 0.0);
     }
     const double sum = depth[0] + depth[1];
-    const int piece = piece_of(part_of_field(grid.keys[i][0]));
-    share[i] = !apart ? (sum > 0.0 ? depth[0] / sum : 0.5) : piece > 1 ? -1.0 : piece;
+    share[i] = sum > 0.0 ? depth[0] / sum : 0.5;
+    if (!held.empty() && held[i] != kHoldsBoth) share[i] = held[i] - 1.0;  // 0 the first, 1 the second, -1 none
   }
   return share;
 }
 
-Relaxation::Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed)
-    : share_(shares_of_second_grain(grid, body, apart)) {
+Relaxation::Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed)
+    : rate_(rate(body, critical_share, shear_speed)), share_(shares_of_second_grain(grid, body, held)) {
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
-  for (int i = 0; i < grid.size(); ++i) {
-    const int field = grid.keys[i][0], piece = piece_of(part_of_field(field));
-    if (ranges_.empty() || grid.keys[ranges_.back().first][0] != field)
-      ranges_.push_back({i, i, apart && piece > 1 ? 0.0 : rate(body, critical_share, shear_speed)});
-    ranges_.back().last = i + 1;
-  }
 }
 
 template <class F>
 void Relaxation::for_each_node(const Grid& grid, const GrainSide* side, F f) const {
-  for (const Range& range : ranges_) {
-    if (range.rate == 0.0) continue;
-    for (int i = range.first; i < range.last; ++i) {
-      Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, range.rate * grid.mass[i]};
+  for (int i = 0; i < static_cast<int>(share_.size()); ++i) {
+    if (share_[i] < 0.0) continue;
+    Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, rate_ * grid.mass[i]};
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 3; ++d)
+        node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
+    const auto is_far = [&](int s) {
+      const double* r = node.r[s];
+      return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];
+    };
+    if (is_far(0) || is_far(1)) continue;
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, g = (d + 2) % 3;
+      node.v[d] = grid.velocity[3 * i + d];
       for (int s = 0; s < 2; ++s)
-        for (int d = 0; d < 3; ++d)
-          node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
-      const auto is_far = [&](int s) {
-        const double* r = node.r[s];
-        return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];
-      };
-      if (is_far(0) || is_far(1)) continue;
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        node.v[d] = grid.velocity[3 * i + d];
-        for (int s = 0; s < 2; ++s)
-          node.v[d] -= node.share[s] * (side[s].v[d] + side[s].omega[e] * node.r[s][g] - side[s].omega[g] * node.r[s][e]);
-      }
-      f(node);
+        node.v[d] -= node.share[s] * (side[s].v[d] + side[s].omega[e] * node.r[s][g] - side[s].omega[g] * node.r[s][e]);
     }
+    f(node);
   }
 }
 

@@ -9,7 +9,7 @@
 // angular frequency of a shear wave across the thickest place, 2 pi c_s/thickness. This is critical damping of about
 // the slowest motion.
 //
-// Once a bond has come apart, each half follows its own grain alone, and loose pieces are not damped: the force of
+// Once a bond has come apart, each side follows the grain alone that it still holds to, and loose pieces are not damped: the force of
 // one grain at the place of another, in flight, has a lever arm that grows until the step is unstable. For the same
 // reason a node that is farther than kReach radii from a grain is not damped.
 #ifndef MPDEM_RELAXATION_H
@@ -18,20 +18,24 @@
 #include <vector>
 
 #include "../mpm/grid.h"
+#include "../mpm/point_store.h"
 #include "grain_sides.h"
 
 namespace mpdem {
 
-// s of each node; below 0: of a loose piece, which follows no grain. apart: whether the bond came apart.
-std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, bool apart);
+// Grains to which the points hold that a node has: bits as in PointRecord::holds. Collective for the ranks that share nodes.
+std::vector<char> nodes_held(const PointStore& points, Grid& grid);
+
+// s of each node; below 0: of a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.
+std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, const std::vector<char>& held);
 
 // Damping of one bond. `side` always points to the first of its two sides. The second follows it.
 class Relaxation {
  public:
   Relaxation() = default;
-  // To be made after the layout of the grid. critical_share: share of critical damping. apart: whether the bond came
-  // apart.
-  Relaxation(const Grid& grid, const Body& body, bool apart, double critical_share, double shear_speed);
+  // To be made after the layout of the grid. held: nodes_held() of a bond that came apart, else empty. critical_share: share of critical
+  // damping.
+  Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed);
   static double rate(const Body& body, double critical_share, double shear_speed);
 
   // Adds the force to nodes, whose sum over ranks is complete, and the reaction to grains, whose sum is still to
@@ -52,12 +56,8 @@ class Relaxation {
   // Calls f(node) for nodes that are damped.
   template <class F>
   void for_each_node(const Grid& grid, const GrainSide* side, F f) const;
-  struct Range {
-    int first, last;  // nodes of a part
-    double rate;
-  };
-  std::vector<Range> ranges_;
-  std::vector<double> share_;  // s of each node
+  double rate_ = 0.0;
+  std::vector<double> share_;  // s of each node; below 0: not damped
   double reach2_[2] = {0, 0};  // squares of the reach
 };
 

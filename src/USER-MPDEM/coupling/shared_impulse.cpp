@@ -32,7 +32,7 @@ void take_from_grain(const double* r, const double* f, double scale, GrainSide& 
 
 }  // namespace
 
-SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, bool apart) : share_(shares_of_second_grain(grid, body, apart)) {}
+SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held) : share_(shares_of_second_grain(grid, body, held)) {}
 
 void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();

@@ -25,8 +25,8 @@ namespace mpdem {
 class SharedImpulse {
  public:
   SharedImpulse() = default;
-  // To be made after the layout of the grid. apart: whether the bond came apart.
-  SharedImpulse(const Grid& grid, const Body& body, bool apart);
+  // To be made after the layout of the grid. held: as for shares_of_second_grain().
+  SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held);
   bool empty() const { return share_.empty(); }
 
   // Moments of the mass of the nodes that this rank counts: about either grain, m (1-s)^2 and m s^2, and m s (1-s) about both.

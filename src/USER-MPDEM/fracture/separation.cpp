@@ -227,7 +227,9 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   const std::vector<Piece> pieces = find_pieces(near, points, piece_of);
   const std::vector<Goes> of_piece = rank_pieces(pieces, next, loose_part);
   std::vector<Goes> goes(n), side(n);
+  result.holds.assign(n, 0);
   for (int i = 0; i < n; ++i) {
+    if (piece_of[i] >= 0) result.holds[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];
     if (piece_of[i] >= 0) goes[i] = of_piece[piece_of[i]];
     else goes[i].held = skin_on(points[i]);
     side[i].held = goes[i].held;

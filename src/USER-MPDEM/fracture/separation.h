@@ -33,6 +33,8 @@ struct Separation {
   // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
   std::vector<char> between;  // of each point: as near to what holds to the first grain as to what holds to the second
+  // Of each point, once separated: bits of the grains that its piece is attached to; 0 of failed ones.
+  std::vector<char> holds;
   // Tags of the points, ascending, of that path: while none of them fails the bond is not separated.
   std::vector<int> path;
 

@@ -71,11 +71,15 @@ struct FreedPlace {
   }
 };
 
+// What a point holds to. Bits: the first grain of its bond, the second.
+constexpr int kHoldsBoth = 3;
+
 struct PointRecord {
   static constexpr int kMaxLinks = 2;
   int body = 0, part = 0;
   bool failed = false;
   bool looked_at = false;  // the nodes were split for it, see fracture/node_copies.h
+  int holds = kHoldsBoth;  // to which grains, see BlockMeta
   bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
   double volume = 0;
@@ -100,6 +104,7 @@ struct PointRecord {
     visit("its part", p.part, from(0, kMaxParts - 1));
     visit("'failed'", p.failed);
     visit("'was looked at'", p.looked_at);
+    visit("'holds to'", p.holds, from(0, kHoldsBoth));
     visit("'has a frame'", p.has_frame);
     visit("its place", p.X, kFinite);
     visit("its volume", p.volume, kPositive);

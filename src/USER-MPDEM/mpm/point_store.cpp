@@ -76,6 +76,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   m.occupied |= bit;
   if (r.failed) m.failed |= bit;
   if (r.looked_at) m.looked_at |= bit;
+  set_holds(slot, r.holds);
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
@@ -145,6 +146,7 @@ PointRecord PointStore::record(int slot) const {
   r.part = meta[b].part;
   r.failed = meta[b].failed >> l & 1;
   r.looked_at = meta[b].looked_at >> l & 1;
+  r.holds = holds(slot);
   r.has_frame = meta[b].framed >> l & 1;
   r.moving = !motion.empty();
   each_field(*this, b, r, [l](const auto& in_block, auto& in_record) {
@@ -165,6 +167,7 @@ void PointStore::release(int slot) {
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << slot % kLanes));
   BlockMeta& m = meta[slot / kLanes];
   for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.looked_at, &m.framed, &m.linked}) *bits &= others;
+  set_holds(slot, 0);
   blocks[slot / kLanes].volume[slot % kLanes] = 0.0;
   changed_ = true;
 }
@@ -371,6 +374,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   hand_over(n.occupied, m.occupied);
   hand_over(n.failed, m.failed);
   hand_over(n.looked_at, m.looked_at);
+  set_holds(new_slot, from.holds(slot));
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
   n.damaged = n.damaged || (n.failed >> new_lane & 1) || std::any_of(numbers, numbers + kMostStateFields, [](double v) { return v != 0.0; });
@@ -388,6 +392,7 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   meta[b].looked_at &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
+  set_holds(slot, 0);
 }
 
 std::vector<int> PointStore::sort_links() {

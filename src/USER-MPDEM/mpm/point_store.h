@@ -53,6 +53,7 @@ struct BlockMeta {
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
+  std::uint8_t holds[2] = {0, 0};  // to which grains, when the bond was last looked at since it came apart, see fracture/separation.h; both before
   std::uint8_t linked = 0;  // had a link to a grain when it was made
   std::uint8_t second = 0;  // is in the second cell
   bool damaged = false;     // some lane has a state of the law that is not 0
@@ -132,6 +133,18 @@ class PointStore {
   // Did points come or leave since arrange()?
   bool changed() const { return changed_; }
   int size() const;  // points
+  // Grains to which a point holds, as in a PointRecord.
+  int holds(int slot) const {
+    const BlockMeta& m = meta[slot / kLanes];
+    return (m.holds[0] >> slot % kLanes & 1) + 2 * (m.holds[1] >> slot % kLanes & 1);
+  }
+  void set_holds(int slot, int holds) {
+    const std::uint8_t bit = static_cast<std::uint8_t>(1u << slot % kLanes);
+    for (int g = 0; g < 2; ++g) {
+      std::uint8_t& m = meta[slot / kLanes].holds[g];
+      m = static_cast<std::uint8_t>((holds >> g & 1) ? m | bit : m & ~bit);
+    }
+  }
 
   // Asks for the memory of a block that comes soon. Else a pass waits for it: what a processor looks ahead by itself ends with a page of
   // memory, and that is three blocks.

@@ -56,7 +56,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // body, how many bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
   // again after the bodies.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 15, kRestartHead = 4;
+  static constexpr int kRestartVersion = 16, kRestartHead = 4;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
