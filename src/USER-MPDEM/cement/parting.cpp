@@ -88,8 +88,7 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
     const Bond* b = bonds_.find(row);
     if (b && b->cut_by_ranks()) mine.push_back(row);
   }
-  // Faces that touch need all copies of their nodes, which a whole layout finds.
-  const std::vector<int> cut = faces_touch() ? rows : agreed_rows(mine);
+  const std::vector<int> cut = agreed_rows(mine);
   const auto energy = [&] {
     double sum = 0.0;
     for (int row : rows)
