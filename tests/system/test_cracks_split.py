@@ -76,6 +76,38 @@ def test_restart(one_rank, tmp_path, figures):
     figures.note("cracks split, restart while points fail", f"{len(p)} columns equal to the bit")
 
 
+@pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
+def test_run_in_parts(tmp_path, figures, ranks, processors):
+    """A run of both parts, a run in two, divided where a crack runs, and one from a restart file that was written there."""
+    start, again = pair(CELL / 2, processors=processors, **BOND) + pulled(), pulled() + dump(360, COLUMNS[1:])
+    whole = run(start + again.replace(pulled(), "") + "run 360\n", tmp_path / "whole", ranks)
+    parts = run(start + again.replace(pulled(), "") + "run 173\nwrite_restart middle.restart\nrun 187\n", tmp_path / "parts", ranks)
+    (tmp_path / "on").mkdir()
+    shutil.copy(tmp_path / "parts" / "middle.restart", tmp_path / "on")
+    on = run(restarted("middle.restart") + again + "run 187\n", tmp_path / "on", ranks)
+    p, q, r = (done.points(360) for done in (whole, parts, on))
+    assert p["c_failed"].sum() > 500 and (p["c_failed"] == q["c_failed"]).all()
+    worst = max(abs(p[c] - q[c]).max() / abs(p[c]).max() for c in p)
+    figures.below(f"cracks split, {ranks} ranks: points of a run in parts against the run as a whole, over the largest", worst, 1e-11)
+    different = [c for c in q if (q[c] != r[c]).any()]
+    assert not different, different
+    force, forces = parts.table()["f_bond"], on.table()["f_bond"]
+    assert (force[-len(forces) + 1:] == forces[1:]).all()
+
+
+def test_damping_of_the_sides(tmp_path, figures):
+    """A bond that came apart under a moving grain rings on; quasistatic damps each side against its own grain."""
+    left = {}
+    for damping in (0.0, 0.2):
+        words = f"quasistatic 1 {damping}"
+        t = run(pair(CELL / 2, **BOND) + pulled(words) + "run 1500\n", tmp_path / str(damping)).table()
+        apart = np.argmax(t["f_bond[22]"] > 0)
+        assert EVERY * apart < 700, EVERY * apart
+        left[damping] = abs(t["f_bond"][-100:]).max() / t["f_bond"].max()
+    figures.note("cracks split: ringing after the bond came apart, over the peak, without damping", f"{left[0.0]:.2e}")
+    figures.below("cracks split: ringing with quasistatic damping, over that without", left[0.2] / left[0.0], 0.1)
+
+
 def test_other_word(one_rank, tmp_path):
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = launch(edit(restarted("middle.restart") + pulled() + "run 1\n", "cracks split", "cracks bonds"), tmp_path)

@@ -158,7 +158,6 @@ void check_together(Arguments& args, CementWords& w) {
   if (transfers && o.mass_order > 1)
     args.complain(text_of("'mass_order ", o.mass_order, "' is for 'kinematics total' without 'reproject', whose nodes keep their velocity; leave it out, or leave ",
                           o.updated ? "'kinematics updated'" : "'reproject'", " out"));
-  if (!w.cracks_given) o.split = !transfers;
   if (o.split && transfers)
     args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
                           "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
@@ -243,7 +242,6 @@ CementWords take_cement_words(Arguments& args) {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {
       o.split = args.choice(key, {"bonds", "split"}) == "split";
-      w.cracks_given = true;
     } else if (key == "unilateral") {
       o.unilateral = args.choice(key, {"yes", "no"}) == "yes";
     } else if (key == "condense") {
