@@ -18,8 +18,8 @@ BOND_NUMBERS = 50
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 16, "coupling": 19, "kn": 20, "law": 23, "bonds": 31,
        "nodes": 32}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
-POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "framed": 22, "place": 23, "volume": 26, "deformation": 27, "frame": 36,
-         "strain": 40, "damage": 46, "law": 52, "moving": 53, "links": 54, "grain": 55, "foot": 56, "area": 59, "attached": 60, "way": 61, "inert": 64, "state": 65}
+POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "holds": 22, "framed": 23, "place": 24, "volume": 27, "deformation": 28, "frame": 37,
+         "strain": 41, "damage": 47, "law": 53, "moving": 54, "links": 55, "grain": 56, "foot": 57, "area": 60, "attached": 61, "way": 62, "inert": 65, "state": 66}
 # The same of a grain.
 GRAIN = {"orientation": 18, "seen": 22, "velocity": 23, "placed": 56}
 NAN, HUGE = float("nan"), 1e300
