@@ -215,15 +215,17 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   Mat turn[2];
   Vec arm[2], x[2], omega[2];
   for (int s = 0; s < 2; ++s) {
-    vd q[4] = {}, e[4];
-    for (int l = 0; l < kLanes; ++l) {
-      const double* from = &motion_[static_cast<std::size_t>(kMotion) * b.slot[s][l]];
-      for (int d = 0; d < 3; ++d) {
-        x[s].a[d][l] = from[kX + d];
-        omega[s].a[d][l] = from[kOmega + d];
-      }
-      for (int d = 0; d < 4; ++d) q[d][l] = from[kQ + d];
+    const auto lanes_of = [&](int number) {
+      vd v{};
+      for (int l = 0; l < kLanes; ++l) v[l] = motion_[static_cast<std::size_t>(kMotion) * b.slot[s][l] + number];
+      return v;
+    };
+    for (int d = 0; d < 3; ++d) {
+      x[s].a[d] = lanes_of(kX + d);
+      omega[s].a[d] = lanes_of(kOmega + d);
     }
+    const vd q[4] = {lanes_of(kQ), lanes_of(kQ + 1), lanes_of(kQ + 2), lanes_of(kQ + 3)};
+    vd e[4];
     multiply(q, b.back[s], e);
     turn[s] = matrix_of(e);
     arm[s] = Vec{{b.arm[s][0], b.arm[s][1], b.arm[s][2]}};
