@@ -8,8 +8,10 @@
     tools/pair_table.py OUT --redraw doc/data/study_strength.csv
 
 Runs examples/pair_table/in.pair_table once for each entry, as many at a time as there are cores, and
-leaves table.csv and table.png in OUT. Called again it goes on where it was stopped: finished runs
-are kept, others are run from the start. --redraw runs nothing: it draws OUT/table.png anew. Needs Debian's python3-numpy and python3-matplotlib.
+leaves table.csv and table.png in OUT, and map.png if the runs differ in the strength of a cohesive
+interface: the modes over content and that strength. Called again it goes on where it was stopped:
+finished runs are kept, others are run from the start; what is finished is written when it is stopped,
+too. --redraw runs nothing: it draws the figures anew. Needs Debian's python3-numpy and python3-matplotlib.
 """
 import argparse
 import json
@@ -83,14 +85,26 @@ def groups(args):
     return found
 
 
+def draw(out, rows):
+    """The figures of finished runs; their names."""
+    from mpdem import mode_map, table_figure
+    names = []
+    if rows:
+        table_figure.draw(os.path.join(out, "table.png"), rows)
+        names.append("table.png")
+    if mode_map.wanted(rows):
+        mode_map.draw(os.path.join(out, "map.png"), rows)
+        names.append("map.png")
+    return names
+
+
 def main():
     args = arguments()
     if args.redraw:
         from mpdem import table_figure
         rows = table_figure.read(args.redraw)
         run.make_folder(args.out)
-        table_figure.draw(os.path.join(args.out, "table.png"), rows)
-        print(f"written to {args.out}: table.png")
+        print(f"written to {args.out}: {', '.join(draw(args.out, rows))}")
         return
     if not os.access(args.exe, os.X_OK):
         raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
@@ -102,15 +116,15 @@ def main():
     jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
     signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
     runner = table.Runner(os.path.abspath(args.out), runs, os.path.abspath(args.exe), os.path.abspath(args.script), jobs, args.ranks)
+    stopped = False
     try:
         failed = runner.go()
     except KeyboardInterrupt:
-        sys.exit("pair_table.py: stopped; the same command goes on from here")
+        stopped = True
     rows = table.write(os.path.join(args.out, "table.csv"), runs, os.path.abspath(args.out), os.path.abspath(args.script))
-    from mpdem import table_figure
-    if rows:
-        table_figure.draw(os.path.join(args.out, "table.png"), rows)
-    print(f"written to {args.out}: table.csv{', table.png' if rows else ''}")
+    print(f"written to {args.out}: {', '.join(['table.csv'] + draw(args.out, rows))}")
+    if stopped:
+        sys.exit("pair_table.py: stopped; the same command goes on from here")
     if failed:
         raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
                           "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3]))

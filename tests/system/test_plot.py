@@ -172,6 +172,36 @@ def test_figure_of_a_table(monkeypatch):
         table_figure.plt.close(fig)
 
 
+def test_map_of_modes(tmp_path):
+    """One mark a run at its content and strength of the interface; runs without a cohesive interface are left out."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem import mode_map, table_figure
+    law = "bonding=cohesive:tn:{0:g}:tt:{0:g}:Gn:{1:g}:Gt:{1:g}"
+    strengths, contents = (1e6, 4e6, 1e7), (0.01, 0.17, 0.25)
+    lines = ["shape,load,content,stress_grain,mode,share_grain1,share_grain2,parameters", "flat,tension,0.01,2e5,mixed,0.5,0,"]
+    lines += [f"flat,{load},{c},1e5,{mode},{share},0.1,{law.format(t, G)}" for load in ("tension", "shear") for c in contents
+              for t, mode, share in zip(strengths, ("debonding", "mixed", "intact"), (0.9, 0.4, 0.0)) for G in (10, 1)]
+    (tmp_path / "table.csv").write_text("\n".join(lines) + "\n")
+    rows = table_figure.read(tmp_path / "table.csv")
+    assert mode_map.wanted(rows) and not mode_map.wanted(rows[:2])
+    assert abs(mode_map.cement_strength(9.6e3) / 19.77e6 - 1) < 1e-3
+    fig = mode_map.figure(rows)
+    try:
+        for ax in fig.axes[:2]:
+            assert ax.get_title(loc="left") in ("flat ring, tension", "flat ring, shear")
+            filled = np.concatenate([c.get_offsets() for c in ax.collections if len(c.get_offsets())])
+            crosses = np.concatenate([line.get_xydata() for line in ax.get_lines() if line.get_marker() == "x"])
+            expected = {(round(i + d, 6), round(t / mode_map.cement_strength(9.6e3), 6)) for i in range(3) for d in (-0.14, 0.14) for t in strengths}
+            assert {(round(x, 6), round(y, 6)) for x, y in [*filled, *crosses]} == expected
+            assert len(crosses) == 6 and len(filled) == 12
+            shares = np.sort(np.concatenate([c.get_array() for c in ax.collections if len(c.get_offsets())]))
+            assert np.allclose(shares, [0.5] * 6 + [1.0] * 6)
+            seen = [t.get_text() for t in ax.texts]
+            assert seen == ["debonding", "debonding,\nmixed", "internal,\nmixed"]
+    finally:
+        mode_map.plt.close(fig)
+
+
 def test_redraw_bad_table(tmp_path):
     (tmp_path / "table.csv").write_text("shape,load\nflat,tension\n")
     done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "pair_table.py", tmp_path, "--redraw", tmp_path / "table.csv"],

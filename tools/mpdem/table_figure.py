@@ -41,10 +41,20 @@ def softening(words):
     return f"strain averaged over {metres(numbers[0])}" + (f", {energy}" if "energy" in numbers else "")
 
 
+def bonding(words):
+    """The value of `bonding`."""
+    if words == "penalty":
+        return None
+    _, *pairs = words.split()
+    value = dict(zip(pairs[::2], pairs[1::2]))
+    return (f"interface of {float(value['tn']) / 1e6:.3g} and {float(value['tt']) / 1e6:.3g} MPa, "
+            f"{value['Gn']} and {value['Gt']} J/m² in opening and shear")
+
+
 WORDS = {
     "regularization": softening,
     "cracks": lambda v: "nodes split at cracks" if v == "split" else "nodes split where bonds part",
-    "interface": lambda v: f"threshold at the beads {v} of that inside", "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
+    "interface": lambda v: f"threshold at the beads {v} of that inside", "bonding": bonding, "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
     "cutoff": lambda v: f"failure at damage {v}", "zeta": lambda v: f"tensile over compressive strength {v}",
     "axis": lambda v: f"elastic axis {v}", "edge": lambda v: f"edge nodes {v}",
     "share": lambda v: f"{100 * float(v):.3g} % of the cement in the coating", "cap": lambda v: f"coating up to {v}°",
@@ -70,7 +80,8 @@ def read(path):
             rows = list(csv.DictReader(f))
         return [(SimpleNamespace(shape=r["shape"], load=r["load"], content=float(r["content"]),
                                  extra=dict(w.replace(":", " ").split("=") for w in r["parameters"].split())),
-                 {"stress_grain": float(r["stress_grain"]), "mode": r["mode"]}) for r in rows]
+                 {"stress_grain": float(r["stress_grain"]), "mode": r["mode"],
+                  "share_grain1": float(r["share_grain1"]), "share_grain2": float(r["share_grain2"])}) for r in rows]
     except (KeyError, ValueError) as e:
         raise files.Trouble(f"{path}: not a table.csv of pair_table.py ({e}); name one") from None
 
