@@ -26,7 +26,7 @@ WAVE = 5146.0  # as in the script
 WINDOW = 2e-6  # s over which the load is averaged to tell failure, at least
 
 # Variables of the script that may be set, but for those this module computes.
-VARIABLES = ("share", "cap", "gap", "percell", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
+VARIABLES = ("share", "cap", "gap", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
              "speed", "ramp", "arm", "angle", "rate", "courant", "record", "chunk", "limit", "frames", "spacing")
 OWN = {"refine": 1.0,        # divides the spacing
        "layers": 3.0,        # of points through a coating, at least

@@ -61,7 +61,7 @@ WORDS = {
     "gap": lambda v: f"beads {metres(v)} apart", "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
     "coarse": lambda v: f"spacing {metres(v)}", "spacing": lambda v: f"spacing {metres(v)}",
     "refine": lambda v: None if float(v) == 1 else f"spacing divided by {v}",
-    "layers": lambda v: f"{v} layers of points in a shell", "percell": lambda v: f"{v} spacings a cell",
+    "layers": lambda v: f"{v} layers of points in a shell", "percell": lambda v: f"{v} spacings a cell", "grid": lambda v: "grid off by " + ", ".join(metres(x) for x in v.split()),
     "courant": lambda v: f"step {v} of cell over wave speed", "speed": lambda v: f"{1e3 * float(v):.4g} mm/s",
     "ramp": lambda v: f"speed reached in {1e6 * float(v):.3g} µs", "rate": lambda v: f"{1e-6 * float(v):.3g} N/µs",
     "arm": lambda v: f"arm {metres(v)}", "angle": lambda v: f"{v}° from the line of centres"}
