@@ -208,10 +208,8 @@ def test_momentum_of_one_condensed_again(tmp_path, figures):
 
 def test_second_run(tmp_path):
     """Bonds are solved for once, equal ones together, and not again in a second run."""
-    text = edit((ROOT / "examples" / "packing" / "in.packing").read_text(), "events events.csv", "condense yes")
-    text = edit(text, "index 2.0", "index 1e-3")
-    text += "run 5\n"
-    result = launch(text, tmp_path, arguments=["-var", "side", "3", "-var", "steps", "5", "-var", "record", "5"])
+    text = (ROOT / "examples" / "packing" / "in.packing").read_text() + "run 5\n"
+    result = launch(text, tmp_path, arguments=["-var", "condense", "yes", "-var", "speed", "1e-3", "-var", "side", "3", "-var", "steps", "5", "-var", "record", "5"])
     assert result.status == 0, result.output[-1500:]
     found = [tuple(map(int, w)) for w in re.findall(r"condensed (\d+) of (\d+) bonds, with (\d+) solutions", result.output)]
     assert [f[:2] for f in found] == [(54, 54)] * 2 and found[1][2] == 0 and 0 < found[0][2] < 54, found
@@ -320,8 +318,8 @@ def test_packing(tmp_path, figures):
     script = (ROOT / "examples" / "packing" / "in.packing").read_text()
     apart, force = {}, {}
     for word in ("yes", "no"):
-        result = launch(edit(script, "events events.csv", f"condense {word}"), tmp_path, 2, name=f"in.{word}",
-                        arguments=["-var", "side", "3", "-var", "steps", "600", "-var", "record", "10"])
+        result = launch(script, tmp_path, 2, name=f"in.{word}",
+                        arguments=["-var", "condense", word, "-var", "side", "3", "-var", "steps", "600", "-var", "record", "10"])
         assert result.status == 0 and not result.errors(), result.output[-2000:]
         with open(tmp_path / "bond.csv") as f:
             rows = list(csv.DictReader(f))
