@@ -51,6 +51,14 @@ def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
                   (p["c_failed"] != q["c_failed"]).sum(), 0)
 
 
+@pytest.mark.parametrize("off", ["7.5e-5 0 0", "0 7.5e-5 7.5e-5"])
+def test_points_on_faces_of_cells(tmp_path, figures, off):
+    """The grid is half a spacing off, so that points lie where the supports of nodes end: copies of nodes may have no more of them than rounding."""
+    t = run(pair(CELL / 2, **{**BOND, "cement": f"inner 1e-3 outer 2.2e-3 grid {off}"}) + pulled() + f"run {BEFORE + AFTER}\n", tmp_path).table()
+    assert t["f_bond[18]"][-1] > 500 and t["f_bond[22]"][-1] == 1
+    figures.below(f"cracks split, grid {off} off: energy imbalance through failure", abs(t["f_cem[12]"][10:]).max(), 0.01)
+
+
 def test_nonlocal_on_ranks(tmp_path, figures):
     """Averages meet split nodes: one rank changes them in place, two lay out the bond that they share anew."""
     tables, events = [], []

@@ -373,6 +373,11 @@ void Grid::lump_mass(const PointStore& points, double density) {
   }
   ties.bequeath(mass.data(), 1);
   halo.sum(mass.data(), 1);
+  // A node at whose support points just end has of them what rounding leaves: a mass that no time step is short enough for, and a force of the
+  // order of its root. It has neither.
+  constexpr double kRounding = 1e-24;
+  for (double& m : mass)
+    if (m < kRounding * density * h * h * h) m = 0.0;
   if (any_ties_) {
     halo.sum(tie_factor_.data(), 1);
     for (int i = 0; i < size(); ++i) {
