@@ -7,6 +7,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "../numerics/cross_matrix.h"
 #include "../numerics/text_of.h"
 #include "../parallel/gather_all.h"
 #include "cement_maker.h"
@@ -56,13 +57,7 @@ struct Coordinates {
   }
   Vector3 out(const Vector3& X) const { return origin + Vector3(turned(axes, X.data()).data()); }
   // From axes of this one to those of another.
-  Eigen::Matrix3d to(const Coordinates& other) const {
-    const Mat3<double> m = product(transpose(other.axes), axes);
-    Eigen::Matrix3d r;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) r(i, j) = m.a[i][j];
-    return r;
-  }
+  Eigen::Matrix3d to(const Coordinates& other) const { return matrix_of(product(transpose(other.axes), axes)); }
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "../numerics/cross_matrix.h"
 #include "../parallel/agree.h"
 #include "bond_description.h"
 #include "cement.h"
@@ -24,13 +25,6 @@ void write(const StaticBond& found, StiffnessOfBond& to) {
   }
   std::copy(found.stiffness.data(), found.stiffness.data() + 36, to.K);
   to.products = found.products;
-}
-
-Eigen::Matrix3d matrix(const Mat3<double>& m) {
-  Eigen::Matrix3d r;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) r(i, j) = m.a[i][j];
-  return r;
 }
 
 void turn(const Eigen::Matrix3d& axes, StiffnessOfBond& s) {
@@ -100,7 +94,7 @@ class StiffnessFinder {
       StiffnessOfBond& s = found_[l.body];
       const std::array<double, 3> middle = place_in_box(body, axes_of(body), s.middle);
       std::copy(middle.begin(), middle.end(), s.middle);
-      turn(matrix(axes_of(body)), s);
+      turn(matrix_of(axes_of(body)), s);
     }
   }
 

@@ -32,8 +32,7 @@ Matrix3 second(const std::array<double, MassMoments::kSize>& m) {
 // From the axes of a side to those of the box.
 Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) turn(i, j) = turn(3 + i, 3 + j) = s.axes.a[i][j];
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = matrix_of(s.axes);
   return turn;
 }
 

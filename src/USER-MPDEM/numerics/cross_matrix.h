@@ -5,7 +5,16 @@
 
 #include <Eigen/Dense>
 
+#include "tensor3.h"
+
 namespace mpdem {
+
+inline Eigen::Matrix3d matrix_of(const Mat3<double>& m) {
+  Eigen::Matrix3d r;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) r(i, j) = m.a[i][j];
+  return r;
+}
 
 // The matrix [r] with [r] v = r x v.
 inline Eigen::Matrix3d cross(const Eigen::Vector3d& r) {
