@@ -56,7 +56,7 @@ std::vector<ScalarPoint> scalar_points(const FreeBody& s) {
     ScalarPoint r;
     for (int i = 0; i < 3; ++i) {
       r.X[i] = p.X[i][l];
-      r.base[i] = m.base[i];
+      r.base[i] = cell_of(m, l, i);
       for (int j = 0; j < 3; ++j) r.F[i][j] = p.F.a[i][j][l];
     }
     r.volume = p.volume[l];
@@ -64,7 +64,6 @@ std::vector<ScalarPoint> scalar_points(const FreeBody& s) {
     for (int i = 0; i < 4; ++i) r.q[i] = q[i][l];
     const vd* e = &p.strain.xx;
     for (int i = 0; i < 6; ++i) r.strain[i] = e[i][l];
-    if (m.second >> l & 1) ++r.base[m.joined];  // of a block of two cells
     if (!s.grid().find_columns(field_of(m.body, m.part), r.base, r.column)) throw std::logic_error("a point has no nodes");
     all.push_back(r);
   });

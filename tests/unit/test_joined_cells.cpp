@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Blocks of two cells against blocks of one: the same points, nodes, masses, strains and forces in fewer blocks.
+// Blocks of two and three cells against blocks of one: the same points, nodes, masses, strains and forces in fewer blocks.
 #include <map>
 #include <set>
 
@@ -30,9 +30,7 @@ std::vector<Vector> ball(test::Random& random, int points) {
 
 std::array<int, 3> cell_of(const PointStore& points, int b, int l) {
   const BlockMeta& m = points.meta[b];
-  std::array<int, 3> base{m.base[0], m.base[1], m.base[2]};
-  if (m.second >> l & 1) ++base[m.joined];
-  return base;
+  return {mpdem::cell_of(m, l, 0), mpdem::cell_of(m, l, 1), mpdem::cell_of(m, l, 2)};
 }
 
 class JoinedCells : public ::testing::TestWithParam<Basis> {
@@ -74,20 +72,23 @@ TEST_P(JoinedCells, FullerBlocks) {
       EXPECT_EQ(support_base(X[i][d], 1.0 / kCell, shift), cell[d]);
     }
   }
-  std::set<int> directions;
+  std::set<int> rows;
   for (std::size_t b = 0; b < p.meta.size(); ++b) {
     const BlockMeta& m = p.meta[b];
-    EXPECT_EQ(m.second & ~m.occupied, 0);
-    EXPECT_EQ(m.second != 0, m.joined != kOneCell);
-    EXPECT_NE(m.second, m.occupied);
-    if (m.joined != kOneCell) directions.insert(m.joined);
+    EXPECT_EQ((m.second | m.third) & ~m.occupied, 0);
+    EXPECT_EQ(m.second & m.third, 0);
+    EXPECT_NE(m.second | m.third, m.occupied);  // some are in the first
+    const int reach = m.third ? 2 : m.second ? 1 : 0;
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(reach_along(m.joined, d), m.joined % 3 == d ? reach : 0);
+    EXPECT_EQ(m.joined == kOneCell, reach == 0);
+    if (reach > 0) rows.insert(m.joined);
   }
   if (!may_join_cells(GetParam())) {
     EXPECT_EQ(p.blocks.size(), apart.points.blocks.size());
     return;
   }
-  EXPECT_EQ(directions.size(), 3u);
-  EXPECT_LT(p.blocks.size(), 0.75 * apart.points.blocks.size());
+  EXPECT_EQ(rows.size(), 6u);  // of two and of three, in each direction
+  EXPECT_LT(p.blocks.size(), 0.7 * apart.points.blocks.size());
   // no two are left that fit into one, but for parts, which have blocks of their own
   PointStore whole = p;
   std::map<int, int> no_part;

@@ -60,7 +60,7 @@ std::vector<double> content(const PointStore& s) {
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
     const BlockMeta& m = s.meta[b];
     for (int d = 0; d < 3; ++d) all.push_back(m.base[d]);
-    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged), int(m.second), m.joined})
+    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged), int(m.second), int(m.third), m.joined})
       all.push_back(v);
     for (int l = 0; l < kLanes; ++l) {
       all.push_back(s.tags[b][l]);

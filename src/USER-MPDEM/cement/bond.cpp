@@ -30,6 +30,7 @@ void Bonds::drop_empty() {
   awake_is_known_ = false;
   here_.erase(std::remove_if(here_.begin(), here_.end(), [](const Bond& b) { return b.points.blocks.empty(); }), here_.end());
   here_.shrink_to_fit();
+  table.shrink_to_fit();
 }
 
 const std::vector<int>& Bonds::awake_places() const {

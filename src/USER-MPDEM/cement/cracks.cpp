@@ -53,7 +53,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   const SheetPoint place = sheet_point(points, body, b, l);
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = place.cell[d];
-    p.base[d] = m.base[d] + (m.joined == d && (m.second >> l & 1));
+    p.base[d] = cell_of(m, l, d);
   }
   const double nearer = nearer_to_first(body, place.X);
   p.nearer = nearer_side(body, nearer);

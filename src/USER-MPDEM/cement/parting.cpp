@@ -16,7 +16,7 @@ namespace {
 
 template <class F>
 void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
-  const int S = support(grid.basis), columns = (S + (m.joined == 0)) * (S + (m.joined == 1)), length = S + (m.joined == 2);
+  const int S = support(grid.basis), columns = nodes_along(m, 0, S) * nodes_along(m, 1, S), length = nodes_along(m, 2, S);
   for (int c = 0; c < columns; ++c)
     for (int k = 0; k < length; ++k) f(m.column[c] + k);
 }

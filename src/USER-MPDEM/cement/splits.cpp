@@ -101,12 +101,12 @@ void for_each_point(const PointStore& points, F f) {
       if (points.meta[b].occupied >> l & 1) f(b, l);
 }
 
-// Of both cells, where the block has two.
+// Of all its cells.
 template <class F>
 void for_each_node(const BlockMeta& m, int S, F f) {
-  for (int i = 0; i < S + (m.joined == 0); ++i)
-    for (int j = 0; j < S + (m.joined == 1); ++j)
-      for (int k = 0; k < S + (m.joined == 2); ++k) f(Place{m.base[0] + i, m.base[1] + j, m.base[2] + k});
+  for (int i = 0; i < nodes_along(m, 0, S); ++i)
+    for (int j = 0; j < nodes_along(m, 1, S); ++j)
+      for (int k = 0; k < nodes_along(m, 2, S); ++k) f(Place{m.base[0] + i, m.base[1] + j, m.base[2] + k});
 }
 
 // Points of the bonds asked for, on the ranks that look at these. Collective.

@@ -37,6 +37,10 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
                            Basis basis)
     : p_(parameters), basis_(basis), inverse_h_(1.0 / cell), density_(density), columns_of_cell_(support(basis) * support(basis)) {
   if (!points.meta.empty()) body_ = points.meta.front().body;
+  for (int s = 0; s < 2; ++s) {
+    std::copy(body.centre[s], body.centre[s] + 3, centre_[s]);
+    orientation_[s] = rotation_of(body.orientation[s]);
+  }
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
@@ -46,31 +50,41 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.side != b.side ? a.side < b.side : a.tag < b.tag; });
   const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.side == 1; });
   const auto blocks_of = [](std::ptrdiff_t links) { return (links + kLanes - 1) / kLanes; };
-  blocks_.reserve(blocks_of(second - items.begin()) + blocks_of(items.end() - second));
+  const std::size_t count = blocks_of(second - items.begin()) + blocks_of(items.end() - second);
+  blocks_.reserve(count);
+  const auto has_moved = [&](const Item& i) {
+    const Link& k = points.links[i.link];
+    return created(points, k, 0) != acts_at(points, k, 0) || created(points, k, 1) != acts_at(points, k, 1) || created(points, k, 2) != acts_at(points, k, 2);
+  };
+  if (std::any_of(items.begin(), items.end(), has_moved)) created_.resize(count);
+  if (p_.damping > 0.0) dampers_.resize(count);
   for (auto i = items.begin(); i != items.end();) {
-    LinkBlock b{};
-    b.side = i->side;
-    const Mat3<double> R = rotation_of(body.orientation[b.side]);
+    blocks_.emplace_back();
+    LinkBlock& b = blocks_.back();
+    const std::size_t n = blocks_.size() - 1;
+    b.side = static_cast<std::uint8_t>(i->side);
+    b.attached = b.inert = 0;
+    b.area = vd{};
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
-    for (; lane < kLanes && i != items.end() && i->side == b.side; ++lane, ++i) set_lane(b, lane, points, body, i->link, R);
+    for (; lane < kLanes && i != items.end() && i->side == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
     for (; lane < kLanes; ++lane)  // at the place of the first, without area
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
-        b.q0[d][lane] = b.q0[d][0];
+        if (!created_.empty()) created_[n].X[d][lane] = created_[n].X[d][0];
         b.base[d][lane] = b.base[d][0];
       }
-    blocks_.push_back(b);
   }
   columns_.assign(kLanes * blocks_.size() * columns_of_cell_, 0);
   parts_.assign(kLanes * blocks_.size(), 0);
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l)
-      if (blocks_[n].link[l] >= 0) parts_[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part;
+      if (blocks_[n].link[l] >= 0) parts_[kLanes * n + l] = static_cast<std::uint16_t>(points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part);
   take_states(points);
 }
 
-void PenaltyLinks::set_lane(LinkBlock& b, int lane, const PointStore& points, const Body& body, int link, const Mat3<double>& R) const {
+void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& points, int link) {
+  LinkBlock& b = blocks_[block];
   const Link& k = points.links[link];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
@@ -78,16 +92,21 @@ void PenaltyLinks::set_lane(LinkBlock& b, int lane, const PointStore& points, co
   if (holds(points, k)) b.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
-  b.damper[lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
+  if (!dampers_.empty()) dampers_[block][lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
   int base[3];
   base_of(points, k, base);
-  double q[3];
   for (int d = 0; d < 3; ++d) {
     b.X[d][lane] = acts_at(points, k, d);
     b.base[d][lane] = base[d];
-    q[d] = created(points, k, d) - body.centre[b.side][d];
+    if (!created_.empty()) created_[block].X[d][lane] = created(points, k, d);
   }
-  for (int d = 0; d < 3; ++d) b.q0[d][lane] = R.a[0][d] * q[0] + R.a[1][d] * q[1] + R.a[2][d] * q[2];
+}
+
+// Before places move.
+void PenaltyLinks::keep_created() {
+  if (!created_.empty()) return;
+  created_.resize(blocks_.size());
+  for (std::size_t n = 0; n < blocks_.size(); ++n) std::copy(blocks_[n].X, blocks_[n].X + 3, created_[n].X);
 }
 
 void PenaltyLinks::take_states(const PointStore& points) {
@@ -147,6 +166,7 @@ void PenaltyLinks::find_moves(const Grid& grid, double dt) {
 }
 
 bool PenaltyLinks::move_places(PointStore& points) {
+  keep_created();
   gone_ = false;
   bool left = false;
   auto move = moves_.begin();
@@ -181,7 +201,7 @@ bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, con
       int base[3];
       base_of(points, points.links[b.link[l]], base);
       if (base[0] == b.base[0][l] && base[1] == b.base[1][l] && base[2] == b.base[2][l]) continue;
-      set_lane(b, l, points, body, b.link[l], rotation_of(body.orientation[b.side]));
+      set_lane(n, l, points, b.link[l]);
       all = grid.find_columns(field_of(body_, parts_[kLanes * n + l]), base, columns(n, l)) && all;
     }
   }
@@ -212,10 +232,10 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
     for (int l = 0; l < kLanes; ++l) {
       const LinkBlock& b = blocks_[n];
       if (b.link[l] < 0) continue;
-      int& part = parts_[kLanes * n + l];
+      std::uint16_t& part = parts_[kLanes * n + l];
       const int now = points.meta[points.links[b.link[l]].slot / kLanes].part;
       if (now == part) continue;
-      part = now;
+      part = static_cast<std::uint16_t>(now);
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
       grid.find_columns(field_of(body_, part), base, columns(n, l));
     }
@@ -225,12 +245,17 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
 template <class Type>
 void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta,
                          vd* n) const {
-  vd u[3], r[3];
+  vd u[3], r[3], at[3], q0[3];
   gather(grid.displacement, b, w, u);
+  // in the grain's frame
+  const vd* created = created_at(b);
+  const Mat3<double>& R = orientation_[b.side];
+  for (int d = 0; d < 3; ++d) at[d] = created[d] - centre_[b.side][d];
+  for (int d = 0; d < 3; ++d) q0[d] = R.a[0][d] * at[0] + R.a[1][d] * at[1] + R.a[2][d] * at[2];
   for (int d = 0; d < 3; ++d) {
     // u last: what it is rounded to then is a part of itself and not of the place, so ranks agree
     const vd X = b.X[d] - s.x[d];
-    r[d] = s.R.a[d][0] * b.q0[0] + s.R.a[d][1] * b.q0[1] + s.R.a[d][2] * b.q0[2];
+    r[d] = s.R.a[d][0] * q0[0] + s.R.a[d][1] * q0[1] + s.R.a[d][2] * q0[2];
     q[d] = X + u[d];
     delta[d] = (X - r[d]) + u[d];
   }
@@ -247,7 +272,7 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
   v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const vd g = of(b.attached, b.damper);
+  const vd g = of(b.attached, dampers_[&b - blocks_.data()]);
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
@@ -412,7 +437,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
     constexpr int S = Type::kSupport;
     for (const LinkBlock& b : blocks_) {
       if (!b.inert) continue;
-      const vd inertia = (1.0 + side[b.side].mass_ratio) * (k * b.area + damper * b.damper);
+      const vd inertia = (1.0 + side[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[&b - blocks_.data()]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
         if (!(b.inert >> l & 1)) continue;
@@ -443,8 +468,8 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
 }
 
 std::size_t PenaltyLinks::memory_usage() const {
-  return blocks_.capacity() * sizeof(LinkBlock) + (states_.capacity() * sizeof(vd)) + (columns_.capacity() + parts_.capacity()) * sizeof(int) +
-         moves_.capacity() * sizeof(Move);
+  return blocks_.capacity() * sizeof(LinkBlock) + (states_.capacity() * sizeof(vd)) + columns_.capacity() * sizeof(int) + parts_.capacity() * sizeof(std::uint16_t) +
+         (moves_.capacity() + created_.capacity()) * sizeof(Places) + dampers_.capacity() * sizeof(vd);
 }
 
 }  // namespace mpdem

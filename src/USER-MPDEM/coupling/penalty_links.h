@@ -30,6 +30,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -120,12 +122,10 @@ class PenaltyLinks {
  private:
   struct LinkBlock {
     vd X[3];    // where the link acts, reference; maybe outside the cell, which is the point's
-    vd q0[3];   // in the grain's frame
     vd area;    // zero in empty lanes
-    vd damper;  // damping coefficient over sqrt(k)
     vint base[3];  // cells of the points
     int link[kLanes];              // of the store; -1: empty
-    int side;
+    std::uint8_t side;
     std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
     // Lanes with a link, attached or not.
     std::uint8_t taken() const {
@@ -135,7 +135,7 @@ class PenaltyLinks {
     }
   };
 
-  struct Move {
+  struct Places {
     vd X[3];
   };
 
@@ -152,10 +152,12 @@ class PenaltyLinks {
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
   void base_of(const PointStore& points, const Link& k, int* base) const;
-  void set_lane(LinkBlock& b, int lane, const PointStore& points, const Body& body, int link, const Mat3<double>& R) const;
+  void set_lane(std::size_t block, int lane, const PointStore& points, int link);
   // Of a lane of a block, kSupport^2 of them.
   int* columns(std::size_t block, int lane) { return &columns_[(kLanes * block + lane) * columns_of_cell_]; }
   const int* columns(const LinkBlock& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
+  const vd* created_at(const LinkBlock& b) const { return created_.empty() ? b.X : created_[&b - blocks_.data()].X; }
+  void keep_created();
   // Value of a nodal field at the places of a block.
   template <class Type>
   void gather(const std::vector<double>& nodal, const LinkBlock& b, const Weights<Type>& w, vd* out) const;
@@ -167,6 +169,7 @@ class PenaltyLinks {
   typename L::State state(const L&, std::size_t block) const;
   void release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
   void take_states(const PointStore& points);
+  static_assert(kMaxParts <= std::numeric_limits<std::uint16_t>::max(), "two bytes hold a part");
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
   // Velocity of the place against the grain's, and the force of the dampers by it.
@@ -181,9 +184,14 @@ class PenaltyLinks {
   bool gone_ = false;               // some links have neither force nor added mass, by the last move_places()
   std::vector<LinkBlock> blocks_;
   std::vector<int> columns_;        // of the lanes of the blocks, see Grid
-  std::vector<int> parts_;          // of the lanes
+  std::vector<std::uint16_t> parts_;  // of the lanes
   std::vector<vd> states_;   // of the traction law, its fields of each block; those of the store are the same
-  std::vector<Move> moves_;  // of the places of each block in this step, `updated` only
+  std::vector<Places> moves_;    // of the places of each block in this step, `updated` only
+  std::vector<Places> created_;  // where the links of each block were then; empty: where they act
+  std::vector<vd> dampers_;      // coefficient over sqrt(k), of each block; empty without damping
+  // Of the body: centres of its grains then, and their orientation to its axes.
+  double centre_[2][3] = {};
+  Mat3<double> orientation_[2];
 };
 
 }  // namespace mpdem

@@ -19,7 +19,7 @@ std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
   std::vector<double> held(2 * grid.size(), 0.0);
   const int S = support(grid.basis);
   for (const BlockMeta& m : points.meta) {
-    const int columns = (S + (m.joined == 0)) * (S + (m.joined == 1)), length = S + (m.joined == 2);
+    const int columns = nodes_along(m, 0, S) * nodes_along(m, 1, S), length = nodes_along(m, 2, S);
     for (int c = 0; c < columns; ++c)
       for (int k = 0; k < length; ++k)
         for (int g = 0; g < 2; ++g)

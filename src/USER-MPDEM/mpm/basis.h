@@ -46,8 +46,11 @@ inline int support_base(double X, double inverse_h, double shift) {
   return static_cast<int>(std::floor(X * inverse_h - shift));
 }
 
-// Blocks of points of two cells next to each other: the direction in which the second lies. They have a node more there.
-constexpr int kOneCell = -1;
+// Blocks of points of cells in a row: its direction d, and how far ahead its last cell is, `reach`, as d + 3 (reach - 1). They have as many
+// nodes more there. A cell between two others may have no point of the block.
+constexpr int kOneCell = -1, kMostReach = 2;
+constexpr int cells_in_a_row(int d, int reach) { return reach == 0 ? kOneCell : d + 3 * (reach - 1); }
+constexpr int reach_along(int joined, int d) { return joined != kOneCell && joined % 3 == d ? 1 + joined / 3 : 0; }
 // Cubic splines have too many nodes for it to pay.
 template <class Type>
 constexpr bool kMayJoinCells = Type::kSupport < CubicBspline::kSupport;
@@ -60,25 +63,26 @@ template <class Type, int Joined = kOneCell>
 struct Weights {
   static constexpr int kSupport = Type::kSupport;
   // Nodes in each direction.
-  static constexpr int kI = kSupport + (Joined == 0), kJ = kSupport + (Joined == 1), kK = kSupport + (Joined == 2);
-  static constexpr int nodes(int d) { return kSupport + (d == Joined); }
-  static constexpr int kMost = kSupport + (Joined != kOneCell);
+  static constexpr int nodes(int d) { return kSupport + reach_along(Joined, d); }
+  static constexpr int kReach = Joined == kOneCell ? 0 : 1 + Joined / 3;
+  static constexpr int kI = kSupport + reach_along(Joined, 0), kJ = kSupport + reach_along(Joined, 1), kK = kSupport + reach_along(Joined, 2);
+  static constexpr int kMost = kSupport + kReach;
   vd w[3][kMost];   // [direction][node]
   vd dw[3][kMost];  // per length
 
-  // Lanes of `second` are in the second cell, base is that of the first.
-  Weights(const vd* X, const int* base, vmask second, double inverse_h) {
-    static_assert(Joined != kOneCell, "blocks of two cells");
+  // Lanes of `second` and `third` are in these cells, base is that of the first.
+  Weights(const vd* X, const int* base, vmask second, vmask third, double inverse_h) {
+    static_assert(Joined != kOneCell, "blocks of cells in a row");
     for (int d = 0; d < 3; ++d) {
-      if (d != Joined) {
+      if (reach_along(Joined, d) == 0) {
         Type::factors(X[d] * inverse_h - base[d], inverse_h, w[d], dw[d]);
         continue;
       }
       vd of_cell[kSupport], slope[kSupport];
-      Type::factors(X[d] * inverse_h - select(second, splat(base[d] + 1), splat(base[d])), inverse_h, of_cell, slope);
-      for (int i = 0; i <= kSupport; ++i) {
-        w[d][i] = select(second, i > 0 ? of_cell[i - 1] : vd{}, i < kSupport ? of_cell[i] : vd{});
-        dw[d][i] = select(second, i > 0 ? slope[i - 1] : vd{}, i < kSupport ? slope[i] : vd{});
+      Type::factors(X[d] * inverse_h - in_cell(second, third, splat(base[d]), splat(base[d] + 1), splat(base[d] + 2)), inverse_h, of_cell, slope);
+      for (int i = 0; i < kMost; ++i) {
+        w[d][i] = in_cell(second, third, at(of_cell, i), at(of_cell, i - 1), at(of_cell, i - 2));
+        dw[d][i] = in_cell(second, third, at(slope, i), at(slope, i - 1), at(slope, i - 2));
       }
     }
   }
@@ -89,6 +93,13 @@ struct Weights {
   // Of points of different cells, a base for each.
   Weights(const vd* X, const vint* base, double inverse_h) {
     for (int d = 0; d < 3; ++d) Type::factors(X[d] * inverse_h - __builtin_convertvector(base[d], vd), inverse_h, w[d], dw[d]);
+  }
+
+ private:
+  static vd at(const vd* of_cell, int i) { return i >= 0 && i < kSupport ? of_cell[i] : vd{}; }
+  static vd in_cell(vmask second, vmask third, vd of_first, vd of_second, vd of_third) {
+    if constexpr (kReach > 1) of_first = select(third, of_third, of_first);
+    return select(second, of_second, of_first);
   }
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <stdexcept>
 
@@ -239,13 +240,15 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 
 void EdgeTies::clear() { *this = EdgeTies(); }
 
-void EdgeTies::Rows::add(int node, double weight) {
-  constexpr std::size_t kLast = 64;  // more of them are seldom, and may be there twice
-  const std::size_t first = weight_.size() - std::min(weight_.size(), kLast);
-  const std::size_t at = std::find(weight_.begin() + first, weight_.end(), weight) - weight_.begin();
-  if (at == weight_.size()) weight_.push_back(weight);
-  node_.push_back(node);
-  place_.push_back(static_cast<int>(at));
+// Its weights are the last of the list. They go where the same ones follow each other before.
+void EdgeTies::Rows::end_row() {
+  constexpr std::size_t kLast = 256;  // more weights are seldom, and may be there twice
+  const std::size_t length = node_.size() - first_[first_.size() - 1], old = weight_.size() - length;
+  const auto row = weight_.begin() + old;
+  const auto at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
+  weights_.push_back(static_cast<int>(at - weight_.begin()));
+  if (at != row) weight_.resize(old);
+  first_.push_back(static_cast<int>(node_.size()));
 }
 
 void EdgeTies::Rows::append(const Rows& other, int row) {
@@ -254,26 +257,40 @@ void EdgeTies::Rows::append(const Rows& other, int row) {
 }
 
 bool EdgeTies::Rows::same_nodes(int row, const Rows& other, int of_other) const {
-  return length(row) == other.length(of_other) && std::equal(&node_[first_[row]], &node_[first_[row]] + length(row), &other.node_[other.first_[of_other]]);
+  bool same = length(row) == other.length(of_other);
+  for (int n = 0; same && n < length(row); ++n) same = node_[first_[row] + n] == other.node_[other.first_[of_other] + n];
+  return same;
 }
 
 bool EdgeTies::Rows::same_weights(int row, const Rows& other, int of_other) const {
-  for (int n = 0; n < length(row); ++n)
-    if (weight_[place_[first_[row] + n]] != other.weight_[other.place_[other.first_[of_other] + n]]) return false;
-  return true;
+  const double* weights = &weight_[weights_[row]];
+  return std::equal(weights, weights + length(row), &other.weight_[other.weights_[of_other]]);
 }
 
 void EdgeTies::Rows::renumber(const std::vector<int>& place) {
-  for (int& n : node_) n = place[n];
+  for (std::size_t n = 0; n < node_.size(); ++n) node_.set(n, place[node_[n]]);
 }
 
 void EdgeTies::Rows::shrink_to_fit() {
-  for (auto* v : {&first_, &node_, &place_}) v->shrink_to_fit();
+  for (ShortList* v : {&first_, &node_, &weights_}) v->shrink_to_fit();
   weight_.shrink_to_fit();
 }
 
+template <class F>
+void EdgeTies::Rows::for_each_row(F f) const {
+  const int rows = static_cast<int>(weights_.size());
+  const double* weight = weight_.data();
+  first_.with([&](const auto* first) {
+    node_.with([&](const auto* nodes) {
+      weights_.with([&](const auto* weights) {
+        for (int row = 0; row < rows; ++row) f(row, first[row + 1] - first[row], nodes + first[row], weight + weights[row]);
+      });
+    });
+  });
+}
+
 std::size_t EdgeTies::Rows::memory_usage() const {
-  return sizeof(int) * (first_.capacity() + node_.capacity() + place_.capacity()) + sizeof(double) * weight_.capacity();
+  return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + sizeof(double) * weight_.capacity();
 }
 
 void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
@@ -290,14 +307,14 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
     for (const auto& m : t.masters) masters_.add(node(m.first), m.second);
     masters_.end_row();
   }
-  if (!std::is_sorted(slave_.begin(), slave_.end())) throw std::logic_error("ties that are not in the order of their nodes");
+  if (!slave_.with([this](const auto* slaves) { return std::is_sorted(slaves, slaves + slave_.size()); })) throw std::logic_error("ties that are not in the order of their nodes");
   slave_.shrink_to_fit();
   heirs_.shrink_to_fit();
   masters_.shrink_to_fit();
 }
 
 void EdgeTies::renumber(const std::vector<int>& place) {
-  for (int& n : slave_) n = place[n];
+  for (std::size_t t = 0; t < size(); ++t) slave_.set(t, place[slave_[t]]);
   masters_.renumber(place);
   heirs_.renumber(place);
 }
@@ -340,17 +357,45 @@ std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {
   return ties;
 }
 
-void EdgeTies::pull_back(double* values) const {
-  for (std::size_t t = 0; t < size(); ++t) {
-    double v[3];
-    for (int d = 0; d < 3; ++d) {
-      v[d] = values[3 * slave_[t] + d];
-      values[3 * slave_[t] + d] = 0.0;
-    }
-    masters_.for_each(t, [&](int node, double weight) {
-      for (int d = 0; d < 3; ++d) values[3 * node + d] += weight * v[d];
-    });
+namespace {
+
+// Three numbers of a node, in two pieces: the same pieces are read that were written before, which a processor need not wait for.
+struct Three {
+  using v2 = double __attribute__((vector_size(16)));
+  v2 xy;
+  double z;
+  static Three load(const double* p) {
+    Three t;
+    std::memcpy(&t.xy, p, sizeof t.xy);
+    t.z = p[2];
+    return t;
   }
+  void store(double* p) const {
+    std::memcpy(p, &xy, sizeof xy);
+    p[2] = z;
+  }
+  void add(double weight, const Three& t) {
+    xy += weight * t.xy;
+    z += weight * t.z;
+  }
+};
+
+}  // namespace
+
+void EdgeTies::pull_back(double* values) const {
+  slave_.with([&](const auto* slaves) {
+    masters_.for_each_row([&, values](int row, int length, const auto* node, const double* weight) {
+      double* slave = values + 3 * static_cast<long>(slaves[row]);
+      const Three v = Three::load(slave);
+      Three{}.store(slave);
+      for (int n = 0; n < length; ++n) {
+        double* master = values + 3 * static_cast<long>(node[n]);
+        Three sum = Three::load(master);
+        sum.add(weight[n], v);
+        sum.store(master);
+      }
+    });
+  });
 }
 
 void EdgeTies::pull_back_sizes(double* values) const {
@@ -380,15 +425,15 @@ void EdgeTies::take_of_heirs(double* values, int width) const {
 }
 
 void EdgeTies::extend(double* values) const {
-  for (std::size_t t = 0; t < size(); ++t) {
-    double sum[3] = {0.0, 0.0, 0.0};
-    masters_.for_each(t, [&](int node, double weight) {
-      for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * node + d];
+  slave_.with([&](const auto* slaves) {
+    masters_.for_each_row([&, values](int row, int length, const auto* node, const double* weight) {
+      Three sum{};
+      for (int n = 0; n < length; ++n) sum.add(weight[n], Three::load(values + 3 * static_cast<long>(node[n])));
+      sum.store(values + 3 * static_cast<long>(slaves[row]));
     });
-    for (int d = 0; d < 3; ++d) values[3 * slave_[t] + d] = sum[d];
-  }
+  });
 }
 
-std::size_t EdgeTies::memory_usage() const { return sizeof(int) * slave_.capacity() + masters_.memory_usage() + heirs_.memory_usage(); }
+std::size_t EdgeTies::memory_usage() const { return slave_.memory_usage() + masters_.memory_usage() + heirs_.memory_usage(); }
 
 }  // namespace mpdem

@@ -29,6 +29,7 @@
 #include <utility>
 #include <vector>
 
+#include "../numerics/short_list.h"
 #include "../parallel/rendezvous.h"
 #include "basis.h"
 
@@ -69,10 +70,14 @@ class EdgeTies {
 
   bool empty() const { return slave_.empty(); }
   std::size_t size() const { return slave_.size(); }
+  // Rows of the nodes before this one.
+  int rows_before(int node) const {
+    return slave_.with([&](const auto* slaves) { return static_cast<int>(std::lower_bound(slaves, slaves + slave_.size(), node) - slaves); });
+  }
   // Row of a node; -1 if it is free.
   int row(int node) const {
-    const auto at = std::lower_bound(slave_.begin(), slave_.end(), node);
-    return at != slave_.end() && *at == node ? static_cast<int>(at - slave_.begin()) : -1;
+    const int at = rows_before(node);
+    return at < static_cast<int>(size()) && slave_[at] == node ? at : -1;
   }
   // Sum of the sizes of the weights of a row.
   double weight_sum(int row) const {
@@ -100,12 +105,15 @@ class EdgeTies {
   std::size_t memory_usage() const;
 
  private:
-  // Nodes with a weight each, of each row. Weights are few numbers that come again and again, and small bonds have many ties, so an entry
-  // has the place of its weight in a list.
+  // Nodes with a weight each, of each row. Weights of a row are those of many others, and small bonds have many ties, so a row has the place
+  // where its weights begin in a list.
   class Rows {
    public:
-    void add(int node, double weight);
-    void end_row() { first_.push_back(static_cast<int>(node_.size())); }
+    void add(int node, double weight) {
+      node_.push_back(node);
+      weight_.push_back(weight);
+    }
+    void end_row();
     void append(const Rows& other, int row);
     int length(int row) const { return first_[row + 1] - first_[row]; }
     bool same_nodes(int row, const Rows& other, int of_other) const;
@@ -114,16 +122,25 @@ class EdgeTies {
     void shrink_to_fit();
     template <class F>
     void for_each(int row, F f) const {
-      for (int n = first_[row]; n < first_[row + 1]; ++n) f(node_[n], weight_[place_[n]]);
+      const double* weight = weight_.data() + weights_[row];
+      for (int n = first_[row]; n < first_[row + 1]; ++n) f(node_[n], *weight++);
     }
+    // Calls f(row, its length, pointer to its nodes, to its weights) for all rows.
+    template <class F>
+    void for_each_row(F f) const;
     std::size_t memory_usage() const;
 
    private:
-    std::vector<int> first_{0}, node_, place_;  // place of the weight
-    std::vector<double> weight_;                // mostly each once
+    ShortList first_ = begun(), node_, weights_;  // first entry of a row, nodes of entries, first weight of a row
+    std::vector<double> weight_;
+    static ShortList begun() {
+      ShortList list;
+      list.push_back(0);
+      return list;
+    }
   };
   void append(const EdgeTies& other, int row);
-  std::vector<int> slave_;  // ascending
+  ShortList slave_;  // ascending
   Rows masters_, heirs_;
 };
 

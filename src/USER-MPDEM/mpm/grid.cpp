@@ -79,7 +79,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   unique.reserve(r.cells.size());
   for (const Cell& c : r.cells) {
     unique.push_back(c.key());
-    if (c.joined != kOneCell) unique.push_back(c.next());
+    if (c.joined != kOneCell) unique.push_back(c.last());
   }
   sort_unique(unique);
 
@@ -118,15 +118,15 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   };
   for (const Cell& c : r.cells) {
     const int* of_cell = columns_at(c.key());
-    if (c.joined == kOneCell || c.joined == 2) {  // columns that just get longer
+    const int more_i = reach_along(c.joined, 0), more_j = reach_along(c.joined, 1);
+    if (more_i + more_j == 0) {  // columns that just get longer, or one cell
       std::copy(of_cell, of_cell + columns_of_cell, c.column);
       continue;
     }
-    const int* of_next = columns_at(c.next());
-    const int more_i = c.joined == 0, more_j = c.joined == 1;
+    const int* of_last = columns_at(c.last());
     for (int i = 0; i < S + more_i; ++i)
       for (int j = 0; j < S + more_j; ++j)
-        c.column[(S + more_j) * i + j] = i < S && j < S ? of_cell[S * i + j] : of_next[S * (i - more_i) + j - more_j];
+        c.column[(S + more_j) * i + j] = i < S && j < S ? of_cell[S * i + j] : of_last[S * (i - more_i) + j - more_j];
   }
   inside_.clear();
   if (margin > 0) {
@@ -292,7 +292,8 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   if (more.empty()) return place;
   keys.swap(all);
   for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
-  for (auto* v : {&mass, &tie_factor_}) spread(*v, 1, place, keys.size(), 0.0);
+  spread(mass, 1, place, keys.size(), 0.0);
+  tie_factor_.clear();
   spread(given_volume, 1, place, keys.size(), -1.0);
   ties.renumber(place);
   halo.resize(keys.size());
@@ -324,15 +325,16 @@ void Grid::take_over_motion(const std::map<Key, Key>& source) {
 }
 
 void Grid::find_columns(BlockMeta& m) const {
-  const int S = support(basis), more_i = m.joined == 0, more_j = m.joined == 1;
-  for (int i = 0; i < S + more_i; ++i)
-    for (int j = 0; j < S + more_j; ++j) {
+  const int S = support(basis), nodes_i = nodes_along(m, 0, S), nodes_j = nodes_along(m, 1, S);
+  for (int i = 0; i < nodes_i; ++i)
+    for (int j = 0; j < nodes_j; ++j) {
       const int at[3] = {m.base[0] + i, m.base[1] + j, m.base[2]};
-      m.column[(S + more_j) * i + j] = base_node(field_of(m.body, m.part), at);
+      m.column[nodes_j * i + j] = base_node(field_of(m.body, m.part), at);
     }
 }
 
 bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted) {
+  tie_factor_.clear();
   const bool freed = ties.exchange(nodes, wanted, keys);
   any_ties_ = any_ties_ || !ties.empty();
   return freed;
@@ -380,10 +382,15 @@ void Grid::lump_mass(const PointStore& points, double density) {
     if (m < kRounding * density * h * h * h) m = 0.0;
   if (any_ties_) {
     halo.sum(tie_factor_.data(), 1);
+    std::size_t kept = 0;
     for (int i = 0; i < size(); ++i) {
-      tie_factor_[i] = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
-      largest_tie_factor_ = std::max(largest_tie_factor_, tie_factor_[i]);
+      if (ties.row(i) >= 0) continue;
+      const double factor = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
+      tie_factor_[kept++] = factor;
+      largest_tie_factor_ = std::max(largest_tie_factor_, factor);
     }
+    tie_factor_.resize(kept);
+    tie_factor_.shrink_to_fit();
   }
 }
 

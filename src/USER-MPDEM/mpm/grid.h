@@ -60,11 +60,11 @@ class Grid {
     int field;  // field_of(body, part)
     int base[3];
     int* column;
-    int joined;  // with the next cell in this direction: columns of a block of both, see basis.h
+    int joined;  // with others in a row: columns of a block of them, see basis.h
     Key key() const { return {field, base[0], base[1], base[2]}; }
-    Key next() const {
+    Key last() const {
       Key k = key();
-      ++k[1 + joined];
+      for (int d = 0; d < 3; ++d) k[1 + d] += reach_along(joined, d);
       return k;
     }
   };
@@ -111,7 +111,7 @@ class Grid {
 
   // Ties raise a bound of the largest eigenvalue by a factor: that of a node, and the largest of the nodes of this
   // rank.
-  double tie_factor(int node) const { return tie_factor_.empty() ? 1.0 : tie_factor_[node]; }
+  double tie_factor(int node) const { return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)]; }
   double largest_tie_factor() const { return largest_tie_factor_; }
 
   // Sets a = f / (m + added mass) for each node. There is no added mass if the vector is empty.
@@ -132,7 +132,7 @@ class Grid {
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
 
   bool any_ties_ = false;  // on any rank
-  std::vector<double> tie_factor_;  // of the bound, a node; empty without ties
+  std::vector<double> tie_factor_;  // of the bound, of the nodes that are free; empty without ties
   double largest_tie_factor_ = 1.0;
   std::vector<char> inside_;  // of first nodes, with a margin only
 };

@@ -35,11 +35,16 @@ void PointStore::Family::shape(int of, BlockMeta& m) const {
   }
   std::copy(least->begin(), least->end(), m.base);
   m.joined = kOneCell;
+  int along = 0;
   for (int d = 0; d < 3; ++d)
-    if ((*most)[d] != (*least)[d]) m.joined = d;
-  m.second = 0;
-  for (int l = 0; l < kLanes; ++l)
-    if (part[l] == of && cell[l] != *least) m.second |= static_cast<std::uint8_t>(1u << l);
+    if ((*most)[d] != (*least)[d]) along = d;
+  m.joined = cells_in_a_row(along, (*most)[along] - (*least)[along]);
+  m.second = m.third = 0;
+  for (int l = 0; l < kLanes; ++l) {
+    if (part[l] != of) continue;
+    const int ahead = cell[l][along] - (*least)[along];
+    if (ahead > 0) (ahead == 1 ? m.second : m.third) |= static_cast<std::uint8_t>(1u << l);
+  }
 }
 
 int PointStore::add_block(int body, int part, const Family& family, double cell, Basis basis) {
@@ -48,6 +53,7 @@ int PointStore::add_block(int body, int part, const Family& family, double cell,
   const int b = add_block(body, part, m.base, cell, basis);
   meta[b].joined = m.joined;
   meta[b].second = m.second;
+  meta[b].third = m.third;
   return b;
 }
 
@@ -70,10 +76,7 @@ std::map<int, PointStore::Family> PointStore::families_that_part(const std::map<
         if (meta[of].occupied >> l & 1) {
           f->second.part[l] = meta[of].part;
           f->second.from[l] = of;
-          std::copy(meta[of].base, meta[of].base + 3, f->second.cell[l].begin());
-          f->second.cell[l][0] += meta[of].joined == 0 && (meta[of].second >> l & 1);
-          f->second.cell[l][1] += meta[of].joined == 1 && (meta[of].second >> l & 1);
-          f->second.cell[l][2] += meta[of].joined == 2 && (meta[of].second >> l & 1);
+          for (int d = 0; d < 3; ++d) f->second.cell[l][d] = cell_of(meta[of], l, d);
         }
   }
   for (const auto& s : part_of_slot) {

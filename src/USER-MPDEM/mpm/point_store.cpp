@@ -197,10 +197,76 @@ bool cell_before(const Item& a, const Item& b) {
   return false;
 }
 
-// Items of a block: from the first cell, and from the second, if there is one.
+// Items of a block: from the first cell, and from others in a row with it, if there are any.
 struct Plan {
   int first, count;
-  int second = 0, more = 0, joined = kOneCell;
+  int joined = kOneCell;
+  struct Cell {
+    int first = 0, count = 0;
+  } more[kMostReach];
+  int total() const { return count + more[0].count + more[1].count; }
+  int item(int l) const {
+    if (l < count) return first + l;
+    l -= count;
+    return l < more[0].count ? more[0].first + l : more[1].first + l - more[0].count;
+  }
+};
+
+// Looks for cells with which blocks share theirs.
+class Joiner {
+ public:
+  // partial: plans of blocks that are not full, in the order of their cells.
+  Joiner(const std::vector<Item>& items, std::vector<Plan>& plans, const std::vector<int>& partial)
+      : items_(items), plans_(plans), partial_(partial), gone_(plans.size(), 0) {}
+
+  // The fullest block, of two cells rather than of three, along the last direction first, where a column just gets longer.
+  void join(int a) {
+    Plan& p = plans_[a];
+    if (gone_[a] || p.joined != kOneCell) return;
+    int best = 0, joined = kOneCell, with[kMostReach] = {-1, -1};
+    const auto consider = [&](int d, int reach, int one, int other) {
+      const int more = count(one) + count(other);
+      if (more <= best || p.count + more > kLanes) return;
+      best = more;
+      joined = cells_in_a_row(d, reach);
+      with[0] = one;
+      with[1] = other;
+    };
+    int next[3][kMostReach];
+    for (int d = 2; d >= 0; --d) {
+      for (int r = 1; r <= kMostReach; ++r) next[d][r - 1] = beside(a, d, r);
+      consider(d, 1, next[d][0], -1);
+    }
+    for (int d = 2; d >= 0; --d)
+      if (next[d][1] >= 0) {
+        consider(d, 2, -1, next[d][1]);
+        consider(d, 2, next[d][0], next[d][1]);
+      }
+    p.joined = joined;
+    for (int r = 0; r < kMostReach; ++r) {
+      if (with[r] < 0) continue;
+      p.more[r] = {plans_[with[r]].first, plans_[with[r]].count};
+      gone_[with[r]] = 1;
+    }
+  }
+
+  bool gone(int a) const { return gone_[a]; }
+
+ private:
+  int count(int a) const { return a < 0 ? 0 : plans_[a].count; }
+  // The block of the cell so far ahead, if it may be taken, else -1.
+  int beside(int a, int d, int reach) const {
+    Item next = items_[plans_[a].first];
+    next.base[d] += reach;
+    const auto at = std::lower_bound(partial_.begin(), partial_.end(), next,
+                                     [&](int b, const Item& i) { return cell_before(items_[plans_[b].first], i); });
+    if (at == partial_.end() || !same_cell(items_[plans_[*at].first], next)) return -1;
+    return gone_[*at] || plans_[*at].joined != kOneCell ? -1 : *at;
+  }
+  const std::vector<Item>& items_;
+  std::vector<Plan>& plans_;
+  const std::vector<int>& partial_;
+  std::vector<char> gone_;
 };
 
 // Blocks of items that are sorted by cells.
@@ -215,30 +281,11 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
     plans.push_back(p);
   }
   if (!join) return plans;
-  // The fullest of the next cells is taken, the last direction first, where a column just gets longer.
-  std::vector<char> gone(plans.size(), 0);
-  for (const int a : partial) {
-    Plan& p = plans[a];
-    if (gone[a] || p.more > 0) continue;
-    int best = -1;
-    for (int d = 2; d >= 0; --d) {
-      Item next = items[p.first];
-      ++next.base[d];
-      const auto at = std::lower_bound(partial.begin(), partial.end(), next, [&](int b, const Item& i) { return cell_before(items[plans[b].first], i); });
-      if (at == partial.end() || !same_cell(items[plans[*at].first], next)) continue;
-      const Plan& q = plans[*at];
-      if (gone[*at] || q.more > 0 || p.count + q.count > kLanes || q.count <= p.more) continue;
-      best = *at;
-      p.more = q.count;
-      p.joined = d;
-    }
-    if (best < 0) continue;
-    p.second = plans[best].first;
-    gone[best] = 1;
-  }
+  Joiner joiner(items, plans, partial);
+  for (const int a : partial) joiner.join(a);
   std::size_t kept = 0;
   for (std::size_t b = 0; b < plans.size(); ++b)
-    if (!gone[b]) plans[kept++] = plans[b];
+    if (!joiner.gone(static_cast<int>(b))) plans[kept++] = plans[b];
   plans.resize(kept);
   return plans;
 }
@@ -263,11 +310,11 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return same_cell(a, b) ? a.tag < b.tag : cell_before(a, b); });
 
   const std::vector<Plan> plans = plan_blocks(items, stay && may_join_cells(basis));
-  const auto item_of = [&](const Plan& p, int l) -> const Item& { return items[l < p.count ? p.first + l : p.second + l - p.count]; };
+  const auto item_of = [&](const Plan& p, int l) -> const Item& { return items[p.item(l)]; };
   std::vector<Family> families;
   for (const Plan& p : plans) {
     families.emplace_back();
-    for (int l = 0; l < p.count + p.more; ++l) {
+    for (int l = 0; l < p.total(); ++l) {
       families.back().part[l] = item_of(p, l).to_part;
       std::copy(item_of(p, l).base, item_of(p, l).base + 3, families.back().cell[l].begin());
     }
@@ -285,7 +332,7 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
     const Plan& p = plans[home];
     next.add_block(items[p.first].body, part, families[home], cell, basis);
     if (!motion.empty()) next.let_move();
-    for (int l = 0; l < p.count + p.more; ++l) {
+    for (int l = 0; l < p.total(); ++l) {
       const Item& item = item_of(p, l);
       if (item.to_part != part) continue;
       next.add_record(kLanes * static_cast<int>(n) + l, record(item.slot), item.tag);

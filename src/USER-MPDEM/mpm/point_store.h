@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -49,13 +50,13 @@ struct PointMotion {
 struct BlockMeta {
   int body = 0, part = 0;
   int base[3] = {0, 0, 0};       // cell, see basis.h
-  int joined = kOneCell;         // direction in which the block has a second cell, see arrange()
+  int joined = kOneCell;         // cells in a row, see basis.h and arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
   std::uint8_t holds[2] = {0, 0};  // to which grains, when the bond was last looked at since it came apart, see fracture/separation.h; both before
   std::uint8_t linked = 0;  // had a link to a grain when it was made
-  std::uint8_t second = 0;  // is in the second cell
+  std::uint8_t second = 0, third = 0;  // is in that cell of the row
   bool damaged = false;     // some lane has a state of the law that is not 0
 };
 
@@ -77,13 +78,24 @@ inline std::uint8_t bits(vmask m) {
   return static_cast<std::uint8_t>(r);
 }
 
-// Calls f with the weights of a block of points; compiled for blocks of one cell and for each direction of two.
+// Nodes of a block along d, whose basis has so many in one cell.
+inline int nodes_along(const BlockMeta& m, int d, int support) { return support + reach_along(m.joined, d); }
+// Cell of a lane.
+inline int cell_of(const BlockMeta& m, int lane, int d) {
+  return m.base[d] + (reach_along(m.joined, d) == 0 ? 0 : (m.second >> lane & 1) + 2 * (m.third >> lane & 1));
+}
+
+// Calls f with the weights of a block of points; compiled for blocks of one cell and for rows of two and three in each direction.
 template <class Type, class F>
 decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (kMayJoinCells<Type>) {
-    if (m.joined == 0) return f(Weights<Type, 0>(p.X, m.base, lanes(m.second), inverse_h));
-    if (m.joined == 1) return f(Weights<Type, 1>(p.X, m.base, lanes(m.second), inverse_h));
-    if (m.joined == 2) return f(Weights<Type, 2>(p.X, m.base, lanes(m.second), inverse_h));
+    const auto of_row = [&](auto joined) { return f(Weights<Type, decltype(joined)::value>(p.X, m.base, lanes(m.second), lanes(m.third), inverse_h)); };
+    if (m.joined == 0) return of_row(std::integral_constant<int, 0>());
+    if (m.joined == 1) return of_row(std::integral_constant<int, 1>());
+    if (m.joined == 2) return of_row(std::integral_constant<int, 2>());
+    if (m.joined == 3) return of_row(std::integral_constant<int, 3>());
+    if (m.joined == 4) return of_row(std::integral_constant<int, 4>());
+    if (m.joined == 5) return of_row(std::integral_constant<int, 5>());
   }
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
@@ -115,8 +127,8 @@ class PointStore {
   // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
   // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
   // new_part: of the points of these slots, ascending, that go to another part.
-  // stay: points do not change cells. What is left of two cells next to each other, and fits in a block, shares one then. Such a block
-  // has a third more nodes, but it is one for two. And the parts change neither blocks nor lanes: a block whose points are of several
+  // stay: points do not change cells. What is left of two or three cells in a row, and fits in a block, shares one then. Such a block
+  // has a third or two thirds more nodes, but it is one for two or three. And the parts change neither blocks nor lanes: a block whose points are of several
   // parts is a family. Its home has the points of the first part. Each other part has a copy, with each point in the lane that is its
   // own at home. Blocks of a family have only the cells in which their points are. Copies stand behind all homes, in the order home, part.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool stay = false);

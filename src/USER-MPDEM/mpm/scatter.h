@@ -48,14 +48,16 @@ inline void add_lanes(double* p, const vd& s, int first = 0) {
 template <class W>
 class ColumnSums {
  public:
-  static constexpr int kValues = 3 * W::kK, kPadded = kValues < 8 ? 8 : kValues;
+  static constexpr int kValues = 3 * W::kK, kPadded = kValues < 8 ? 8 : kValues > 12 ? 16 : kValues;
 
   ColumnSums(double* nodal, const int* column) : nodal_(nodal), column_(column) {}
 
   // `values` holds kPadded vectors, of which those beyond kValues are zero.
   void add(int c, const vd* values) {
     add_lanes<kFirst>(place(c), sum_lanes_of_8(values));
-    if constexpr (kOver > 0) {
+    if constexpr (kFull) {
+      add_lanes<kOver>(place(c) + 8, sum_lanes_of_8(values + 8));
+    } else if constexpr (kOver > 0) {
       const int at = c * kOver % 8;
       for (int l = 0; l < kOver; ++l) rest_[at + l] = values[8 + l];
       if (at + kOver == 8) add_rest(c, 8 / kOver);
@@ -63,7 +65,7 @@ class ColumnSums {
   }
 
   void finish() {
-    constexpr int kColumns = W::kI * W::kJ, kLeft = kColumns * kOver % 8;
+    constexpr int kColumns = W::kI * W::kJ, kLeft = kFull ? 0 : kColumns * kOver % 8;
     if constexpr (kLeft == 1) {
       place(kColumns - 1)[8] += sum_lanes(rest_[0]);
     } else if constexpr (kLeft > 0) {
@@ -74,7 +76,8 @@ class ColumnSums {
 
  private:
   static constexpr int kFirst = kValues < 8 ? kValues : 8, kOver = kValues - kFirst;
-  static_assert(kOver == 0 || 8 % kOver == 0, "columns fill the rest without a gap");
+  static constexpr bool kFull = kOver > 4;  // the rest of a column is nearly eight by itself
+  static_assert(kFull || kOver == 0 || 8 % kOver == 0, "columns fill the rest without a gap");
   // Of so many columns, of which c is the last.
   void add_rest(int c, int columns) {
     const vd s = sum_lanes_of_8(rest_);

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A list of integers that are not negative, such as places of nodes. It takes two bytes for each while all of them fit into these,
+// as they do in small bonds, and four bytes from the first one on that does not.
+#ifndef MPDEM_SHORT_LIST_H
+#define MPDEM_SHORT_LIST_H
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace mpdem {
+
+class ShortList {
+ public:
+  std::size_t size() const { return wide_.empty() ? narrow_.size() : wide_.size(); }
+  bool empty() const { return size() == 0; }
+  int operator[](std::size_t i) const { return wide_.empty() ? narrow_[i] : wide_[i]; }
+  void push_back(int v) {
+    if (wide_.empty() && fits(v)) narrow_.push_back(static_cast<Narrow>(v));
+    else wide_list().push_back(v);
+  }
+  void set(std::size_t i, int v) {
+    if (wide_.empty() && fits(v)) narrow_[i] = static_cast<Narrow>(v);
+    else wide_list()[i] = v;
+  }
+  void resize(std::size_t size) {
+    if (wide_.empty()) narrow_.resize(size);
+    else wide_.resize(size);
+  }
+  // Calls f with a pointer to the integers of whichever width.
+  template <class F>
+  decltype(auto) with(F f) const {
+    if (wide_.empty()) return f(narrow_.data());
+    return f(wide_.data());
+  }
+  void shrink_to_fit() {
+    narrow_.shrink_to_fit();
+    wide_.shrink_to_fit();
+  }
+  std::size_t memory_usage() const { return narrow_.capacity() * sizeof(Narrow) + wide_.capacity() * sizeof(int); }
+
+ private:
+  using Narrow = std::uint16_t;
+  static bool fits(int v) { return v <= std::numeric_limits<Narrow>::max(); }
+  std::vector<int>& wide_list() {
+    if (wide_.empty()) {
+      wide_.assign(narrow_.begin(), narrow_.end());
+      narrow_ = {};
+    }
+    return wide_;
+  }
+
+  std::vector<Narrow> narrow_;
+  std::vector<int> wide_;  // instead, if there are any
+};
+
+}  // namespace mpdem
+
+#endif
