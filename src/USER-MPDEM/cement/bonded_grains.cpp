@@ -155,7 +155,8 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double 
     for (int d = 0; d < 6; ++d) load_[n][d] = loads * (grains[n].force[d] + grains[n].state->late[d]);
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
-    if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.side});
+    if (!b.added.empty() && !(summed_ && !b.cut_by_ranks())) of_bonds.push_back({&b.added, &b.grid, b.side});
+  summed_ = false;
   accelerations_.find(comm, of_bonds, grains, load_, sides, fresh_, condensed);
   fresh_ = false;
 }

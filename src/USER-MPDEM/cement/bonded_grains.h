@@ -76,6 +76,14 @@ class BondedGrains {
 
   // Collective. Accelerations of free grains, with so many times the load of the host so far and what came late in the last step.
   void find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, CondensedPack* condensed = nullptr);
+  // Before it, of bonds that ranks do not cut, when their forces are complete: what they add to it, while their memory is at hand.
+  void begin_sums() {
+    accelerations_.begin(sides);
+    summed_ = true;
+  }
+  void sum_up(const Bond& b) {
+    if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.side}, sides);
+  }
   void added_mass_changed() { fresh_ = true; }
 
   // Jumps in a step, before nodes drift.
@@ -127,6 +135,7 @@ class BondedGrains {
 
   std::vector<OwnedSide> owned_;
   GrainAccelerations accelerations_, impulses_;
+  bool summed_ = false;  // bonds that ranks do not cut
   std::vector<GrainAccelerations::Vector6> load_;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // of velocity

@@ -180,26 +180,50 @@ void Cement::sum_shared(std::vector<double> Grid::*values, int width) {
   shared_nodes_.sum(of_bonds, width);
 }
 
+// Of a bond whose nodes have the forces of points and links, on whatever rank: the others.
+void Cement::complete_forces(Bond& b, double kick) {
+  if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
+  const double* g = now_.gravity;
+  if (g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0) {
+    const std::array<double, 3> along = gravity_of(b);
+    for (int i = 0; i < b.grid.size(); ++i)
+      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * along[d];
+  }
+  host_.add_node_forces(b);
+  if (faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, now_.dt);
+}
+
+// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over them takes time to
+// bring them there.
+void Cement::begin_completing() {
+  completes_early_ = true;
+  if ((any_added_mass_ || condensed_.any()) && grains_.any_free() && options_.mass_order == 1) grains_.begin_sums();
+}
+
+// After the forces of its links.
+void Cement::complete_early(Bond& b) {
+  if (!completes_early_ || b.cut_by_ranks()) return;
+  complete_forces(b, now_.dt);
+  grains_.sum_up(b);
+}
+
 // Forces of nodes from those of points and links, and the accelerations.
 void Cement::complete_forces() {
   timer_.start(StepTimer::kHalo);
   sum_shared(&Grid::force, 3);
   timer_.start(StepTimer::kNodes);
-  const double* g = now_.gravity;
-  const bool weighs = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0;
-  for (Bond& b : bonds_.awake()) {
-    if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
-    const std::array<double, 3> along = gravity_of(b);
-    for (int i = 0; i < b.grid.size() && weighs; ++i)
-      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / options_.mass_scale * along[d];
-    host_.add_node_forces(b);
-    if (faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), 0.5 * (dt_last_ + now_.dt), now_.dt);
-  }
+  for (Bond& b : bonds_.awake())
+    if (!completes_early_ || b.cut_by_ranks()) complete_forces(b, 0.5 * (dt_last_ + now_.dt));
+  completes_early_ = false;
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (now_.substeps > 1 && ends_step()) share_impulses();
   if (condensed_.any()) condensed_.pack()->find_inertial_loads();
-  for (Bond& b : bonds_.awake()) {
+  const auto range = bonds_.awake();
+  for (auto at = range.begin(); at != range.end();) {
+    Bond& b = *at;
+    ++at;
+    if (at != range.end()) (*at).prefetch_nodes();
     b.added.carry(b.grid, grains_.side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
   }

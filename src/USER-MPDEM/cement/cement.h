@@ -247,6 +247,9 @@ class Cement {
   void refresh_for_places(const std::vector<int>& moved);
   void add_link_forces(Bond& b);
   void sum_shared(std::vector<double> Grid::*values, int width);
+  void begin_completing();
+  void complete_early(Bond& b);
+  void complete_forces(Bond& b, double kick);
   void complete_forces();
   void find_grain_accelerations();
   void add_inertial_forces();
@@ -284,6 +287,7 @@ class Cement {
   double inertia_ = 0.0, dt_last_ = 0.0;  // step that the stored velocities lie half of behind
   double eigenvalue_ = 0.0;               // found for the present layout, 0: not yet
   int bodies_started_ = 0;                // the first of the table; the others are new and where they were made
+  bool completes_early_ = false;  // forces of bonds that ranks do not cut are complete when those of their links are
   bool built_ = false, restored_ = false, any_added_mass_ = false;
   bool any_bond_is_cut_ = false;  // of any rank
 };

@@ -26,7 +26,12 @@ class Total : public Kinematics {
     c.grains_.clear_sudden_forces();
     c.grains_.sides.clear_forces();
     if (c.any_added_mass_) c.grains_.expect_sudden_forces();
-    for (Bond& b : c.bonds_.awake()) {
+    if (!may_be_distorted) c.begin_completing();
+    const auto range = c.bonds_.awake();
+    for (auto at = range.begin(); at != range.end();) {
+      Bond& b = *at;
+      ++at;
+      if (at != range.end()) (*at).prefetch_step();
       c.timer_.start(StepTimer::kNodes);
       b.jump.clear();
       if (transfer) reproject(b);
@@ -39,7 +44,9 @@ class Total : public Kinematics {
       c.take_failed(b);
       c.let_go(b);
       if (transfer) b.added.add_reaction(b.grid, b.jump, 1.0 / dt, c.grains_.side_of(b));
-      if (!may_be_distorted) c.add_link_forces(b);
+      if (may_be_distorted) continue;
+      c.add_link_forces(b);
+      c.complete_early(b);
     }
     c.dt_last_ = dt;
     if (!may_be_distorted) return;

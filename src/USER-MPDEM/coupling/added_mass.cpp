@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eight_shares.h"
+
 namespace mpdem {
 
 // The node's added mass belongs to its links by their share of its stiffness.
@@ -22,16 +24,16 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* sid
     mass_[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
     if (mass_[i] == 0.0) continue;
     const double unit = mass_[i] / (k[0] + k[1]);
-    Share a{i, {unit * k[0], unit * k[1]}, {}};
-    for (int d = 0; d < 3; ++d) a.X[d] = grid.keys[i][1 + d] * grid.h;
-    shares_.push_back(a);
+    shares_.push_back({i, {unit * k[0], unit * k[1]}});
   }
+  shares_.shrink_to_fit();
 }
 
 namespace {
 
 // Velocity or acceleration at r from the centre of a grain.
-void rigid_at(const double* linear, const double* angular, const double* r, double* at) {
+template <class T>
+void rigid_at(const double* linear, const double* angular, const T* r, T* at) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
     at[d] = linear[d] + angular[e] * r[g] - angular[g] * r[e];
@@ -78,24 +80,33 @@ void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
 }
 
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
-  const std::vector<char>& counts = grid.halo.counts_here();
-  for (const Share& a : shares_) {
-    double r[2][3] = {}, of_grain[2][3] = {}, *f = &grid.force[3 * a.node];
+  vd force[2][3] = {}, torque[2][3] = {};
+  for (std::size_t first = 0; first < shares_.size(); first += kLanes) {
+    const EightShares e(shares_, first, grid, mass_);
+    vd r[2][3], of_grain[2][3], f[3];
+    e.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
-      if (a.mass[n] == 0.0) continue;  // most nodes have links to one side alone
-      a.lever_arm(grid, side[n], r[n]);
-      acceleration_at(side[n], r[n], of_grain[n]);
-      for (int d = 0; d < 3; ++d) f[d] += a.mass[n] * of_grain[n][d];
+      e.lever_arm(side[n], r[n]);
+      rigid_at(side[n].a, side[n].alpha, r[n], of_grain[n]);
+      for (int d = 0; d < 3; ++d) f[d] += e.mass[n] * of_grain[n][d];
     }
-    if (!counts[a.node]) continue;
-    const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
+    e.put(f, grid.force.data());
+    const vd inverse = e.counted / e.inertia;
     for (int n = 0; n < 2; ++n) {
-      if (a.mass[n] == 0.0) continue;
-      double relative[3];
-      for (int d = 0; d < 3; ++d) relative[d] = inverse * f[d] - of_grain[n][d];
-      add_to_grain(r[n], relative, a.mass[n], side[n]);
+      vd relative[3];
+      for (int d = 0; d < 3; ++d) relative[d] = e.mass[n] * (inverse * f[d] - e.counted * of_grain[n][d]);
+      for (int d = 0; d < 3; ++d) {
+        const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
+        force[n][d] += relative[d];
+        torque[n][d] += r[n][e1] * relative[e2] - r[n][e2] * relative[e1];
+      }
     }
   }
+  for (int n = 0; n < 2; ++n)
+    for (int d = 0; d < 3; ++d) {
+      side[n].force[d] += sum_lanes(force[n][d]);
+      side[n].torque[d] += sum_lanes(torque[n][d]);
+    }
 }
 
 void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const {

@@ -46,11 +46,9 @@ class AddedMass {
   struct Share {
     int node;
     double mass[2];  // of the links to either side
-    double X[3];     // of the node, reference
-    double sum() const { return mass[0] + mass[1]; }
     // Vector from the centre of a grain to the node.
     void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
-      for (int d = 0; d < 3; ++d) r[d] = X[d] + grid.displacement[3 * node + d] - s.x[d];
+      for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
     }
   };
   const std::vector<Share>& shares() const { return shares_; }

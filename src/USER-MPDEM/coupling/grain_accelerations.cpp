@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../numerics/cross_matrix.h"
+#include "eight_shares.h"
 
 namespace mpdem {
 
@@ -29,6 +30,10 @@ Matrix3 second(const std::array<double, MassMoments::kSize>& m) {
   return T;
 }
 
+void add_first(vd v, int count, double* to) {
+  for (int l = 0; l < count; ++l) to[l] += v[l];
+}
+
 // From the axes of a side to those of the box.
 Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
@@ -38,11 +43,13 @@ Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
 
 }  // namespace
 
-void MassMoments::add(double mass, const double* r, double* m) {
-  const double x = mass * r[0], y = mass * r[1], z = mass * r[2];
-  const double add[kSize] = {mass, x, y, z, x * r[0], y * r[1], z * r[2], y * r[2], x * r[2], x * r[1]};
+template <class T>
+void MassMoments::add(T mass, const T* r, T* m) {
+  const T x = mass * r[0], y = mass * r[1], z = mass * r[2];
+  const T add[kSize] = {mass, x, y, z, x * r[0], y * r[1], z * r[2], y * r[2], x * r[2], x * r[1]};
   for (int i = 0; i < kSize; ++i) m[i] += add[i];
 }
+template void MassMoments::add(double mass, const double* r, double* m);
 
 Eigen::Matrix<double, 6, 6> MassMoments::matrix() const {
   const double none[3] = {0, 0, 0};
@@ -59,39 +66,31 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
   return B;
 }
 
-// Of the nodes that count on this rank.
-void GrainAccelerations::add_up(const std::vector<OfBond>& bonds, GrainSides& sides) {
-  sum_.assign(kWidth * sides.sides.size(), 0.0);
-  for (std::size_t i = 0; i < sides.sides.size(); ++i) {
-    const GrainSide& s = sides.sides[i];
-    for (int d = 0; d < 3; ++d) {
-      sum_[kWidth * i + d] = s.force[d] + s.jump_force[d] + s.transfer_force[d];
-      sum_[kWidth * i + 3 + d] = s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
-    }
-  }
-  for (const OfBond& bond : bonds) {
-    const Grid& grid = *bond.grid;
-    const std::vector<char>& counts = grid.halo.counts_here();
-    for (const AddedMass::Share& a : bond.added->shares()) {
-      if (!counts[a.node]) continue;
-      const double N = grid.mass[a.node] + bond.added->of_nodes()[a.node], *f = &grid.force[3 * a.node];
-      for (int s = 0; s < 2; ++s) {
-        const double c = a.mass[s], share = c / N;
-        if (c == 0.0) continue;
-        double r[3];
-        a.lever_arm(grid, sides.sides[bond.side + s], r);
-        double* to = &sum_[kWidth * (bond.side + s)];
-        for (int d = 0; d < 3; ++d) {
-          const int e = (d + 1) % 3, g = (d + 2) % 3;
-          to[d] += share * f[d];
-          to[3 + d] += share * (r[e] * f[g] - r[g] * f[e]);
-        }
-        MassMoments::add(c * (1.0 - share), r, to + 6);
-        if (a.mass[1 - s] != 0.0) MassMoments::add(share * a.mass[1 - s], r, to + 6 + MassMoments::kSize);
+// Of the nodes that count on this rank. Eight nodes side by side, so their lanes are added up last.
+void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
+  const Grid& grid = *bond.grid;
+  const std::vector<AddedMass::Share>& shares = bond.added->shares();
+  vd of_side[2][kPadded] = {};
+  for (std::size_t first = 0; first < shares.size(); first += kLanes) {
+    const EightShares e(shares, first, grid, bond.added->of_nodes());
+    vd f[3];
+    e.take(grid.force.data(), f);
+    for (int s = 0; s < 2; ++s) {
+      const vd c = e.counted * e.mass[s], share = c / e.inertia;
+      vd r[3], *to = of_side[s];
+      e.lever_arm(sides.sides[bond.side + s], r);
+      for (int d = 0; d < 3; ++d) {
+        const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
+        to[d] += share * f[d];
+        to[3 + d] += share * (r[e1] * f[e2] - r[e2] * f[e1]);
       }
+      MassMoments::add(c * (1.0 - share), r, to + 6);
+      MassMoments::add(share * e.mass[1 - s], r, to + 6 + MassMoments::kSize);
     }
   }
-  sides.sum(sum_.data(), kWidth);
+  for (int s = 0; s < 2; ++s)
+    for (int i = 0; i < kPadded; i += kLanes)
+      add_first(sum_lanes_of_8(of_side[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.side + s) + i]);
 }
 
 // Returns a bound of the spectral radius.
@@ -192,7 +191,17 @@ void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides
 
 void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
                               GrainSides& sides, bool fresh, CondensedPack* condensed) {
-  add_up(bonds, sides);
+  if (!begun_) begin(sides);
+  for (const OfBond& b : bonds) add(b, sides);
+  begun_ = false;
+  for (std::size_t i = 0; i < sides.sides.size(); ++i) {
+    const GrainSide& s = sides.sides[i];
+    for (int d = 0; d < 3; ++d) {
+      sum_[kWidth * i + d] += s.force[d] + s.jump_force[d] + s.transfer_force[d];
+      sum_[kWidth * i + 3 + d] += s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
+    }
+  }
+  sides.sum(sum_.data(), kWidth);
   solve(comm, grains, load, sides, fresh, condensed, true);
 }
 

@@ -44,7 +44,9 @@ struct MassMoments {
   static constexpr int kSize = 10;
   std::array<double, kSize> m{};  // sum, x, y, z, xx, yy, zz, yz, xz, xy
 
-  static void add(double mass, const double* r, double* m);
+  // Of double, or of eight side by side.
+  template <class T>
+  static void add(T mass, const T* r, T* m);
   Eigen::Matrix<double, 6, 6> matrix() const;  // sum of P^T P
   // Sum of P^T Q. Q is P of another centre, from which places are farther by the vector e.
   Eigen::Matrix<double, 6, 6> coupling(const double* e) const;
@@ -67,6 +69,14 @@ class GrainAccelerations {
     int side;  // place of its first side
   };
 
+  // Bonds may be added up one by one before find(), each when the forces on its nodes are complete and its memory is at hand. find() is given
+  // the others then.
+  void begin(const GrainSides& sides) {
+    sum_.assign(kWidth * sides.sides.size(), 0.0);
+    begun_ = true;
+  }
+  void add(const OfBond& bond, const GrainSides& sides);
+
   // Collective. Writes accelerations to the grains, where those that are given stay, and into a and alpha of the sides. Forces on nodes must be
   // complete, and forces of links be with the sides of this rank. load: that on each grain, without that of the links and of
   // condensed bonds. fresh: the added mass or what is condensed changed since the last call.
@@ -82,7 +92,7 @@ class GrainAccelerations {
 
  private:
   // Ranks add these numbers of a side up: force and moment, moments of c (1 - c/N), and of c0 c1/N.
-  static constexpr int kWidth = 6 + 2 * MassMoments::kSize;
+  static constexpr int kWidth = 6 + 2 * MassMoments::kSize, kPadded = (kWidth + kLanes - 1) / kLanes * kLanes;
   // Eight grains side by side.
   struct Unknowns {
     vd D[kSym6], inverse[kSym6];  // the matrix of what is free
@@ -97,9 +107,9 @@ class GrainAccelerations {
   double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh, const CondensedPack* condensed,
                 bool loads_of_condensed);
   void sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed);
-  void add_up(const std::vector<OfBond>& bonds, GrainSides& sides);
 
   std::vector<double> sum_;
+  bool begun_ = false;
   std::vector<Unknowns> unknowns_;
   std::vector<Coupling> couplings_;
   std::vector<double> of_grains_, from_others_;  // six numbers each
