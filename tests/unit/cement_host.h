@@ -6,6 +6,7 @@
 #ifndef MPDEM_TESTS_CEMENT_HOST_H
 #define MPDEM_TESTS_CEMENT_HOST_H
 
+#include <cstring>
 #include <functional>
 #include <map>
 #include <memory>
@@ -459,6 +460,36 @@ class RowOfGrains : public CementHost {
   std::map<int, GrainState> states_;
   std::vector<Grain> own_;  // until the engine has them
 };
+
+// Two results of content().
+inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  int different = 0, first = 0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {
+    ASSERT_EQ(i->first, j->first);
+    const bool same = i->second.size() == j->second.size() &&
+                      std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) == 0;
+    if (!same && different++ == 0) first = i->first;
+  }
+  EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
+}
+
+// `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt, fail the same points and end
+// the same to the bit. `then(again)` compares further.
+template <class Then>
+void expect_restart_to_the_bit(RowOfGrains& whole, const Row& row, int at, int steps, double dt, Then then) {
+  whole.run(at - whole.number);
+  RowOfGrains again(MPI_COMM_WORLD, row, whole.save(), whole.bonds.table);
+  whole.dt = again.dt = dt;
+  again.setup();
+  whole.setup();
+  whole.failed.clear();
+  whole.run(steps);
+  again.run(steps);
+  EXPECT_EQ(again.all_failed(), whole.all_failed());
+  expect_same_bits(whole.content(), again.content());
+  then(again);
+}
 
 }  // namespace mpdem::test
 

@@ -35,18 +35,6 @@ class Kinematic : public ::testing::TestWithParam<Method> {
   }
 };
 
-void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  int different = 0, first = 0;
-  for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {
-    ASSERT_EQ(i->first, j->first);
-    const bool same = i->second.size() == j->second.size() &&
-                      std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) == 0;
-    if (!same && different++ == 0) first = i->first;
-  }
-  EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
-}
-
 // Springs side by side, with those of the links in series: E/(t + 2 E/k) on each ring of area, t = gap + r^2/R.
 double stiffness() {
   const double t = test::kGap + 2.0 * test::kYoung / test::kPenalty;
@@ -120,24 +108,16 @@ TEST_P(Kinematic, RestartsToTheBit) {
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
   for (int at : {300, 560}) {
-    whole.run(at - whole.number);
-    const RowOfGrains::Saved saved = whole.save();
-    RowOfGrains again(MPI_COMM_WORLD, r, saved, whole.bonds.table);
     // with a shorter step from here on: the velocities that were kept lie half of the old one behind
-    whole.dt = again.dt = at == 300 ? 0.8 * test::kStep : 0.7 * test::kStep;
-    again.setup();
-    whole.setup();
-    whole.failed.clear();
-    whole.run(100);
-    again.run(100);
-    EXPECT_EQ(again.all_failed(), whole.all_failed());
-    EXPECT_EQ(again.cement->bodies_started(), 2);
-    expect_same_bits(whole.content(), again.content());
-    const CementTotals a = whole.cement->totals(0.1), b = again.cement->totals(0.1);
-    for (double CementTotals::*sum : {&CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
-      EXPECT_NEAR(a.*sum, b.*sum, 1e-12 * a.external_work);
-    EXPECT_EQ(a.separated, b.separated);
-    for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->bond_states()[bond].tension, again.cement->bond_states()[bond].tension);
+    const double dt = (at == 300 ? 0.8 : 0.7) * test::kStep;
+    test::expect_restart_to_the_bit(whole, r, at, 100, dt, [&](RowOfGrains& again) {
+      EXPECT_EQ(again.cement->bodies_started(), 2);
+      const CementTotals a = whole.cement->totals(0.1), b = again.cement->totals(0.1);
+      for (double CementTotals::*sum : {&CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
+        EXPECT_NEAR(a.*sum, b.*sum, 1e-12 * a.external_work);
+      EXPECT_EQ(a.separated, b.separated);
+      for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->bond_states()[bond].tension, again.cement->bond_states()[bond].tension);
+    });
   }
   EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
 }
@@ -161,11 +141,11 @@ TEST_P(Kinematic, HandsABondOver) {
     stays.run(steps);
     goes.run(steps);
     EXPECT_EQ(goes.bonds.find(row) != nullptr, test::rank() == to);
-    expect_same_bits(stays.content(), goes.content());
+    test::expect_same_bits(stays.content(), goes.content());
   }
   stays.run(50);
   goes.run(50);
-  expect_same_bits(stays.content(), goes.content());
+  test::expect_same_bits(stays.content(), goes.content());
   EXPECT_EQ(stays.all_failed(), goes.all_failed());
   EXPECT_EQ(stays.separated, goes.separated);
   EXPECT_GT(stays.all_failed().size(), 50u);

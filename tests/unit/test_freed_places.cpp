@@ -206,31 +206,14 @@ TEST_P(Broken, CarriesCompressionAgain) {
   EXPECT_EQ(host.separated, alone.separated);
 }
 
-void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  int different = 0;
-  for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j)
-    different += i->first != j->first || i->second.size() != j->second.size() ||
-                 std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) != 0;
-  EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains";
-}
-
 TEST_P(Broken, RestartsToTheBit) {
   const Row r = broken_and_closed(0.3, GetParam());
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
   for (int at : {502, 1303, 1804}) {  // as points fail, closing, sliding; between looks for places that go on
-    whole.run(at - whole.number);
-    const RowOfGrains::Saved saved = whole.save();
-    RowOfGrains again(MPI_COMM_WORLD, r, saved, whole.bonds.table);
-    again.setup();
-    whole.setup();
-    whole.failed.clear();
-    whole.run(100);
-    again.run(100);
-    EXPECT_EQ(again.all_failed(), whole.all_failed());
-    expect_same_bits(whole.content(), again.content());
-    EXPECT_NEAR(whole.cement->totals(0.1).rubbed, again.cement->totals(0.1).rubbed, 1e-12 * whole.cement->totals(0.1).external_work);
+    test::expect_restart_to_the_bit(whole, r, at, 100, whole.dt, [&](RowOfGrains& again) {
+      EXPECT_NEAR(whole.cement->totals(0.1).rubbed, again.cement->totals(0.1).rubbed, 1e-12 * whole.cement->totals(0.1).external_work);
+    });
   }
   EXPECT_GT(whole.cement->totals(0.1).rubbed, 0.0);
 }
@@ -330,7 +313,7 @@ TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
   host.setup();
   host.run(30);
   again.run(30);
-  expect_same_bits(host.content(), again.content());
+  test::expect_same_bits(host.content(), again.content());
   int touching = 0;
   for (const Bond& bond : again.bonds) touching += bond.faces.touching();
   EXPECT_GT(touching, 100);
