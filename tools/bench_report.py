@@ -33,7 +33,7 @@ ERRORS = {"bar": "vibrating bar: error of the displacement (–)",
           "vortex": "vortex: error of the displacement (–)", "published-vortex": "published vortex: error of the displacement (–)",
           "stiffness": "ring between beads: error of the stiffness (–)", "peak": "peak force: distance from the finest default (–)"}
 PROBLEMS = ("bar", "thick-bar", "cube", "vortex", "published-vortex")
-QUICK = ["law", "skip", "packing", "fail", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
+QUICK = ["law", "skip", "packing", "condensed", "fail", "machine", "scalar", "step/total/quadratic/none", "step/updated/quadratic/apic", "size/10648",
          f"bar/{DEFAULT}", "bar/total/linear/none", "bar/total/quadratic/order2", f"cube/{DEFAULT}", f"vortex/{DEFAULT}", "vortex/updated/quadratic/apic"]
 
 
@@ -206,6 +206,9 @@ def report(result):
     for r in result["separations"]:
         if r["seconds"] is not None:
             lines.append(f"\na bond of {r['bonds']} comes apart: {1e3 * r['seconds']:.2f} ms of CPU above a step, median of {r['separations']}")
+    for r in result["condensed"]:
+        lines.append(f"\n{r['bonds']} condensed bonds, points {r['condensed']} ({r['points']}): {r['bytes/bond']:.0f} B/bond made and run, {r['bytes/bond, read']:.0f} read, "
+                     f"{r['file bytes/bond']:.0f} in the file; s of CPU: made {r['made']:.2f}, {r['steps']} steps {r['run']:.2f}, written {r['written']:.2f}, read {r['read']:.2f}")
     for r in result["skips"]:
         lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
@@ -236,6 +239,7 @@ def main():
             sys.exit(f"bench_report.py: {program} is missing; configure with -DMPDEM_BENCH=ON and build, or run `make bench`")
     os.environ.setdefault("MPDEM_EXE", str(args.build / "liggghts-mpdem"))
     import bonds
+    import condensed
     import failures
     import packings
     import separations
@@ -243,7 +247,7 @@ def main():
     names = {"rates": output(step, "--benchmark_list_tests").split(), "accuracy": output(precise, "--list").split(),
              "law": output(damage, "--list").split(),
              "bonds": bonds.NAMES, "skips": skips.NAMES, "packings": packings.NAMES, "failures": failures.NAMES,
-             "separations": separations.NAMES}
+             "separations": separations.NAMES, "condensed": condensed.NAMES}
     every = [n for group in names.values() for n in group]
     wanted = args.names or (QUICK if args.quick else sorted({n.split("/")[0] for n in every}))
     picked = set(chosen(every, wanted))
@@ -254,7 +258,7 @@ def main():
     out = args.out or args.build / "bench" / "results"
     out.mkdir(parents=True, exist_ok=True)
     result = {"load": os.getloadavg()[0], "quick": args.quick, "rates": [], "accuracy": [], "law": [], "skips": [], "packings": [], "failures": [],
-              "separations": []}
+              "separations": [], "condensed": []}
     if names["rates"]:
         tell(f"{len(names['rates'])} rates ...")
         result["rates"] = rates(step, names["rates"], args.quick)
@@ -276,6 +280,8 @@ def main():
         result["failures"] = failures.measure(names["failures"], runs, args.quick, tell)
     if names["separations"]:
         result["separations"] = separations.measure(names["separations"], runs, args.quick, tell)
+    if names["condensed"]:
+        result["condensed"] = condensed.measure(names["condensed"], runs, args.quick, tell)
     if names["skips"]:
         result["skips"] = skips.measure(names["skips"], runs, args.quick, tell)
     if result["accuracy"]:

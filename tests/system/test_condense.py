@@ -131,6 +131,8 @@ def test_waking(load, direction, tmp_path, figures):
     energy = t["f_cem[5]"] + t["f_cem[6]"] + t["f_cem[7]"]
     figures.below(f"{load}: jump of the force when it wakes", jump, 1e-3)
     figures.below(f"{load}: jump of the energy when it wakes", abs(energy[at + 1] - 2 * energy[at] + energy[at - 1]) / energy[at], 1e-3)
+    balance = t["f_cem[12]"]  # what the bond has more or less than before is booked as released
+    figures.below(f"{load}: jump of the energy imbalance when it wakes", np.abs(np.diff(balance)[at - 1:at + 2]).max(), 5e-6)
     ringing = force[at + 1:at + 200] - resolved[at + 1:at + 200]
     figures.note(f"{load}: largest difference of the force in the 200 steps after", f"{np.abs(ringing).max() / force[at]:.3g}")
     figures.below(f"{load}: peak against resolved", abs(force.max() / resolved.max() - 1), 5e-3)
@@ -297,6 +299,18 @@ def test_flight(tmp_path, figures):
     figures.below("spinning pair: drift of angular momentum", drift[3:].max(), 1e-7)
     figures.below("spinning pair: mean force of 52 swings against resolved", abs(t["f_bond"].mean() / r["f_bond"].mean() - 1), 3e-3)
     figures.below("spinning pair: mean kinetic energy of the cement against resolved", abs(t["f_cem[5]"].mean() / r["f_cem[5]"].mean() - 1), 1e-3)
+
+
+def test_waking_of_one_that_turned(tmp_path, figures):
+    """After a fifth of a turn: the axes of its material have turned with it, so its force goes on."""
+    words = [cement(4e-4, 1.6e-8, damage=f"damage tensor B0 9.6e3 condense yes wake {wake}", axis="bond") for wake in (1, 1e-9)]
+    text = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", half_box=(0.02, 0.02, 0.02))
+    run(text + words[0] + SPINNING + "run 12000\nwrite_restart r\n", tmp_path)
+    condensed, awake = (run(restarted("r") + w + "fix motion grains nve/sphere\n" + thermo(1, ["f_bond", AWAKE, "f_cem[6]", "f_cem[7]"]) + "run 60\n", tmp_path,
+                            name=f"in.{n}").table() for n, w in enumerate(words))
+    assert (condensed[AWAKE] == 0).all() and awake[AWAKE][0] == 0 and (awake[AWAKE][2:] == 1).all()
+    for name in ("f_bond", "f_cem[6]"):
+        figures.below(f"turned: {name}, awake against condensed", np.abs(awake[name] - condensed[name]).max() / np.abs(condensed[name]).max(), 1e-2)
 
 
 def test_stiffness_of_condensed_bonds(tmp_path):

@@ -121,6 +121,11 @@ class RowScene : public CementMakerHost {
     }
     return points.size() - before;
   }
+  int pattern_of(const std::vector<FillPoint>& points) override {
+    patterns.push_back(points);
+    return static_cast<int>(patterns.size());
+  }
+  std::vector<std::vector<FillPoint>> patterns;
   void say(const std::string& text) override { said += text; }
   void warn(const std::string& text) override { said += "warning: " + text + "\n"; }
 };
@@ -188,6 +193,26 @@ TEST(CementMaker, FillsEqualGeometryOnce) {
   odd.make(odd.found());
   ASSERT_EQ(odd.lists.size(), 3u);
   EXPECT_NE(odd.lists[0].first, odd.lists[1].first);  // which have the first radius, gap, direction and mass in common
+}
+
+// Bonds whose points are made later have those that `now` makes as a pattern, on all ranks, and no IDs.
+TEST(CementMaker, KeepsPatternsForLater) {
+  RowScene now(MPI_COMM_SELF, 6), later(MPI_COMM_WORLD, 6);
+  later.wish.later = true;
+  const CementMaker::Sums made = now.make(now.found()), kept = later.make(later.found());
+  EXPECT_EQ(kept.points, made.points);
+  EXPECT_EQ(kept.mass, made.mass);
+  EXPECT_TRUE(later.all_points().empty());
+  EXPECT_EQ(later.last_tag, 100);
+  ASSERT_EQ(later.patterns.size(), 1u);
+  ASSERT_EQ(later.table.size(), 5u);
+  std::vector<RowScene::Point> points = now.all_points();
+  for (const Body& b : later.table) {
+    EXPECT_EQ(b.pattern, 1);
+    ASSERT_EQ(static_cast<std::size_t>(b.points), later.patterns[0].size());
+  }
+  for (std::size_t n = 0; n < later.patterns[0].size(); ++n)
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(now.table[0].origin[c] + later.patterns[0][n].X[c], points[n].x[c]);
 }
 
 // Two commands in the same place: refused, left out, or allowed where they do not meet.

@@ -52,7 +52,7 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
 
 // What has nodes of its own before a layout.
 NewPartsOfBonds Cement::parts_at_start(Splits& splits, Sheets& sheets) const {
-  if (!options_.split) return sheets.divide(comm_, bonds_, options_);
+  if (!options_.split) return sheets.divide(comm_, bonds_, options_, fresh_points_);
   NewPartsOfBonds parts = splits.start(comm_, bonds_, options_);
   splits.bring(comm_, bonds_);
   return parts;
@@ -144,6 +144,7 @@ void Cement::lay_out_run() {
     refresh_added_mass();
   });
   // New bodies may be cracked.
+  fresh_points_.clear();
   if (cracks_.take_up(bonds_.table.size()) && can_break()) {
     if (options_.split) {
       Splits::Found split = splits_.look(comm_, bonds_, options_);
@@ -154,7 +155,7 @@ void Cement::lay_out_run() {
     for (int row : found.held)
       if (Bond* b = bonds_.find(row)) find_relaxation(*b);
   }
-  condense(all_rows());
+  condense(all_rows(), true);
 }
 
 void Cement::lay_out_exchanged() {
@@ -167,10 +168,18 @@ void Cement::lay_out_exchanged() {
   const std::vector<int> rows = options_.updated ? all_rows() : agreed_rows(mine);
   if (!any && rows.empty()) return;
   if (options_.split) splits_.bring(comm_, bonds_);
-  lay_out(rows, {});
+  lay_out(rows, parts_of_fresh_points());
   bind_grains();
   refresh_added_mass(rows);
-  condense(rows);
+  condense(rows, false);
+}
+
+// Of bonds whose points were made between two steps.
+NewPartsOfBonds Cement::parts_of_fresh_points() {
+  NewPartsOfBonds parts;
+  if (!fresh_points_.empty()) parts = sheets_.divide(comm_, bonds_, options_, fresh_points_);
+  fresh_points_.clear();
+  return parts;
 }
 
 // Where parts came apart. Links have other nodes then, and their added mass another energy.
@@ -241,6 +250,8 @@ void Cement::remember_axis() {
   for (const Bond& b : bonds_)
     for (const BlockMeta& m : b.points.meta)
       if (m.framed != m.occupied) open[b.body] = 1;
+  for (std::size_t b = 0; b < table.size(); ++b)
+    if (table[b].pattern > 0) open[b] = 1;
   MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, comm_);
   for (std::size_t b = 0; b < table.size(); ++b) {
     if (!open[b] || table[b].axis_rule != AxisRule::none) continue;

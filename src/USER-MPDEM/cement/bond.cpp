@@ -44,6 +44,7 @@ const std::vector<int>& Bonds::awake_places() const {
 
 std::size_t Bonds::memory_usage() const {
   std::size_t bytes = table.capacity() * sizeof(Body) + here_.capacity() * sizeof(Bond);
+  for (const PointPattern& p : patterns) bytes += p.memory_usage();
   for (const Bond& b : here_) bytes += b.memory_usage();
   return bytes;
 }

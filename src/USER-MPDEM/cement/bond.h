@@ -21,6 +21,7 @@
 #include "../mpm/consistent_mass.h"
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
+#include "../mpm/point_pattern.h"
 #include "../mpm/point_store.h"
 #include "crack_faces.h"
 #include "resting.h"
@@ -75,6 +76,7 @@ struct Bond {
 class Bonds {
  public:
   std::vector<Body> table;  // of all ranks
+  std::vector<PointPattern> patterns;  // of bonds whose points are not made yet, the same on all ranks
 
   // Those with points or nodes on this rank, ascending.
   std::vector<Bond>::iterator begin() { return here_.begin(); }

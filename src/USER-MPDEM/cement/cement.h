@@ -102,6 +102,17 @@ class Cement {
   // one. Throws BadState if it cannot go on from them.
   void take_up_states();
 
+  // Bonds may be without points (mpm/point_pattern.h) while they are condensed by fields that bonds of their pattern share: where nodes do not split
+  // and frames do not go by axes of the box.
+  bool may_leave_points_out() const { return options_.condense && !options_.split && options_.axis != AxisRule::global; }
+  // The host made the points of these rows of the table; their layout follows.
+  void points_were_made(const std::vector<int>& rows) {
+    fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end());
+    rows_that_want_points_.clear();
+  }
+  // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
+  const std::vector<int>& rows_that_want_points() const { return rows_that_want_points_; }
+
   // Layout. Of all bonds, at the start of a run, or of those whose points or grains went to other ranks.
   void lay_out_run();
   void lay_out_exchanged();
@@ -196,9 +207,15 @@ class Cement {
   void sort_links(Bond& b);
   void lay_out_parts(Cracks::Found found);
   void choose_condensed();
+  NewPartsOfBonds parts_of_fresh_points();
+  std::vector<int> patterns_of_owned_grains() const;
+  std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const std::vector<int>& patterns, const PenaltyParameters* penalty) const;
+  std::vector<CondensedBonds::OfPattern> layouts_at_creation(Bonds& alone, const PenaltyParameters* penalty) const;
+  std::vector<int> ask_for_points(const std::vector<int>& rows);
   void bind_shared_nodes();
   std::array<double, 3> weight_of_cement() const;
-  void condense(const std::vector<int>& rows);
+  void condense(const std::vector<int>& rows, bool at_start);
+  void take_patterns(bool at_start);
   void remember_axis();
   void check_restored(const CementHead& head) const;
   using Patches = std::map<int, std::vector<int>>;  // of rows: blocks
@@ -290,6 +307,7 @@ class Cement {
   bool completes_early_ = false;  // forces of bonds that ranks do not cut are complete when those of their links are
   bool built_ = false, restored_ = false, any_added_mass_ = false;
   bool any_bond_is_cut_ = false;  // of any rank
+  std::vector<int> fresh_points_, rows_that_want_points_;
 };
 
 }  // namespace mpdem

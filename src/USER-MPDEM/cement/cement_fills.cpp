@@ -171,7 +171,7 @@ void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
       }
     }
     seen[fill] = 1;
-    planned += expected;
+    if (!wish_.later) planned += expected;
   }
   // One alone every rank makes for itself: none has another to make meanwhile.
   const bool each = ranks_ == 1 || fresh.size() == 1;
@@ -242,6 +242,10 @@ std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::
   for (std::size_t n = part.from; n < part.to; ++n) {
     const Fill& f = fill_of(n);
     if (f.box.isEmpty()) continue;
+    if (wish_.later) {  // every rank has all patterns
+      need[fill_of_bond_[n]].assign(ranks_, 1);
+      continue;
+    }
     const Box box = box_around(body_of(n), f.box);
     for (const Vector3& shift : shifts) search.meeting(Box(box).translate(shift), [&](int r) { need[fill_of_bond_[n]][r] = 1; });
   }

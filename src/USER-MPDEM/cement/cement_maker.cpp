@@ -100,7 +100,8 @@ void CementMaker::make_part(Part& part) {
   check_other_grains(part, trouble);
   check_numbers(part, trouble);
   trouble.stop(comm_);
-  create(part);
+  if (wish_.later) choose_patterns(part);
+  else create(part);
   if (me_ == 0) report(part);
   for (std::size_t n = 0; n < part.bodies.size(); ++n) {
     if (!part.kept[n]) continue;
@@ -141,6 +142,16 @@ void CementMaker::create(const Part& part) {
     throw BadState(text_of("create_cement: ", expected - created, " of ", expected,
                            " points lie outside the simulation box; use a larger box or move the grains"));
   created_ += static_cast<double>(created);
+}
+
+// Instead of points.
+void CementMaker::choose_patterns(Part& part) {
+  for (std::size_t k = 0; k < part.bodies.size(); ++k) {
+    if (!part.kept[k]) continue;
+    Fill& f = fills_[fill_of_bond_[part.from + k]];
+    if (f.pattern == 0) f.pattern = host_.pattern_of(f.points);
+    part.bodies[k].pattern = f.pattern;
+  }
 }
 
 // Of a bond whose fill is known.

@@ -43,6 +43,8 @@ class CementMakerHost {
   virtual std::vector<FullPoint> full_points(int bodies) = 0;
   // Takes those points that belong to this rank, and returns how many these are. more: will other calls follow?
   virtual std::size_t create_points(const std::vector<NewBond>& bonds, bool more) = 0;
+  // The pattern, counted from 1, of bonds whose points are made later. The same points on all ranks.
+  virtual int pattern_of(const std::vector<FillPoint>& points) = 0;
   // On the first rank alone.
   virtual void say(const std::string& text) = 0;
   virtual void warn(const std::string& text) = 0;
@@ -82,6 +84,7 @@ class CementMaker {
     std::vector<char> sent;           // to each rank, by the one that makes them
     Vector3 corner = Vector3::Zero();  // origin from the middle of the gap
     Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // to the axes of the planned bond; points of a file may have their own
+    int pattern = 0;  // of the host, once it is known
   };
   // Bonds from `from` to `to` that are made together, with their bodies.
   struct Part {
@@ -100,6 +103,7 @@ class CementMaker {
   std::size_t end_of_part(std::size_t from) const;
   void make_part(Part& part);
   void create(const Part& part);
+  void choose_patterns(Part& part);
   Body body_of(std::size_t bond) const;
   const Fill& fill_of(std::size_t bond) const { return fills_[fill_of_bond_[bond]]; }
   void forget_fills();

@@ -202,7 +202,7 @@ void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
     const std::size_t n = part.from + k;
     const Body& body = part.bodies[k];
     if (bodies++ == kMaxBodies) trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", kMaxBodies, " bonds, which is the most"));
-    last += body.points;
+    if (!wish_.later) last += body.points;
     if (last > 2147483647.0)
       trouble.tell(n, numbers, plan_.prefix(n) + text_of(body.points, " points exceed the number of atom IDs; use a larger spacing"));
     const int lost = points_outside(fill_of(n), body);

@@ -33,6 +33,7 @@ struct CementWish {
   double inner = -1.0;          // radius; negative: where the grains are two spacings apart
   double grid[3] = {0, 0, 0};   // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
+  bool later = false;           // points are made when they are needed
 };
 
 struct GrainToBond {

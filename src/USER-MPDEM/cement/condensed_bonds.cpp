@@ -22,6 +22,16 @@ using Vector3 = Eigen::Vector3d;
 // The bound is that of whole material. It only says when points are looked at.
 constexpr double kDriveOfDamaged = 10.0;
 
+BondDescription described(const Bond& b, const Body& body) { return BondDescription(b.points, b.grid, body, SidesAtCreation(body).side); }
+
+// Of what all solutions of a run hang on.
+std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
+  std::size_t hash = 0;
+  for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
+    hash = (hash ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
+  return hash;
+}
+
 }  // namespace
 
 std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law) {
@@ -62,17 +72,16 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
 }
 
 void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia) {
-  std::unordered_multimap<std::size_t, int> known;
+  struct Known {
+    const Bond* bond;
+    const Body* body;
+    std::shared_ptr<const Solution> solution;
+  };
+  std::unordered_multimap<std::size_t, Known> known;
+  for (const auto& p : patterns_) known.emplace(p.second.described, Known{&p.second.of.bond, &p.second.of.body, p.second.solution});
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
   std::string trouble;
-  const auto description = [&](int row) {
-    const Bond& b = *bonds.find(row);
-    return BondDescription(b.points, b.grid, bonds.table[row], SidesAtCreation(bonds.table[row]).side);
-  };
-  std::size_t of_all = 0;
-  for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
-    of_all = (of_all ^ std::hash<double>()(number)) * 0x9e3779b97f4a7c15ull;
-  solved_last_ = 0;
+  const std::size_t of_all = hash_of_run(links, inertia);
   int me;
   MPI_Comm_rank(comm, &me);
   for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -84,21 +93,21 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
       continue;
     }
     cut[n] = b->cut_by_ranks();
-    const BondDescription mine = description(row);
+    const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
     const auto before = described_.find(row);
     solved_already[n] = before != described_.end() && before->second == hash && solutions_.count(row) > 0;
     described_[row] = hash;
     if (cut[n] || solved_already[n]) continue;
     const auto range = known.equal_range(hash);
-    const auto equal = std::find_if(range.first, range.second, [&](const auto& k) { return description(k.second) == mine; });
+    const auto equal = std::find_if(range.first, range.second, [&](const auto& k) { return described(*k.second.bond, *k.second.body) == mine; });
     if (equal != range.second) {
-      solutions_[row] = solutions_[equal->second];
+      solutions_[row] = equal->second.solution;
       continue;
     }
     try {
       solutions_[row] = solved(MPI_COMM_SELF, b, bonds.table[row], law);
-      known.emplace(hash, row);
+      known.emplace(hash, Known{b, &bonds.table[row], solutions_[row]});
       ++solved_last_;
     } catch (const BadState& e) {
       if (trouble.empty()) trouble = e.what();
@@ -119,6 +128,39 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
   }
 }
 
+void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_out, int patterns, bool all_anew, const Law& law,
+                                   const PenaltyParameters& links, double inertia) {
+  solved_last_ = 0;
+  std::map<int, PatternSolution> before;
+  if (all_anew) before.swap(patterns_);
+  const std::size_t of_all = hash_of_run(links, inertia);
+  std::string trouble;
+  for (OfPattern& o : laid_out) {
+    PatternSolution& p = patterns_[o.pattern];
+    p.of = std::move(o);
+    p.described = described(p.of.bond, p.of.body).hash() ^ of_all;
+    const auto was = before.find(p.of.pattern);
+    if (was != before.end() && was->second.described == p.described) {
+      p.solution = was->second.solution;
+      continue;
+    }
+    try {
+      p.solution = solved(MPI_COMM_SELF, &p.of.bond, p.of.body, law);
+      ++solved_last_;
+    } catch (const BadState& e) {
+      if (trouble.empty()) trouble = e.what();
+    }
+  }
+  throw_if_any(comm, trouble);
+  if (patterns == 0) return;
+  int me;
+  MPI_Comm_rank(comm, &me);
+  std::vector<int> first(patterns, std::numeric_limits<int>::max());
+  for (const auto& p : patterns_) first[p.first - 1] = me;
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), patterns, MPI_INT, MPI_MIN, comm);
+  for (auto& p : patterns_) p.second.of.counts = first[p.first - 1] == me;
+}
+
 // The model of a bond goes to all ranks that have a grain of it.
 void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
   int me;
@@ -134,6 +176,13 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
   std::vector<double> numbers;
   members_.clear();
   for (int row = 0; row < static_cast<int>(teller.size()); ++row) {
+    const Body& body = bonds.table[row];
+    if (body.pattern > 0 && body.condensed) {
+      const bool first = owned(body.grain[0]), here = first || owned(body.grain[1]);
+      const auto p = here ? patterns_.find(body.pattern) : patterns_.end();
+      if (p != patterns_.end()) members_.push_back({row, first, p->second.solution});
+      continue;
+    }
     if (teller[row] == std::numeric_limits<int>::max()) continue;
     const auto own = solutions_.find(row);
     if (own != solutions_.end()) {
@@ -235,8 +284,8 @@ CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double hal
   return sum;
 }
 
-double CondensedBonds::energy_of_points(const Bond& b) const {
-  const int part = part_of(b.body);
+double CondensedBonds::energy_of_points(int body) const {
+  const int part = part_of(body);
   CondensedMotion::Vector6 d;
   for (int j = 0; j < 6; ++j) d[j] = pack_.relative(part, j);
   return 0.5 * d.dot(members_[part].solution->energy * d);
@@ -295,8 +344,21 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
   return work;
 }
 
-double CondensedBonds::largest_root(Bond& b, const CementOptions& options, const Law& law) const {
-  show_strain(b);
+std::vector<int> CondensedBonds::rows_told() const {
+  std::vector<int> rows;
+  for (const Member& m : members_)
+    if (m.tells) rows.push_back(m.body);
+  return rows;
+}
+
+std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
+  std::vector<int> rows = rows_told();
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return bonds.table[row].pattern == 0; }), rows.end());
+  return rows;
+}
+
+double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const {
+  show_strain(b, part);
   // averages of points that other ranks have would need sums over these: without them a bond wakes earlier
   const bool averaged = options.skip.nonlocal && !b.cut_by_ranks();
   if (averaged) {
@@ -324,9 +386,10 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
       changed += std::fabs(d[j] - m.looked_at[j]) * m.solution->bound[j];
     }
     if (changed < m.margin) continue;
-    Bond* b = bonds.find(m.body);
+    const int pattern = bonds.table[m.body].pattern;
+    Bond* b = pattern == 0 ? bonds.find(m.body) : m.tells ? &patterns_.at(pattern).of.bond : nullptr;
     if (!b) continue;
-    const double root = largest_root(*b, options, law);
+    const double root = largest_root(*b, static_cast<int>(part), options, law);
     std::copy(d, d + 6, m.looked_at);
     m.margin = margin_of_root(law, bound, root, wakes);
     if (root >= wakes) rows.push_back(m.body);
@@ -336,6 +399,7 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
 
 std::size_t CondensedBonds::memory_usage() const {
   std::size_t bytes = members_.capacity() * sizeof(Member) + pack_.memory_usage();
+  for (const auto& p : patterns_) bytes += p.second.of.bond.memory_usage();
   for (const auto& s : solutions_) bytes += s.second.use_count() > 0 ? s.second->fields.memory_usage() / s.second.use_count() : 0;
   return bytes;
 }

@@ -6,6 +6,9 @@
 // near its threshold. Then it wakes: points, nodes and links take up the static fields with the motion of the grains.
 //
 // Bonds of equal shape in the same axes share one solution. Loads of a bond are told by one rank, the first that has points of it.
+//
+// Bonds whose points are not made yet (mpm/point_pattern.h) share one bond, laid out, on each rank that has grains of them. It is looked at in the place of each
+// of them. One that has to wake asks for its points first. Its loads are told by the rank that has its first grain.
 #ifndef MPDEM_CONDENSED_BONDS_H
 #define MPDEM_CONDENSED_BONDS_H
 
@@ -14,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "../coupling/condensed_bond.h"
@@ -32,6 +36,22 @@ class CondensedBonds {
   // and did not change. They have no loads before bind(). links, inertia: what the solutions hang on beside the bonds.
   void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia);
   int solved_last() const { return solved_last_; }  // by this rank
+  // A laid-out bond that stands for those of a pattern, and the body of one of them.
+  struct OfPattern {
+    int pattern;
+    Bond bond;
+    Body body;
+    bool counts = true;  // on this rank, the first of those that have it
+  };
+  // Collective. Takes them in the place of those that are here, or with these, and solves those that are new or changed. Before solve().
+  void take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_out, int patterns, bool all_anew, const Law& law, const PenaltyParameters& links, double inertia);
+  bool has_pattern(int pattern) const { return patterns_.count(pattern) > 0; }
+  // Of those that count on this rank.
+  template <class F>
+  void each_pattern(F f) {
+    for (auto& p : patterns_)
+      if (p.second.of.counts) f(p.second.of.bond);
+  }
   // Collective. After bonds or grains went to other ranks.
   void bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
   bool has(int body) const { return find(body) != nullptr; }
@@ -53,14 +73,17 @@ class CondensedBonds {
   // Of a bond that this rank tells: all loads on its grains. Elastic energy of its points; that of its links is the rest.
   bool tells(int body) const { return find(body) && find(body)->tells; }
   std::array<GrainSide, 2> loaded_sides(int body, const Bonds& bonds, const double* gravity) const;
-  double energy_of_points(const Bond& b) const;
-  const PointSums& sums_of_points(const Bond& b) const { return find(b.body)->solution->sums; }
+  double energy_of_points(int body) const;
+  const PointSums& sums_of_points(int body) const { return find(body)->solution->sums; }
+  std::vector<int> rows_told() const;                        // by this rank
+  std::vector<int> rows_without_points(const Bonds& bonds) const;  // of these
+  const OfPattern& of_pattern(const Body& body) const { return patterns_.at(body.pattern).of; }
   // Work of the loads on the grains of this rank, and of the weight, in a step; of bodies from first_body on.
   EnergyBooks::StepWork work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last, int first_body) const;
   // Work of commands that changed the velocities of grains between two runs by the jumps of the sides: the cement follows.
   double work_of_commands(const Bonds& bonds, double dt_last) const;
 
-  // Those of this rank that have to wake, ascending. Looks at the points of a bond only where a bound does not tell.
+  // Those of this rank that have to wake, ascending. Looks at the points of a bond, or of its pattern, only where a bound does not tell.
   std::vector<int> due(Bonds& bonds, const CementOptions& options, const Law& law);
   // Of the nodes of a bond, three numbers each; the velocity is that of the grains, `later` of their acceleration later.
   struct NodeMotion {
@@ -102,13 +125,20 @@ class CondensedBonds {
   };
   const Member* find(int body) const;
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law);
-  double largest_root(Bond& b, const CementOptions& options, const Law& law) const;
+  double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
+  void show_strain(Bond& bond, int part) const;
 
   void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;
   void pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
   int part_of(int body) const;  // -1: none
   std::array<GrainSide, 2> sides_of(int part, const Bonds& bonds) const { return pack_.sides(part, bonds.table[members_[part].body]); }
 
+  struct PatternSolution {
+    OfPattern of;
+    std::shared_ptr<const Solution> solution;
+    std::size_t described = 0;  // hash of what it was solved for
+  };
+  std::map<int, PatternSolution> patterns_;
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // of bonds with points here
   std::map<int, std::size_t> described_;                      // hash of what they were solved for
   int solved_last_ = 0;

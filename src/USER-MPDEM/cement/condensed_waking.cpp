@@ -53,8 +53,9 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body
   return n;
 }
 
-void CondensedBonds::show_strain(Bond& bond) const {
-  const int part = part_of(bond.body);
+void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_of(bond.body)); }
+
+void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "../mpm/field_drive.h"
+#include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "cement.h"
 
@@ -22,13 +23,14 @@ void Cement::choose_condensed() {
 }
 
 // Collective. After their layout, with the links of the run.
-void Cement::condense(const std::vector<int>& rows) {
+void Cement::condense(const std::vector<int>& rows, bool at_start) {
   if (!options_.condense || !penalty_) return;
   std::vector<int> apart;
   for (int row : rows)
     if (bonds_.table[row].condensed && cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) apart.push_back(row);
   for (int row : apart) bonds_.table[row].condensed = false;
   bonds_.awake_changed();
+  take_patterns(at_start);
   condensed_.solve(comm_, bonds_, rows, *law_, *penalty_, inertia_);
   if (!apart.empty()) {
     bind_grains();
@@ -40,10 +42,100 @@ void Cement::condense(const std::vector<int>& rows) {
   condensed_.follow(grains_, weight_of_cement().data());
 }
 
+// Bonds that stand for those of the patterns that this rank has grains of. Grains may have come from other ranks.
+void Cement::take_patterns(bool at_start) {
+  std::vector<int> patterns = patterns_of_owned_grains();
+  if (!at_start) patterns.erase(std::remove_if(patterns.begin(), patterns.end(), [&](int p) { return condensed_.has_pattern(p); }), patterns.end());
+  condensed_.take_patterns(comm_, layouts_of_patterns(patterns, &*penalty_), static_cast<int>(bonds_.patterns.size()), at_start, *law_, *penalty_, inertia_);
+}
+
+// Ascending.
+std::vector<int> Cement::patterns_of_owned_grains() const {
+  const auto owned = [&](int tag) {
+    const auto at = std::lower_bound(grains_.grains.begin(), grains_.grains.end(), tag, [](const Grain& g, int t) { return g.tag < t; });
+    return at != grains_.grains.end() && at->tag == tag;
+  };
+  std::vector<char> needed(bonds_.patterns.size() + 1, 0);
+  for (const Body& b : bonds_.table)
+    if (b.pattern > 0 && !needed[b.pattern]) needed[b.pattern] = owned(b.grain[0]) || owned(b.grain[1]);
+  std::vector<int> patterns;
+  for (std::size_t p = 1; p < needed.size(); ++p)
+    if (needed[p]) patterns.push_back(static_cast<int>(p));
+  return patterns;
+}
+
+// Collective. Of this rank alone, at the creation: the first bond of a pattern stands for all.
+std::vector<CondensedBonds::OfPattern> Cement::layouts_of_patterns(const std::vector<int>& patterns, const PenaltyParameters* penalty) const {
+  Bonds alone;  // a row a pattern, so that keys of nodes are the same on all ranks
+  alone.table.resize(bonds_.patterns.size());
+  std::vector<char> known(bonds_.patterns.size() + 1, 1);
+  for (int p : patterns) known[p] = 0;
+  for (const Body& body : bonds_.table) {
+    if (body.pattern == 0 || known[body.pattern]) continue;
+    known[body.pattern] = 1;
+    const int row = body.pattern - 1;
+    const PointPattern& pattern = bonds_.patterns[row];
+    alone.table[row] = body;
+    for (std::size_t n = 0; n < pattern.points.size(); ++n) alone.add(pattern.record(n, row, body), static_cast<int>(n) + 1);
+  }
+  std::vector<CondensedBonds::OfPattern> found;
+  std::string trouble;
+  try {
+    if (!patterns.empty()) found = layouts_at_creation(alone, penalty);
+  } catch (const BadState& e) {
+    trouble = e.what();
+  }
+  throw_if_any(comm_, trouble);
+  return found;
+}
+
+// Of bonds that this rank has as a whole.
+std::vector<CondensedBonds::OfPattern> Cement::layouts_at_creation(Bonds& alone, const PenaltyParameters* penalty) const {
+  CementOptions options(options_);
+  options.split = false;
+  Sheets sheets;
+  const Cracks intact;
+  NewPartsOfBonds parts = sheets.divide(MPI_COMM_SELF, alone, options);
+  std::vector<LayoutRequest> requests;
+  std::vector<int> rows;
+  for (Bond& b : alone) {
+    const std::string trouble = mpdem::take_up_states(b.points, law_);
+    if (!trouble.empty()) throw BadState(trouble);
+    requests.emplace_back();
+    requests.back().body = b.body;
+    requests.back().points = std::move(b.points);
+    requests.back().parts = std::move(parts[b.body]);
+    rows.push_back(b.body);
+  }
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, law_, sheets, intact, inertia_, penalty, nullptr};
+  std::vector<CondensedBonds::OfPattern> found;
+  for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
+    found.push_back({l.body + 1, Bond(), alone.table[l.body], true});
+    Bond& b = found.back().bond;
+    b.points = std::move(l.points);
+    b.grid = std::move(l.grid);
+    b.links = std::move(l.links);
+    b.laid_out_blocks = b.points.blocks.size();
+  }
+  return found;
+}
+
+// Bonds that are to wake and have no points get them before the next step, and wake in it. Answers the others.
+std::vector<int> Cement::ask_for_points(const std::vector<int>& rows) {
+  rows_that_want_points_.clear();
+  std::vector<int> others;
+  for (int row : rows) {
+    Body& b = bonds_.table[row];
+    if (b.pattern > 0) b.wants_points = true;
+    (b.pattern > 0 ? rows_that_want_points_ : others).push_back(row);
+  }
+  return others;
+}
+
 // Of condensed bonds near their threshold, at the end of the forces of a step: they are resolved from the next drift on.
 void Cement::wake_bonds() {
   if (!condensed_.any()) return;
-  const std::vector<int> rows = agreed_rows(condensed_.due(bonds_, options_, *law_));
+  const std::vector<int> rows = ask_for_points(agreed_rows(condensed_.due(bonds_, options_, *law_)));
   if (rows.empty()) return;
   const std::array<double, 3> weight = weight_of_cement();
   double given_up = 0.0;

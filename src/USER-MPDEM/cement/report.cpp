@@ -4,6 +4,7 @@
 // What is told of the cement: sums over all, a row a bond. Nothing here runs in a step that prints nothing.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "../mpm/gather.h"
@@ -64,6 +65,13 @@ void tell(const GrainSide& s, double of_other_substeps, double* row) {
   std::copy(x.begin(), x.end(), row + 6);
 }
 
+// With positions rounded as they are in the box, springs and cement have energies of this order even at rest, more where the rounding of
+// many steps adds up. reach: of the box, in cells.
+double rounded_energy(double stiffness, double reach) {
+  const double strain = std::numeric_limits<double>::epsilon() * reach;
+  return 100.0 * stiffness * strain * strain;
+}
+
 void count_separated(const Cracks& cracks, CementTotals& t) {
   for (std::size_t r = 0; r < cracks.size(); ++r) {
     if (!cracks.separated(r)) continue;
@@ -86,11 +94,14 @@ CementTotals Cement::totals(double reach_of_box) {
   PointSums of_points;
   NodeSums of_nodes;
   const CondensedBonds::Energies condensed = condensed_.energies(bonds_, 0.5 * dt_last_);
+  const auto add_condensed = [&](int row) {
+    of_points.add(condensed_.sums_of_points(row));
+    const double energy = condensed_.energy_of_points(row);
+    sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
+  };
   for (Bond& bond : bonds_) {
     if (!bonds_.is_awake(bond)) {
-      const double energy = condensed_.energy_of_points(bond);
-      of_points.add(condensed_.sums_of_points(bond));
-      sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
+      add_condensed(bond.body);
       continue;
     }
     of_points.add(bond.points, *law_, true);
@@ -103,6 +114,7 @@ CementTotals Cement::totals(double reach_of_box) {
     sum[kCoupling] += inertial;
     sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
   }
+  for (int row : condensed_.rows_without_points(bonds_)) add_condensed(row);
   sum[kCoupling] += condensed.elastic;
   of_nodes.add(condensed);
   sum[kKinetic] = of_nodes.kinetic;
@@ -116,11 +128,8 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = books_.sums();
-  sum[kDissipated] = books.dissipated;
-  sum[kReleased] = books.released;
-  sum[kDamped] = books.damped;
-  sum[kRubbed] = books.rubbed;
-  sum[kWork] = books.work - books.work_ahead;
+  const double of_books[] = {books.dissipated, books.released, books.damped, books.rubbed, books.work - books.work_ahead};
+  std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
   sum[kKept] -= inertial;
@@ -143,11 +152,8 @@ CementTotals Cement::totals(double reach_of_box) {
   const double scale = std::max(std::fabs(t.external_work), spent);
   // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kKept];
-  // With positions rounded as they are in the box, springs and cement have energies of this order even at
-  // rest, more where the rounding of many steps adds up.
-  const double strain = std::numeric_limits<double>::epsilon() * reach_of_box / options_.cell;
   const double stiffest = std::max(law_->elasticity().C33, penalty_ ? penalty_->law->stiffness().kn * options_.cell : 0.0);
-  const double rounding = 100.0 * stiffest * sum[kVolume] * strain * strain;
+  const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / options_.cell);
   t.imbalance = scale > rounding ? (t.external_work + books_.start_energy() - kept) / scale : 0.0;
   for (int d = 0; d < 3; ++d) {
     t.momentum[d] = sum[kP + d];
@@ -173,21 +179,27 @@ const std::vector<BondState>& Cement::bond_states() {
     const GrainSide& s = grains_.sides.sides[o.at];
     tell(s, of_other_substeps, &sum[width * o.body + kSide * o.side]);
   }
-  for (const Bond& b : bonds_) {
-    if (!condensed_.tells(b.body)) continue;
-    const std::array<GrainSide, 2> side = condensed_.loaded_sides(b.body, bonds_, weight_of_cement().data());
-    for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * b.body + kSide * s]);
+  for (int body : condensed_.rows_told()) {
+    const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, bonds_, weight_of_cement().data());
+    for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * body + kSide * s]);
   }
-  for (const Bond& b : bonds_) {
-    PointSums of_bond;
-    if (bonds_.is_awake(b)) of_bond.add(b.points, *law_, false);
-    else of_bond = condensed_.sums_of_points(b);
-    double* row = &sum[width * b.body];
+  const auto add = [&](int row_of_table, const Bond& b, const Body& body, const PointSums& of_bond) {
+    double* row = &sum[width * row_of_table];
     row[kFailed] = of_bond.failed;
     row[kVolume] = of_bond.volume;
     row[kDamaged] = of_bond.damaged_volume;
-    most[b.body] = of_bond.largest_damage;
-    add_to_sums({b, bonds_.body(b), of_bond}, row + kColumns);
+    most[row_of_table] = of_bond.largest_damage;
+    add_to_sums({b, body, of_bond}, row + kColumns);
+  };
+  for (const Bond& b : bonds_) {
+    PointSums of_bond;
+    if (bonds_.is_awake(b)) of_bond.add(b.points, *law_, false);
+    else of_bond = condensed_.sums_of_points(b.body);
+    add(b.body, b, bonds_.body(b), of_bond);
+  }
+  for (int row : condensed_.rows_without_points(bonds_)) {
+    const CondensedBonds::OfPattern& p = condensed_.of_pattern(bonds_.table[row]);
+    add(row, p.bond, p.body, condensed_.sums_of_points(row));
   }
   global_sum(sum, comm_);
   global_max(most, comm_);
@@ -237,6 +249,7 @@ double Cement::cement_mass() {
   double sum = 0.0;
   for (const Bond& bond : bonds_)
     for (const PointBlock& b : bond.points.blocks) sum += inertia_ * sum_lanes(b.volume);
+  for (int row : condensed_.rows_without_points(bonds_)) sum += inertia_ * bonds_.table[row].volume;
   return sum;
 }
 

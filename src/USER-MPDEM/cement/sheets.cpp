@@ -32,10 +32,17 @@ SheetPoint sheet_point(const PointStore& points, const Body& body, int block, in
   return p;
 }
 
-NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options) {
+NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& others) {
   NewPartsOfBonds changed;
   const int rows = static_cast<int>(bonds.table.size()), from = first();
-  if (from >= rows) return changed;
+  std::vector<int> looked_at;  // ascending
+  for (int row : others)
+    if (row < from) looked_at.push_back(row);
+  std::sort(looked_at.begin(), looked_at.end());
+  for (int row = from; row < rows; ++row) looked_at.push_back(row);
+  if (looked_at.empty()) return changed;
+  std::vector<char> wanted(rows, 0);
+  for (int row : looked_at) wanted[row] = 1;
   int ranks;
   MPI_Comm_size(comm, &ranks);
   const double reach = sheet_reach(options.basis, options.cell);
@@ -43,7 +50,7 @@ NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOp
   std::vector<std::vector<signed char>> sheet;  // of the slots of each bond
   for (const Bond& bond : bonds) {
     sheet.emplace_back();
-    if (bond.body < from || !options.tied) continue;
+    if (!wanted[bond.body] || !options.tied) continue;
     const PointStore& points = bond.points;
     const Body& body = bonds.body(bond);
     sheet.back().assign(kLanes * points.blocks.size(), 0);
@@ -61,18 +68,22 @@ NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOp
   std::vector<std::vector<SheetPoint>> whole(rows);
   for (const Sent& s : all_to_all(comm, out).data) whole[s.body].push_back(s.point);
   has_sheets_.resize(rows);
-  for (int b = from; b < rows; ++b) {
+  std::vector<signed char> found(looked_at.size(), 0);
+  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+    const int b = looked_at[n];
     const Crevice c = find_crevice(whole[b], bonds.table[b], options.basis, options.cell);
     std::vector<SheetPoint>().swap(whole[b]);
-    has_sheets_[b] = c.found;
+    found[n] = c.found;
     if (!c.found) continue;
     for (const auto& node : c.joined) joined_.push_back({b, node[0], node[1], node[2]});
   }
-  MPI_Allreduce(MPI_IN_PLACE, has_sheets_.data() + from, rows - from, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  std::sort(joined_.begin(), joined_.end());
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (std::size_t n = 0; n < looked_at.size(); ++n) has_sheets_[looked_at[n]] = found[n];
   auto of_slot = sheet.begin();
   for (const Bond& bond : bonds) {
     const std::vector<signed char>& mine = *of_slot++;
-    if (bond.body < from) continue;
+    if (!wanted[bond.body]) continue;
     for (int slot = 0; slot < kLanes * static_cast<int>(bond.points.blocks.size()); ++slot) {
       const BlockMeta& m = bond.points.meta[slot / kLanes];
       if (!(m.occupied >> slot % kLanes & 1)) continue;

@@ -27,8 +27,9 @@ using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
 
 class Sheets {
  public:
-  // Collective. Divides the bonds from row `first()` of the table on; answers which points change their part.
-  NewPartsOfBonds divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options);
+  // Collective. Divides the bonds from row `first()` of the table on, and others that had no points before; answers which points change
+  // their part.
+  NewPartsOfBonds divide(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {});
   int first() const { return static_cast<int>(has_sheets_.size()); }
 
   // Of a bond that this rank looks at as a whole.

@@ -104,6 +104,7 @@ EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows, const Pat
       const auto patch = patches ? patches->find(row) : Patches::const_iterator();
       if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
     }
+  condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, options_.unilateral}); });
   return largest_eigenvalue(comm_, parts, *law_);
 }
 
@@ -117,6 +118,16 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   std::vector<BondLayout> layouts = layouts_of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
   for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, options_.unilateral});
+  int me, ranks;
+  MPI_Comm_rank(comm_, &me);
+  MPI_Comm_size(comm_, &ranks);
+  std::vector<int> patterns;
+  for (const Body& b : bonds_.table)
+    if (b.pattern > 0 && b.pattern % ranks == me) patterns.push_back(b.pattern);
+  std::sort(patterns.begin(), patterns.end());
+  patterns.erase(std::unique(patterns.begin(), patterns.end()), patterns.end());
+  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(patterns, nullptr);
+  for (CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, options_.unilateral});
   return largest_eigenvalue(comm_, of_layouts, *law_);
 }
 
@@ -127,6 +138,7 @@ double Cement::limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, a
 double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches) {
   double mine = 1.0, ties;
   for (const Bond& b : bonds_) mine = std::max(mine, b.grid.largest_tie_factor());
+  condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, comm_);
   const double bound = ties * eigenvalue_bound();
   if (bound > 0.0 && dt <= step_for(bound, options_.relax)) return bound;

@@ -39,7 +39,9 @@ void turn(const Eigen::Matrix3d& axes, StiffnessOfBond& s) {
 class StiffnessFinder {
  public:
   StiffnessFinder(const std::vector<Body>& table, std::vector<BondLayout>& layouts, const BondedGrains& grains, const Law& law)
-      : table_(table), layouts_(layouts), grains_(grains), law_(law), found_(table.size(), StiffnessOfBond{}) {}
+      : table_(table), layouts_(layouts), grains_(grains), law_(law), found_(table.size(), StiffnessOfBond{}) {
+    for (const BondLayout& l : layouts_) told_.push_back(l.body);
+  }
 
   // Bonds of this rank alone.
   void solve_whole() {
@@ -74,24 +76,41 @@ class StiffnessFinder {
       if (cut[row]) solve_one(comm, static_cast<int>(row), at[row]);
   }
 
+  // Bonds without points, of this rank if it has their first grain: those of a pattern are equal.
+  void solve_patterns(std::vector<CondensedBonds::OfPattern> laid_out) {
+    std::map<int, StiffnessOfBond> solved;
+    for (CondensedBonds::OfPattern& o : laid_out) {
+      const SidesAtCreation at(o.body);
+      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_}), solved[o.pattern]);
+    }
+    for (const BondedGrains::OwnedSide& o : grains_.owned()) {
+      const int pattern = table_[o.body].pattern;
+      if (pattern == 0 || o.side != 0) continue;
+      StiffnessOfBond& of_pattern = solved.at(pattern);
+      found_[o.body] = of_pattern;
+      of_pattern.products = 0.0;
+      told_.push_back(o.body);
+    }
+  }
+
   // Those of condensed bonds are solved at their creation: their points and nodes are there.
   void turn_condensed() {
-    for (const BondLayout& l : layouts_) {
-      if (!table_[l.body].condensed) continue;
-      StiffnessOfBond& s = found_[l.body];
+    for (int row : told_) {
+      if (!table_[row].condensed) continue;
+      StiffnessOfBond& s = found_[row];
       Eigen::Map<Eigen::Vector3d> middle(s.middle);
       CondensedModel model;
       model.middle = middle;
-      const CondensedMotion now(model, table_[l.body], &grains_.sides.sides[grains_.sides.find(l.body, 0)]);
+      const CondensedMotion now(model, table_[row], &grains_.sides.sides[grains_.sides.find(row, 0)]);
       turn(now.axes(), s);
       middle = now.middle();
     }
   }
 
   void into_box() {
-    for (const BondLayout& l : layouts_) {
-      const Body& body = table_[l.body];
-      StiffnessOfBond& s = found_[l.body];
+    for (int row : told_) {
+      const Body& body = table_[row];
+      StiffnessOfBond& s = found_[row];
       const std::array<double, 3> middle = place_in_box(body, axes_of(body), s.middle);
       std::copy(middle.begin(), middle.end(), s.middle);
       turn(matrix_of(axes_of(body)), s);
@@ -103,7 +122,7 @@ class StiffnessFinder {
     int me;
     MPI_Comm_rank(comm, &me);
     std::vector<int> teller(table_.size(), std::numeric_limits<int>::max());
-    for (const BondLayout& l : layouts_) teller[l.body] = me;
+    for (int row : told_) teller[row] = me;
     MPI_Allreduce(MPI_IN_PLACE, teller.data(), static_cast<int>(teller.size()), MPI_INT, MPI_MIN, comm);
     for (std::size_t row = 0; row < teller.size(); ++row)
       if (teller[row] != me) found_[row] = StiffnessOfBond{};
@@ -138,6 +157,7 @@ class StiffnessFinder {
   const BondedGrains& grains_;
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
+  std::vector<int> told_;  // rows that this rank knows
   mutable std::map<int, SidesAtCreation> creation_;  // of condensed bonds
 };
 
@@ -152,8 +172,10 @@ std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() {
   throw_if_any(comm_, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));
   StiffnessFinder finder(bonds_.table, layouts, grains, *law_);
   std::string trouble;
+  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(patterns_of_owned_grains(), &*penalty_);
   try {
     finder.solve_whole();
+    finder.solve_patterns(std::move(of_patterns));
   } catch (const BadState& e) {
     trouble = e.what();
   }

@@ -41,6 +41,8 @@ struct Body {
   bool regular = true;                                // points of full cells lie in the middle of them
   double thickness = 0;  // of the cement between the grains, where it is largest
   int points = 0;
+  int pattern = 0;       // of a bond whose points are not made yet, counted from 1, see point_pattern.h
+  bool wants_points = false;  // they are to be made before the next step
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -68,6 +70,8 @@ struct Body {
     visit("'is regular'", b.regular);
     visit("its thickness", b.thickness, from(0.0, widest));
     visit("its number of points", b.points, from(1.0, kLargestInt));
+    visit("its pattern", b.pattern, kCount);
+    visit("'wants points'", b.wants_points);
   }
 };
 

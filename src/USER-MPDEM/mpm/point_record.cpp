@@ -12,6 +12,7 @@ std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
   FirstTrouble found;
   if (!found.check_whole("its bond", p.body, from(0.0, static_cast<double>(bodies.size()) - 1.0))) return found.trouble();
   const Body& of = bodies[p.body];
+  if (of.pattern > 0) return "its bond has no points yet";
   const double reach = 1e8 * of.spacing;  // cells are numbered by int
   for (int d = 0; d < 3; ++d) {
     const Range near = from(of.lattice[d] - reach, of.lattice[d] + reach);

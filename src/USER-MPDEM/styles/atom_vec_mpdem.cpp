@@ -25,6 +25,7 @@ constexpr int kSphereNumbers = 17;  // of an atom of style sphere, before those 
 // Of the state of an atom, which begins with its kind; one more tells how many they are.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBodyNumbers = mpdem::kMostNumbers<mpdem::Body>;
+constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // numbers, which MPI counts in int
 enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
 }  // namespace
 
@@ -209,9 +210,17 @@ int AtomVecMpdem::unpack_restart(double* buf) {
 void AtomVecMpdem::write_restart_settings(FILE* fp) {
   const std::vector<double> numbers = packed_bodies();
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
-  const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bonds.table.size()), restart_is_sealed};
+  const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()),
+                                  restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
   fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
+  const std::vector<double> of_patterns = mpdem::packed(bonds.patterns);
+  const bigint count = static_cast<bigint>(of_patterns.size());
+  if (count > kMostOfPatterns)
+    mpdem::stop_one(lmp, mpdem::text_of("write_restart: the patterns of bonds without points have ", count, " numbers, at most ", kMostOfPatterns,
+                                        " are allowed; use 'points now' of create_cement where bonds are not equal"));
+  fwrite(&count, sizeof count, 1, fp);
+  fwrite(of_patterns.data(), sizeof(double), of_patterns.size(), fp);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
@@ -230,14 +239,19 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   const auto marked = [&] { return fread(magic, 1, sizeof magic, fp) == sizeof magic && std::memcmp(magic, kRestartMagic, sizeof magic) == 0; };
   if (!marked()) return "the file has no data of atom_style mpdem" + cure;
   if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) return truncated;
-  const int count = head[2];
+  const int count = head[2], patterns = head[3];
   if (head[0] != kRestartVersion) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
-  if (head[1] != kBodyNumbers || count < 0)
+  if (head[1] != kBodyNumbers || count < 0 || patterns < 0)
     return mpdem::text_of("the file is damaged: it has ", count, " bonds of ", head[1], " numbers, this program writes ", kBodyNumbers, " numbers a bond", cure);
   if (count > mpdem::kMaxBodies)
     return mpdem::text_of("the file has ", count, " bonds, this program takes ", mpdem::kMaxBodies, " at most; use the program that wrote it");
   std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
   if (fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return truncated;
+  bigint of_patterns = 0;
+  if (fread(&of_patterns, sizeof of_patterns, 1, fp) != 1) return truncated;
+  if (of_patterns < patterns || of_patterns > kMostOfPatterns) return "the file is damaged in the patterns of points" + cure;
+  std::vector<double> pattern_numbers(of_patterns);
+  if (fread(pattern_numbers.data(), sizeof(double), pattern_numbers.size(), fp) != pattern_numbers.size()) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
@@ -246,6 +260,11 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
     if (!in.trouble().empty())
       return mpdem::text_of("the file is damaged in the data of the bond of grains ", body.grain[0], " and ", body.grain[1], ": ", in.trouble(), cure);
   }
+  mpdem::RecordReader in_patterns(pattern_numbers.data(), pattern_numbers.data() + pattern_numbers.size());
+  mpdem::read(in_patterns, patterns, bonds.patterns);
+  if (!in_patterns.at_end()) in_patterns.tell("they are longer than they can be");
+  if (in_patterns.trouble().empty()) in_patterns.tell(trouble_of(bonds.patterns, bonds.table));
+  if (!in_patterns.trouble().empty()) return mpdem::text_of("the file is damaged in the patterns of points: ", in_patterns.trouble(), cure);
   return "";
 }
 
@@ -254,13 +273,24 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   std::string trouble;
   if (comm->me == 0) trouble = read_bodies(fp);
   mpdem::stop_if_any(lmp, trouble.empty() ? trouble : "read_restart: " + trouble);
-  int count = static_cast<int>(bonds.table.size());
-  MPI_Bcast(&count, 1, MPI_INT, 0, world);
-  bonds.table.resize(count);
+  share_bodies();
+}
+
+// From the first rank to all.
+void AtomVecMpdem::share_bodies() {
+  int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()), 0};
+  std::vector<double> patterns = mpdem::packed(bonds.patterns);
+  count[2] = static_cast<int>(patterns.size());
+  MPI_Bcast(count, 3, MPI_INT, 0, world);
+  bonds.table.resize(count[0]);
   std::vector<double> numbers = packed_bodies();
   MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, world);
   const double* from = numbers.data();
   for (mpdem::Body& body : bonds.table) from = mpdem::unpack(from, body);
+  patterns.resize(count[2]);
+  MPI_Bcast(patterns.data(), count[2], MPI_DOUBLE, 0, world);
+  mpdem::RecordReader in(patterns.data(), patterns.data() + patterns.size());
+  mpdem::read(in, count[1], bonds.patterns);
 }
 
 void AtomVecMpdem::create_atom(int itype, double* coord) {

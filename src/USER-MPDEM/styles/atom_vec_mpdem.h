@@ -53,10 +53,10 @@ class AtomVecMpdem : public AtomVecSphere {
   void track_orientation(int i);
 
   // Of the head of this style's data in a restart file: bytes to know it by, its version, the numbers of a
-  // body, how many bodies, and whether a seal ends the file, which only host/restart_seal.cpp writes. The bytes come
-  // again after the bodies.
+  // body, how many bodies, how many patterns of points, and whether a seal ends the file, which only host/restart_seal.cpp writes.
+  // Bodies follow, then the number of numbers of the patterns and these. The bytes come again after them.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 16, kRestartHead = 4;
+  static constexpr int kRestartVersion = 17, kRestartHead = 5;
   static inline bool restart_is_sealed = false;
 
   // The atom style in use, or null.
@@ -83,6 +83,7 @@ class AtomVecMpdem : public AtomVecSphere {
   int size_of_state(int i) const;
   std::vector<double> packed_bodies() const;
   std::string read_bodies(FILE* fp);
+  void share_bodies();
   std::string trouble_in_atom(const double* buf, int total, int own) const;
 };
 

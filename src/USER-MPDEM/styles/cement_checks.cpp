@@ -70,6 +70,21 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
                                 " too; give it a group without cement");
     }
   }
+  for (const Body& b : avec.bonds.table) {
+    if (b.pattern == 0) continue;
+    const PatternHead& head = avec.bonds.patterns[b.pattern - 1].head;
+    if (!(head.mask & fix->groupbit) && trouble.empty())
+      trouble = who + text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], ", whose points are made later, is not in group '", lmp->group->names[fix->igroup],
+                              "'; use the group named in create_cement");
+    least = std::min(least, head.density);
+    most = std::max(most, head.density);
+    for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {
+      const Fix* other = lmp->modify->fix[k];
+      if (other != fix && other->time_integrate && (head.mask & other->groupbit))
+        trouble = who + text_of("fix '", other->id, "' (", other->style, ") would move points of the cement of grains ", b.grain[0], " and ", b.grain[1],
+                                " too, which are made later; give it a group without cement");
+    }
+  }
   stop_if_any(lmp, trouble);
   double low, high;
   bigint total;
@@ -78,7 +93,8 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
   MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
   if (total == 0 && avec.bonds.table.empty()) stop_all(lmp, who + "there are no material points; use create_cement before the run");
   bigint expected = 0;
-  for (const Body& b : avec.bonds.table) expected += static_cast<bigint>(b.points);
+  for (const Body& b : avec.bonds.table)
+    if (b.pattern == 0) expected += static_cast<bigint>(b.points);
   if (total < expected)
     stop_all(lmp, who + text_of(expected - total, " of ", expected,
                                        " material points were deleted or left the box; cement cannot be deleted by points"));
@@ -220,6 +236,7 @@ FixGravity* find_gravity(LAMMPS* lmp, const Fix* fix, const AtomVecMpdem& avec) 
     Fix* other = lmp->modify->fix[k];
     int mine = 0, acts;
     for (int i = 0; i < lmp->atom->nlocal && !mine; ++i) mine = avec.is_point(i) && (lmp->atom->mask[i] & other->groupbit);
+    for (const Body& b : avec.bonds.table) mine = mine || (b.pattern > 0 && (avec.bonds.patterns[b.pattern - 1].head.mask & other->groupbit));
     MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, lmp->world);
     if (!acts || other == fix) continue;
     if (FixGravity* g = dynamic_cast<FixGravity*>(other)) gravity = g;

@@ -180,7 +180,9 @@ void CementReport::times(Cement& c, bigint points) {
   const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
   const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
   std::string text = text_of(who_, all, " s in ", steps, " steps, ", point_steps / std::max(all, 1e-9), " point steps per second, ",
-                             point_steps / std::max(cpu, 1e-9), " by CPU time, ", bytes / static_cast<double>(points), " bytes a point\n ");
+                             point_steps / std::max(cpu, 1e-9), " by CPU time, ");
+  text += points > 0 ? text_of(bytes / static_cast<double>(points), " bytes a point\n ")
+                     : text_of(bytes / static_cast<double>(c.bonds().table.size()), " bytes a bond\n ");
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
   if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");

@@ -17,11 +17,8 @@
 #include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
-#include "fix.h"
-#include "force.h"
 #include "group.h"
-#include "modify.h"
-#include "pair.h"
+#include "point_atoms.h"
 #include "scene_checks.h"
 
 namespace LAMMPS_NS {
@@ -46,7 +43,7 @@ std::vector<std::string> keywords() {
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeWord& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
-  all.insert(all.end(), {"content", "file", "attach", "inner", "spacing", "density", "type", "grid", "overlap"});
+  all.insert(all.end(), {"content", "file", "attach", "inner", "spacing", "density", "type", "grid", "overlap", "points"});
   return all;
 }
 
@@ -100,19 +97,6 @@ int CreateCement::group_of_points(const std::string& name) const {
     igroup = group->find(name.c_str());
   }
   return group->bitmask[igroup];
-}
-
-mpdem::SceneBox CreateCement::scene_box() const {
-  mpdem::SceneBox box;
-  for (int c = 0; c < 3; ++c) {
-    box.low[c] = domain->boxlo[c];
-    box.high[c] = domain->boxhi[c];
-    box.period[c] = domain->prd[c];
-    box.periodic[c] = domain->periodicity[c] != 0;
-    box.own_low[c] = domain->sublo[c];
-    box.own_high[c] = domain->subhi[c];
-  }
-  return box;
 }
 
 std::vector<Sphere> CreateCement::spheres(int groupbit) const {
@@ -197,6 +181,8 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
       wish.overlap = how == "skip" ? CementWish::skip : how == "trim" ? CementWish::trim : CementWish::error;
     } else if (key == "spacing") {
       wish.spacing = args.positive(key);
+    } else if (key == "points") {
+      wish.later = args.choice(key, {"now", "later"}) == "later";
     } else if (key == "density") {
       wish.density = args.positive(key);
     } else if (key == "type") {
@@ -216,6 +202,7 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
 void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner) const {
   if (wish.spacing <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
   if (!wish.file.empty()) {
+    if (wish.later) args.complain(text_of("'points later' belongs to shapes; those of 'file ", wish.file, "' are made now"));
     if (wish.grid[0] != 0.0 || wish.grid[1] != 0.0 || wish.grid[2] != 0.0)
       args.complain("'grid' belongs to shapes; a file says itself where its points lie");
     if (!wish.shapes.empty() || has_inner)
@@ -231,7 +218,7 @@ void CreateCement::command(int narg, char** arg) {
   Arguments args(lmp, "create_cement", narg, arg, 0);
   check_scene(args);
   groupbit_ = group_of_points(args.word("a group for the points"));
-  box_ = scene_box();
+  box_ = mpdem::scene_box(*domain);
   try {
     if (args.choice("pair", {"pair", "contacts"}) == "contacts") cement_contacts(args);
     else cement_pair(args);
@@ -324,32 +311,59 @@ CementMaker::Scene CreateCement::scene() const {
   CementMaker::Scene scene;
   scene.grains = spheres(~0);
   scene.atoms = static_cast<double>(atom->natoms);
-  int largest = 0;
-  for (int i = 0; i < atom->nlocal; ++i) largest = std::max(largest, atom->tag[i]);
-  MPI_Allreduce(&largest, &scene.last_tag, 1, MPI_INT, MPI_MAX, world);
+  scene.last_tag = mpdem::last_tag(lmp);
   return scene;
 }
 
 CementMaker::Sums CreateCement::make(CementMaker& maker) {
-  const int before = atom->nlocal, first_tag = maker.last_tag() + 1;
-  keep_contact_history();
+  const int first_tag = maker.last_tag() + 1;
+  mpdem::keep_contact_history(lmp);
+  mpdem::PointAtoms atoms(lmp);
+  atoms_ = &atoms;
   const CementMaker::Sums sums = maker.make();
-  if (maker.created() > 0.0) finish(before, first_tag, maker.created());
+  if (maker.created() > 0.0) atoms.finish(first_tag, maker.created());
   return sums;
 }
 
-// The list of neighbours has the history of contacts, by places of ghosts that the points will take: grains in
-// contact across ranks or a periodic boundary would forget how far they have slid. It is kept by IDs instead.
-void CreateCement::keep_contact_history() const {
-  if (!force->pair || !force->pair->list) return;
-  for (int m = 0; m < modify->nfix; ++m)
-    if (std::string(modify->fix[m]->style) == "contacthistory") modify->fix[m]->setup_pre_exchange();
+// Bonds of one geometry share a pattern, whichever command makes them.
+int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
+  std::vector<mpdem::PointPattern>& patterns = AtomVecMpdem::of(lmp)->bonds.patterns;
+  mpdem::PointPattern pattern;
+  pattern.head = head();
+  pattern.head.points = static_cast<int>(points.size());
+  for (const FillPoint& p : points) {
+    pattern.points.emplace_back();
+    mpdem::PatternPoint& to = pattern.points.back();
+    std::copy(p.X.data(), p.X.data() + 3, to.X);
+    to.volume = p.volume;
+    to.links = p.links;
+    for (int k = 0; k < p.links; ++k) {
+      to.link[k].side = p.link[k].side;
+      std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
+      to.link[k].area = p.link[k].area;
+    }
+  }
+  const std::vector<double> numbers = mpdem::packed({pattern});
+  if (known_patterns_.empty())
+    for (std::size_t n = 0; n < patterns.size(); ++n) known_patterns_.emplace(mpdem::packed({patterns[n]}), static_cast<int>(n) + 1);
+  const auto known = known_patterns_.emplace(numbers, static_cast<int>(patterns.size()) + 1);
+  if (known.second) patterns.push_back(std::move(pattern));
+  return known.first->second;
+}
+
+mpdem::PatternHead CreateCement::head() const {
+  mpdem::PatternHead head;
+  head.type = type_;
+  head.mask = 1 | groupbit_;
+  head.density = density_;
+  return head;
 }
 
 std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  const std::vector<Body>& table = avec->bonds.table;
   std::vector<double> full;
-  for (const Body& b : avec->bonds.table) full.push_back(0.95 * std::pow(b.spacing, 3));
+  for (const Body& b : table) full.push_back(0.95 * std::pow(b.spacing, 3));
   std::vector<mpdem::FullPoint> found;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
@@ -357,6 +371,16 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
     const int body = avec->bond[i];
     if (body >= bodies || avec->points_of(i).blocks[b].volume[l] < full[body]) continue;
     found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), body});
+  }
+  for (int row = 0; row < bodies; ++row) {
+    const Body& body = table[row];
+    if (body.pattern == 0) continue;
+    const mpdem::Mat3<double> axes = mpdem::axes_of(body);
+    for (const mpdem::PatternPoint& p : avec->bonds.patterns[body.pattern - 1].points) {
+      if (p.volume < full[row]) continue;
+      const Vector3 x(mpdem::place_in_box(body, axes, p.X).data());
+      if (box_.owns(x)) found.push_back({x, row});
+    }
   }
   return found;
 }
@@ -378,8 +402,7 @@ std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool 
     else
       for (const FillPoint& p : b.points) at_most += place(b.body, axes, p, x, image);
   }
-  if (atom->nlocal + at_most > atom->nmax)
-    AtomVecMpdem::of(lmp)->grow(static_cast<int>(std::min(2147483646.0, std::max(atom->nlocal + at_most, more ? 1.5 * atom->nmax : 0.0))));
+  atoms_->reserve(at_most, more);
   const int before = atom->nlocal;
   for (const NewBond& b : bonds) {
     const mpdem::Mat3<double> axes = mpdem::axes_of(b.body);
@@ -390,17 +413,6 @@ std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool 
 }
 
 void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
-  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  avec->create_atom(type_, x);
-  const int i = atom->nlocal - 1;
-  const auto boxes = [image](int c) { return static_cast<tagint>(IMGMAX + image[c]) & IMGMASK; };
-  atom->tag[i] = tag;
-  atom->image[i] = (boxes(2) << IMG2BITS) | (boxes(1) << IMGBITS) | boxes(0);
-  atom->mask[i] = 1 | groupbit_;
-  atom->radius[i] = std::cbrt(0.75 * p.volume / M_PI);
-  atom->density[i] = density_;
-  atom->rmass[i] = density_ * p.volume;
-
   mpdem::PointRecord r;
   r.body = bond.row;
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
@@ -416,24 +428,7 @@ void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, d
   r.failed = p.failed;
   std::copy(p.damage, p.damage + 6, r.damage);
   if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
-  avec->add_point(i, r, tag);
-}
-
-// What LIGGGHTS has to know of all points that were made, local atoms from `before` on, of IDs from first_tag on. Collective.
-void CreateCement::finish(int before, int first_tag, double created) {
-  atom->natoms += static_cast<bigint>(created);
-  AtomVecMpdem::of(lmp)->waiting.add(lmp, before, first_tag);
-  for (int m = 0; m < modify->nfix; ++m) {
-    Fix* fix = modify->fix[m];
-    if (!fix->create_attribute) continue;
-    fix->pre_set_arrays();
-    for (int i = before; i < atom->nlocal; ++i) fix->set_arrays(i);
-  }
-  if (atom->map_style) {
-    atom->nghost = 0;
-    atom->map_init();
-    atom->map_set();
-  }
+  atoms_->add(r, head(), tag, x, image);
 }
 
 }  // namespace LAMMPS_NS

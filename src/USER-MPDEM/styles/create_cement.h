@@ -13,12 +13,14 @@ CommandStyle(create_cement,CreateCement)
 #ifndef MPDEM_CREATE_CEMENT_H
 #define MPDEM_CREATE_CEMENT_H
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "../cement/cement_maker.h"
 #include "../mpm/point_store.h"
 #include "arguments.h"
+#include "point_atoms.h"
 #include "pointers.h"
 
 namespace LAMMPS_NS {
@@ -43,7 +45,6 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);
 
   // what is there
-  mpdem::SceneBox scene_box() const;
   std::vector<mpdem::Sphere> spheres(int groupbit) const;  // grains of this rank
   std::vector<mpdem::GrainToBond> grains_of(const Pairs& pairs) const;
   Pairs cemented() const;
@@ -52,18 +53,20 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void plan(mpdem::CementPlan& plan, const Pairs& pairs, const mpdem::Arguments& args);
   mpdem::CementMaker::Scene scene() const;
   mpdem::CementMaker::Sums make(mpdem::CementMaker& maker);
-  void finish(int before, int first_tag, double created);
+  int pattern_of(const std::vector<mpdem::FillPoint>& points) override;
+  mpdem::PatternHead head() const;
   std::vector<mpdem::FullPoint> full_points(int bodies) override;
   std::size_t create_points(const std::vector<mpdem::NewBond>& bonds, bool more) override;
   void say(const std::string& text) override;
   void warn(const std::string& text) override;
-  void keep_contact_history() const;
   bool place(const mpdem::Body& body, const mpdem::Mat3<double>& axes, const mpdem::FillPoint& p, double* x, int* image) const;
   void add_point(const mpdem::FillPoint& p, const mpdem::NewBond& bond, int tag, double* x, const int* image);
 
   int groupbit_ = 0, type_ = 0;
   double density_ = 0.0;
   mpdem::SceneBox box_;
+  mpdem::PointAtoms* atoms_ = nullptr;  // while points are made
+  std::map<std::vector<double>, int> known_patterns_;
 };
 
 }  // namespace LAMMPS_NS

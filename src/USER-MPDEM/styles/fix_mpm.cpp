@@ -2,7 +2,6 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "fix_mpm.h"
 
-#include <malloc.h>
 #include <mpi.h>
 
 #include <algorithm>
@@ -25,6 +24,7 @@
 #include "host_recipe.h"
 #include "modify.h"
 #include "output.h"
+#include "point_atoms.h"
 #include "pair.h"
 #include "update.h"
 
@@ -43,6 +43,8 @@ constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp) {
   time_integrate = 1;
   restart_global = 1;
+  force_reneighbor = 1;  // where next_reneighbor says so
+  next_reneighbor = -1;
   scalar_flag = vector_flag = 1;
   size_vector = kVectorSize;
   global_freq = 1;
@@ -66,19 +68,6 @@ FixMpm::~FixMpm() = default;
 
 std::string FixMpm::who() const { return text_of("fix mpm (id ", id, "): "); }
 
-// Calls the engine, whose complaints end the run in the name of this fix.
-template <class F>
-void FixMpm::guarded(F f) {
-  cement_->set_step(step_input());
-  try {
-    f();
-  } catch (const mpdem::OnOneRank& e) {
-    mpdem::stop_one(lmp, who() + e.what());
-  } catch (const mpdem::BadState& e) {
-    mpdem::stop_all(lmp, who() + e.what());
-  }
-}
-
 mpdem::StepInput FixMpm::step_input() const {
   mpdem::StepInput now;
   now.number = update->ntimestep;
@@ -96,6 +85,7 @@ int FixMpm::setmask() {
 void FixMpm::init() {
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  make_points_of_run();
   const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_);
   points_expected_ = points.expected;
   cement_->set_density(points.density);
@@ -112,6 +102,32 @@ void FixMpm::init() {
   atoms_.find(*avec_, cement_->grains());
   mpdem::check_only_writer(lmp, who(), "events", events_name(), this);
   if (!coupling_follows()) set_time_step(this);
+}
+
+int FixMpm::modify_param(int narg, char** arg) {
+  mpdem::Arguments args(lmp, text_of("fix_modify (fix mpm, id ", id, ")"), narg, arg, 0);
+  if (!args.accept("points")) return 0;
+  all_points_ = args.choice("points", {"all", "later"}) == "all";
+  return 2;
+}
+
+// Of bonds that have none yet and cannot do without in this run, or ask for them.
+void FixMpm::make_points_of_run() {
+  bool coupled = false;
+  for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
+  const bool all = all_points_ || !coupled || !cement_->may_leave_points_out();
+  std::vector<int> rows;
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  for (std::size_t row = 0; row < table.size(); ++row)
+    if (table[row].pattern > 0 && (all || table[row].wants_points)) rows.push_back(static_cast<int>(row));
+  if (rows.empty()) return;
+  mpdem::keep_contact_history(lmp);
+  make_points(rows);
+}
+
+void FixMpm::make_points(const std::vector<int>& rows) {
+  guarded([&] { points_expected_ += static_cast<bigint>(mpdem::make_points(lmp, rows)); });
+  cement_->points_were_made(rows);
 }
 
 // Is there a fix mpm/couple? It speaks up in its own init, after this one's.
@@ -295,6 +311,9 @@ void FixMpm::pre_exchange() {
   if (!cement_->built()) return;
   atoms_.watch_for_those_that_leave(cell());
   fill_atoms();
+  // they take the places of ghosts; LIGGGHTS calls the fix that keeps the history of contacts by these before all others
+  const std::vector<int> rows = cement_->rows_that_want_points();
+  if (!rows.empty()) make_points(rows);
 }
 
 void FixMpm::pre_neighbor() {
@@ -308,6 +327,7 @@ void FixMpm::post_force(int) {
   atoms_.follow(cement_->grains(), *avec_, cell(), step_input().dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
+  if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;
   atoms_.write_forces(cement_->grains());
 }
 
@@ -452,56 +472,5 @@ double FixMpm::compute_vector(int n) {
 
 // What the bonds take is told by the atom style, which holds them.
 double FixMpm::memory_usage() { return 0.0; }
-
-void FixMpm::write_restart(FILE* fp) {
-  if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
-  write_events();                       // a run that goes on from the file does not tell of them again
-  mpdem::CementHead head;
-  head.time = update->get_cur_time();
-  head.auto_step = auto_step_;
-  head.links = coupling_.so_far();
-  const std::vector<double> all = cement_->packed_state(head);
-  if (comm->me != 0) return;
-  const std::size_t bytes = all.size() * sizeof(double);
-  if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    mpdem::stop_one(lmp, who() + "the motion of the nodes does not fit into the 2 GiB that a restart file of LIGGGHTS has for a fix; use a larger "
-                                 "'cell', or several scenes");
-  const int size = static_cast<int>(bytes);  // LIGGGHTS' format
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(all.data(), sizeof(double), all.size(), fp);
-}
-
-// The same numbers on every rank.
-void FixMpm::restart(char* buf) {
-  const auto check = [this](const std::string& what) {
-    if (!what.empty())
-      mpdem::stop_all(lmp, text_of(who(), "its data in the restart file are damaged: ", what, "; use another restart file"));
-  };
-  // LIGGGHTS does not tell how long its copy is.
-  const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
-  const double* v = reinterpret_cast<const double*>(buf);
-  check(numbers == 0 ? "there are none" : "");
-  const std::string other = mpdem::trouble_with_version(who() + "restart data", v[0], mpdem::CementHead::kVersion);
-  if (!other.empty()) mpdem::stop_all(lmp, other);
-  mpdem::RecordReader in(v + 1, v + numbers);
-  mpdem::CementHead head;
-  in.read(head);
-  // Cement may have been made since.
-  const double most = static_cast<double>(avec_->bonds.table.size());
-  in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
-  in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
-  check(in.trouble());
-  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::kMostNumbers<mpdem::BondRow> * static_cast<std::size_t>(head.bodies) +
-                               mpdem::kMostNumbers<mpdem::NodeRow> * static_cast<std::size_t>(head.nodes);
-  if (expected > numbers)
-    check(text_of(head.bodies, " bonds and ", head.nodes, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
-  guarded([&] { cement_->restore(head, in); });
-  check(in.trouble());
-  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
-  update->atime = head.time;
-  update->atimestep = update->ntimestep;
-  auto_step_ = head.auto_step;
-  coupling_.restore(head.links);
-}
 
 }  // namespace LAMMPS_NS

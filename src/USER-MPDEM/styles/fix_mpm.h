@@ -18,6 +18,8 @@ FixStyle(mpm,FixMpm)
 #include <vector>
 
 #include "../cement/cement.h"
+#include "../parallel/agree.h"
+#include "arguments.h"
 #include "atom_vec_mpdem.h"
 #include "bonded_atoms.h"
 #include "cement_report.h"
@@ -49,6 +51,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void end_of_step() override;
   void post_run() override;
   void reset_dt() override;
+  int modify_param(int narg, char** arg) override;
 
   void write_restart(FILE* fp) override;
   void restart(char* buf) override;
@@ -99,6 +102,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
   void tell_substeps();
   void fill_atoms();
+  void make_points_of_run();
+  void make_points(const std::vector<int>& rows);
   void write_events();
   void check_state();
 
@@ -115,8 +120,22 @@ class FixMpm : public Fix, private mpdem::CementHost {
   double auto_step_ = 0.0;      // what `timestep auto` found last
   double longest_substep_ = 0.0;  // `subcycle auto`
   int substeps_told_ = 0;
+  bool all_points_ = false;       // points of all bonds are made when a run starts
   double memory_limit_ = 0.0;   // of a rank, bytes
 };
+
+// Calls the engine, whose complaints end the run in the name of this fix.
+template <class F>
+void FixMpm::guarded(F f) {
+  cement_->set_step(step_input());
+  try {
+    f();
+  } catch (const mpdem::OnOneRank& e) {
+    mpdem::stop_one(lmp, who() + e.what());
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, who() + e.what());
+  }
+}
 
 }  // namespace LAMMPS_NS
 

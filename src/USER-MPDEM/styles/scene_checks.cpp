@@ -35,6 +35,7 @@ std::string trouble_with_types(LAMMPS* lmp, const AtomVecMpdem& cement, int type
     if (cement.is_point(i)) point[atom.type[i]] = 1;
     else grain[atom.type[i]] = std::min(grain[atom.type[i]], atom.tag[i]);
   }
+  for (const PointPattern& p : cement.bonds.patterns) point[p.head.type] = 1;
   MPI_Allreduce(MPI_IN_PLACE, grain.data(), types, MPI_INT, MPI_MIN, lmp->world);
   MPI_Allreduce(MPI_IN_PLACE, point.data(), types, MPI_INT, MPI_MAX, lmp->world);
   if (type > 0) point[type] = 1;

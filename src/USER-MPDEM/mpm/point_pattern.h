@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The points that a bond will have when they are made. Bonds of equal geometry are equal in the axes of their bodies, so one pattern
+// stands for all of them. Every rank has all patterns. Body::pattern names that of a bond without points.
+#ifndef MPDEM_POINT_PATTERN_H
+#define MPDEM_POINT_PATTERN_H
+
+#include <string>
+#include <vector>
+
+#include "point_record.h"
+
+namespace mpdem {
+
+struct PatternPoint {
+  static constexpr int kMaxLinks = PointRecord::kMaxLinks;
+  struct Attachment {
+    int side = 0;  // to the first grain or to the second
+    double foot[3] = {0, 0, 0}, area = 0;
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& a, Visitor& visit) {
+      visit("the side of a link", a.side, from(0, 1));
+      visit("the foot of a link", a.foot, kFinite);
+      visit("the area of a link", a.area, kNotNegative);
+    }
+  };
+  double X[3] = {0, 0, 0}, volume = 0;
+  int links = 0;
+  Attachment link[kMaxLinks];
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& p, Visitor& visit) {
+    visit("its place", p.X, kFinite);
+    visit("its volume", p.volume, kPositive);
+    const int n = visit.length("its number of links", p.links, kMaxLinks);
+    for (int k = 0; k < n; ++k) visit.part(p.link[k]);
+  }
+};
+
+// What the host gives to all points of a pattern: their atoms' type and mask, the density of the calcite.
+struct PatternHead {
+  int type = 1, mask = 1;
+  double density = 1.0;
+  int points = 0;
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& h, Visitor& visit) {
+    visit("the atom type of a pattern", h.type, from(1, kLargestInt));
+    visit("the groups of a pattern", h.mask, from(-kLargestInt - 1.0, kLargestInt));
+    visit("the density of a pattern", h.density, kPositive);
+    visit("the number of points of a pattern", h.points, from(1, kLargestInt));
+  }
+};
+
+struct PointPattern {
+  PatternHead head;
+  std::vector<PatternPoint> points;
+
+  // Point n as one of the bond in this row of the table.
+  PointRecord record(std::size_t n, int row, const Body& body) const;
+  std::size_t memory_usage() const { return points.capacity() * sizeof(PatternPoint); }
+};
+
+// All patterns as numbers, and back. What is wrong with the numbers of a file is told by the reader. bodies: that name them.
+std::vector<double> packed(const std::vector<PointPattern>& patterns);
+void read(RecordReader& in, int count, std::vector<PointPattern>& patterns);
+// What is wrong with bodies that name patterns; empty if nothing is.
+std::string trouble_of(const std::vector<PointPattern>& patterns, const std::vector<Body>& bodies);
+
+}  // namespace mpdem
+
+#endif

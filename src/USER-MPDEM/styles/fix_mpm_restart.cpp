@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What fix mpm has in restart files.
+#include <malloc.h>
+
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+#include "arguments.h"
+#include "comm.h"
+#include "fix_mpm.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::text_of;
+
+void FixMpm::write_restart(FILE* fp) {
+  if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
+  write_events();                       // a run that goes on from the file does not tell of them again
+  mpdem::CementHead head;
+  head.time = update->get_cur_time();
+  head.auto_step = auto_step_;
+  head.links = coupling_.so_far();
+  const std::vector<double> all = cement_->packed_state(head);
+  if (comm->me != 0) return;
+  const std::size_t bytes = all.size() * sizeof(double);
+  if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    mpdem::stop_one(lmp, who() + "the motion of the nodes does not fit into the 2 GiB that a restart file of LIGGGHTS has for a fix; use a larger "
+                                 "'cell', or several scenes");
+  const int size = static_cast<int>(bytes);  // LIGGGHTS' format
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(all.data(), sizeof(double), all.size(), fp);
+}
+
+// The same numbers on every rank.
+void FixMpm::restart(char* buf) {
+  const auto check = [this](const std::string& what) {
+    if (!what.empty())
+      mpdem::stop_all(lmp, text_of(who(), "its data in the restart file are damaged: ", what, "; use another restart file"));
+  };
+  // LIGGGHTS does not tell how long its copy is.
+  const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
+  const double* v = reinterpret_cast<const double*>(buf);
+  check(numbers == 0 ? "there are none" : "");
+  const std::string other = mpdem::trouble_with_version(who() + "restart data", v[0], mpdem::CementHead::kVersion);
+  if (!other.empty()) mpdem::stop_all(lmp, other);
+  mpdem::RecordReader in(v + 1, v + numbers);
+  mpdem::CementHead head;
+  in.read(head);
+  // Cement may have been made since.
+  const double most = static_cast<double>(avec_->bonds.table.size());
+  in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
+  in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
+  check(in.trouble());
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::kMostNumbers<mpdem::BondRow> * static_cast<std::size_t>(head.bodies) +
+                               mpdem::kMostNumbers<mpdem::NodeRow> * static_cast<std::size_t>(head.nodes);
+  if (expected > numbers)
+    check(text_of(head.bodies, " bonds and ", head.nodes, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
+  guarded([&] { cement_->restore(head, in); });
+  check(in.trouble());
+  // LIGGGHTS' files do not have the time, and it would begin at 0 again.
+  update->atime = head.time;
+  update->atimestep = update->ntimestep;
+  auto_step_ = head.auto_step;
+  coupling_.restore(head.links);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "point_atoms.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "../parallel/agree.h"
+#include "atom.h"
+#include "domain.h"
+#include "fix.h"
+#include "force.h"
+#include "modify.h"
+#include "pair.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+constexpr double kMostTag = 2147483647.0;
+
+// Of the first grain of a bond: how many have it, place without periods, orientation, velocity.
+struct GrainOfRow {
+  double found = 0.0, x[3] = {0, 0, 0}, q[4] = {0, 0, 0, 0}, v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
+};
+
+std::vector<GrainOfRow> first_grains(LAMMPS* lmp, AtomVecMpdem& avec, const std::vector<int>& rows) {
+  Atom& atom = *lmp->atom;
+  std::vector<GrainOfRow> grains(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const int i = atom.map(avec.bonds.table[rows[n]].grain[0]);
+    if (i < 0 || i >= atom.nlocal || !avec.orientation(i)) continue;
+    GrainOfRow& g = grains[n];
+    g.found = 1.0;
+    lmp->domain->unmap(atom.x[i], atom.image[i], g.x);
+    std::copy(avec.orientation(i), avec.orientation(i) + 4, g.q);
+    std::copy(atom.v[i], atom.v[i] + 3, g.v);
+    std::copy(atom.omega[i], atom.omega[i] + 3, g.omega);
+  }
+  constexpr int kNumbers = sizeof(GrainOfRow) / sizeof(double);
+  MPI_Allreduce(MPI_IN_PLACE, grains.data(), kNumbers * static_cast<int>(grains.size()), MPI_DOUBLE, MPI_SUM, lmp->world);
+  return grains;
+}
+
+// Where the points of a body are, which its first grain took along.
+class RigidBody {
+ public:
+  RigidBody(const Body& body, const GrainOfRow& g) : body_(body), grain_(g), axes_(axes_of(body)) {
+    if (!body.in_motion) return;
+    // from the axes of the body: back to those of the grain, and to the box as it lies now
+    turned_ = product(rotation_of(g.q), transpose(rotation_of(body.orientation[0])));
+  }
+  void find(const double* X, double* x, double* v) const {
+    double arm[3];
+    for (int d = 0; d < 3; ++d) arm[d] = X[d] - body_.centre[0][d];
+    const std::array<double, 3> r = turned(body_.in_motion ? turned_ : axes_, arm);
+    const std::array<double, 3> at_rest = place_in_box(body_, axes_, X);
+    for (int d = 0; d < 3; ++d) {
+      x[d] = body_.in_motion ? grain_.x[d] + body_.shift[0][d] + r[d] : at_rest[d];
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      v[d] = grain_.v[d] + grain_.omega[e] * r[f] - grain_.omega[f] * r[e];
+    }
+  }
+
+ private:
+  const Body& body_;
+  const GrainOfRow& grain_;
+  Mat3<double> axes_, turned_;
+};
+
+}  // namespace
+
+SceneBox scene_box(const Domain& domain) {
+  SceneBox box;
+  for (int c = 0; c < 3; ++c) {
+    box.low[c] = domain.boxlo[c];
+    box.high[c] = domain.boxhi[c];
+    box.period[c] = domain.prd[c];
+    box.periodic[c] = domain.periodicity[c] != 0;
+    box.own_low[c] = domain.sublo[c];
+    box.own_high[c] = domain.subhi[c];
+  }
+  return box;
+}
+
+PointAtoms::PointAtoms(LAMMPS* lmp) : Pointers(lmp), avec_(AtomVecMpdem::of(lmp)), before_(lmp->atom->nlocal) {}
+
+int PointAtoms::made() const { return atom->nlocal - before_; }
+
+void PointAtoms::reserve(double points, bool more) {
+  const double needed = atom->nlocal + points;
+  if (needed <= atom->nmax) return;
+  avec_->grow(static_cast<int>(std::min(kMostTag - 1.0, std::max(needed, more ? 1.5 * atom->nmax : 0.0))));
+}
+
+int PointAtoms::add(const PointRecord& r, const PatternHead& head, int tag, double* x, const int* image) {
+  avec_->create_atom(head.type, x);
+  const int i = atom->nlocal - 1;
+  const auto boxes = [image](int c) { return static_cast<tagint>(IMGMAX + image[c]) & IMGMASK; };
+  atom->tag[i] = tag;
+  atom->image[i] = (boxes(2) << IMG2BITS) | (boxes(1) << IMGBITS) | boxes(0);
+  atom->mask[i] = head.mask;
+  atom->radius[i] = std::cbrt(0.75 * r.volume / M_PI);
+  atom->density[i] = head.density;
+  atom->rmass[i] = head.density * r.volume;
+  avec_->add_point(i, r, tag);
+  return i;
+}
+
+void PointAtoms::finish(int first_tag, double created) {
+  atom->natoms += static_cast<bigint>(created);
+  avec_->waiting.add(lmp, before_, first_tag);
+  for (int m = 0; m < modify->nfix; ++m) {
+    Fix* fix = modify->fix[m];
+    if (!fix->create_attribute) continue;
+    fix->pre_set_arrays();
+    for (int i = before_; i < atom->nlocal; ++i) fix->set_arrays(i);
+  }
+  if (atom->map_style) {
+    atom->nghost = 0;
+    atom->map_init();
+    atom->map_set();
+  }
+}
+
+void keep_contact_history(LAMMPS* lmp) {
+  if (!lmp->force->pair || !lmp->force->pair->list) return;
+  for (int m = 0; m < lmp->modify->nfix; ++m)
+    if (std::string(lmp->modify->fix[m]->style) == "contacthistory") lmp->modify->fix[m]->setup_pre_exchange();
+}
+
+int last_tag(LAMMPS* lmp) {
+  int mine = 0, largest;
+  for (int i = 0; i < lmp->atom->nlocal; ++i) mine = std::max(mine, lmp->atom->tag[i]);
+  MPI_Allreduce(&mine, &largest, 1, MPI_INT, MPI_MAX, lmp->world);
+  return largest;
+}
+
+double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
+  if (rows.empty()) return 0.0;
+  AtomVecMpdem& avec = *AtomVecMpdem::of(lmp);
+  const SceneBox box = scene_box(*lmp->domain);
+  const std::vector<GrainOfRow> grains = first_grains(lmp, avec, rows);
+  const int first_tag = last_tag(lmp) + 1;
+  double expected = 0.0;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Body& body = avec.bonds.table[rows[n]];
+    expected += body.points;
+    if (grains[n].found == 0.0)
+      throw BadState(text_of("grain ", body.grain[0], " has cement but was deleted or lost; keep bonded grains, or use a larger box"));
+  }
+  if (first_tag - 1 + expected > kMostTag)
+    throw BadState(text_of("the ", expected, " points of bonds that wake exceed the number of atom IDs; create the cement with a larger spacing"));
+  PointAtoms atoms(lmp);
+  int tag = first_tag;
+  double x[3], v[3];
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    Body& body = avec.bonds.table[rows[n]];
+    const PointPattern& pattern = avec.bonds.patterns[body.pattern - 1];
+    const RigidBody rigid(body, grains[n]);
+    int mine = 0;
+    for (const bool count : {true, false}) {
+      if (!count) atoms.reserve(mine, n + 1 < rows.size());
+      for (std::size_t p = 0; p < pattern.points.size() && (count || mine > 0); ++p) {
+        int image[3] = {0, 0, 0};
+        rigid.find(pattern.points[p].X, x, v);
+        if (!box.take_in(x, image)) continue;
+        if (count) ++mine;
+        else std::copy(v, v + 3, lmp->atom->v[atoms.add(pattern.record(p, rows[n], body), pattern.head, tag + static_cast<int>(p), x, image)]);
+      }
+    }
+    tag += body.points;
+    body.pattern = 0;
+    body.wants_points = false;
+  }
+  const double mine = atoms.made();
+  double created;
+  MPI_Allreduce(&mine, &created, 1, MPI_DOUBLE, MPI_SUM, lmp->world);
+  if (created != expected)
+    throw BadState(text_of(expected - created, " of the ", expected, " points of bonds that wake lie outside the simulation box; use a larger or periodic box"));
+  atoms.finish(first_tag, created);
+  return created;
+}
+
+}  // namespace mpdem
