@@ -22,7 +22,7 @@ import sys
 sys.dont_write_bytecode = True  # leave the source tree as it is
 
 try:
-    from mpdem import run, table
+    from mpdem import run, runner, table
 except ImportError as missing:
     sys.exit(f"pair_table.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
              "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
@@ -110,24 +110,24 @@ def main():
         raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
     entries = {}
     for group in groups(args):
-        entries.update({r.label: r for r in table.product(group)})
+        entries.update({r.label: r for r in table.product(group, os.path.abspath(args.script))})
     runs = list(entries.values())
     run.make_folder(args.out)
     jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
     signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
-    runner = table.Runner(os.path.abspath(args.out), runs, os.path.abspath(args.exe), os.path.abspath(args.script), jobs, args.ranks)
+    all_runs = runner.Runner(os.path.abspath(args.out), runs, os.path.abspath(args.exe), jobs, args.ranks)
     stopped = False
     try:
-        failed = runner.go()
+        failed = all_runs.go()
     except KeyboardInterrupt:
         stopped = True
-    rows = table.write(os.path.join(args.out, "table.csv"), runs, os.path.abspath(args.out), os.path.abspath(args.script))
+    rows = table.write(os.path.join(args.out, "table.csv"), runs, os.path.abspath(args.out))
     print(f"written to {args.out}: {', '.join(['table.csv'] + draw(args.out, rows))}")
     if stopped:
         sys.exit("pair_table.py: stopped; the same command goes on from here")
     if failed:
         raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
-                          "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3]))
+                          "; ".join(f"{r.label}: {why}" for r, why in all_runs.failed[:3]))
 
 
 if __name__ == "__main__":

@@ -1,22 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""Runs of examples/pair_table: which there are, running them side by side, what they gave.
-
-Each run has a folder; `done.json` in it, written last, holds its parameters and results. A run
-whose `done.json` is of the same parameters and script is not run again.
-"""
+"""Runs of examples/pair_table: which there are, what they gave."""
 import csv
-import hashlib
 import itertools
-import json
 import math
 import os
-import shutil
-import signal
-import subprocess
-import time
 
-from . import loading
+from . import loading, runner
 from .run import Trouble
 
 SHAPES = ("flat", "meniscus", "coating", "coating+meniscus")
@@ -50,7 +40,9 @@ def coating_thickness(content, gap=0.0):
 class Run:
     """One pair: words of the table and variables of the script."""
 
-    def __init__(self, shape, load, content, extra):
+    needs = ()
+
+    def __init__(self, shape, load, content, extra, script=None):
         if shape not in SHAPES:
             raise Trouble(f"shape {shape}: must be one of {', '.join(SHAPES)}")
         if load not in LOADS:
@@ -60,7 +52,7 @@ class Run:
         for key in extra:
             if key not in VARIABLES and key not in OWN:
                 raise Trouble(f"{key}: no variable of the table; known are {', '.join(VARIABLES + tuple(OWN))}")
-        self.shape, self.load, self.content, self.extra = shape, load, content, dict(extra)
+        self.shape, self.load, self.content, self.extra, self.script = shape, load, content, dict(extra), script
         own = {k: number(k, extra.get(k, v)) for k, v in OWN.items()}
         spacing = own["coarse"]
         if shape.startswith("coating"):
@@ -82,11 +74,20 @@ class Run:
             volume *= min(0.02 + content, 1.0)  # only what is near the bond
         self.cost = volume / self.spacing**3 / step
 
-    def command(self, exe, script, ranks):
-        words = [exe, "-in", script]
-        for k, v in self.arguments.items():
-            words += ["-var", k, v]
-        return (["mpirun", "--oversubscribe", "--bind-to", "none", "-np", str(ranks)] if ranks > 1 else []) + words
+    def command(self, exe, ranks):
+        return runner.command(exe, self.script, ranks, self.arguments)
+
+    def results(self, folder):
+        return loading.results(folder, RADIUS, window=0.999 * self.window)
+
+    def told(self, results):
+        return f"{results['mode']}, peak {results['peak']:.4g}, {results['points']} points, {results['steps']} steps"
+
+    def progress(self, folder):
+        return f"at step {last_step(os.path.join(folder, 'load_run.csv'))} of at most {self.arguments['limit']}"
+
+    def share(self, folder):
+        return 0.0  # it ends when the pair is broken
 
 
 def number(name, value):
@@ -99,7 +100,7 @@ def number(name, value):
     return v
 
 
-def product(group):
+def product(group, script):
     """The runs of {"shapes": [...], "loads": [...], "contents": [...], "set": {...}, "vary": {...}}."""
     for key in group:
         if key not in ("title", "shapes", "loads", "contents", "set", "vary"):
@@ -111,113 +112,8 @@ def product(group):
     runs = []
     for values in itertools.product(*vary.values()):
         extra = {**group.get("set", {}), **dict(zip(vary, values))}
-        runs += [Run(s, l, float(c), extra) for s, l, c in itertools.product(group["shapes"], group["loads"], group["contents"])]
+        runs += [Run(s, l, float(c), extra, script) for s, l, c in itertools.product(group["shapes"], group["loads"], group["contents"])]
     return runs
-
-
-def stamp(run, script):
-    with open(script, "rb") as f:
-        return {"arguments": run.arguments, "script": hashlib.sha256(f.read()).hexdigest()[:16]}
-
-
-def finished(out, run, script):
-    """The results of a run that was finished with these parameters, else None."""
-    try:
-        with open(os.path.join(out, run.label, "done.json")) as f:
-            done = json.load(f)
-    except (OSError, ValueError):
-        return None
-    return done["results"] if done.get("stamp") == stamp(run, script) else None
-
-
-class Runner:
-    """Keeps `jobs` runs going; `go` returns how many failed. Stopped by SIGINT or SIGTERM, it stops them."""
-
-    def __init__(self, out, runs, exe, script, jobs, ranks):
-        self.out, self.exe, self.script, self.jobs, self.ranks = out, exe, script, jobs, ranks
-        self.waiting = [r for r in runs if finished(out, r, script) is None]
-        self.skipped = len(runs) - len(self.waiting)
-        self.all, self.active, self.failed, self.spent, self.start = runs, [], [], 0.0, time.time()
-        self.wake = 0.0
-
-    def go(self):
-        say(f"{len(self.all)} runs, {self.skipped} finished before, {len(self.waiting)} to do, "
-            f"{self.jobs} at a time on {self.ranks} rank{'s' * (self.ranks > 1)} each")
-        # the longest first, so that none is left alone at the end
-        self.waiting.sort(key=lambda r: -r.cost)
-        self.total = sum(r.cost for r in self.waiting)
-        try:
-            while self.waiting or self.active:
-                while self.waiting and len(self.active) < self.jobs:
-                    self.launch(self.waiting.pop(0))
-                time.sleep(0.1)
-                for item in list(self.active):
-                    if item["process"].poll() is not None:
-                        self.active.remove(item)
-                        self.finish(item)
-                if self.active and time.time() > self.wake:
-                    self.wake = time.time() + 15.0
-                    self.progress()
-        finally:
-            for item in self.active:
-                os.killpg(item["process"].pid, signal.SIGKILL)  # it begins anew, so it need not save anything
-            for item in self.active:
-                item["process"].wait()
-                item["out"].close()
-        return len(self.failed)
-
-    def launch(self, run):
-        folder = os.path.join(self.out, run.label)
-        shutil.rmtree(folder, ignore_errors=True)
-        os.makedirs(folder)
-        out = open(os.path.join(folder, "out.txt"), "w")
-        environment = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", **os.environ}
-        process = subprocess.Popen(run.command(self.exe, self.script, self.ranks), cwd=folder, stdout=out, env=environment,
-                                   stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=True)
-        self.active.append({"run": run, "process": process, "out": out, "folder": folder, "since": time.time()})
-
-    def finish(self, item):
-        item["out"].close()
-        run, folder, wall = item["run"], item["folder"], time.time() - item["since"]
-        self.spent += run.cost
-        with open(os.path.join(folder, "out.txt"), errors="replace") as f:
-            text = f.read()
-        trouble = [line for line in text.splitlines() if line.startswith("ERROR")]
-        if item["process"].returncode or trouble or "\nRESULT " not in text:
-            self.failed.append((run, trouble[0] if trouble else f"ended with status {item['process'].returncode}; "
-                                f"see {os.path.join(folder, 'out.txt')}"))
-            say(f"{self.count()} FAILED {run.label}: {self.failed[-1][1]}")
-            return
-        try:
-            results = loading.results(folder, RADIUS, window=0.999 * run.window)
-        except Trouble as t:
-            self.failed.append((run, str(t)))
-            say(f"{self.count()} FAILED {run.label}: {t}")
-            return
-        results["wall"] = wall
-        text = json.dumps({"stamp": stamp(run, self.script), "results": results}, indent=1, default=float)
-        with open(os.path.join(folder, "done.tmp"), "w") as f:
-            f.write(text)
-        os.replace(os.path.join(folder, "done.tmp"), os.path.join(folder, "done.json"))
-        say(f"{self.count()} {run.label}: {results['mode']}, peak {results['peak']:.4g}, {results['points']} points, "
-            f"{results['steps']} steps, {wall:.0f} s{self.left()}")
-
-    def count(self):
-        done = len(self.all) - len(self.waiting) - len(self.active)
-        return f"[{done}/{len(self.all)}]"
-
-    def left(self):
-        if not self.waiting and not self.active or not self.spent:
-            return ""
-        seconds = (time.time() - self.start) * (self.total / self.spent - 1)
-        return f"; about {seconds / 60:.0f} min left" if seconds > 90 else f"; about {seconds:.0f} s left"
-
-    def progress(self):
-        parts = []
-        for item in self.active:
-            step = last_step(os.path.join(item["folder"], "load_run.csv"))
-            parts.append(f"{item['run'].label} at step {step} of at most {item['run'].arguments['limit']}")
-        say(f"{self.count()} running: {'; '.join(parts)}{self.left()}")
 
 
 def last_step(path):
@@ -230,13 +126,9 @@ def last_step(path):
         return 0
 
 
-def say(text):
-    print(text, flush=True)
-
-
-def write(path, runs, out, script):
+def write(path, runs, out):
     """The finished ones of the runs; returns them with their results."""
-    rows = [(r, res) for r, res in ((r, finished(out, r, script)) for r in runs) if res is not None]
+    rows = [(r, res) for r, res in ((r, runner.finished(out, r)) for r in runs) if res is not None]
     with open(path + ".tmp", "w", newline="") as f:
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)

@@ -34,14 +34,14 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
 
 }  // namespace
 
-std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law) {
+std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most) {
   auto s = std::make_shared<Solution>();
   const SidesAtCreation at(body);
   if (b) {
     const StaticParts parts{b->points, b->grid, b->links, at.side, body, law};
-    s->fields = solve_static(comm, &parts);
+    s->fields = solve_static(comm, &parts, most);
   } else {
-    s->fields = solve_static(comm, nullptr);
+    s->fields = solve_static(comm, nullptr, most);
   }
   s->model.K = s->fields.stiffness;
   s->model.middle = frame_of(body, at.side).middle;

@@ -124,7 +124,7 @@ class CondensedBonds {
     double margin = 0.0;                       // how much the bound may change until the next time
   };
   const Member* find(int body) const;
-  static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law);
+  static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
   double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
   void show_strain(Bond& bond, int part) const;
 
@@ -144,8 +144,9 @@ class CondensedBonds {
   int solved_last_ = 0;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {
-    double damage, failed;  // when it was solved
-    std::shared_ptr<const Solution> solution;
+    bool tried = false;
+    double damage = 0.0, failed = 0.0;         // when it was solved
+    std::shared_ptr<const Solution> solution;  // none: the solution was not found
   };
   std::map<int, Candidate> candidates_;  // bonds that are awake, solved to see whether they fit
   std::vector<Member> members_;                               // ascending in body

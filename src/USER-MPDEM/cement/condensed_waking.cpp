@@ -8,6 +8,7 @@
 
 #include "../mpm/advance_points.h"
 #include "../mpm/field_drive.h"
+#include "../parallel/agree.h"
 #include "condensed_bonds.h"
 #include "condensed_fields.h"
 
@@ -18,6 +19,7 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kChange = 1e-3;  // of what the bond has at its threshold
+constexpr int kMostStepsOfCandidate = 1000;  // of the iteration; intact bonds take some hundred
 
 }  // namespace
 
@@ -125,12 +127,18 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
   PointSums now;
   now.add(awake.points, law, false);
   Candidate& c = candidates_[awake.body];
-  if (!c.solution || c.damage != now.damaged_volume || c.failed != now.failed) {
+  if (!c.tried || c.damage != now.damaged_volume || c.failed != now.failed) {
     Bond still(awake);
     go_back_to_creation(still.points);
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
-    c = {now.damaged_volume, now.failed, solved(MPI_COMM_SELF, &still, body, law)};
+    c = {true, now.damaged_volume, now.failed, nullptr};
+    try {
+      c.solution = solved(MPI_COMM_SELF, &still, body, law, kMostStepsOfCandidate);
+    } catch (const BadState&) {
+      // nearly apart: no static field to go by until its damage changes
+    }
   }
+  if (!c.solution) return false;
   const CondensedModel& model = c.solution->model;
   const Eigen::LLT<Matrix6> K(model.K);
   if (K.info() != Eigen::Success || root == 0.0) return false;

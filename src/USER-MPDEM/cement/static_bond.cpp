@@ -20,7 +20,7 @@ using Motion = double[2][6];  // of both grains, about their centres
 // The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that it began with. The
 // fields are good to its root. Where points failed, nodes beside them hold next to nothing, and the energy does not wait for them.
 constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
-constexpr int kLeastSteps = 40, kMostSteps = 20000;
+constexpr int kLeastSteps = 40;
 
 // The nodes of one bond as unknowns. Vectors have three numbers a node; those of tied nodes are no unknowns.
 class Equations {
@@ -120,7 +120,7 @@ bool any_failed(const PointStore& points) {
 }
 
 // Conjugate gradients from x on, with the residual r of x, whose energy is given. Returns the products.
-int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline) {
+int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
   std::vector<double> p(r.size(), 0.0), Kp(r.size());
@@ -132,7 +132,7 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
     equations.force(p, at_rest, Kp, load);
     const double pKp = -equations.dot(p, Kp);
     const int steps = static_cast<int>(taken.size()), window = std::max(kLeastSteps, steps / 4);
-    if (!std::isfinite(pKp) || steps > kMostSteps)
+    if (!std::isfinite(pKp) || steps > most)
       throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
     if (!(pKp > 0.0)) break;  // nothing that has stiffness is left
     const double a = rho / pKp;
@@ -166,7 +166,7 @@ BondFrame frame_of(const Body& body, const GrainSide* side) {
   return f;
 }
 
-StaticBond solve_static(MPI_Comm comm, const StaticParts* parts) {
+StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   StaticBond bond;
   Equations equations(comm, parts);
   std::array<std::vector<double>, 6> force;  // of each field on the nodes
@@ -189,7 +189,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts) {
     std::vector<double> r(x.size());
     equations.force(x, motion[j], force[j], load_of[j]);
     r = force[j];
-    bond.products += 2 + iterate(equations, x, r, energy(j, j), decline);
+    bond.products += 2 + iterate(equations, x, r, energy(j, j), decline, most);
     equations.force(x, motion[j], force[j], load_of[j]);
     if (parts) bond.strain[j] = strain_by(parts->points, parts->grid, x.data());
   }
@@ -201,7 +201,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts) {
 std::vector<double> solve_static(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
   Equations equations(comm, parts);
   std::vector<double> x(force.size(), 0.0);
-  iterate(equations, x, force, equations.size_of(force), kDecline);
+  iterate(equations, x, force, equations.size_of(force), kDecline, kMostStaticSteps);
   if (parts) parts->grid.ties.extend(x.data());
   return x;
 }

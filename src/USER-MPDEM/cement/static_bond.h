@@ -39,6 +39,9 @@ BondFrame frame_of(const Body& body, const GrainSide* side);
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+// Of the iteration, for each field. What holds by next to nothing may need more: BadState is thrown then.
+constexpr int kMostStaticSteps = 20000;
+
 // Bond on its layout. side as above.
 struct StaticParts {
   const PointStore& points;
@@ -60,7 +63,7 @@ struct StaticBond {
 
 // Collective among the ranks that share the bond if it is cut, with a communicator of theirs: the same bond on all of them, or on some
 // and nothing (parts null) on the others. Throws BadState if the iteration does not end.
-StaticBond solve_static(MPI_Comm comm, const StaticParts* parts);
+StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most = kMostStaticSteps);
 // Of a bond that no other rank shares.
 inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
 

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""A specimen of examples/specimen: which runs there are, and what each gave.
+
+The beads are poured once, cemented once for each content, and loaded once for each test.
+"""
+import csv
+import glob
+import os
+import re
+
+import numpy as np
+
+from . import runner
+from .loading import read_table
+from .run import Trouble
+
+FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
+STIFFNESS = (0.3, 0.6)   # of the peak, beyond the confining pressure
+COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "strength", "strain_at_peak", "strain_at_end",
+           "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_share",
+           "imbalance", "work", "in_contacts", "steps", "wall")
+
+
+def variables_of(script):
+    """What may be set in a script: its variables of style index."""
+    with open(script) as f:
+        return re.findall(r"^variable +(\w+) +index ", f.read(), re.M)
+
+
+class Stage:
+    """A run of one of the scripts."""
+
+    def __init__(self, label, script, needs, cost, extra, own):
+        self.label, self.script, self.needs, self.cost = label, os.path.join(FOLDER, script), needs, cost
+        known = variables_of(self.script) + [v for i in ("beads.in",) for v in variables_of(os.path.join(FOLDER, i))]
+        self.arguments = {"here": FOLDER, **own, **{k: v for k, v in extra.items() if k in known}}
+
+    def command(self, exe, ranks):
+        return runner.command(exe, self.script, ranks, self.arguments)
+
+    def progress(self, folder):
+        return ""
+
+    def share(self, folder):
+        return 0.0
+
+
+def output(folder):
+    with open(os.path.join(folder, "out.txt"), errors="replace") as f:
+        return f.read()
+
+
+class Pour(Stage):
+    def __init__(self, beads, extra):
+        super().__init__("poured", "in.pour", (), 0.1 * beads, extra, {"beads": str(beads)})
+
+    def results(self, folder):
+        with open(os.path.join(folder, "poured.in")) as f:
+            found = dict(re.findall(r"^variable (\w+) +index (\S+)", f.read(), re.M))
+        return {k: float(v) for k, v in found.items()}
+
+    def told(self, r):
+        return f"{1e3 * r['side']:.3g} by {1e3 * r['side']:.3g} by {1e3 * r['height']:.3g} mm"
+
+
+class Cement(Stage):
+    def __init__(self, content, poured, extra):
+        super().__init__(f"cemented_{content:g}", "in.cement", (poured,), 0.1 * poured.cost, extra,
+                         {"poured": "../poured", "content": f"{content:g}"})
+
+    def results(self, folder):
+        text = output(folder)
+        made = re.search(r"^Cement at (\d+) contacts .*\n *in all (\d+) points, volume (\S+), mass (\S+), content .*\) (\S+)$", text, re.M)
+        if not made:
+            raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks the line of create_cement; run again")
+        return {"bonds": int(made[1]), "points": int(made[2]), "content_of_all": float(made[5])}
+
+    def told(self, r):
+        return f"{r['bonds']} bonds of {r['points']} points, {100 * r['content_of_all']:.3g} % of the mass of the beads"
+
+
+class Load(Stage):
+    def __init__(self, test, content, pressure, cement, extra):
+        confined = f"_{1e-6 * pressure:g}MPa" if pressure else ""
+        super().__init__(f"{test}_{content:g}{confined}", "in.load", (cement,), cement.cost * (5.0 if test == "tension" else 30.0), extra,
+                         {"poured": "../poured", "cemented": f"../{cement.label}", "test": test, "pressure": f"{pressure:g}"})
+        if "cell" not in extra and "spacing" in extra:
+            self.arguments["cell"] = f"{2 * float(extra['spacing']):g}"
+        self.test, self.content, self.pressure = test, content, pressure
+
+    def results(self, folder):
+        return results(folder, self)
+
+    def told(self, r):
+        return (f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {1e-9 * r['stiffness']:.3g} GPa, "
+                f"{r['broken']} of {r['bonds']} bonds broken")
+
+    def line(self, folder):
+        """The last line of progress of the script, by its words."""
+        try:
+            lines = re.findall(r"^PROGRESS (.*)\n", output(folder), re.M)
+        except OSError:
+            lines = []
+        words = lines[-1].split() if lines else []
+        return {k: float(v) for k, v in zip(words[::2], words[1::2])}
+
+    def progress(self, folder):
+        now = self.line(folder)
+        return f"at {1e3 * now['strain']:.3g} per mille, {now['load']:.4g} N, {now['awake']:.0f} awake, {now['broken']:.0f} broken" if now else "begins"
+
+    def share(self, folder):
+        now = self.line(folder)
+        return min(now["strain"] / now["last"], 1.0) if now else 0.0
+
+
+class Curve:
+    """The rows of curve.csv from where the ends begin to move; stress and strain by the first shape of the specimen."""
+
+    def __init__(self, folder, test, pressure):
+        table = read_table(os.path.join(folder, "curve.csv"))
+        shape = Pour.results(None, os.path.join(os.path.dirname(folder), "poured"))
+        text = output(folder)
+        found = re.search(r"^SPECIMEN long (\S+)$", text, re.M)
+        if not found:
+            raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks the line SPECIMEN; run again")
+        self.long, self.section = float(found[1]), shape["side"]**2
+        moves = np.flatnonzero(table["stage"] == 1)
+        if moves.size < 5:
+            raise Trouble(f"{os.path.join(folder, 'curve.csv')}: less than five rows of loading; set a smaller record")
+        first = max(moves[0] - 1, 0)
+        t = self.table = {k: v[first:] for k, v in table.items()}
+        self.test, self.pressure = test, pressure
+        self.time = t["time"] - t["time"][0]
+        self.strain = (t["way"] - t["way"][0]) / self.long
+        self.stress = t["force"] / self.section
+        self.lateral = t["lateral"] - t["lateral"][0]
+        kinetic, stored = t["kinetic_beads"] + t["kinetic"], t["elastic"] + t["coupling"]
+        self.kinetic, self.stored = kinetic, stored
+        self.kinetic_share = kinetic / np.maximum(kinetic + stored, 1e-300)
+        self.work = self._work(table, shape["side"])[first:]
+        self.in_cement = t["work"]
+        self.in_contacts = self.work - self.in_cement - t["kinetic_beads"]
+        self.peak = int(np.argmax(self.stress))
+
+    def _work(self, table, side):
+        """Of the walls and grips on the specimen; forces are means over the interval that ends with the row."""
+        axial = np.cumsum(table["force"][1:] * np.diff(table["way"]))
+        sides = np.cumsum(table["sideways"][1:] * np.diff(table["lateral"])) * 2 * side
+        return np.concatenate(([0.0], axial - sides))
+
+
+def results(folder, load):
+    c = Curve(folder, load.test, load.pressure)
+    t, k = c.table, c.peak
+    cement = runner.finished(os.path.dirname(folder), load.needs[0])
+    beyond = c.stress - load.pressure
+    rising = beyond[:k + 1]
+    inside = np.flatnonzero((rising >= STIFFNESS[0] * rising[k]) & (rising <= STIFFNESS[1] * rising[k]))
+    stiffness = float("nan")
+    if inside.size >= 2:
+        stiffness = float(np.polyfit(c.strain[inside] / c.strain[k], c.stress[inside], 1)[0] / c.strain[k])
+    half = int(np.argmax(rising >= 0.5 * rising[k]))
+    return {"test": load.test, "content": load.content, "pressure": load.pressure, **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
+            "stiffness": stiffness, "strength": float(c.stress[k]), "strain_at_peak": float(c.strain[k]), "strain_at_end": float(c.strain[-1]),
+            "load_at_end": float(c.stress[-1] / c.stress[k]), "awake_at_peak": int(t["awake"][k]), "broken_at_peak": int(t["broken"][k]),
+            "awake_most": int(t["awake"].max()), "broken": int(t["broken"][-1]), "debonding": int(t["debonding"][-1]),
+            "internal": int(t["internal"][-1]), "mixed": int(t["mixed"][-1]), "kinetic_share": float(c.kinetic_share[half:k + 1].max()),
+            "imbalance": float(np.abs(t["imbalance"][1:]).max()), "work": float(c.work[-1]), "in_contacts": float(c.in_contacts[-1]),
+            "steps": int(t["step"][-1] - t["step"][0])}
+
+
+def mohr_coulomb(rows):
+    """Cohesion and friction angle (degrees) of the line strength = C + q pressure that fits best; the residual over the largest strength."""
+    p, s = (np.array([float(r[k]) for r in rows]) for k in ("pressure", "strength"))
+    if len(set(p)) < 2:
+        return None
+    q, C = np.polyfit(p, s, 1)
+    angle = np.degrees(np.arcsin((q - 1) / (q + 1)))
+    return {"cohesion": float(C / (2 * np.sqrt(q))), "angle": float(angle), "slope": float(q), "unconfined": float(C),
+            "off": float(np.abs(s - C - q * p).max() / s.max())}
+
+
+def bonds_at(folder):
+    """The table of the bonds by step: for each a dict of columns, in the order of the bonds."""
+    table = read_table(os.path.join(folder, "bond.csv"))
+    table["mode"] = np.array(table["mode"])
+    steps = np.unique(table["step"])
+    return {int(s): {k: v[table["step"] == s] for k, v in table.items()} for s in steps}
+
+
+def beads_at(folder):
+    """Places and radii of the beads by step, by ID."""
+    found = {}
+    for path in glob.glob(os.path.join(folder, "beads.*.txt")):
+        with open(path) as f:
+            head = [next(f) for _ in range(9)]
+            rows = np.loadtxt(f, ndmin=2)
+        found[int(head[1])] = {int(r[0]): r[1:5] for r in rows}
+    return found
+
+
+def write(path, runs, out):
+    """The finished loads; returns them with their results."""
+    rows = [(r, res) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load)) if res is not None]
+    with open(path + ".tmp", "w", newline="") as f:
+        w = csv.writer(f, lineterminator="\n")
+        w.writerow(COLUMNS)
+        for r, res in rows:
+            known = {**res, "label": r.label}
+            w.writerow([f"{known[c]:.6g}" if isinstance(known[c], float) else known[c] for c in COLUMNS])
+    os.replace(path + ".tmp", path)
+    return rows

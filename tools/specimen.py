@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+"""Pours a specimen of beads, cements it, and breaks it: compression, direct tension, triaxial compression.
+
+    tools/specimen.py OUT
+    tools/specimen.py OUT --beads 50 --contents 0.006 --pressures 2e5
+    tools/specimen.py OUT --redraw
+
+Runs the scripts of examples/specimen: in.pour once, in.cement once for each content, in.load for each content in
+compression and in tension, and for each confining pressure at one content. Leaves specimen.csv and figures in OUT, and
+prints cohesion and friction angle. Called again it goes on where it was stopped: finished runs are kept, others are run
+from the start. --redraw runs nothing. Needs Debian's python3-numpy and python3-matplotlib.
+"""
+import argparse
+import os
+import signal
+import sys
+
+sys.dont_write_bytecode = True  # leave the source tree as it is
+
+try:
+    from mpdem import run, runner, specimen
+except ImportError as missing:
+    sys.exit(f"specimen.py: {missing}; apt-get install python3-numpy python3-matplotlib, "
+             "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def at_least_one(text):
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
+    return int(text)
+
+
+def positive(text):
+    try:
+        found = [float(t) for t in text.split(",") if t]
+    except ValueError:
+        found = [-1.0]
+    if any(not 0.0 < v < float("inf") for v in found):
+        raise argparse.ArgumentTypeError(f"{text}: must be positive numbers with commas between them")
+    return found
+
+
+def arguments():
+    p = argparse.ArgumentParser(description="Pours a specimen of beads, cements it, and breaks it.")
+    p.add_argument("out", metavar="OUT", help="folder of the runs, specimen.csv and the figures")
+    p.add_argument("--beads", metavar="N", type=at_least_one, default=150, help="number of beads (150)")
+    p.add_argument("--contents", metavar="C,D", type=positive, default=[0.003, 0.006, 0.012], help="mass of the cement of a bond over that of its two beads")
+    p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1e5, 2e5, 4e5], help="on the sides, Pa; none: ''")
+    p.add_argument("--at", metavar="C", type=float, help="content at which the sides are pressed (default: the middle one)")
+    p.add_argument("--tests", metavar="A,B", default="compression,tension", help="unconfined tests, compression and tension")
+    p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the scripts")
+    p.add_argument("--redraw", action="store_true", help="run nothing, draw what is finished")
+    p.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
+    p.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
+    p.add_argument("--exe", metavar="FILE", default=os.path.join(ROOT, "build", "liggghts-mpdem"), help="the executable")
+    return p.parse_args()
+
+
+def variables(words):
+    """NAME=VALUE as a dict; names that no script has are refused."""
+    known = sorted({v for s in ("beads.in", "in.pour", "in.cement", "in.load") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
+                   - {"here", "poured", "cemented", "beads", "content", "test", "pressure"})
+    found = {}
+    for word in words:
+        name, _, value = word.partition("=")
+        if name not in known or not value:
+            raise run.Trouble(f"--set {word}: must be NAME=VALUE, with NAME one of {', '.join(known)}")
+        found[name] = value
+    return found
+
+
+def plan(args):
+    """All runs, and the content at which the sides are pressed."""
+    extra, tests = variables(args.set), [t for t in args.tests.split(",") if t]
+    for test in tests:
+        if test not in ("compression", "tension"):
+            raise run.Trouble(f"--tests {test}: must be compression or tension")
+    contents = sorted(args.contents)
+    reference = args.at or contents[len(contents) // 2]
+    poured = specimen.Pour(args.beads, extra)
+    cements = {c: specimen.Cement(c, poured, extra) for c in sorted({*contents, reference})}
+    loads = [specimen.Load(test, c, 0.0, cements[c], extra) for c in contents for test in tests]
+    loads += [specimen.Load("compression", reference, p, cements[reference], extra) for p in sorted(args.pressures)]
+    used = {n.label for load in loads for n in load.needs}
+    return [poured, *(c for c in cements.values() if c.label in used), *loads], reference
+
+
+def draw(out, rows, reference, fit):
+    from mpdem import specimen_figures as figures
+    items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure)) for load, r in rows]
+    names, roses = ["curves.png", "awake.png", "strength.png", "rose.png"], []
+    figures.curves(os.path.join(out, "curves.png"), items, reference)
+    figures.awake(os.path.join(out, "awake.png"), items)
+    figures.strengths(os.path.join(out, "strength.png"), items, reference, fit)
+    for load, _, curve in items:
+        folder = os.path.join(out, load.label)
+        bonds, beads = specimen.bonds_at(folder), specimen.beads_at(folder)
+        figures.energy(os.path.join(out, f"energy_{load.label}.png"), load, curve)
+        figures.bonds_in_space(os.path.join(out, f"bonds_{load.label}.png"), load, curve, bonds, beads)
+        names += [f"energy_{load.label}.png", f"bonds_{load.label}.png"]
+        roses.append((load, bonds[min(bonds)], bonds[max(bonds)], beads[min(beads)]))
+    figures.rose(os.path.join(out, "rose.png"), roses)
+    return names
+
+
+def tell(rows, reference):
+    """The table, and cohesion and friction angle; returns these."""
+    for load, r in rows:
+        print(f"{load.label}: {load.told(r)}; kinetic share before the peak {r['kinetic_share']:.1e}, energy imbalance of the cement {r['imbalance']:.1e}")
+    fit = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
+    if fit:
+        print(f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees; "
+              f"strengths off the line by at most {100 * fit['off']:.2g} % of the largest")
+    return fit
+
+
+def main():
+    args = arguments()
+    runs, reference = plan(args)
+    if not args.redraw and not os.access(args.exe, os.X_OK):
+        raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
+    out = os.path.abspath(args.out)
+    run.make_folder(out)
+    stopped, failed = False, 0
+    if not args.redraw:
+        signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
+        jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
+        all_runs = runner.Runner(out, runs, os.path.abspath(args.exe), jobs, args.ranks)
+        try:
+            failed = all_runs.go()
+        except KeyboardInterrupt:
+            stopped = True
+    rows = specimen.write(os.path.join(out, "specimen.csv"), runs, out)
+    names = ["specimen.csv"] + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
+    print(f"written to {args.out}: {', '.join(names)}")
+    if stopped:
+        sys.exit("specimen.py: stopped; the same command goes on from here")
+    if failed:
+        raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
+                          "; ".join(f"{r.label}: {why}" for r, why in all_runs.failed[:3]))
+
+
+if __name__ == "__main__":
+    run.end_with_message("specimen.py", main)
