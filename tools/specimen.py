@@ -110,7 +110,8 @@ def draw(out, rows, reference, fit):
 def tell(rows, reference):
     """The table, and cohesion and friction angle; returns these."""
     for load, r in rows:
-        print(f"{load.label}: {load.told(r)}; kinetic share before the peak {r['kinetic_share']:.1e}, energy imbalance of the cement {r['imbalance']:.1e}")
+        print(f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, "
+              f"{r['kinetic_at_first_failure']:.1e} at the first point that fails; energy imbalance of the cement {r['imbalance']:.1e}")
     fit = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
     if fit:
         print(f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees; "

@@ -17,9 +17,10 @@ from .run import Trouble
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
 STIFFNESS = (0.3, 0.6)   # of the peak, beyond the confining pressure
-COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "strength", "strain_at_peak", "strain_at_end",
-           "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_share",
-           "imbalance", "work", "in_contacts", "steps", "wall")
+FEWEST = 10              # beads that tell the strain
+COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "stiffness_of_ends", "strength", "strain_at_peak", "strain_at_end",
+           "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_at_half",
+           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall")
 
 
 def variables_of(script):
@@ -81,6 +82,8 @@ class Cement(Stage):
 
 
 class Load(Stage):
+    ends = {"compression": 7e-4, "tension": 3e-4}  # strain at which a test ends, a guess until one has
+
     def __init__(self, test, content, pressure, cement, extra):
         confined = f"_{1e-6 * pressure:g}MPa" if pressure else ""
         super().__init__(f"{test}_{content:g}{confined}", "in.load", (cement,), cement.cost * (5.0 if test == "tension" else 30.0), extra,
@@ -90,7 +93,9 @@ class Load(Stage):
         self.test, self.content, self.pressure = test, content, pressure
 
     def results(self, folder):
-        return results(folder, self)
+        found = results(folder, self)
+        Load.ends[self.test] = found["strain_at_end"]
+        return found
 
     def told(self, r):
         return (f"strength {1e-6 * r['strength']:.3g} MPa at {1e3 * r['strain_at_peak']:.3g} per mille, stiffness {1e-9 * r['stiffness']:.3g} GPa, "
@@ -111,7 +116,7 @@ class Load(Stage):
 
     def share(self, folder):
         now = self.line(folder)
-        return min(now["strain"] / now["last"], 1.0) if now else 0.0
+        return min(now["strain"] / self.ends[self.test], 0.95) if now else 0.0
 
 
 class Curve:
@@ -124,7 +129,8 @@ class Curve:
         found = re.search(r"^SPECIMEN long (\S+)$", text, re.M)
         if not found:
             raise Trouble(f"{os.path.join(folder, 'out.txt')}: lacks the line SPECIMEN; run again")
-        self.long, self.section = float(found[1]), shape["side"]**2
+        self.long, self.height, self.section = float(found[1]), shape["height"], shape["side"]**2
+        self.grip = 0.5 * (self.height - self.long)
         moves = np.flatnonzero(table["stage"] == 1)
         if moves.size < 5:
             raise Trouble(f"{os.path.join(folder, 'curve.csv')}: less than five rows of loading; set a smaller record")
@@ -137,8 +143,8 @@ class Curve:
         self.lateral = t["lateral"] - t["lateral"][0]
         kinetic, stored = t["kinetic_beads"] + t["kinetic"], t["elastic"] + t["coupling"]
         self.kinetic, self.stored = kinetic, stored
-        self.kinetic_share = kinetic / np.maximum(kinetic + stored, 1e-300)
         self.work = self._work(table, shape["side"])[first:]
+        self.kinetic_share = kinetic / np.maximum(np.maximum(self.work, stored + kinetic), 1e-300)  # of all that was put in
         self.in_cement = t["work"]
         self.in_contacts = self.work - self.in_cement - t["kinetic_beads"]
         self.peak = int(np.argmax(self.stress))
@@ -150,22 +156,41 @@ class Curve:
         return np.concatenate(([0.0], axial - sides))
 
 
+def slope(x, y):
+    scale = np.ptp(x) if x.size >= 2 and np.isfinite(x).all() else 0.0
+    return float(np.polyfit((x - x[0]) / scale, y - y[0], 1)[0] / scale) if scale > 0.0 else float("nan")
+
+
+def gauge_strain(folder, c):
+    """Axial strain of the beads themselves, at the rows of the curve: that of the plates holds the contacts of beads and plates, too.
+
+    It is the slope of the displacements of all beads along the axis; in tension without those in the grips."""
+    beads = beads_at(folder)
+    steps = sorted(s for s in beads if s >= c.table["step"][0] - 1) or sorted(beads)[-1:]
+    ids = sorted(beads[steps[0]])
+    z = np.array([[beads[s][i][2] for i in ids] for s in steps])
+    if c.test == "tension":
+        z = z[:, (z[0] > c.grip) & (z[0] < c.height - c.grip)]
+    if z.shape[1] < FEWEST:
+        return np.full(len(c.strain), np.nan)
+    strain = [np.polyfit(z[0], row - z[0], 1)[0] for row in z]
+    return np.interp(c.table["step"], steps, strain) * (1.0 if c.test == "tension" else -1.0)
+
+
 def results(folder, load):
     c = Curve(folder, load.test, load.pressure)
     t, k = c.table, c.peak
     cement = runner.finished(os.path.dirname(folder), load.needs[0])
-    beyond = c.stress - load.pressure
-    rising = beyond[:k + 1]
+    rising = (c.stress - load.pressure)[:k + 1]
     inside = np.flatnonzero((rising >= STIFFNESS[0] * rising[k]) & (rising <= STIFFNESS[1] * rising[k]))
-    stiffness = float("nan")
-    if inside.size >= 2:
-        stiffness = float(np.polyfit(c.strain[inside] / c.strain[k], c.stress[inside], 1)[0] / c.strain[k])
-    half = int(np.argmax(rising >= 0.5 * rising[k]))
+    gauge = gauge_strain(folder, c)
+    half, fails = int(np.argmax(rising >= 0.5 * rising[k])), int(np.argmax(t["failed"] > 0)) or k
     return {"test": load.test, "content": load.content, "pressure": load.pressure, **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
-            "stiffness": stiffness, "strength": float(c.stress[k]), "strain_at_peak": float(c.strain[k]), "strain_at_end": float(c.strain[-1]),
+            "stiffness": slope(gauge[inside], c.stress[inside]), "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]), "strength": float(c.stress[k]), "strain_at_peak": float(c.strain[k]), "strain_at_end": float(c.strain[-1]),
             "load_at_end": float(c.stress[-1] / c.stress[k]), "awake_at_peak": int(t["awake"][k]), "broken_at_peak": int(t["broken"][k]),
             "awake_most": int(t["awake"].max()), "broken": int(t["broken"][-1]), "debonding": int(t["debonding"][-1]),
-            "internal": int(t["internal"][-1]), "mixed": int(t["mixed"][-1]), "kinetic_share": float(c.kinetic_share[half:k + 1].max()),
+            "internal": int(t["internal"][-1]), "mixed": int(t["mixed"][-1]), "kinetic_at_half": float(c.kinetic_share[half]),
+            "kinetic_at_first_failure": float(c.kinetic_share[max(fails - 1, 0)]), "kinetic_at_peak": float(c.kinetic_share[k]),
             "imbalance": float(np.abs(t["imbalance"][1:]).max()), "work": float(c.work[-1]), "in_contacts": float(c.in_contacts[-1]),
             "steps": int(t["step"][-1] - t["step"][0])}
 
@@ -201,8 +226,9 @@ def beads_at(folder):
 
 
 def write(path, runs, out):
-    """The finished loads; returns them with their results."""
-    rows = [(r, res) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load)) if res is not None]
+    """The finished loads, measured anew; returns them with their results."""
+    rows = [(r, {**res, **r.results(os.path.join(out, r.label))}) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load))
+            if res is not None]
     with open(path + ".tmp", "w", newline="") as f:
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)

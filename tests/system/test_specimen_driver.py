@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""tools/specimen.py: a tiny specimen is poured, cemented and broken; the driver resumes; bad words."""
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import PATIENCE, executable
+
+ROOT = Path(__file__).parents[2]
+DRIVER = ROOT / "tools" / "specimen.py"
+TINY = ["--beads", "12", "--contents", "0.012", "--pressures", "2e5", "--jobs", "1",
+        "--set", "settle=0.04", "--set", "press=0.01", "--set", "speed=0.2", "--set", "pull=0.05", "--set", "ramp=2e-5", "--set", "confine=6e-5",
+        "--set", "record=20", "--set", "frames=5", "--set", "strain=0.004", "--set", "beyond=1.3"]
+
+
+def drive(out, *words):
+    return subprocess.run(["/usr/bin/python3", DRIVER, out, "--exe", executable(), *words], capture_output=True, text=True, timeout=300 * PATIENCE)
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    out = tmp_path_factory.mktemp("specimen")
+    done = drive(out, *TINY)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return out, done.stdout
+
+
+def rows(out):
+    with open(out / "specimen.csv", newline="") as f:
+        return {r["label"]: r for r in csv.DictReader(f)}
+
+
+def curve(out, label):
+    with open(out / label / "curve.csv", newline="") as f:
+        table = list(csv.DictReader(f))
+    return {k: np.array([float(r[k]) for r in table]) for k in table[0]}
+
+
+def test_strengths(driven, figures):
+    out, said = driven
+    table = rows(out)
+    assert list(table) == ["compression_0.012", "tension_0.012", "compression_0.012_0.2MPa"]
+    assert said.count("broken, ") >= 3 and "left" in said and "cohesion" in said
+    for label, r in table.items():
+        assert float(r["strength"]) > 0 and float(r["stiffness_of_ends"]) > 0
+        assert int(r["broken"]) == sum(int(r[m]) for m in ("debonding", "internal", "mixed")) <= int(r["bonds"]), label
+        figures.below(f"{label}: energy imbalance of the cement", r["imbalance"], 1e-2)
+    assert int(table["tension_0.012"]["broken"]) > 0
+    for picture in ("curves.png", "awake.png", "strength.png", "rose.png", *(f"{kind}_{label}.png" for kind in ("energy", "bonds") for label in table)):
+        assert (out / picture).stat().st_size > 5000, picture
+
+
+def test_curve(driven, figures):
+    """Stress, work and energy of the driver against the table of the run and that of the bonds."""
+    out, _ = driven
+    r, c = rows(out)["tension_0.012"], curve(out, "tension_0.012")
+    poured = json.loads((out / "poured" / "done.json").read_text())["results"]
+    assert float(r["strength"]) == pytest.approx(c["force"].max() / poured["side"]**2, rel=1e-5)
+    with open(out / "tension_0.012" / "bond.csv", newline="") as f:
+        bonds = list(csv.DictReader(f))
+    last = [b for b in bonds if b["step"] == bonds[-1]["step"]]
+    assert len(last) == int(r["bonds"])
+    at = int(np.flatnonzero(c["step"] == float(last[0]["step"]))[0])
+    assert c["broken"][at] == sum(float(b["separated"]) for b in last) and c["failed"][at] == sum(float(b["failed"]) for b in last)
+    # nothing but grips and contacts works on beads and cement: until it breaks, what the grips do is in beads and cement but for the contacts
+    work = np.cumsum(c["force"][1:] * np.diff(c["way"]))
+    peak = int(np.argmax(c["force"])) - 1
+    figures.below("tension: work of the grip against that in beads and cement, at the peak",
+                  abs((c["work"] + c["kinetic_beads"])[peak + 1] / work[peak] - 1), 0.05)
+
+
+def test_confined(driven, figures):
+    """The side walls come to their pressure before the plate moves."""
+    out, _ = driven
+    c = curve(out, "compression_0.012_0.2MPa")
+    poured = json.loads((out / "poured" / "done.json").read_text())["results"]
+    before = int(np.flatnonzero(c["stage"] == 0)[-1])
+    figures.below("pressure of the sides at the end of their stage", abs(c["sideways"][before] / (2e5 * poured["side"] * poured["height"]) - 1), 0.1)
+    assert c["stage"][-1] == 1
+
+
+def test_goes_on(driven):
+    """Finished runs are kept; one whose file is lost is run again, and those that need it are not, as it is the same."""
+    out, _ = driven
+    before = (out / "specimen.csv").read_text()
+    again = drive(out, *TINY)
+    assert again.returncode == 0 and "5 runs, 5 finished before, 0 to do" in again.stdout, again.stdout + again.stderr
+    assert (out / "specimen.csv").read_text() == before
+    other = drive(out, *TINY[:-2], "--set", "beyond=1.2", "--redraw")
+    assert other.returncode == 0 and "written to" in other.stdout and len(rows(out)) == 0, "runs of other variables are not those"
+    drive(out, *TINY, "--redraw")
+    assert (out / "specimen.csv").read_text() == before
+
+
+BAD = {
+    "no variable": (["--set", "sped=1"], ["--set sped=1", "speed"]),
+    "no number": (["--contents", "0.01,x"], ["--contents", "0.01,x", "positive numbers"]),
+    "below zero": (["--pressures", "-1e5"], ["--pressures", "positive numbers"]),
+    "a test": (["--tests", "torsion"], ["--tests torsion", "compression or tension"]),
+    "executable": (["--exe", "/nowhere"], ["/nowhere", "--exe"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_message(name, tmp_path):
+    words, needed = BAD[name]
+    done = subprocess.run(["/usr/bin/python3", DRIVER, tmp_path / "out", *(w.replace("-1e5", "=-1e5") if w == "-1e5" else w for w in words)],
+                          capture_output=True, text=True, env={**os.environ})
+    assert done.returncode != 0
+    missing = [w for w in needed if w not in done.stderr]
+    assert not missing, done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_failing_run_is_told(tmp_path):
+    """Bonds for which the cement is too coarse: the message of the program, and that others needed it."""
+    done = drive(tmp_path / "out", *TINY, "--set", "spacing=2e-3")
+    assert done.returncode != 0 and "FAILED cemented_0.012: ERROR: create_cement" in done.stdout and "needs a run that failed" in done.stderr, done.stdout + done.stderr
+
+
+def test_mohr_coulomb():
+    """Of a material that has them."""
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem import specimen
+    cohesion, angle = 3e5, np.radians(35.0)
+    q = (1 + np.sin(angle)) / (1 - np.sin(angle))
+    fit = specimen.mohr_coulomb([{"pressure": p, "strength": 2 * cohesion * np.sqrt(q) + q * p} for p in (0.0, 1e5, 4e5)])
+    assert fit["cohesion"] == pytest.approx(cohesion) and fit["angle"] == pytest.approx(35.0) and fit["off"] < 1e-12
