@@ -135,11 +135,11 @@ def circles(ax, pairs, tensions, fit):
         x = np.array([-fit["cohesion"] / tan if tan > 0 else 0.0, 0.6 * max(h for _, h in pairs)])
         ax.plot(1e-6 * x, 1e-6 * (fit["cohesion"] + tan * x), color="k", lw=0.8,
                 label=f"cohesion {1e-6 * fit['cohesion']:.3g} MPa, {fit['angle']:.3g}°")
-        ax.legend(frameon=False, loc="upper left")
+        ax.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
     ax.set_aspect("equal")
     ax.set_ylim(0.0, None)
     ax.axvline(0.0, color="0.7", lw=0.6)
-    ax.set_xlabel("normal stress (MPa), compression positive; dashed: tension")
+    ax.set_xlabel("normal stress (MPa); dashed: tension")
     ax.set_ylabel("shear stress (MPa)")
 
 
