@@ -210,7 +210,7 @@ def rose(path, items):
     """items: (load, bonds of the first step, bonds of the last step, beads of the first). Directions of broken bonds against those of all."""
     across = min(len(items), 5)
     down = -(-len(items) // across)
-    fig, axes = plt.subplots(down, across, figsize=(1.5 * across, 1.75 * down + 0.35), subplot_kw={"projection": "polar"}, squeeze=False)
+    fig, axes = plt.subplots(down, across, figsize=(1.5 * across, 2.1 * down + 0.4), subplot_kw={"projection": "polar"}, squeeze=False)
     edges = np.radians(np.arange(0.0, 91.0, 15.0))
     for ax in axes.flat[len(items):]:
         ax.set_visible(False)
@@ -233,6 +233,7 @@ def rose(path, items):
         ax.grid(lw=0.3, color="0.85")
         ax.set_axisbelow(True)
         ax.set_rlabel_position(45)
+        ax.yaxis.set_major_locator(plt.MaxNLocator(3))
         ax.set_title(f"{title_of(load).split(',')[0]}\n{name_of(load)}\n{int(broken.sum())} of {len(broken)} broken", fontsize=5.5)
     fig.suptitle("share of the bonds of each direction that broke (%)\n0°: along the axis of the load; dashed: of all bonds", fontsize=6.5, y=0.02, va="bottom")
     fig.tight_layout(rect=(0, 0.4 / fig.get_figheight(), 1, 1))
