@@ -7,6 +7,7 @@ A run is an object with
     label       its name, and that of its folder
     arguments   variables of its script, by name
     script      path of the script
+    includes    paths of the files that the script includes
     cost        about proportional to the time it takes
     needs       the runs that have to be finished before it
     command(exe, ranks)
@@ -39,8 +40,11 @@ def command(exe, script, ranks, arguments):
 
 
 def stamp(run):
-    with open(run.script, "rb") as f:
-        text = {"arguments": run.arguments, "script": hashlib.sha256(f.read()).hexdigest()[:16]}
+    digest = hashlib.sha256()
+    for path in (run.script, *run.includes):
+        with open(path, "rb") as f:
+            digest.update(f.read())
+    text = {"arguments": run.arguments, "script": digest.hexdigest()[:16]}
     if run.needs:
         text["needs"] = [stamp(n) for n in run.needs]
     return text

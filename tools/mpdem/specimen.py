@@ -32,9 +32,11 @@ def variables_of(script):
 class Stage:
     """A run of one of the scripts."""
 
+    includes = tuple(os.path.join(FOLDER, name) for name in ("beads.in", "contacts.in"))
+
     def __init__(self, label, script, needs, cost, extra, own):
         self.label, self.script, self.needs, self.cost = label, os.path.join(FOLDER, script), needs, cost
-        known = variables_of(self.script) + [v for i in ("beads.in",) for v in variables_of(os.path.join(FOLDER, i))]
+        known = [v for path in (self.script, *self.includes) for v in variables_of(path)]
         self.arguments = {"here": FOLDER, **own, **{k: v for k, v in extra.items() if k in known}}
 
     def command(self, exe, ranks):

@@ -40,7 +40,7 @@ def coating_thickness(content, gap=0.0):
 class Run:
     """One pair: words of the table and variables of the script."""
 
-    needs = ()
+    needs = includes = ()
 
     def __init__(self, shape, load, content, extra, script=None):
         if shape not in SHAPES:
