@@ -84,13 +84,14 @@ def test_elastic(name, ranks, tmp_path, figures):
     check_forces(done.table(), f"{name}, elastic, {ranks} ranks", figures)
 
 
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
 @pytest.mark.parametrize("name", SHAPES)
-def test_through_failure(name, tmp_path, figures):
-    done = run(scene(name, DAMAGE, 1000, 100, speed=12.0), tmp_path)
+def test_through_failure(name, cracks, tmp_path, figures):
+    done = run(scene(name, f"{DAMAGE} cracks {cracks}", 1000, 100, speed=12.0), tmp_path)
     t = done.table()
     load = abs(t["f_bond[9]"])
     assert load[-1] < 0.02 * load.max(), "the bond is not broken"
     for what, R in MAPS.items():
         worst = max(asymmetry(done.points(int(step)), done.points(0), R) for step in t["step"][1:])
-        figures.below(f"{name}, through failure ({t['f_cem[2]'][-1]:.0f} points): asymmetry under the {what}", worst, 1e-10)
-    check_forces(t, f"{name}, through failure", figures)
+        figures.below(f"{name}, cracks {cracks}, through failure ({t['f_cem[2]'][-1]:.0f} points): asymmetry under the {what}", worst, 1e-10)
+    check_forces(t, f"{name}, cracks {cracks}, through failure", figures)

@@ -85,6 +85,19 @@ std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
   return copies;
 }
 
+CopyLattice::Line line_of(const Body& body, double cell) {
+  CopyLattice::Line line;
+  double apart[3], length = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    apart[d] = body.centre[1][d] - body.centre[0][d];
+    length += std::fabs(apart[d]);  // along one axis
+    if (std::fabs(apart[d]) > std::fabs(apart[line.axis])) line.axis = d;
+  }
+  const double to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length;
+  for (int d = 0; d < 3; ++d) line.middle[d] = (body.centre[0][d] + to_middle * apart[d]) / cell;
+  return line;
+}
+
 // Where the sides of a bond come close without touching.
 Crevice crevice_of(const std::vector<SentPoint>& points, const Body& body, const CementOptions& options) {
   const double reach = sheet_reach(options.basis, options.cell);
@@ -208,7 +221,7 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& 
     }
     const Crevice crevice = crevice_of(whole[r], bonds.table[r], options);
     std::vector<SentPoint>().swap(whole[r]);
-    CopyLattice lattice(std::move(points), options.basis);
+    CopyLattice lattice(std::move(points), options.basis, line_of(bonds.table[r], options.cell));
     changes.back() = lattice.start(row.copies, crevice);
     if (r >= from) {
       for (const CopyChange::Moved& m : changes.back().moved) parts.erase(m.tag);
@@ -242,7 +255,7 @@ void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOption
   std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, to_come);
   const int ranks = ranks_of(comm);
   for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
-    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), options.basis);
+    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
 }
 
 Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {

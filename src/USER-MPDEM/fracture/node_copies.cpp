@@ -3,6 +3,7 @@
 #include "node_copies.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "points_around.h"
@@ -74,7 +75,8 @@ bool before(const CopyPoint& a, const CopyPoint& b) {
 
 }  // namespace
 
-CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis) : points_(std::move(points)), basis_(basis), S_(support(basis)) {
+CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis, const Line& line)
+    : points_(std::move(points)), basis_(basis), S_(support(basis)), line_(line) {
   std::sort(points_.begin(), points_.end(), before);
   const int n = static_cast<int>(points_.size());
   at_.reserve(n);
@@ -302,14 +304,30 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
 void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   middles_.clear();
   for (int c : rank) {
-    Middle m{static_cast<int>(components[c].size()), {0, 0, 0}};
-    for (int i : components[c])
-      for (int d = 0; d < 3; ++d) m.sum[d] += points_[i].cell[d];
+    Middle m{static_cast<int>(components[c].size()), {0, 0, 0}, {0, 0, 0}};
+    for (int i : components[c]) {
+      const std::array<double, 3> place = place_from_middle(i);
+      for (int d = 0; d < 3; ++d) {
+        m.sum[d] += points_[i].cell[d];
+        m.place[d] += place[d] / m.size;
+      }
+    }
     middles_.push_back(m);
   }
 }
 
-// Of two components as near, the larger; of those alike, that whose middle is nearer: mirrored cracks split alike.
+// Along the line of centres, and the two axes after that.
+std::array<double, 3> CopyLattice::place_from_middle(int i) const {
+  std::array<double, 3> place;
+  for (int n = 0; n < 3; ++n) {
+    const int d = (line_.axis + n) % 3;
+    place[n] = points_[i].base[d] + points_[i].at[d] - line_.middle[d];
+  }
+  return place;
+}
+
+// Of two components as near, the larger; of those alike, that whose middle is nearer; then by the line of centres: mirrored and turned cracks
+// split alike.
 bool CopyLattice::goes_with(int i, int a, int b) const {
   if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
   long long distance[2] = {0, 0};
@@ -319,7 +337,18 @@ bool CopyLattice::goes_with(int i, int a, int b) const {
     distance[0] += of_a * of_a;
     distance[1] += of_b * of_b;
   }
-  return distance[0] != distance[1] ? distance[0] < distance[1] : a < b;
+  if (distance[0] != distance[1]) return distance[0] < distance[1];
+  const std::array<double, 3> p = place_from_middle(i);
+  std::array<double, 5> order[2];
+  for (int n = 0; n < 2; ++n) {
+    const double* m = middles_[n == 0 ? a : b].place;
+    const double aside = p[1] * m[2] - p[2] * m[1];
+    order[n] = {m[1] * m[1] + m[2] * m[2], std::fabs(m[0]), -std::fabs(aside), -aside, -p[0] * m[0]};
+  }
+  constexpr double kAlike = 1e-6;  // of a cell
+  for (std::size_t k = 0; k < order[0].size(); ++k)
+    if (std::fabs(order[0][k] - order[1][k]) > kAlike) return order[0][k] < order[1][k];
+  return a < b;
 }
 
 // Failed points go with the nearest that hold; what cannot be reached stays.

@@ -17,7 +17,9 @@
 // material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed between them, and no copy has
 // less mass than the material that holds in it. Points that failed carry nothing. They go with the nearest that hold, in steps from cell
 // to cell in the support, so that they are shown where the crack left them; those as near to several with the largest, or of those alike
-// with that whose middle is nearer.
+// with that whose middle is nearer. Cells are few, so middles are often as near, too. Then the line of centres decides by what a mirror at the plane
+// between the grains and quarter turns about the line leave as it is: the middle nearer to the line, nearer to that plane, more to a side of the
+// plane through the line and the point (next: on its left), or on the point's side of the plane between.
 // Serial, on all points of one bond; the result does not depend on their order.
 #ifndef MPDEM_NODE_COPIES_H
 #define MPDEM_NODE_COPIES_H
@@ -112,7 +114,13 @@ struct CopyChange {
 // The points of a bond, for as long as they stay in their cells.
 class CopyLattice {
  public:
-  CopyLattice(std::vector<CopyPoint> points, Basis basis);
+  // The line of centres of the bond, along an axis of its coordinates, and the middle between the grains, in cells of the grid.
+  struct Line {
+    int axis = 2;
+    double middle[3] = {0, 0, 0};
+  };
+  CopyLattice(std::vector<CopyPoint> points, Basis basis, const Line& line);
+  CopyLattice(std::vector<CopyPoint> points, Basis basis) : CopyLattice(std::move(points), basis, Line()) {}
   // At the start: all nodes. In a crevice (crevice.h) there are those that are not joined: no way leads there from what is nearer to the one
   // grain to what is nearer to the other.
   CopyChange start(NodeCopies& copies, const Crevice& crevice = {});
@@ -152,6 +160,7 @@ class CopyLattice {
   void look_at(const Place& node, const NodeCopies& copies);
   void part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies);
   void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
+  std::array<double, 3> place_from_middle(int i) const;
   bool goes_with(int i, int a, int b) const;
   void grow(const std::vector<int>& group);
   CopyChange colour(NodeCopies& copies);
@@ -161,6 +170,7 @@ class CopyLattice {
   std::vector<CopyPoint> points_;  // ascending in cell and tag
   Basis basis_;
   int S_;  // nodes a direction
+  Line line_;
   std::unordered_map<Place, int, PlaceHash> at_;  // first point of a cell of the lattice
   bool one_a_cell_ = true;
   std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
@@ -173,6 +183,7 @@ class CopyLattice {
   struct Middle {
     int size;
     long long sum[3];  // of the cells
+    double place[3];   // along the line of centres and across, from the middle
   };
   std::vector<Middle> middles_;                 // of the components of a copy
   bool apart_ = false;                          // sides, at this node
