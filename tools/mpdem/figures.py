@@ -52,9 +52,9 @@ def force_displacement(path, bond, result, stages):
                        clip_on=False, label=f"peak {run.number(result.peak)} {bond.load_unit}{' of compression' if result.sense < 0 else ''} at "
                          f"{bond.way_scale * result.peak_opening:.3g} {bond.way_unit}")
     handles += star
-    if result.separated:
+    if result.broken:
         handles.append(ax.axvline(bond.way_scale * result.failure_opening, color=MARK, lw=0.8, ls=":", zorder=1,
-                                  label=f"separated ({result.mode}) at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit}"))
+                                  label=f"{'separated' if result.separated else 'without load'} ({result.mode}) at {bond.way_scale * result.failure_opening:.3g} {bond.way_unit}"))
     else:
         lowest = f" (mean ≥ {100 * result.lowest:.1f} % of the peak)" if np.isfinite(result.lowest) else ""
         handles += ax.plot([], [], " ", label="not separated" + lowest)

@@ -32,10 +32,11 @@ def end_with_message(program, main):
 
 
 class Bond:
-    """The rows of one bond; a column is an attribute. `mode`: as the table has it in the last row."""
+    """The rows of one bond; a column is an attribute. `mode`: as the table has it in the last row; `broken`: of each row, whether it has one."""
 
-    def __init__(self, path, number, rows, mode):
-        self.path, self.number, self.mode = path, number, mode
+    def __init__(self, path, number, rows, modes):
+        self.path, self.number, self.mode = path, number, modes[-1]
+        self.broken = np.array([m != "intact" for m in modes])
         for i, name in enumerate(COLUMNS):
             setattr(self, name, rows[:, i])
         self.force = np.sqrt(self.fx1**2 + self.fy1**2 + self.fz1**2)  # its magnitude, shear included
@@ -139,7 +140,7 @@ def read_bonds(path):
     wrong = sorted(set(modes) - set(MODES))
     if wrong:
         raise Trouble(f"{path}: mode '{wrong[0]}' is none of {', '.join(MODES)}; delete that line or run again")
-    return [Bond(path, int(n), rows[numbers == n], modes[np.flatnonzero(numbers == n)[-1]]) for n in np.unique(numbers)]
+    return [Bond(path, int(n), rows[numbers == n], [modes[i] for i in np.flatnonzero(numbers == n)]) for n in np.unique(numbers)]
 
 
 def choose(bonds, number):

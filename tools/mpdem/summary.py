@@ -2,7 +2,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """The numbers that describe a loaded bond, and the stages worth a picture.
 
-Whether a bond is separated, when and by which mode is what the table says. Loads and ways keep their sign: tension
+Whether a bond is separated or broken, when and by which mode is what the table says. Loads and ways keep their sign: tension
 and opening of the gap are positive, compression and closing negative. `sense` is that of the largest load.
 """
 import csv
@@ -24,7 +24,8 @@ class Result:
     peak_opening: float
     stiffness: float
     separated: bool
-    failure_step: float     # first row in which the bond is separated
+    broken: bool            # separated, or without load
+    failure_step: float     # first row in which the bond is broken
     failure_opening: float
     mode: str
     shares: tuple           # of the separating surface: at the first grain, at the second, inside
@@ -44,13 +45,13 @@ def measure(bond, window):
     sense, after, peak_step, peak_opening, peak = _peak(bond)
     mean, mean_opening = (_trailing_mean(bond.step, v, window) for v in (sense * bond.tension, bond.opening))
     nan = float("nan")
-    separated = np.flatnonzero(bond.separated > 0)
-    row = separated[0] if separated.size else None
+    broken = np.flatnonzero(bond.broken)
+    row = broken[0] if broken.size else None
     shares = (bond.share_grain1[-1], bond.share_grain2[-1], 1.0 - bond.share_grain1[-1] - bond.share_grain2[-1])
-    r = Result(sense, peak, peak_step, peak_opening, nan, row is not None, nan, nan, bond.mode, shares, nan, nan, window,
+    r = Result(sense, peak, peak_step, peak_opening, nan, bool(bond.separated[-1]), row is not None, nan, nan, bond.mode, shares, nan, nan, window,
                int(bond.failed[-1]), int(bond.debonded[-1]), int(bond.attached[-1]), bond.dissipated_energy[-1],
                bond.energy_imbalance[-1], mean, float(bond.force.max()))
-    if r.separated:
+    if r.broken:
         r.failure_step, r.failure_opening = bond.step[row], bond.opening[row]
     if not peak > 0.0:
         return r
@@ -116,10 +117,10 @@ def way(bond, value):
 
 def state(r):
     """What the table says of the bond at its last row."""
-    if not r.separated:
+    if not r.broken:
         return "not separated"
     at = ", ".join(f"{100 * s:.0f} % {where}" for s, where in zip(r.shares, ("at the first grain", "at the second", "inside")))
-    return f"separated, {r.mode}: {at}"
+    return f"{'separated' if r.separated else 'without load, not separated'}, {r.mode}: {at}"
 
 
 def show(bond, r, results):
@@ -140,9 +141,9 @@ def show(bond, r, results):
          else "too few rows between 10 and 40 % of the peak")
     line("displacement at peak", f"{way(bond, r.peak_opening)} (step {r.peak_step:.0f})")
     line("state", state(r))
-    if r.separated:
+    if r.broken:
         line("displacement at failure", f"{way(bond, r.failure_opening)} (step {r.failure_step:.0f}, the first row in which the bond is "
-             "separated)")
+             f"{'separated' if r.separated else 'without load'})")
     mean = f"lowest mean {bond.load_name if r.sense > 0 else 'compression'} of {r.window:g} steps after the peak"
     if np.isfinite(r.lowest):
         line("load left", f"{100 * r.lowest:.3g} % of the peak ({mean})")
@@ -157,7 +158,7 @@ def show(bond, r, results):
 
 
 def write(path, bonds, results):
-    """`separated`, `mode` and `step_of_separation` are the table's; openings are of the gap since its first row, below zero: closed."""
+    """`separated`, `mode` and `step_of_separation` (or since when it is without load) are the table's; openings are of the gap since its first row, below zero: closed."""
     header = ["bond", "grain1", "grain2", "peak_force_N", "stiffness_N_per_m", "opening_at_peak_m", "separated",
               "opening_at_separation_m", "lowest_mean_load_over_peak", "opening_at_lowest_m", "points",
               "failed_points", "links_let_go", "links_attached", "dissipated_energy_all_bonds_J",
@@ -172,7 +173,7 @@ def write(path, bonds, results):
                 values = [r.peak, r.stiffness, r.peak_opening, "yes" if r.separated else "no", r.failure_opening, r.lowest,
                           r.lowest_opening, int(b.points[-1]), r.failed, r.let_go, r.attached, r.dissipated,
                           r.imbalance, int(b.step[-1]), r.window, "tension" if r.sense > 0 else "compression", r.mode,
-                          int(r.failure_step) if r.separated else "", r.shares[0], r.shares[1], r.largest_force]
+                          int(r.failure_step) if r.broken else "", r.shares[0], r.shares[1], r.largest_force]
                 out.writerow([b.number, *b.grains] + [f"{v:.8g}" if isinstance(v, float) else v for v in values])
     except OSError as e:
         raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written with --out") from None

@@ -143,6 +143,7 @@ void Cement::lay_out_run() {
     open_places_of_files();
     refresh_added_mass();
   });
+  load_watch_.take_up(bonds_.table.size());
   // New bodies may be cracked.
   fresh_points_.clear();
   if (cracks_.take_up(bonds_.table.size()) && can_break()) {

@@ -89,6 +89,7 @@ std::vector<BondColumn> columns() {
       {"friction_energy", "energy that friction took of all bonds", &CementTotals::rubbed},
       {"touching_grain1", "share of that area that let go and touches the first grain again", touching_share<0>},
       {"touching_grain2", "the same at the second grain", touching_share<1>},
+      {"broken", "1 once separated or without any load left, else 0", &BondState::broken},
   };
 }
 

@@ -21,6 +21,7 @@ struct CementTotals {
   double kinetic, elastic, coupling, dissipated, released, damped, rubbed, external_work, imbalance;
   double momentum[3], angular_momentum[3];
   double separated, debonding, internal, mixed;  // bonds
+  double broken;                                 // bonds that are separated or carry nothing any more
 };
 
 // What one rank has of a bond.
@@ -39,6 +40,7 @@ struct BondState {
   double peak = 0.0;  // largest tension at the steps asked for so far
   double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
   double separated = 0.0, share[2] = {0.0, 0.0};  // of the separating surface at either grain
+  double broken = 0.0;                            // separated, or carries nothing any more
   std::vector<double> sums = std::vector<double>(static_cast<std::size_t>(summed_columns()), 0.0);  // in the order of their columns
 };
 

@@ -105,6 +105,7 @@ void Cement::look_for_cracks() {
     timer_.start(StepTimer::kLayout);
     split_nodes();
   }
+  if (after_check) cracks_.give_way(comm_, bonds_, sheets_, options_, load_watch_.look(comm_, bonds_.table, shear_speed()), keeps_skins(), now_.number - 1);
   if (!after_check && !cracks_.some_path_is_cut(comm_)) return;
   timer_.start(StepTimer::kLayout);
   if (after_check) drop_inert_added_mass();
@@ -346,6 +347,7 @@ EnergyBooks::StepWork Cement::work_of_step(int first_body) {
 void Cement::end_step() {
   if (ends_step()) grains_.watch_late_loads(true);
   grains_.keep_velocities(dt_last_);
+  if (can_break()) load_watch_.add(grains_, bonds_.table, dt_last_);
   books_.end_step(work_of_step(0), inertial_work_of_step(0));
   for (auto b = bonds_.table.rbegin(); b != bonds_.table.rend() && !b->in_motion; ++b) b->in_motion = true;
 }

@@ -29,6 +29,7 @@
 #include "cracks.h"
 #include "energy_books.h"
 #include "layout.h"
+#include "load_watch.h"
 #include "options.h"
 #include "sheets.h"
 #include "static_bond.h"
@@ -291,6 +292,7 @@ class Cement {
   EnergyBooks books_;
   Sheets sheets_;
   Cracks cracks_;
+  LoadWatch load_watch_;
   Splits splits_;
   CondensedBonds condensed_;
   StepTimer timer_;

@@ -78,7 +78,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
 }
 
 // Points that failed, and links that let go of points that hold.
-double broken(const PointStore& points) {
+double count_broken(const PointStore& points) {
   int count = 0;
   for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
   for (const Link& k : points.links) count += !k.attached && !(points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
@@ -166,7 +166,7 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   MPI_Allreduce(MPI_IN_PLACE, cut.data(), rows, MPI_SIGNED_CHAR, MPI_MAX, comm);
   std::vector<double> now(rows, 0.0);
   for (const Bond& b : bonds)
-    if (debris || cut[b.body]) now[b.body] = broken(b.points);
+    if (debris || cut[b.body]) now[b.body] = count_broken(b.points);
   MPI_Allreduce(MPI_IN_PLACE, now.data(), rows, MPI_DOUBLE, MPI_SUM, comm);
   std::vector<int> looked_at;
   for (int r = 0; r < rows; ++r) {
@@ -298,6 +298,21 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     all[b].surface.inside = of_bond[4];
   }
   return all;
+}
+
+void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
+                      std::int64_t step) {
+  std::vector<char> wanted(states_.size(), 0);
+  for (int r : rows) wanted[r] = !broken(r);
+  if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return;
+  const std::vector<Ahead> found = ahead(comm, bonds, sheets, options, wanted, skins);
+  for (int r : rows) {
+    if (!wanted[r] || found[r].left >= found[r].whole) continue;
+    states_[r].broken_at = step;
+    Separation& s = states_[r].separation;
+    std::copy(found[r].surface.at_grain, found[r].surface.at_grain + 2, s.at_grain);
+    s.inside = found[r].surface.inside;
+  }
 }
 
 const char* Cracks::mode_of(const Separation& s) {

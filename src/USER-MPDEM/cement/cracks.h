@@ -9,6 +9,7 @@
 #ifndef MPDEM_CEMENT_CRACKS_H
 #define MPDEM_CEMENT_CRACKS_H
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,13 @@ class Cracks {
     std::vector<int> path;   // tags, ascending, see separation.h; empty: not known
     bool path_cut = false;   // on this rank
     bool untied = false;     // came apart, and has no ties in the present layout
+    std::int64_t broken_at = 0;  // step at which it was found to carry nothing any more though it is not separated (load_watch.h); 0: not yet
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
   std::size_t size() const { return states_.size(); }
   bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
+  // Separated, or carries nothing any more; then separation has the surface of a crack through what is left, until the bond is separated.
+  bool broken(std::size_t row) const { return separated(row) || (row < states_.size() && states_[row].broken_at > 0); }
   void restore(std::vector<State> states) { states_ = std::move(states); }
 
   // Bonds that are new or come from a restart file are to be looked at; true if some are new. Those of the file wait for the step of the
@@ -64,10 +68,14 @@ class Cracks {
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
                            const std::vector<char>& wanted, bool skins) const;
 
+  // Collective. These bonds, ascending, carry nothing any more since this step: those of them are broken that are not whole.
+  void give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
+                std::int64_t step);
+
   // `debonding`, `internal` or `mixed`.
   static const char* mode_of(const Separation& s);
   // The same, or `intact`.
-  std::string mode(std::size_t row) const { return separated(row) ? mode_of(states_[row].separation) : "intact"; }
+  std::string mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
 
  private:
   void note(const Bond& bond, int slot);

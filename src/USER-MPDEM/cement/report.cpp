@@ -74,6 +74,7 @@ double rounded_energy(double stiffness, double reach) {
 
 void count_separated(const Cracks& cracks, CementTotals& t) {
   for (std::size_t r = 0; r < cracks.size(); ++r) {
+    t.broken += cracks.broken(r);
     if (!cracks.separated(r)) continue;
     const std::string mode = cracks.mode(r);
     t.separated += 1.0;
@@ -224,10 +225,11 @@ const std::vector<BondState>& Cement::bond_states() {
     b.mean_damage = row[kDamaged] / row[kVolume];
     b.largest_damage = most[i];
     b.sums.assign(row + kColumns, row + width);
-    if (!cracks_.separated(i)) continue;
+    b.broken = cracks_.broken(i);
+    if (!cracks_.broken(i)) continue;
     const Separation& s = cracks_[i].separation;
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
-    b.separated = 1.0;
+    b.separated = cracks_.separated(i);
     for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
   }
   return states_;

@@ -82,11 +82,17 @@ std::vector<double> Cement::packed_state(CementHead head) {
   std::vector<double> all = {CementHead::kVersion};
   append(head, all);
   states_.resize(bonds_.table.size(), BondState{});
+  load_watch_.take_up(states_.size());
+  const std::vector<LoadWatch::Sums> loads = load_watch_.sums_of_all(comm_);
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const Cracks::State s = r < cracks_.size() ? cracks_[r] : Cracks::State();
-    append(BondRow{s.failed_seen, s.separation.separated, {s.separation.at_grain[0], s.separation.at_grain[1]}, s.separation.inside,
-                   states_[r].peak},
-           all);
+    const LoadWatch::Largest& largest = load_watch_.largest(r);
+    BondRow row{s.failed_seen, s.separation.separated, {s.separation.at_grain[0], s.separation.at_grain[1]}, s.separation.inside, states_[r].peak};
+    row.broken_at = static_cast<double>(s.broken_at);
+    row.largest_load = largest.load;
+    row.motion_with_it = largest.motion;
+    std::copy(loads[r].begin(), loads[r].end(), row.loads);
+    append(row, all);
   }
   all.insert(all.end(), nodes.begin(), nodes.end());
   all.insert(all.end(), copies.begin(), copies.end());
@@ -129,6 +135,8 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
                          : EnergyBooks::Sums(),
                  head.start_energy);
   std::vector<Cracks::State> cracks(head.bodies);
+  std::vector<LoadWatch::Largest> largest(head.bodies);
+  std::vector<LoadWatch::Sums> loads(head.bodies, LoadWatch::Sums{});
   states_.assign(head.bodies, BondState{});
   for (int r = 0; r < head.bodies; ++r) {
     BondRow row;
@@ -139,7 +147,11 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
     std::copy(row.at_grain, row.at_grain + 2, s.at_grain);
     s.inside = row.inside;
     states_[r].peak = row.peak;
+    cracks[r].broken_at = static_cast<std::int64_t>(row.broken_at);
+    largest[r] = {row.largest_load, row.motion_with_it};
+    if (me == 0) std::copy(row.loads, row.loads + LoadWatch::kSums, loads[r].begin());
   }
+  load_watch_.restore(std::move(largest), std::move(loads));
   cracks_.restore(std::move(cracks));
   std::vector<NodeRow> rows(head.nodes);
   for (NodeRow& row : rows) {

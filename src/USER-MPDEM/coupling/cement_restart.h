@@ -35,7 +35,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 11;
+  static constexpr int kVersion = 12;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -85,6 +85,8 @@ struct BondRow {
   bool separated = false;
   double at_grain[2] = {0, 0}, inside = 0.0;  // area of the separating surface
   double peak = 0.0;  // largest tension
+  // of cement/load_watch.h: the step at which it was broken, the largest load, and the sums of the window
+  double broken_at = 0.0, largest_load = 0.0, motion_with_it = 0.0, loads[13] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& b, Visitor& visit) {
@@ -93,6 +95,10 @@ struct BondRow {
     visit("the area of separation at a grain", b.at_grain, kNotNegative);
     visit("the area of separation inside", b.inside, kNotNegative);
     visit("the largest tension of a bond", b.peak, kFinite);
+    visit("the step at which a bond was broken", b.broken_at, kNotNegative);
+    visit("the largest load of a bond", b.largest_load, kNotNegative);
+    visit("the motion with the largest load of a bond", b.motion_with_it, kNotNegative);
+    visit("a sum of loads of a bond", b.loads, kFinite);
   }
 };
 

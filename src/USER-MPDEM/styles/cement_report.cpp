@@ -216,6 +216,9 @@ void CementReport::modes(Cement& c) {
     if (c.keeps_skins()) text += text_of(", ", links_let_go(state[b]), " links let go");
     if (!holds[b]) {
       text += shares_of(cracks[b].separation);
+    } else if (cracks.broken(b)) {
+      text += text_of(", and less than ", 100.0 * LoadWatch::kGone, " % of its largest load is left since step ", cracks[b].broken_at, " though ",
+                      ahead[b].left, " of ", ahead[b].whole, " points of its weakest section hold", shares_of(cracks[b].separation));
     } else {
       const Cracks::Ahead& a = ahead[b];
       text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,

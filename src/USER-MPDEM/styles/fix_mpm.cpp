@@ -35,7 +35,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 25;
+constexpr int kVectorSize = 26;
 constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, for `subcycle auto`
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
@@ -466,7 +466,7 @@ double FixMpm::compute_vector(int n) {
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
                       t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
-                      static_cast<double>(cement_->awake_bonds()), static_cast<double>(substeps())};
+                      static_cast<double>(cement_->awake_bonds()), static_cast<double>(substeps()), t.broken};
   return v[n];
 }
 

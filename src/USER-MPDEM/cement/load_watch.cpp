@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "load_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../coupling/relative_motion.h"
+
+namespace mpdem {
+
+namespace {
+
+Three<double> three(const double* x) { return {{x[0], x[1], x[2]}}; }
+
+// Of the area of cement at the grains, as that of a disc.
+double radius_of(const Body& body) { return std::sqrt(0.5 * (body.attached_area[0] + body.attached_area[1]) / M_PI); }
+
+// side: the first of the two.
+RelativeMotion<double> motion_of(const Body& body, const GrainSide* side) {
+  Mat3<double> turn[2];
+  Three<double> arm[2];
+  const Three<double> apart = three(body.centre[1]) - three(body.centre[0]);
+  const double length = std::sqrt(dot(apart, apart)), to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length;
+  for (int s = 0; s < 2; ++s) {
+    turn[s] = product(side[s].R, transpose(rotation_of(body.orientation[s])));
+    arm[s] = (s == 0 ? to_middle : to_middle - 1.0) * apart;
+  }
+  return {turn, arm, three(side[1].x) - three(side[0].x)};
+}
+
+// Length of force and moment, or of displacement and rotation, with rotations times `unit`.
+double size_of(const double* six, double unit) {
+  double square = 0.0;
+  for (int d = 0; d < 6; ++d) square += six[d] * six[d] * (d < 3 ? 1.0 : unit * unit);
+  return std::sqrt(square);
+}
+
+}  // namespace
+
+void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, double dt) {
+  for (const BondedGrains::OwnedSide& o : grains.owned()) {
+    if (static_cast<std::size_t>(o.body) >= sums_.size()) continue;
+    const GrainSide* sides = &grains.sides.sides[o.at - o.side];
+    const RelativeMotion<double> motion = motion_of(table[o.body], sides);
+    const GrainSide& s = sides[o.side];
+    const double share = o.side == 0 ? -0.5 * dt : 0.5 * dt;
+    const Three<double> force = three(s.force), F = turned_back(motion.Q, force), M = turned_back(motion.Q, three(s.torque) - cross(motion.r[o.side], force));
+    Sums& sum = sums_[o.body];
+    sum[0] += 0.5 * dt;
+    for (int d = 0; d < 3; ++d) {
+      sum[1 + d] += share * F.a[d];
+      sum[4 + d] += share * M.a[d];
+      sum[7 + d] += 0.5 * dt * motion.delta.a[d];
+      sum[10 + d] += 0.5 * dt * motion.theta.a[d];
+    }
+  }
+}
+
+std::vector<LoadWatch::Sums> LoadWatch::sums_of_all(MPI_Comm comm) const {
+  std::vector<Sums> all(sums_);
+  if (!all.empty()) MPI_Allreduce(MPI_IN_PLACE, all.front().data(), static_cast<int>(kSums * all.size()), MPI_DOUBLE, MPI_SUM, comm);
+  return all;
+}
+
+std::vector<int> LoadWatch::look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed) {
+  std::vector<int> gone;
+  const std::vector<Sums> all = sums_of_all(comm);
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    const double time = all[r][0], radius = radius_of(table[r]);
+    if (radius == 0.0 || time * shear_speed < 4.0 * radius) continue;
+    sums_[r] = Sums{};
+    const double load = size_of(&all[r][1], 1.0 / radius) / time, motion = size_of(&all[r][7], radius) / time;
+    if (load < kGone * largest_[r].load && motion > largest_[r].motion) gone.push_back(static_cast<int>(r));
+    if (load > largest_[r].load) largest_[r] = {load, motion};
+  }
+  return gone;
+}
+
+}  // namespace mpdem

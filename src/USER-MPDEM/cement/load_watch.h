@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Does a bond still carry something? One whose grains are connected may not: struts between slanted cracks, held at either grain by points that
+// are nearly through, turn like a linkage, and no threshold of their damage or their section tells them from a bond that softens. What tells is
+// the secant stiffness of the bond as its grains feel it. With the mean load Q and the mean relative motion q of the grains over a window of time,
+//
+//   a bond is broken when |Q| < 1 % of the largest |Q| of any window so far, while |q| is more than it was in that window,
+//
+// and some of its weakest section is gone. Q is force and moment about the middle of the bond, half from either grain, q displacement of that
+// point and rotation; both are in axes that go half-way with both grains, and the radius l of the area of cement at the grains makes moments and
+// rotations comparable: |Q|^2 = F^2 + (M/l)^2, |q|^2 = d^2 + (l theta)^2. A window ends at the first check after a shear wave has been across the
+// bond and back, 4 l over its speed, so that it has the ringing of the bond in it.
+// * A bond that is unloaded comes back along its secant, since damage leaves no strain behind: |q| falls with |Q|, and the bond holds. So it does
+//   when its load changes sign, in cycles about zero (both means vanish) and when it rings freely.
+// * The largest load may have been one of compression that the bond never bears in tension; then more way is needed than that took.
+// * What is broken stays so: the bond has let go once in the direction in which it was loaded. Its forces are left as they are, so what still
+//   connects the grains carries again if they are pressed together. With friction, what slides carries more than 1 % or is separated.
+// Means are linear in the steps, so which grain is the first, the axes of the box and ranks do not matter. Looked at where debris is looked for,
+// at the checks.
+#ifndef MPDEM_CEMENT_LOAD_WATCH_H
+#define MPDEM_CEMENT_LOAD_WATCH_H
+
+#include <mpi.h>
+
+#include <array>
+#include <vector>
+
+#include "bonded_grains.h"
+
+namespace mpdem {
+
+class LoadWatch {
+ public:
+  static constexpr double kGone = 0.01;  // of the largest load
+  static constexpr int kSums = 13;       // time; load and motion times time
+  using Sums = std::array<double, kSums>;
+
+  // Of a row of the table, the same on all ranks.
+  struct Largest {
+    double load = 0.0, motion = 0.0;  // force, length
+  };
+
+  void take_up(std::size_t rows) {
+    largest_.resize(rows);
+    sums_.resize(rows, Sums{});
+  }
+  // At the end of a step: what the sides of the grains of this rank have.
+  void add(const BondedGrains& grains, const std::vector<Body>& table, double dt);
+  // Collective. Ends the windows that are long enough; rows that carry nothing any more, ascending, the same on all ranks.
+  std::vector<int> look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed);
+
+  // For restart files. The sums of all ranks; those that are restored are of one rank. Collective.
+  std::vector<Sums> sums_of_all(MPI_Comm comm) const;
+  const Largest& largest(std::size_t row) const { return largest_[row]; }
+  void restore(std::vector<Largest> largest, std::vector<Sums> sums) {
+    largest_ = std::move(largest);
+    sums_ = std::move(sums);
+  }
+
+ private:
+  std::vector<Largest> largest_;
+  std::vector<Sums> sums_;  // of the present window, by this rank
+};
+
+}  // namespace mpdem
+
+#endif
