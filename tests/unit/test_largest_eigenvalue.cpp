@@ -48,5 +48,31 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   else EXPECT_LE(exact, bound);
 }
 
+// Of some blocks alone, on the grid with its ties: that of all when the points of the others failed.
+TEST_P(LargestEigenvalue, OfSomeBlocks) {
+  test::Random random(152);
+  Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)), GetParam());
+  // a side of it is tied to the lines behind
+  std::vector<EdgeTie> ties;
+  int least = c.grid.keys.front()[1];
+  for (const Key& k : c.grid.keys) least = std::min(least, k[1]);
+  for (const Key& k : c.grid.keys) {
+    const Key next{k[0], k[1] + 1, k[2], k[3]}, second{k[0], k[1] + 2, k[2], k[3]};
+    if (k[1] == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}});
+  }
+  c.grid.tie(ties, true);
+  c.grid.lump_mass(c.points, kCalcite);
+  const NoDamage law(VtiElasticity(VtiConstants{60e9, 40e9, 0.25, 0.2, 18e9}));
+  std::vector<int> blocks;
+  Cement others_failed = c;
+  for (int b = 0; b < static_cast<int>(c.points.blocks.size()); ++b)
+    if (b % 3 == 0) blocks.push_back(b);
+    else others_failed.points.meta[b].failed = c.points.meta[b].occupied;
+  const EigenvalueEstimate whole = largest_eigenvalue(MPI_COMM_SELF, others_failed.points, others_failed.grid, law, 1e-7);
+  const EigenvalueEstimate some = largest_eigenvalue(MPI_COMM_SELF, {{&c.points, &c.grid, false, &blocks}}, law, 1e-7);
+  EXPECT_FALSE(c.grid.ties.empty());
+  test::expect_within(std::fabs(some.value / whole.value - 1.0), 1e-9, "eigenvalue of some blocks");
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -6,6 +6,7 @@
 // the same state gives, to the bit. A bond that ranks cut is laid out as a whole.
 #include <algorithm>
 
+#include "../mpm/block_nodes.h"
 #include "bond_motion.h"
 #include "cement.h"
 #include "kinematics.h"
@@ -13,13 +14,6 @@
 namespace mpdem {
 
 namespace {
-
-template <class F>
-void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
-  const int S = support(grid.basis), columns = nodes_along(m, 0, S) * nodes_along(m, 1, S), length = nodes_along(m, 2, S);
-  for (int c = 0; c < columns; ++c)
-    for (int k = 0; k < length; ++k) f(m.column[c] + k);
-}
 
 // Blocks that have one of these nodes, and those that share a node with them.
 std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const std::vector<int>& nodes) {

@@ -96,6 +96,7 @@ Cement::DampedStep Cement::damped_step(double eigenvalue) {
 
 EigenvalueEstimate Cement::eigenvalue() { return eigenvalue_of(all_rows()); }
 
+// Of patches, which are looked at as nodes split, coarsely where that is enough: the estimate is value and residual, so it is on the safe side.
 EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
@@ -104,7 +105,13 @@ EigenvalueEstimate Cement::eigenvalue_of(const std::vector<int>& rows, const Pat
       const auto patch = patches ? patches->find(row) : Patches::const_iterator();
       if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
     }
-  condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, options_.unilateral}); });
+  if (patches) {
+    constexpr double kCoarse = 0.05;
+    const EigenvalueEstimate coarse = largest_eigenvalue(comm_, parts, *law_, kCoarse);
+    if (now_.dt <= step_for(coarse.value + coarse.residual, options_.relax)) return coarse;
+  } else {
+    condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, options_.unilateral}); });
+  }
   return largest_eigenvalue(comm_, parts, *law_);
 }
 

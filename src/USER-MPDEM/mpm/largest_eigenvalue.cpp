@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "block_nodes.h"
 #include "stiffness_force.h"
 
 namespace mpdem {
@@ -28,6 +29,49 @@ double scrambled(const Key& k, int c) {
   return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
 }
 
+// Nodes of one part that can move, ascending, and its slaves among them: of all blocks, or of those that count.
+struct Moving {
+  std::vector<int> nodes, slaves;
+
+  explicit Moving(const EigenvaluePart& part) {
+    const Grid& grid = *part.grid;
+    std::vector<char> moves(grid.size(), part.blocks == nullptr);
+    for (std::size_t n = 0; part.blocks && n < part.blocks->size(); ++n)
+      for_each_node(grid, part.points->meta[(*part.blocks)[n]], [&](int i) { moves[i] = 1; });
+    for (int i = 0; i < grid.size() && part.blocks; ++i)
+      if (moves[i] && grid.ties.row(i) >= 0) slaves.push_back(i);
+    for (int i : slaves) grid.ties.for_each_master(grid.ties.row(i), [&](int master, double) { moves[master] = 1; });
+    for (int i = 0; i < grid.size(); ++i)
+      if (moves[i]) nodes.push_back(i);
+  }
+
+  void extend(const EigenvaluePart& part, double* values) const {
+    const EdgeTies& ties = part.grid->ties;
+    if (!part.blocks) return ties.extend(values);
+    for (int i : slaves) {
+      double sum[3] = {0.0, 0.0, 0.0};
+      ties.for_each_master(ties.row(i), [&](int master, double weight) {
+        for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * master + d];
+      });
+      std::copy(sum, sum + 3, values + 3 * i);
+    }
+  }
+  void pull_back(const EigenvaluePart& part, double* values) const {
+    const EdgeTies& ties = part.grid->ties;
+    if (!part.blocks) return ties.pull_back(values);
+    for (int i : slaves) {
+      double of_slave[3];
+      for (int d = 0; d < 3; ++d) {
+        of_slave[d] = values[3 * i + d];
+        values[3 * i + d] = 0.0;
+      }
+      ties.for_each_master(ties.row(i), [&](int master, double weight) {
+        for (int d = 0; d < 3; ++d) values[3 * master + d] += weight * of_slave[d];
+      });
+    }
+  }
+};
+
 }  // namespace
 
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h) {
@@ -40,9 +84,13 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   // The vectors have the nodes of one part behind those of another.
   std::vector<std::size_t> first(parts.size() + 1, 0);
   std::vector<HaloSum*> halos;
+  std::vector<Moving> moving;
+  std::vector<int> nodes;  // that move, of all parts
   for (std::size_t p = 0; p < parts.size(); ++p) {
     first[p + 1] = first[p] + static_cast<std::size_t>(parts[p].grid->size());
     halos.push_back(&parts[p].grid->halo);
+    moving.emplace_back(parts[p]);
+    for (int i : moving.back().nodes) nodes.push_back(static_cast<int>(first[p]) + i);
   }
   HaloSums shared;
   shared.build(halos);
@@ -55,15 +103,17 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   }
   const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
     double mine = 0.0, all;
-    for (int i = 0; i < n; ++i)
+    for (int i : nodes)
       if (counts[i]) mine += mass[i] * (a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2]);
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm);
     return all;
   };
-  std::vector<double> v(3 * n), before(3 * n, 0.0), w(3 * n);
+  std::vector<double> v(3 * n, 0.0), before(3 * n, 0.0), w(3 * n, 0.0);
   for (std::size_t p = 0; p < parts.size(); ++p)
-    for (std::size_t i = first[p]; i < first[p + 1]; ++i)
-      for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(parts[p].grid->keys[i - first[p]], c) : 0.0;
+    for (int node : moving[p].nodes) {
+      const std::size_t i = first[p] + node;
+      for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(parts[p].grid->keys[node], c) : 0.0;
+    }
   const double norm = std::sqrt(dot(v, v));
   EigenvalueEstimate best{0.0, 0.0, 0};
   if (!(norm > 0.0)) return best;
@@ -72,21 +122,22 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   std::vector<double> diagonal, side;
   double beta = 0.0;
   for (int k = 0; k < kMostProducts; ++k) {
-    std::fill(w.begin(), w.end(), 0.0);
+    for (int i : nodes) std::fill(&w[3 * i], &w[3 * i] + 3, 0.0);
     std::vector<double*> of_parts;
     for (std::size_t p = 0; p < parts.size(); ++p) {
       of_parts.push_back(&w[3 * first[p]]);
-      parts[p].grid->ties.extend(&v[3 * first[p]]);
+      moving[p].extend(parts[p], &v[3 * first[p]]);
       add_stiffness_force(*parts[p].points, *parts[p].grid, law, &v[3 * first[p]], of_parts.back(), {parts[p].failed_hold, parts[p].blocks});
-      parts[p].grid->ties.pull_back(of_parts.back());
+      moving[p].pull_back(parts[p], of_parts.back());
     }
     shared.sum(of_parts, 3);
-    for (int i = 0; i < n; ++i) {
+    for (int i : nodes) {
       const double r = mass[i] > 0.0 ? -1.0 / mass[i] : 0.0;
       for (int c = 0; c < 3; ++c) w[3 * i + c] *= r;
     }
     const double alpha = dot(v, w);
-    for (int i = 0; i < 3 * n; ++i) w[i] -= alpha * v[i] + beta * before[i];
+    for (int i : nodes)
+      for (int j = 3 * i; j < 3 * i + 3; ++j) w[j] -= alpha * v[j] + beta * before[j];
     diagonal.push_back(alpha);
     beta = std::sqrt(dot(w, w));
     if (!std::isfinite(alpha) || !std::isfinite(beta)) {
@@ -102,7 +153,8 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     if (best.residual <= tolerance * best.value || beta == 0.0) break;
     side.push_back(beta);
     before.swap(v);
-    for (int i = 0; i < 3 * n; ++i) v[i] = w[i] / beta;
+    for (int i : nodes)
+      for (int j = 3 * i; j < 3 * i + 3; ++j) v[j] = w[j] / beta;
   }
   return best;
 }
