@@ -318,12 +318,8 @@ void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, 
 
 // Along the line of centres, and the two axes after that.
 std::array<double, 3> CopyLattice::place_from_middle(int i) const {
-  std::array<double, 3> place;
-  for (int n = 0; n < 3; ++n) {
-    const int d = (line_.axis + n) % 3;
-    place[n] = points_[i].base[d] + points_[i].at[d] - line_.middle[d];
-  }
-  return place;
+  const auto along = [&](int d) { return points_[i].base[d] + points_[i].at[d] - line_.middle[d]; };
+  return {along(line_.axis), along((line_.axis + 1) % 3), along((line_.axis + 2) % 3)};
 }
 
 // Of two components as near, the larger; of those alike, that whose middle is nearer; then by the line of centres: mirrored and turned cracks
