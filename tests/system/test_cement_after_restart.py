@@ -159,7 +159,7 @@ def test_bad_state_of_fixes(tmp_path):
     run(start(1) + GRAINS + NEIGHBOURS + fixes + MOTION + "run 10\nwrite_restart r.bin\n", tmp_path)
     data = (tmp_path / "r.bin").read_bytes()[:-40]
     at = data.index(b"MPDEMrst")
-    data = data[:at + 20] + bytes(4) + data[at + 24:]  # of a program that writes no seal
+    data = data[:at + 24] + bytes(4) + data[at + 28:]  # of a program that writes no seal
     state = np.array([2.0, 7.0, 3.0, 8.0, 9.0]).tobytes()  # tint and shade
     places = [i for i in range(len(data)) if data.startswith(state, i)]
     assert len(places) == 4

@@ -40,7 +40,7 @@ double size_of(const double* six, double unit) {
 
 void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, double dt) {
   for (const BondedGrains::OwnedSide& o : grains.owned()) {
-    if (static_cast<std::size_t>(o.body) >= sums_.size()) continue;
+    if (static_cast<std::size_t>(o.body) >= sums_.size() || table[o.body].condensed) continue;
     const GrainSide* sides = &grains.sides.sides[o.at - o.side];
     const RelativeMotion<double> motion = motion_of(table[o.body], sides);
     const GrainSide& s = sides[o.side];

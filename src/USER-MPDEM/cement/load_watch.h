@@ -45,7 +45,7 @@ class LoadWatch {
     largest_.resize(rows);
     sums_.resize(rows, Sums{});
   }
-  // At the end of a step: what the sides of the grains of this rank have.
+  // At the end of a step: what the sides of the grains of this rank have, of bonds that are not condensed. Those that are have no damage that grows.
   void add(const BondedGrains& grains, const std::vector<Body>& table, double dt);
   // Collective. Ends the windows that are long enough; rows that carry nothing any more, ascending, the same on all ranks.
   std::vector<int> look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed);

@@ -214,6 +214,7 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
                                   restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
   fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
+  fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
   const std::vector<double> of_patterns = mpdem::packed(bonds.patterns);
   const bigint count = static_cast<bigint>(of_patterns.size());
   if (count > kMostOfPatterns)
@@ -247,12 +248,17 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
     return mpdem::text_of("the file has ", count, " bonds, this program takes ", mpdem::kMaxBodies, " at most; use the program that wrote it");
   std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
   if (fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return truncated;
+  if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
   bigint of_patterns = 0;
   if (fread(&of_patterns, sizeof of_patterns, 1, fp) != 1) return truncated;
-  if (of_patterns < patterns || of_patterns > kMostOfPatterns) return "the file is damaged in the patterns of points" + cure;
+  const long here = std::ftell(fp);
+  std::fseek(fp, 0, SEEK_END);
+  const bigint left = (std::ftell(fp) - here) / static_cast<bigint>(sizeof(double));
+  std::fseek(fp, here, SEEK_SET);
+  if (of_patterns < patterns || of_patterns > std::min(kMostOfPatterns, left)) return "the file is damaged in the patterns of points" + cure;
   std::vector<double> pattern_numbers(of_patterns);
   if (fread(pattern_numbers.data(), sizeof(double), pattern_numbers.size(), fp) != pattern_numbers.size()) return truncated;
-  if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
+  if (!marked()) return "the file is damaged in the patterns of points" + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
   for (mpdem::Body& body : bonds.table) {
