@@ -207,13 +207,25 @@ int AtomVecMpdem::unpack_restart(double* buf) {
   return total;
 }
 
+namespace {
+
+// fwrite and fread take no null pointer, which an empty vector has.
+void write_numbers(FILE* fp, const std::vector<double>& numbers) {
+  if (!numbers.empty()) fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
+}
+bool read_numbers(FILE* fp, std::vector<double>& numbers) {
+  return numbers.empty() || fread(numbers.data(), sizeof(double), numbers.size(), fp) == numbers.size();
+}
+
+}  // namespace
+
 void AtomVecMpdem::write_restart_settings(FILE* fp) {
   const std::vector<double> numbers = packed_bodies();
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
   const int head[kRestartHead] = {kRestartVersion, kBodyNumbers, static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()),
                                   restart_is_sealed};
   fwrite(head, sizeof(int), kRestartHead, fp);
-  fwrite(numbers.data(), sizeof(double), numbers.size(), fp);
+  write_numbers(fp, numbers);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
   const std::vector<double> of_patterns = mpdem::packed(bonds.patterns);
   const bigint count = static_cast<bigint>(of_patterns.size());
@@ -221,7 +233,7 @@ void AtomVecMpdem::write_restart_settings(FILE* fp) {
     mpdem::stop_one(lmp, mpdem::text_of("write_restart: the patterns of bonds without points have ", count, " numbers, at most ", kMostOfPatterns,
                                         " are allowed; use 'points now' of create_cement where bonds are not equal"));
   fwrite(&count, sizeof count, 1, fp);
-  fwrite(of_patterns.data(), sizeof(double), of_patterns.size(), fp);
+  write_numbers(fp, of_patterns);
   fwrite(kRestartMagic, 1, sizeof kRestartMagic, fp);
 }
 
@@ -247,7 +259,7 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   if (count > mpdem::kMaxBodies)
     return mpdem::text_of("the file has ", count, " bonds, this program takes ", mpdem::kMaxBodies, " at most; use the program that wrote it");
   std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
-  if (fread(numbers.data(), sizeof(double), numbers.size(), fp) != numbers.size()) return truncated;
+  if (!read_numbers(fp, numbers)) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
   bigint of_patterns = 0;
   if (fread(&of_patterns, sizeof of_patterns, 1, fp) != 1) return truncated;
@@ -257,7 +269,7 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   std::fseek(fp, here, SEEK_SET);
   if (of_patterns < patterns || of_patterns > std::min(kMostOfPatterns, left)) return "the file is damaged in the patterns of points" + cure;
   std::vector<double> pattern_numbers(of_patterns);
-  if (fread(pattern_numbers.data(), sizeof(double), pattern_numbers.size(), fp) != pattern_numbers.size()) return truncated;
+  if (!read_numbers(fp, pattern_numbers)) return truncated;
   if (!marked()) return "the file is damaged in the patterns of points" + cure;
   bonds.table.resize(count);
   mpdem::RecordReader in(numbers.data(), numbers.data() + numbers.size());
