@@ -93,7 +93,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
   constexpr int kIterations = 2;
   for (int k = 0; k < kIterations; ++k) {
     if (!bond) {
-      solve_static(comm, nullptr, {});
+      static_displacement(comm, nullptr, {});
       continue;
     }
     Grid& grid = bond->grid;
@@ -110,7 +110,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
       for (int d = 0; d < 3; ++d)
         if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
     const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law};
-    grid.velocity = solve_static(comm, &parts, grid.force);
+    grid.velocity = static_displacement(comm, &parts, grid.force);
     AdvanceOptions options;
     options.nonlocal = true;  // without averages no damage grows
     bond->points.average.clear();

@@ -198,7 +198,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   return bond;
 }
 
-std::vector<double> solve_static(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
+std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
   Equations equations(comm, parts);
   std::vector<double> x(force.size(), 0.0);
   iterate(equations, x, force, equations.size_of(force), kDecline, kMostStaticSteps);

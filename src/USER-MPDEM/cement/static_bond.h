@@ -69,7 +69,7 @@ inline StaticBond solve_static(const StaticParts& parts) { return solve_static(M
 
 // What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Collective as
 // solve_static().
-std::vector<double> solve_static(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
+std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
 
 // The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five
 // motions are held.
