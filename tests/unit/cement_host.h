@@ -43,6 +43,7 @@ struct Row {
   bool loose = false;        // links to the first grain are not attached from the start
   bool skin_failed = false;  // and their points have failed
   bool cracked = false;      // two layers in the middle have failed
+  double crumbled = 0.0;     // points at x above this have failed and hold to no grain; 0: none
   bool unilateral = false;
   bool split = false;        // nodes, where material parts
   double interface = 1.0;    // of points with links
@@ -402,6 +403,8 @@ class RowOfGrains : public CementHost {
       std::copy(p.X.data(), p.X.data() + 3, r.X);
       r.volume = p.volume;
       r.failed = row_.cracked && std::fabs(p.X[2]) < kSpacing;
+      const bool crumbled = row_.crumbled != 0.0 && p.X[0] > row_.crumbled;
+      r.failed = r.failed || crumbled;
       if (r.failed) r.damage[2] = 0.9;  // along z
       r.links = p.links;
       for (int k = 0; k < p.links; ++k) {
@@ -409,7 +412,7 @@ class RowOfGrains : public CementHost {
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;
         const bool loose = row_.loose && p.link[k].side == 0;
-        r.link[k].attached = !loose;
+        r.link[k].attached = !loose && !crumbled;
         r.failed = r.failed || (loose && row_.skin_failed);
       }
       const int tag = 1000 + row * 100000 + static_cast<int>(n);

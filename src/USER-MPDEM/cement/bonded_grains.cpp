@@ -252,7 +252,10 @@ void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const 
   for (const OwnedSide& o : owned_) {
     const GrainSide& s = sides.sides[o.at];
     const Six impulse = in_box(s, s.impulse, s.impulse + 3);
-    for (int d = 0; d < 6; ++d) grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
+    for (int d = 0; d < 6; ++d) {
+      grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
+      grains[o.grain].state->load[d] -= impulse[d];  // its work is that on the nodes
+    }
   }
 }
 
@@ -398,8 +401,8 @@ EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
     if (o.body < first_body) continue;
     const GrainSide& s = sides.sides[o.at];
     const GrainState& g = *grains[o.grain].state;
-    double force[6];
-    for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d];
+    double force[6];  // without that of impulses, whose work is that on the nodes
+    for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
     const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {
       power.now -= f[d] * g.ended[d];

@@ -139,6 +139,7 @@ void Cement::take_failed(Bond& b) {
 void Cement::let_go(Bond& b) {
   if (b.failed.empty()) return;
   b.mass.forget();
+  b.impulse.forget();
   b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   sort_links(b);
   if (touches()) open_places(b, b.failed, {});
@@ -329,13 +330,18 @@ EnergyBooks::StepWork Cement::inertial_work_of_step(int first_body) const {
   return work;
 }
 
-// Work of grains and gravity on the cement of bodies from first_body on.
+// Work of grains, gravity and impulses of the host on the cement of bodies from first_body on.
 EnergyBooks::StepWork Cement::work_of_step(int first_body) {
+  const bool pushed = now_.substeps > 1 && ends_step();
   EnergyBooks::StepWork work = penalty_ ? grains_.work(dt_last_, first_body) : EnergyBooks::StepWork();
   for (const Bond& b : bonds_.awake()) {
     if (b.body < first_body) continue;
-    const double before = dt_last_ * gravity_power(b, b.grid.velocity);
-    work.now += before + 0.5 * dt_last_ * dt_last_ * gravity_power(b, b.grid.acceleration);
+    double before = dt_last_ * gravity_power(b, b.grid.velocity), later = gravity_power(b, b.grid.acceleration);
+    if (pushed) {
+      before += dt_last_ * b.impulse.power(b.grid, b.grid.velocity);
+      later += b.impulse.power(b.grid, b.grid.acceleration);
+    }
+    work.now += before + 0.5 * dt_last_ * dt_last_ * later;
     work.before += before;
   }
   const EnergyBooks::StepWork of_condensed = condensed_.work(grains_, bonds_, weight_of_cement().data(), dt_last_, first_body);

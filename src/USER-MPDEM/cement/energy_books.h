@@ -6,7 +6,7 @@
 //   E + dissipated + released + damped + rubbed - work = start,
 //
 // E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
-// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains and gravity on the cement; each half
+// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains, gravity and impulses of the host on the cement; each half
 // step has the work of its velocity on the force at its end. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
 // inertia of mpm/consistent_mass.h. It is kept as that of the lumped mass, less the work of the force by which the two differ. This rank's share of each, all in units of energy.
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H

@@ -31,6 +31,12 @@ double Cement::Way::velocity(int d, double time, double t) const {
 
 void Cement::share_impulses() {
   timer_.start(StepTimer::kCoupling);
+  std::vector<double*> of_bonds;
+  for (Bond& b : bonds_.awake()) {
+    b.impulse.weigh(b.points, b.grid, inertia_);
+    if (!b.impulse.empty() && b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
+  }
+  if (penalty_) shared_nodes_.sum(of_bonds, 1);
   grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.pack());
   timer_.start(StepTimer::kNodes);
 }

@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "shared_impulse.h"
 
+#include <algorithm>
+
 #include "relaxation.h"
 
 namespace mpdem {
@@ -34,26 +36,50 @@ void take_from_grain(const double* r, const double* f, double scale, GrainSide& 
 
 SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held) : share_(shares_of_second_grain(grid, body, held)) {}
 
+// The mass of a bond of which nothing failed is that of its nodes, to the bit.
+void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
+  if (empty()) return;
+  const bool cut = grid.halo.shares_any();
+  if (stale_) {
+    const bool some_failed = std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
+    here_.clear();
+    if (cut || some_failed) {
+      here_ = grid.mass_here(points, density, true);
+      grid.ties.bequeath(here_.data(), 1);
+    }
+    stale_ = false;
+    holding_ = here_;
+  }
+  if (cut) holding_ = here_;
+}
+
+// Share of the mass of a node that is of points that hold.
+double SharedImpulse::part_held(const Grid& grid, int node) const {
+  return holding_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, holding_[node] / grid.mass[node]);
+}
+
 void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (int i = 0; i < grid.size() && !empty(); ++i) {
     if (share_[i] < 0.0 || !counts[i] || grid.mass[i] == 0.0) continue;
-    const double share[2] = {1.0 - share_[i], share_[i]};
+    const double share[2] = {1.0 - share_[i], share_[i]}, mass = part_held(grid, i) * grid.mass[i];
     for (int s = 0; s < 2; ++s) {
       double r[3];
       lever_arm(grid, i, side[s], r);
-      MassMoments::add(grid.mass[i] * share[s] * share[s], r, of_sides[s].own.m.data());
-      MassMoments::add(grid.mass[i] * share[0] * share[1], r, of_sides[s].shared.m.data());
+      MassMoments::add(mass * share[s] * share[s], r, of_sides[s].own.m.data());
+      MassMoments::add(mass * share[0] * share[1], r, of_sides[s].shared.m.data());
     }
   }
 }
 
-void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) const {
+void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
+  force_.assign(empty() ? 0 : 3 * grid.size(), 0.0);
   auto extra = added.shares().begin();
   for (int i = 0; i < grid.size() && !empty(); ++i) {
     while (extra != added.shares().end() && extra->node < i) ++extra;
     if (share_[i] < 0.0) continue;
+    const double held = part_held(grid, i), mass = held * grid.mass[i];
     const double share[2] = {1.0 - share_[i], share_[i]};
     double r[2][3], of_grain[2][3], a[3], *f = &grid.force[3 * i];
     for (int s = 0; s < 2; ++s) {
@@ -62,19 +88,28 @@ void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) co
     }
     for (int d = 0; d < 3; ++d) {
       a[d] = share[0] * of_grain[0][d] + share[1] * of_grain[1][d];
-      f[d] += grid.mass[i] * a[d];
+      f[d] += force_[3 * i + d] = mass * a[d];
     }
-    for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * grid.mass[i], side[s]);
+    for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * mass, side[s]);
     if (extra == added.shares().end() || extra->node != i) continue;
     for (int s = 0; s < 2; ++s) {
       double relative[3];
       for (int d = 0; d < 3; ++d) {
         relative[d] = a[d] - of_grain[s][d];
-        f[d] += extra->mass[s] * relative[d];
+        f[d] += held * extra->mass[s] * relative[d];
+        force_[3 * i + d] += held * extra->mass[s] * relative[d];
       }
-      if (counts[i]) take_from_grain(r[s], relative, extra->mass[s], side[s]);
+      if (counts[i]) take_from_grain(r[s], relative, held * extra->mass[s], side[s]);
     }
   }
+}
+
+double SharedImpulse::power(const Grid& grid, const std::vector<double>& velocity) const {
+  const std::vector<char>& counts = grid.halo.counts_here();
+  double power = 0.0;
+  for (std::size_t n = 0; n < force_.size(); ++n)
+    if (counts[n / 3]) power += force_[n] * velocity[n];
+  return power;
 }
 
 }  // namespace mpdem

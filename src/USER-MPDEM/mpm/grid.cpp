@@ -345,14 +345,15 @@ void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
   any_ties_ = any;
 }
 
-std::vector<double> Grid::mass_here(const PointStore& points, double density) const {
+std::vector<double> Grid::mass_here(const PointStore& points, double density, bool holding) const {
   std::vector<double> mass(keys.size(), 0.0);
   const double inverse_h = 1.0 / h;
   with_basis(basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
-      with_weights<decltype(type)>(points.blocks[b], m, inverse_h,
-                                   [&](const auto& s) { scatter_scalar(mass.data(), m.column, s, density * points.blocks[b].volume); });
+      vd of_point = density * points.blocks[b].volume;
+      if (holding) of_point = select(lanes(m.failed), vd{}, of_point);
+      with_weights<decltype(type)>(points.blocks[b], m, inverse_h, [&](const auto& s) { scatter_scalar(mass.data(), m.column, s, of_point); });
     }
   });
   return mass;

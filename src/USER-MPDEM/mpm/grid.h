@@ -100,8 +100,8 @@ class Grid {
   // Finds the lumped mass of the points, whose density is uniform, or takes what is given. Mass of tied nodes goes to their heirs.
   // Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
-  // That of the points of this rank alone, each node for itself.
-  std::vector<double> mass_here(const PointStore& points, double density) const;
+  // That of the points of this rank alone, each node for itself. holding: without points that failed.
+  std::vector<double> mass_here(const PointStore& points, double density, bool holding = false) const;
 
   void clear_force();
   void sum_force() {
