@@ -87,11 +87,14 @@ std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
 
 CopyLattice::Line line_of(const Body& body, double cell) {
   CopyLattice::Line line;
-  double apart[3], length = 0.0;
+  double apart[3], length = 0.0, widest = 0.0;
   for (int d = 0; d < 3; ++d) {
     apart[d] = body.centre[1][d] - body.centre[0][d];
     length += std::fabs(apart[d]);  // along one axis
-    if (std::fabs(apart[d]) > std::fabs(apart[line.axis])) line.axis = d;
+    if (std::fabs(apart[d]) > widest) {
+      widest = std::fabs(apart[d]);
+      line.axis = d;
+    }
   }
   const double to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length;
   for (int d = 0; d < 3; ++d) line.middle[d] = (body.centre[0][d] + to_middle * apart[d]) / cell;
