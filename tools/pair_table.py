@@ -16,7 +16,6 @@ too. --redraw runs nothing: it draws the figures anew. Needs Debian's python3-nu
 import argparse
 import json
 import os
-import signal
 import sys
 
 sys.dont_write_bytecode = True  # leave the source tree as it is
@@ -30,12 +29,6 @@ except ImportError as missing:
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
-def at_least_one(text):
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
-    return int(text)
-
-
 def arguments():
     p = argparse.ArgumentParser(description="Loads pairs of beads of every shape, load and content of a table.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, table.csv and table.png")
@@ -46,9 +39,7 @@ def arguments():
     p.add_argument("--contents", metavar="C,D", default="0.05,0.11,0.17,0.25", help="masses of cement over mass of the beads")
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the script, or refine, layers, coarse")
     p.add_argument("--vary", metavar="NAME=V,W", action="append", default=[], help="the same, with several values")
-    p.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
-    p.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
-    p.add_argument("--exe", metavar="FILE", default=os.path.join(ROOT, "build", "liggghts-mpdem"), help="the executable")
+    runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
     p.add_argument("--script", metavar="FILE", default=os.path.join(ROOT, "examples", "pair_table", "in.pair_table"))
     return p.parse_args()
 
@@ -106,28 +97,16 @@ def main():
         run.make_folder(args.out)
         print(f"written to {args.out}: {', '.join(draw(args.out, rows))}")
         return
-    if not os.access(args.exe, os.X_OK):
-        raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
+    runner.check_executable(args)
     entries = {}
     for group in groups(args):
         entries.update({r.label: r for r in table.product(group, os.path.abspath(args.script))})
     runs = list(entries.values())
     run.make_folder(args.out)
-    jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
-    signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
-    all_runs = runner.Runner(os.path.abspath(args.out), runs, os.path.abspath(args.exe), jobs, args.ranks)
-    stopped = False
-    try:
-        failed = all_runs.go()
-    except KeyboardInterrupt:
-        stopped = True
+    all_runs, stopped = runner.make_runs(args, args.out, runs)
     rows = table.write(os.path.join(args.out, "table.csv"), runs, os.path.abspath(args.out))
     print(f"written to {args.out}: {', '.join(['table.csv'] + draw(args.out, rows))}")
-    if stopped:
-        sys.exit("pair_table.py: stopped; the same command goes on from here")
-    if failed:
-        raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
-                          "; ".join(f"{r.label}: {why}" for r, why in all_runs.failed[:3]))
+    runner.tell_end("pair_table.py", all_runs, stopped)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,6 @@ from the start. --redraw runs nothing. Needs Debian's python3-numpy and python3-
 """
 import argparse
 import os
-import signal
 import sys
 
 sys.dont_write_bytecode = True  # leave the source tree as it is
@@ -26,12 +25,6 @@ except ImportError as missing:
              "run with /usr/bin/python3 and keep the folder tools/mpdem next to this script")
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-
-
-def at_least_one(text):
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
-    return int(text)
 
 
 def positive(text):
@@ -47,16 +40,14 @@ def positive(text):
 def arguments():
     p = argparse.ArgumentParser(description="Pours a specimen of beads, cements it, and breaks it.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, specimen.csv and the figures")
-    p.add_argument("--beads", metavar="N", type=at_least_one, default=150, help="number of beads (150)")
+    p.add_argument("--beads", metavar="N", type=runner.at_least_one, default=150, help="number of beads (150)")
     p.add_argument("--contents", metavar="C,D", type=positive, default=[0.003, 0.006, 0.012], help="mass of the cement of a bond over that of its two beads")
     p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1e5, 2e5, 4e5], help="on the sides, Pa; none: ''")
     p.add_argument("--at", metavar="C", type=float, help="content at which the sides are pressed (default: the middle one)")
     p.add_argument("--tests", metavar="A,B", default="compression,tension", help="unconfined tests, compression and tension")
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the scripts")
     p.add_argument("--redraw", action="store_true", help="run nothing, draw what is finished")
-    p.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
-    p.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
-    p.add_argument("--exe", metavar="FILE", default=os.path.join(ROOT, "build", "liggghts-mpdem"), help="the executable")
+    runner.add_arguments(p, os.path.join(ROOT, "build", "liggghts-mpdem"))
     return p.parse_args()
 
 
@@ -122,27 +113,16 @@ def tell(rows, reference):
 def main():
     args = arguments()
     runs, reference = plan(args)
-    if not args.redraw and not os.access(args.exe, os.X_OK):
-        raise run.Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
+    if not args.redraw:
+        runner.check_executable(args)
     out = os.path.abspath(args.out)
     run.make_folder(out)
-    stopped, failed = False, 0
-    if not args.redraw:
-        signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
-        jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
-        all_runs = runner.Runner(out, runs, os.path.abspath(args.exe), jobs, args.ranks)
-        try:
-            failed = all_runs.go()
-        except KeyboardInterrupt:
-            stopped = True
+    all_runs, stopped = (None, False) if args.redraw else runner.make_runs(args, out, runs)
     rows = specimen.write(os.path.join(out, "specimen.csv"), runs, out)
     names = ["specimen.csv"] + (draw(out, rows, reference, tell(rows, reference)) if rows else [])
     print(f"written to {args.out}: {', '.join(names)}")
-    if stopped:
-        sys.exit("specimen.py: stopped; the same command goes on from here")
-    if failed:
-        raise run.Trouble(f"{failed} of {len(runs)} runs failed; correct them and call again: " +
-                          "; ".join(f"{r.label}: {why}" for r, why in all_runs.failed[:3]))
+    if all_runs:
+        runner.tell_end("specimen.py", all_runs, stopped)
 
 
 if __name__ == "__main__":

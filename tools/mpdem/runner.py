@@ -19,17 +19,62 @@ A run is an object with
 Each has a folder; `done.json` in it, written last, holds its parameters and results. A run whose `done.json` is of the
 same parameters and script, and of the same of all that it needs, is not run again.
 """
+import argparse
 import hashlib
 import json
 import os
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 from .run import Trouble
 
 EVERY = 15.0  # s between lines of progress
+
+
+def at_least_one(text):
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number of at least 1")
+    return int(text)
+
+
+def add_arguments(parser, exe):
+    """Words of how runs are made: how many at a time, on how many ranks, by which executable."""
+    parser.add_argument("--jobs", metavar="N", type=at_least_one, help="runs at a time (default: cores over ranks)")
+    parser.add_argument("--ranks", metavar="N", type=at_least_one, default=1, help="ranks of a run (1)")
+    parser.add_argument("--exe", metavar="FILE", default=exe, help="the executable")
+
+
+def check_executable(args):
+    if not os.access(args.exe, os.X_OK):
+        raise Trouble(f"{args.exe}: no such executable; build it (make) or name it with --exe")
+
+
+def make_runs(args, out, runs):
+    """Makes the runs in the folder `out` as the words of `add_arguments` say. The Runner, and whether it was stopped."""
+    signal.signal(signal.SIGTERM, stop)
+    jobs = args.jobs or max((os.cpu_count() or 1) // args.ranks, 1)
+    runner = Runner(os.path.abspath(out), runs, os.path.abspath(args.exe), jobs, args.ranks)
+    try:
+        runner.go()
+    except KeyboardInterrupt:
+        return runner, True
+    return runner, False
+
+
+def tell_end(program, runner, stopped):
+    """Ends the program with a message if runs were stopped or failed."""
+    if stopped:
+        sys.exit(f"{program}: stopped; the same command goes on from here")
+    if runner.failed:
+        raise Trouble(f"{len(runner.failed)} of {len(runner.all)} runs failed; correct them and call again: " +
+                      "; ".join(f"{r.label}: {why}" for r, why in runner.failed[:3]))
+
+
+def stop(*_):
+    raise KeyboardInterrupt
 
 
 def command(exe, script, ranks, arguments):

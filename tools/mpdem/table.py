@@ -13,6 +13,7 @@ SHAPES = ("flat", "meniscus", "coating", "coating+meniscus")
 LOADS = ("tension", "compression", "shear", "torsion", "bending", "mixed", "force")
 RADIUS, DENSITY_RATIO = 0.005, 2500.0 / 2710.0
 WAVE = 5146.0  # as in the script
+SPEED = 0.04   # as in the script, m/s
 WINDOW = 2e-6  # s over which the load is averaged to tell failure, at least
 
 # Variables of the script that may be set, but for those this module computes.
@@ -63,7 +64,7 @@ class Run:
         self.arguments = {"shape": shape, "load": load, "content": f"{content:g}", "spacing": f"{self.spacing:.6g}",
                           "chunk": str(10 * max(10, math.ceil(0.1 * WINDOW / step))),
                           "record": str(max(5, 5 * round(0.02 * WINDOW / step))), "frames": "100000000",
-                          "limit": str(100 * math.ceil(1e-6 / step))}
+                          "limit": str(100 * math.ceil(0.01 * self.duration() / step))}
         self.arguments.update({k: str(v) for k, v in extra.items() if k not in OWN})
         words = [f"{k}={str(v).replace(' ', '_').replace('/', '_')}" for k, v in sorted(self.extra.items())]
         self.window = number("chunk", self.arguments["chunk"]) * step  # s over which the script averages
@@ -73,6 +74,13 @@ class Run:
         if shape == "coating":
             volume *= min(0.02 + content, 1.0)  # only what is near the bond
         self.cost = volume / self.spacing**3 / step
+
+    def duration(self):
+        """Time after which the run ends unbroken, s. A cohesive interface may take longer to open than the cement to break."""
+        words = str(self.extra.get("bonding", "")).split()
+        law = {k: number("bonding", v) for k, v in zip(words[1::2], words[2::2]) if k in ("tn", "tt", "Gn", "Gt")}
+        opening = max((2 * law[G] / law[t] for G, t in (("Gn", "tn"), ("Gt", "tt")) if G in law and t in law), default=0.0)
+        return 1e-4 + 2 * opening / abs(float(self.extra.get("speed", SPEED)))
 
     def command(self, exe, ranks):
         return runner.command(exe, self.script, ranks, self.arguments)

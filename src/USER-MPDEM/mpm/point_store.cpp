@@ -199,7 +199,7 @@ bool cell_before(const Item& a, const Item& b) {
 
 // Items of a block: from the first cell, and from others in a row with it, if there are any.
 struct Plan {
-  int first, count;
+  int first = 0, count = 0;
   int joined = kOneCell;
   struct Cell {
     int first = 0, count = 0;
@@ -275,7 +275,8 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   std::vector<int> partial;  // blocks that are not full: the last of their cell, whose order they have
   const int n = static_cast<int>(items.size());
   for (int i = 0; i < n;) {
-    Plan p{i, 0};
+    Plan p;
+    p.first = i;
     while (p.count < kLanes && i < n && same_cell(items[p.first], items[i])) ++p.count, ++i;
     if (p.count < kLanes) partial.push_back(static_cast<int>(plans.size()));
     plans.push_back(p);
