@@ -105,7 +105,7 @@ def test_force_and_way(tmp_path, figures):
 @pytest.mark.parametrize("word, value, expected", [
     ("shape", "flt", "-var shape: must be flat, meniscus"), ("load", "tensoin", "-var load: must be tension"),
     ("content", "-1", "-var content: must lie in"), ("speed", "0", "-var speed: must not be 0"),
-    ("limit", "3", "-var limit: must be at least"), ("regularization", "crackbnd", "must be one of none, crackband")])
+    ("diameter", "1", "-var diameter: must lie in"), ("limit", "3", "-var limit: must be at least"), ("regularization", "crackbnd", "must be one of none, crackband")])
 def test_words_of_the_script(word, value, expected, tmp_path):
     result = launch(SCRIPT.read_text(), tmp_path, name="in.pair_table", arguments=["-var", word, value])
     assert result.status != 0 and len(result.errors()) == 1

@@ -17,7 +17,7 @@ SPEED = 0.04   # as in the script, m/s
 WINDOW = 2e-6  # s over which the load is averaged to tell failure, at least
 
 # Variables of the script that may be set, but for those this module computes.
-VARIABLES = ("share", "cap", "gap", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
+VARIABLES = ("share", "cap", "gap", "diameter", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
              "speed", "ramp", "arm", "angle", "rate", "courant", "record", "chunk", "limit", "frames", "spacing")
 OWN = {"refine": 1.0,        # divides the spacing
        "layers": 3.0,        # of points through a coating, at least

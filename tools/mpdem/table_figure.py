@@ -58,7 +58,7 @@ WORDS = {
     "cutoff": lambda v: f"failure at damage {v}", "zeta": lambda v: f"tensile over compressive strength {v}",
     "axis": lambda v: f"elastic axis {v}", "edge": lambda v: f"edge nodes {v}",
     "share": lambda v: f"{100 * float(v):.3g} % of the cement in the coating", "cap": lambda v: f"coating up to {v}°",
-    "gap": lambda v: f"beads {metres(v)} apart", "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
+    "gap": lambda v: f"beads {metres(v)} apart", "diameter": lambda v: f"upper bead of {metres(v)}", "inner": lambda v: None if v == "auto" else f"no cement within {metres(v)}",
     "coarse": lambda v: f"spacing {metres(v)}", "spacing": lambda v: f"spacing {metres(v)}",
     "refine": lambda v: None if float(v) == 1 else f"spacing divided by {v}",
     "layers": lambda v: f"{v} layers of points in a shell", "percell": lambda v: f"{v} spacings a cell", "grid": lambda v: "grid off by " + ", ".join(metres(x) for x in v.split()),

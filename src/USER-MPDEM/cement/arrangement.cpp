@@ -27,16 +27,7 @@ std::vector<int> Cement::all_rows() const {
 
 // Those that some rank names.
 std::vector<int> Cement::agreed_rows(const std::vector<int>& mine) const {
-  std::vector<int> rows;
-  int some = !mine.empty(), any;
-  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);
-  if (!any) return rows;
-  std::vector<char> named(bonds_.table.size(), 0);
-  for (int r : mine) named[r] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, named.data(), static_cast<int>(named.size()), MPI_SIGNED_CHAR, MPI_MAX, comm_);
-  for (std::size_t r = 0; r < named.size(); ++r)
-    if (named[r]) rows.push_back(static_cast<int>(r));
-  return rows;
+  return union_of_ranks(comm_, mine);
 }
 
 LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
@@ -85,8 +76,13 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
   const bool moves = built_ && !untied.empty();
   const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
   std::vector<LayoutRequest> requests;
-  for (int row : rows)
-    if (Bond* b = bonds_.find(row)) requests.push_back(request_of(*b, parts));
+  bool shared = !built_;  // are nodes of other ranks among those that change
+  for (int row : rows) {
+    Bond* b = bonds_.find(row);
+    if (!b) continue;
+    shared = shared || b->cut_by_ranks();
+    requests.push_back(request_of(*b, parts));
+  }
   LayoutRules how = rules();
   how.arrange = arrange;
   std::vector<BondLayout> layouts = make_layout(how, rows, std::move(requests));
@@ -94,10 +90,16 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
   adopt(layouts);
   if (moves) keep_motion(untied, motion);
   start_velocities(layouts);
-  bonds_.drop_empty();
-  bind_shared_nodes();
-  for (int row : rows)
-    if (Bond* b = bonds_.find(row)) kinematics_->bind(*b);
+  shared = bonds_.drop_empty(rows) || shared;
+  for (int row : rows) {
+    Bond* b = bonds_.find(row);
+    if (!b) continue;
+    shared = shared || b->cut_by_ranks();
+    kinematics_->bind(*b);
+  }
+  int mine = shared, any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm_);
+  if (any) bind_shared_nodes();
 }
 
 // Collective. Nodes of bonds that are awake.

@@ -158,7 +158,7 @@ class Cement {
   // Static stiffness of each bond as it is now, its grains too, by a layout of its own; a run need not have begun. Equal bonds of a rank are
   // solved once. Needs links.
   std::vector<StiffnessOfBond> stiffness_of_bonds();
-  std::vector<Cracks::Ahead> cracks_ahead(const std::vector<char>& wanted);
+  std::vector<Cracks::Ahead> cracks_ahead(const std::vector<int>& rows);
   // Added mass: at either side of each bond, over all ranks.
   std::vector<double> added_mass_of_sides();
   double cement_mass();    // of this rank, with the mass scale

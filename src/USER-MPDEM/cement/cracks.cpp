@@ -85,18 +85,22 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
+std::size_t place_of(const std::vector<int>& rows, int row) { return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(); }
+
 struct WholeBonds {
   Received<Sent> sent;
-  std::vector<std::vector<CrackPoint>> points;  // of each row, in the order in which they are sent; empty elsewhere
+  std::vector<std::vector<CrackPoint>> points;  // of each of the rows asked for, in the order in which they are sent; empty elsewhere
 };
 
-// Sends each of the bonds asked for to one rank, as a whole. Collective.
-WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& wanted, bool split) {
+// Sends each of these bonds, ascending, to one rank, as a whole. Collective.
+WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, bool split) {
   int ranks;
   MPI_Comm_size(comm, &ranks);
   std::vector<std::vector<Sent>> out(ranks);
-  for (const Bond& bond : bonds) {
-    if (!wanted[bond.body]) continue;
+  for (int row : rows) {
+    const Bond* here = bonds.find(row);
+    if (!here) continue;
+    const Bond& bond = *here;
     const PointStore& points = bond.points;
     const Body& body = bonds.body(bond);
     double axis[3];
@@ -112,8 +116,8 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& w
   }
   WholeBonds whole;
   whole.sent = all_to_all(comm, out);
-  whole.points.resize(wanted.size());
-  for (const Sent& s : whole.sent.data) whole.points[s.body].push_back(s.point);
+  whole.points.resize(rows.size());
+  for (const Sent& s : whole.sent.data) whole.points[place_of(rows, s.body)].push_back(s.point);
   return whole;
 }
 
@@ -122,7 +126,10 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<char>& w
 bool Cracks::take_up(std::size_t rows) {
   const bool some_are_new = states_.size() < rows;
   states_.resize(rows);
-  for (; with_path_ < rows; ++with_path_) states_[with_path_].path_cut = any_path_cut_ = true;
+  for (; with_path_ < rows; ++with_path_) {
+    states_[with_path_].path_cut = true;
+    new_.push_back(static_cast<int>(with_path_));
+  }
   return some_are_new;
 }
 
@@ -139,11 +146,11 @@ void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.body];
   if (s.path_cut || s.separation.separated) return;
   s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tags[slot / kLanes][slot % kLanes]);
-  any_path_cut_ = any_path_cut_ || s.path_cut;
+  if (s.path_cut) cut_.push_back(bond.body);
 }
 
 bool Cracks::some_path_is_cut(MPI_Comm comm) const {
-  int mine = any_path_cut_, any;
+  int mine = !cut_.empty() || !new_.empty(), any;
   MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
   return any != 0;
 }
@@ -160,23 +167,28 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
 
 // Whose path is cut, and where something broke since. Debris is looked for in all: it may be in any bond that came apart.
 std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
-  const int rows = static_cast<int>(bonds.table.size());
-  std::vector<char> cut(rows);
-  for (int r = 0; r < rows; ++r) cut[r] = states_[r].path_cut;
-  MPI_Allreduce(MPI_IN_PLACE, cut.data(), rows, MPI_SIGNED_CHAR, MPI_MAX, comm);
-  std::vector<double> now(rows, 0.0);
-  for (const Bond& b : bonds)
-    if (debris || cut[b.body]) now[b.body] = count_broken(b.points);
-  MPI_Allreduce(MPI_IN_PLACE, now.data(), rows, MPI_DOUBLE, MPI_SUM, comm);
-  std::vector<int> looked_at;
-  for (int r = 0; r < rows; ++r) {
-    State& s = states_[r];
-    s.path_cut = false;
-    if (!(s.separation.separated ? debris : cut[r] != 0) || now[r] == s.failed_seen) continue;
-    s.failed_seen = now[r];
-    looked_at.push_back(r);
+  std::vector<int> rows = union_of_ranks(comm, cut_);
+  rows.insert(rows.end(), new_.begin(), new_.end());  // in none of the first: their paths are cut already
+  for (int row : rows) states_[row].path_cut = false;
+  cut_.clear();
+  new_.clear();
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
+  if (debris) {
+    for (std::size_t row = 0; row < bonds.table.size(); ++row)
+      if (states_[row].separation.separated) rows.push_back(static_cast<int>(row));
   }
-  any_path_cut_ = false;
+  std::sort(rows.begin(), rows.end());
+  std::vector<double> now(rows.size(), 0.0);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const Bond* b = bonds.find(rows[n])) now[n] = count_broken(b->points);
+  MPI_Allreduce(MPI_IN_PLACE, now.data(), static_cast<int>(now.size()), MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<int> looked_at;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    State& s = states_[rows[n]];
+    if (now[n] == s.failed_seen) continue;
+    s.failed_seen = now[n];
+    looked_at.push_back(rows[n]);
+  }
   return looked_at;
 }
 
@@ -184,42 +196,41 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
   Found found;
   const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
   if (looked_at.empty()) return found;
-  const int rows = static_cast<int>(bonds.table.size());
   int ranks;
   MPI_Comm_size(comm, &ranks);
-  std::vector<char> wanted(rows);
-  for (int r : looked_at) wanted[r] = 1;
 
   // The bonds that come to this rank are whole.
-  const WholeBonds whole = collect(comm, bonds, wanted, options.split);
+  const WholeBonds whole = collect(comm, bonds, looked_at, options.split);
   std::vector<std::vector<Returned>> back(ranks);
   std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
   constexpr int kRow = 6;  // separated, areas, has other parts, holds to other grains
   std::vector<double> result(kRow * looked_at.size(), 0.0);
-  std::vector<Separation> separations(rows);
+  std::vector<Separation> separations(looked_at.size());
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
     const int r = looked_at[n];
-    if (whole.points[r].empty()) continue;
-    Separation& s = separations[r] = look_at(bonds.table[r], r, sheets, options, whole.points[r]);
+    if (whole.points[n].empty()) continue;
+    Separation& s = separations[n] = look_at(bonds.table[r], r, sheets, options, whole.points[n]);
     for (int tag : s.path)
       for (auto& to : paths) to.push_back({r, tag});
     const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
     std::copy(row, row + 4, &result[kRow * n]);
   }
   if (options.split)
-    for (int r : looked_at)
-      if (!whole.points[r].empty() && separations[r].separated && !states_[r].separation.separated)
-        for (std::size_t i = 0; i < whole.points[r].size(); ++i)
-          found.pieces[r].push_back({whole.points[r][i].tag, separations[r].between[i] ? kBetween : separations[r].part[i]});
-  std::vector<std::size_t> at(rows, 0);
+    for (std::size_t k = 0; k < looked_at.size(); ++k)
+      if (!whole.points[k].empty() && separations[k].separated && !states_[looked_at[k]].separation.separated)
+        for (std::size_t i = 0; i < whole.points[k].size(); ++i)
+          found.pieces[looked_at[k]].push_back({whole.points[k][i].tag, separations[k].between[i] ? kBetween : separations[k].part[i]});
+  std::vector<std::size_t> at(looked_at.size(), 0);
   std::size_t n = 0;
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < whole.sent.count[rank]; ++i, ++n) {
       const Sent& s = whole.sent.data[n];
-      const int k = at[s.body]++, part = separations[s.body].part[k];
-      double* row = &result[kRow * (std::lower_bound(looked_at.begin(), looked_at.end(), s.body) - looked_at.begin())];
-      const int holds = separations[s.body].separated ? separations[s.body].holds[k] : s.point.holds;
+      const std::size_t place = place_of(looked_at, s.body), k = at[place]++;
+      const Separation& of_bond = separations[place];
+      const int part = of_bond.part[k];
+      double* row = &result[kRow * place];
+      const int holds = of_bond.separated ? of_bond.holds[k] : s.point.holds;
       if (holds != s.point.holds) {
         held[rank].push_back({s.body, s.slot, holds});
         row[5] = 1.0;
@@ -270,26 +281,26 @@ std::vector<int> Cracks::untie(const CementOptions& options) {
 }
 
 std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                                         const std::vector<char>& wanted, bool skins) const {
-  const WholeBonds whole = collect(comm, bonds, wanted, options.split);
+                                         const std::vector<int>& rows, bool skins) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options.split);
   constexpr int kWords = 5;
-  std::vector<double> found(kWords * wanted.size(), 0.0);
-  for (std::size_t b = 0; b < wanted.size(); ++b) {
+  std::vector<double> found(kWords * rows.size(), 0.0);
+  for (std::size_t b = 0; b < rows.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];
     if (points.empty()) continue;
-    const int row = static_cast<int>(b);
+    const int row = rows[b];
     const Ligament ligament = options.split ? find_ligament(points) : find_ligament(points, sheets.joined_nodes(row), support(options.basis));
     double* of_bond = &found[kWords * b];
     of_bond[0] = ligament.left();
     of_bond[1] = ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
-      const Separation s = look_at(bonds.table[b], row, sheets, options, cut_through(cut, points, skins));
+      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins));
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
       for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, comm);
-  std::vector<Ahead> all(wanted.size());
+  std::vector<Ahead> all(rows.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     const double* of_bond = &found[kWords * b];
     all[b].left = of_bond[0];
@@ -302,16 +313,17 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
 
 void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
                       std::int64_t step) {
-  std::vector<char> wanted(states_.size(), 0);
-  for (int r : rows) wanted[r] = !broken(r);
-  if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return;
-  const std::vector<Ahead> found = ahead(comm, bonds, sheets, options, wanted, skins);
-  for (int r : rows) {
-    if (!wanted[r] || found[r].left >= found[r].whole) continue;
-    states_[r].broken_at = step;
-    Separation& s = states_[r].separation;
-    std::copy(found[r].surface.at_grain, found[r].surface.at_grain + 2, s.at_grain);
-    s.inside = found[r].surface.inside;
+  std::vector<int> holding;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(holding), [&](int row) { return !broken(row); });
+  if (holding.empty()) return;
+  const std::vector<Ahead> found = ahead(comm, bonds, sheets, options, holding, skins);
+  for (std::size_t n = 0; n < holding.size(); ++n) {
+    if (found[n].left >= found[n].whole) continue;
+    State& state = states_[holding[n]];
+    state.broken_at = step;
+    Separation& s = state.separation;
+    std::copy(found[n].surface.at_grain, found[n].surface.at_grain + 2, s.at_grain);
+    s.inside = found[n].surface.inside;
   }
 }
 

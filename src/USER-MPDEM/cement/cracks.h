@@ -60,13 +60,13 @@ class Cracks {
   // Bonds that have ties now and come to a layout without them.
   std::vector<int> untie(const CementOptions& options);
 
-  // Of bonds that hold, their ligament and the separation that there would be without it. skins: TractionLaw::keeps_skins(). Collective.
+  // Of these bonds, ascending, which hold: their ligament and the separation that there would be without it. skins: TractionLaw::keeps_skins(). Collective.
   struct Ahead {
     double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
     Separation surface;              // if the ligament failed
   };
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                           const std::vector<char>& wanted, bool skins) const;
+                           const std::vector<int>& rows, bool skins) const;
 
   // Collective. These bonds, ascending, carry nothing any more since this step: those of them are broken that are not whole.
   void give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
@@ -85,7 +85,8 @@ class Cracks {
 
   std::vector<State> states_;
   std::size_t with_path_ = 0;  // rows that were ever to be looked at by this object
-  bool any_path_cut_ = false;
+  std::vector<int> cut_;        // rows whose path is cut on this rank, each once
+  std::vector<int> new_;        // rows that wait for their first look, the same on all ranks
 };
 
 }  // namespace mpdem

@@ -235,9 +235,9 @@ const std::vector<BondState>& Cement::bond_states() {
   return states_;
 }
 
-std::vector<Cracks::Ahead> Cement::cracks_ahead(const std::vector<char>& wanted) {
+std::vector<Cracks::Ahead> Cement::cracks_ahead(const std::vector<int>& rows) {
   for (Bond& b : bonds_) sort_links(b);
-  return cracks_.ahead(comm_, bonds_, sheets_, options_, wanted, keeps_skins());
+  return cracks_.ahead(comm_, bonds_, sheets_, options_, rows, keeps_skins());
 }
 
 std::vector<double> Cement::added_mass_of_sides() {

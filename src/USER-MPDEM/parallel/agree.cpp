@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "agree.h"
 
+#include <algorithm>
+
 namespace mpdem {
 
 std::string first_text(MPI_Comm comm, const std::string& text) {
@@ -22,6 +24,22 @@ std::string first_text(MPI_Comm comm, const std::string& text) {
 void throw_if_any(MPI_Comm comm, const std::string& text) {
   const std::string shown = first_text(comm, text);
   if (!shown.empty()) throw BadState(shown);
+}
+
+std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine) {
+  int count = static_cast<int>(mine.size()), all;
+  MPI_Allreduce(&count, &all, 1, MPI_INT, MPI_SUM, comm);
+  std::vector<int> numbers(all);
+  if (all == 0) return numbers;
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<int> counts(ranks), at(ranks, 0);
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
+  MPI_Allgatherv(mine.data(), count, MPI_INT, numbers.data(), counts.data(), at.data(), MPI_INT, comm);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
 }
 
 }  // namespace mpdem

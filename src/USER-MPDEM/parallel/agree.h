@@ -10,6 +10,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "../numerics/text_of.h"
 
@@ -27,6 +28,9 @@ std::string first_text(MPI_Comm comm, const std::string& text);
 
 // Collective. Throws BadState on all ranks if any rank has a text.
 void throw_if_any(MPI_Comm comm, const std::string& text);
+
+// Collective. The numbers that some rank has, ascending, on all ranks.
+std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine);
 
 }  // namespace mpdem
 

@@ -198,29 +198,34 @@ void CementReport::modes(Cement& c) {
   const std::vector<BondState>& state = bonds(c);
   const std::vector<Body>& table = c.bonds().table;
   const Cracks& cracks = c.cracks();
-  std::vector<char> told(state.size(), 0), holds(state.size(), 0);
+  std::vector<char> told(state.size(), 0);
+  std::vector<int> holding;
   std::size_t lines = 0;
   for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
     told[b] = is_told(c, state[b]);
-    holds[b] = told[b] && !cracks.separated(b);
+    if (told[b] && !cracks.separated(b)) holding.push_back(static_cast<int>(b));
     lines += told[b];
   }
   if (lines == 0) return;
-  const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holds);
+  const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holding);
   if (lmp_->comm->me != 0) return;
+  auto of_next = ahead.begin();
   for (std::size_t b = 0; b < told.size(); ++b) {
     if (!told[b]) continue;
     std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ",
                                table[b].grain[1], ": ", cracks.mode(b), ", ", state[b].failed,
                                " points failed");
     if (c.keeps_skins()) text += text_of(", ", links_let_go(state[b]), " links let go");
-    if (!holds[b]) {
+    if (cracks.separated(b)) {
       text += shares_of(cracks[b].separation);
-    } else if (cracks.broken(b)) {
+      say(text + "\n");
+      continue;
+    }
+    const Cracks::Ahead& a = *of_next++;
+    if (cracks.broken(b)) {
       text += text_of(", and less than ", 100.0 * LoadWatch::kGone, " % of its largest load is left since step ", cracks[b].broken_at, " though ",
-                      ahead[b].left, " of ", ahead[b].whole, " points of its weakest section hold", shares_of(cracks[b].separation));
+                      a.left, " of ", a.whole, " points of its weakest section hold", shares_of(cracks[b].separation));
     } else {
-      const Cracks::Ahead& a = ahead[b];
       text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
                       " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
     }
