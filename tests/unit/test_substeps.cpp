@@ -209,13 +209,88 @@ TEST(Substeps, FailedPointsAreNotPushed) {
     RowOfGrains host(MPI_COMM_WORLD, r);
     host.dt = r.substeps * test::kStep;
     host.setup();
-    host.run(divided ? 100 : 1000);
+    for (int n = 0; n < (divided ? 100 : 1000); ++n) {
+      for (Grain& g : host.cement->grains().grains) {  // as if the load began now: all of it is a kick, and nothing is spread
+        GrainState& state = *g.state;
+        for (double* numbers : {state.between, state.off}) std::fill(numbers, numbers + 6, 0.0);
+        std::fill(state.mean, state.mean + 18, 0.0);
+        state.off_squared = 0.0;
+      }
+      host.step();
+    }
     t[divided] = host.cement->totals(0.1);
     EXPECT_EQ(t[divided].separated, 0.0);
     test::expect_within(std::fabs(t[divided].imbalance), 1e-6, "imbalance of the books");
   }
   EXPECT_NEAR(t[1].external_work / t[0].external_work, 1.0, 2e-3);
   EXPECT_NEAR(t[1].kinetic / t[0].kinetic, 1.0, 0.05);
+}
+
+// A load of the host that stays acts as in short steps, through failure: nothing of it is a kick of the whole step.
+TEST(Substeps, SteadyLoadsAreThoseOfShortSteps) {
+  Row r;
+  r.free_ends = true;
+  r.grain_mass = 3 * cement_mass();
+  r.pull[0] = 20.0;
+  r.pull[2] = 60.0;
+  RowOfGrains fine(MPI_COMM_WORLD, r);
+  r.substeps = 8;
+  RowOfGrains coarse(MPI_COMM_WORLD, r);
+  coarse.dt = r.substeps * test::kStep;
+  fine.setup();
+  coarse.setup();
+  double worst = 0.0;
+  for (int n = 0; n < 200 && fine.all_failed().size() < 20; ++n) {
+    coarse.step();
+    fine.run(r.substeps);
+    if (n % 10 == 0) worst = std::max(worst, difference(coarse.content(), fine.content()));
+  }
+  test::expect_within(worst, 1e-6, "points and grains");
+  EXPECT_GE(fine.all_failed().size(), 20u);
+  EXPECT_EQ(coarse.all_failed().size(), fine.all_failed().size());
+}
+
+// Forces that are spread over a step in which grains move on curves have the moment of forces at the ends of the step.
+TEST(Substeps, MomentOfSpreadLoads) {
+  Row r;
+  r.free_ends = true;
+  r.substeps = 9;
+  r.B0 = 0.0;
+  r.grain_mass = 20 * cement_mass();
+  r.pull[0] = 3.0;
+  r.pull[1] = -2.0;
+  r.pull[2] = 5.0;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.dt = r.substeps * test::kStep;
+  host.setup();
+  for (Grain& g : host.cement->grains().grains)
+    for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? 0.2 : -0.3) * (d + 1) * (d < 3 ? 1.0 : 20.0);
+  host.step();
+  const auto moment = [&](int d) {
+    double here = 0.0;
+    for (const Grain& g : host.cement->grains().grains) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      here += (g.tag == 1 ? -1.0 : 1.0) * (g.x[e] * r.pull[f] - g.x[f] * r.pull[e]);
+    }
+    return host.sum(here);
+  };
+  double worst = 0.0, expected[3], before[3];
+  const Sums from = sums_of(host);
+  for (int d = 0; d < 3; ++d) {
+    expected[d] = from.angular_momentum[d];
+    before[d] = moment(d);
+  }
+  for (int n = 0; n < 60; ++n) {
+    host.step();
+    const Sums s = sums_of(host);
+    for (int d = 0; d < 3; ++d) {
+      const double now = moment(d);
+      expected[d] += 0.5 * host.dt * (before[d] + now);
+      before[d] = now;
+      worst = std::max(worst, std::fabs(s.angular_momentum[d] - expected[d]));
+    }
+  }
+  test::expect_within(worst / (r.grain_mass * test::kRadius), 2e-11, "angular momentum");
 }
 
 // Bonds with springs of the cement between grains that weigh much more: the frequency of the pair is that of the static stiffness, and not of the step of the host.

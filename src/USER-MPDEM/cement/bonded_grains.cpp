@@ -149,10 +149,13 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, CondensedPack* condensed) {
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed) {
   load_.resize(grains.size());
-  for (std::size_t n = 0; n < grains.size(); ++n)
-    for (int d = 0; d < 6; ++d) load_[n][d] = loads * (grains[n].force[d] + grains[n].state->late[d]);
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    const GrainState& g = *grains[n].state;
+    for (int d = 0; d < 6; ++d)
+      load_[n][d] = loads == Loads::all ? grains[n].force[d] + g.late[d] : loads == Loads::spread ? g.held()[d] : 0.0;
+  }
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
     if (!b.added.empty() && !(summed_ && !b.cut_by_ranks())) of_bonds.push_back({&b.added, &b.grid, b.side});
@@ -167,7 +170,10 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   for (const Bond& b : bonds.awake()) b.impulse.add_moments(b.grid, side_of(b), &moments[b.side]);
   load_.resize(grains.size());
   for (std::size_t g = 0; g < grains.size(); ++g)
-    for (int d = 0; d < 6; ++d) load_[g][d] = n * (grains[g].force[d] + grains[g].state->late[d]);
+    for (int d = 0; d < 6; ++d) {
+      const Grain& grain = grains[g];
+      load_[g][d] = n * (grain.force[d] + grain.state->late[d] - grain.spread(d, n)) - grain.state->held()[d];
+    }
   const std::vector<GrainSide> kept(sides.sides);
   std::vector<double> total;  // accelerations of the grains
   for (Grain& g : grains) {
@@ -246,7 +252,7 @@ void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const 
   for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) {
       g.of_cement[d] = g.force[d];
-      g.force[d] = g.kick[d] + g.of_cement[d] / n;
+      g.force[d] = g.kick[d] - g.spread(d, n) + g.of_cement[d] / n;
       g.unshown[d] = 0.0;
     }
   for (const OwnedSide& o : owned_) {
@@ -262,7 +268,7 @@ void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const 
 void BondedGrains::show_loads(int substeps) {
   if (substeps == 1) return;
   for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps - g.unshown[d];
+    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps - g.unshown[d] + g.spread(d, substeps);
 }
 
 void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
@@ -299,7 +305,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     b.grid.clear_force();
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
-  if (any_free_) find_accelerations(comm, bonds, 0.0);
+  if (any_free_) find_accelerations(comm, bonds, Loads::none);
   for (Bond& b : bonds.awake()) {
     b.added.carry(b.grid, side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());

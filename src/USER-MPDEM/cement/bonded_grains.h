@@ -74,8 +74,10 @@ class BondedGrains {
   // Loads of the host that come after the cement in a step; before and after them.
   void watch_late_loads(bool after);
 
-  // Collective. Accelerations of free grains, with so many times the load of the host so far and what came late in the last step.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, double loads, CondensedPack* condensed = nullptr);
+  // Which loads of the host act: none, those so far and what came late in the last step, or what is spread over sub-steps.
+  enum class Loads { none, all, spread };
+  // Collective. Accelerations of free grains.
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed = nullptr);
   // Before it, of bonds that ranks do not cut, when their forces are complete: what they add to it, while their memory is at hand.
   void begin_sums() {
     accelerations_.begin(sides);
@@ -91,12 +93,15 @@ class BondedGrains {
   void follow_jumps(Bond& b, double dt, double dt_last);
   // Collective. Forces of the cement on the grains, once those of all bonds are with the sides. condensed: or null.
   void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
-  // Collective. The load of the host so far and what came late in the last step act for n sub-steps at once: forces of this impulse on nodes and grains, and
-  // what grains are accelerated by beyond their accelerations so far.
+  // At the start of a run, and at the end of a step of n sub-steps: what is spread over those of the next one.
+  void start_spreading(int n);
+  void spread_loads(int n);
+  // Collective. What is not spread of the load of the host so far and what came late in the last step acts for n sub-steps at once: forces of this impulse on nodes
+  // and grains, and what grains are accelerated by beyond their accelerations so far.
   void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
-  // Collective. react() in one of n sub-steps. What is added to the loads of the grains is the n-th part.
+  // Collective. react() in one of n sub-steps. What is added to the loads of the grains is the n-th part, and what is spread is taken from them.
   void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
-  // For who looks at the loads after a step: the whole of the load of the cement.
+  // For who looks at the loads after a step: the whole of the loads of host and cement.
   void show_loads(int substeps);
   // Collective. Of that, the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and its work.
   void react_to_jumps(double dt, EnergyBooks& books);

@@ -55,6 +55,7 @@ void Cement::step() {
 
 void Cement::advance() {
   grains_.find_rates(now_.dt, dt_last_, books_);
+  if (now_.substeps > 1 && ends_step()) grains_.spread_loads(now_.substeps);
   timer_.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places();
   grains_.distribute(bonds_);
@@ -234,7 +235,8 @@ void Cement::complete_forces() {
 void Cement::find_grain_accelerations() {
   if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
-  grains_.find_accelerations(comm_, bonds_, now_.substeps == 1, condensed_.pack());
+  using Loads = BondedGrains::Loads;
+  grains_.find_accelerations(comm_, bonds_, now_.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
   timer_.start(StepTimer::kNodes);
 }
 
@@ -380,6 +382,7 @@ void Cement::check_state() {
 
 void Cement::start_run() {
   substep_ = now_.substeps;
+  grains_.start_spreading(now_.substeps);
   // added mass with the eigenvalue as it is known now
   if (!options_.updated && penalty_)
     books_.release_by([&] { return added_energy_ahead(all_rows(), 0.0); }, [&] { refresh_added_mass(); });

@@ -2,15 +2,17 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Sub-steps: two clocks. The host moves its grains with a long step, the cement and the free grains that it holds take n short ones in it, all of
-// them by the same central difference. The load of the host is known at the ends of its step and acts there, as an impulse of its whole step. This is
+// them by the same central difference. The load of the host is known at the ends of its step. What it was on the average acts in each sub-step (spread_loads.cpp), the
+// rest at the ends, as an impulse of the whole step. This is
 // the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step alone, momentum is exact, and with n = 1
 // nothing is left but the step itself. The impulse moves grains and cement together, see coupling/shared_impulse.h.
 //
-// With the velocity w of the grain in a sub-step dt, the load F of the host and f of the cement on it, and its mass M:
+// With the velocity w of the grain in a sub-step dt, the load F of the host and f of the cement on it, its mass M, the mean S of F, and what is spread in the steps
+// before and after the end of a step, u = (1 - 1/n) (S + S')/2:
 //
-//   start of the step    w = v + dt/2 (n F + f)/M,  v the velocity at the end of the last step
-//   within it            w <- w + dt f/M
-//   end of the step      v = w + dt/2 (n F + f)/M = w + n dt/2 (F + f/n)/M, which the host does with its step n dt.
+//   start of the step    w = v + dt/2 (n (F - u) + f)/M,  v the velocity at the end of the last step
+//   within it            w <- w + dt (S + f)/M
+//   end of the step      v = w + dt/2 (n (F - u) + f)/M = w + n dt/2 (F - u + f/n)/M, which the host does with its step n dt.
 #include <cmath>
 
 #include "cement.h"
@@ -51,7 +53,7 @@ void Cement::begin_substeps() {
   for (Grain& g : grains_.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
-      g.kick[d] = n * (g.force[d] + g.unshown[d] - g.of_cement[d]) + g.of_cement[d];
+      g.kick[d] = n * (g.force[d] + g.unshown[d] - g.of_cement[d] - g.spread(d, n)) + g.of_cement[d];
     }
 }
 
@@ -83,7 +85,7 @@ void Cement::take_substeps() {
     advance();
     for (Grain& g : grains_.grains)
       for (int d = 0; d < 6; ++d) {
-        g.kick[d] = g.of_cement[d];
+        g.kick[d] = g.of_cement[d] + g.state->held()[d];
         if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
       }
     end_step();
@@ -106,6 +108,9 @@ void Cement::move_grains(const std::vector<Way>& ways) {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways[i].place(d, n * dt, double(substep_) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = ends_step() ? before : g.x[d];
+      // to the mean of both ends of the step, beginning at its start
+      if (substep_ == 1) g.bent[d] = 0.0;
+      g.bent[d] += ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways[i].from[d]) : ways[i].from[d] - g.x[d];
     }
   }
   grains_.turn(dt);

@@ -25,13 +25,16 @@ struct Grain {
   double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
   double moved[3] = {0, 0, 0};             // displacement in this step
   // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, what of it is the impulse
-  // of other sub-steps, and what accelerates the grain in the next sub-step.
+  // of other sub-steps, what accelerates the grain in the next sub-step, and how far its places in the sub-steps were from the mean of the ends of the step.
   double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
+  double bent[3] = {0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: that which is expected of prescribed motion, or that found by the cement
   double made_for = 0;                     // the radius when its cement was made
   GrainState* state = nullptr;
   std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 
+  // Of the load of the host at the end of a step of n sub-steps: what acts within the steps before and after it, and not there.
+  double spread(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->between[d] : 0.0; }
   bool any_free() const { return std::find(free, free + 6, true) != free + 6; }
 };
 

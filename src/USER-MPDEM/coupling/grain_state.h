@@ -22,6 +22,15 @@ struct GrainState {
   bool placed = false;                    // x is known, since cement was made or forces were computed
   double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
   double late[6] = {0, 0, 0, 0, 0, 0};    // force and torque that fixes after fix mpm added in the last step
+  // With sub-steps, see cement/spread_loads.cpp: the loads of the host are spread, the means that they are spread by, each of the one before, how far loads
+  // are off on the average and on the average of squares, and what is spread at the end of the step.
+  bool spread = false;
+  double mean[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  double off[6] = {0, 0, 0, 0, 0, 0}, off_squared = 0.0;
+  double between[6] = {0, 0, 0, 0, 0, 0};
+
+  // What acts in each sub-step of the next step of the host.
+  const double* held() const { return mean + 12; }
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -37,6 +46,13 @@ struct GrainState {
     visit("'has a place' of a bonded grain", g.placed);
     visit("the place of a bonded grain", g.x, kFinite);
     visit("the late load of a bonded grain", g.late, kFinite);
+    visit("'loads are spread' of a bonded grain", g.spread);
+    if (visit.present(g.spread)) {
+      visit("the mean load of a bonded grain", g.mean, kFinite);
+      visit("how far the load of a bonded grain is off its mean", g.off, kFinite);
+      visit("how far the square of the load of a bonded grain is off its mean", g.off_squared, kNotNegative);
+      visit("the load of a bonded grain between steps", g.between, kFinite);
+    }
   }
 };
 

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What of the load F of the host acts in each sub-step of its next step, see substeps.cpp: a mean S of F over the steps before. Any S leaves the impulse of F
+// and its moment as they are. Means that lag behind a load that swings feed energy into it, so they have to be slow; behind one that changes for good
+// they have to be fast, since what S lacks acts in kicks. With e = F - S, and <> an average over some ten steps, the share
+//
+//   |<e>|^2 / <|e|^2>
+//
+// is next to 0 of a swing and 1 of a change. Means are the faster the larger it is. Torques count by the radius.
+#include <cmath>
+
+#include "bonded_grains.h"
+
+namespace mpdem {
+
+namespace {
+constexpr double kWeight = 0.1;              // of the last load in <>
+constexpr double kSlow = 0.02, kFast = 0.5;  // weight of the last load in a mean
+constexpr double kSwing = 0.5;               // shares below are a swing
+
+// Brings what is known of how far loads are off up to date, and returns the weight.
+double weight_of_last(const double* load, double radius, GrainState& s) {
+  double squared = 0.0, of_mean = 0.0;
+  for (int d = 0; d < 6; ++d) {
+    const double off = (load[d] - s.held()[d]) / (d < 3 ? 1.0 : radius);
+    s.off[d] += kWeight * (off - s.off[d]);
+    squared += off * off;
+    of_mean += s.off[d] * s.off[d];
+  }
+  s.off_squared += kWeight * (squared - s.off_squared);
+  const double share = s.off_squared > 0.0 ? of_mean / s.off_squared : 0.0;
+  return kSlow + (kFast - kSlow) * std::fmax(0.0, share - kSwing) / (1.0 - kSwing);
+}
+}  // namespace
+
+void BondedGrains::start_spreading(int n) {
+  for (Grain& g : grains) {
+    GrainState& s = *g.state;
+    if (n > 1 && !s.spread) {
+      for (int d = 0; d < 6; ++d) {
+        s.mean[d] = s.mean[6 + d] = s.mean[12 + d] = s.between[d] = g.force[d] + s.late[d];
+        s.off[d] = 0.0;
+      }
+      s.off_squared = 0.0;
+    }
+    s.spread = n > 1;
+  }
+}
+
+void BondedGrains::spread_loads(int n) {
+  for (Grain& g : grains) {
+    GrainState& s = *g.state;
+    double load[6], before[6];
+    for (int d = 0; d < 6; ++d) {
+      load[d] = g.force[d] + s.late[d];
+      before[d] = s.held()[d];
+    }
+    const double weight = weight_of_last(load, g.radius, s);
+    for (int d = 0; d < 6; ++d) {
+      double last = load[d];
+      for (int mean = d; mean < 18; mean += 6) last = s.mean[mean] += weight * (last - s.mean[mean]);
+      s.between[d] = 0.5 * (before[d] + s.held()[d]);
+    }
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      s.between[3 + d] -= (g.bent[e] * before[f] - g.bent[f] * before[e]) / (n - 1);
+    }
+  }
+}
+
+}  // namespace mpdem
