@@ -198,7 +198,8 @@ TYPED_TEST(Records, EachNumberIsItsOwn) {
   const std::vector<double> numbers = numbers_in(r);
   const std::vector<Described> said = listed(r).numbers;
   for (std::size_t n = 0; n < numbers.size(); ++n) {
-    if (said[n].name.find("its number of") != std::string::npos || said[n].name == "'is moving'") continue;  // others follow
+    const std::string& name = said[n].name;
+    if (name.find("its number of") != std::string::npos || name == "'is moving'" || name == "'loads are spread' of a bonded grain") continue;  // others follow
     std::vector<double> changed = numbers;
     changed[n] = said[n].whole ? (numbers[n] == said[n].range.low ? said[n].range.high : said[n].range.low) : 0.5 * numbers[n];
     TypeParam back;
