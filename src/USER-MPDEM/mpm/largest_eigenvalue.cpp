@@ -31,7 +31,11 @@ double scrambled(const Key& k, int c) {
 
 // Nodes of one part that can move, ascending, and its slaves among them: of all blocks, or of those that count.
 struct Moving {
-  std::vector<int> nodes, slaves;
+  struct Slave {
+    int node, row;  // of its tie
+  };
+  std::vector<int> nodes;
+  std::vector<Slave> slaves;
 
   explicit Moving(const EigenvaluePart& part) {
     const Grid& grid = *part.grid;
@@ -39,8 +43,8 @@ struct Moving {
     for (std::size_t n = 0; part.blocks && n < part.blocks->size(); ++n)
       for_each_node(grid, part.points->meta[(*part.blocks)[n]], [&](int i) { moves[i] = 1; });
     for (int i = 0; i < grid.size() && part.blocks; ++i)
-      if (moves[i] && grid.ties.row(i) >= 0) slaves.push_back(i);
-    for (int i : slaves) grid.ties.for_each_master(grid.ties.row(i), [&](int master, double) { moves[master] = 1; });
+      if (const int row = moves[i] ? grid.ties.row(i) : -1; row >= 0) slaves.push_back({i, row});
+    for (const Slave& s : slaves) grid.ties.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
     for (int i = 0; i < grid.size(); ++i)
       if (moves[i]) nodes.push_back(i);
   }
@@ -48,24 +52,24 @@ struct Moving {
   void extend(const EigenvaluePart& part, double* values) const {
     const EdgeTies& ties = part.grid->ties;
     if (!part.blocks) return ties.extend(values);
-    for (int i : slaves) {
+    for (const Slave& s : slaves) {
       double sum[3] = {0.0, 0.0, 0.0};
-      ties.for_each_master(ties.row(i), [&](int master, double weight) {
+      ties.for_each_master(s.row, [&](int master, double weight) {
         for (int d = 0; d < 3; ++d) sum[d] += weight * values[3 * master + d];
       });
-      std::copy(sum, sum + 3, values + 3 * i);
+      std::copy(sum, sum + 3, values + 3 * s.node);
     }
   }
   void pull_back(const EigenvaluePart& part, double* values) const {
     const EdgeTies& ties = part.grid->ties;
     if (!part.blocks) return ties.pull_back(values);
-    for (int i : slaves) {
+    for (const Slave& s : slaves) {
       double of_slave[3];
       for (int d = 0; d < 3; ++d) {
-        of_slave[d] = values[3 * i + d];
-        values[3 * i + d] = 0.0;
+        of_slave[d] = values[3 * s.node + d];
+        values[3 * s.node + d] = 0.0;
       }
-      ties.for_each_master(ties.row(i), [&](int master, double weight) {
+      ties.for_each_master(s.row, [&](int master, double weight) {
         for (int d = 0; d < 3; ++d) values[3 * master + d] += weight * of_slave[d];
       });
     }
