@@ -162,10 +162,11 @@ def cycles(word, most, steps, count=1):
 AGAIN = ["f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[12]", "f_cem[10]"]
 
 
-def test_condensed_again(tmp_path, figures):
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_condensed_again(cracks, tmp_path, figures):
     """Corners are damaged, the load goes back, and the bond is condensed with its damage until the load comes again."""
     steps, onset = 5000, 83.3  # force at the threshold
-    t, r = (run(cycles(word, 1.18e-7, steps) + thermo(1, AGAIN) + f"run {2 * steps}\n", tmp_path / word).table() for word in ("yes", "no"))
+    t, r = (run(cycles(f"{word} cracks {cracks}", 1.18e-7, steps) + thermo(1, AGAIN) + f"run {2 * steps}\n", tmp_path / word).table() for word in ("yes", "no"))
     change = np.flatnonzero(np.diff(t[AWAKE]))
     assert list(t[AWAKE][change + 1]) == [1, 0, 1, 0], change
     assert t["f_cem[8]"][change[1]] > 0
@@ -194,9 +195,10 @@ def test_restart_of_one_condensed_again(tmp_path):
         assert whole[name][-rows:] == pytest.approx(again[name], rel=1e-9, abs=1e-9 * np.abs(whole[name]).max()), name
 
 
-def test_momentum_of_one_condensed_again(tmp_path, figures):
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_momentum_of_one_condensed_again(cracks, tmp_path, figures):
     """Free grains swing apart, their bond wakes, is damaged, and is condensed again."""
-    text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 10 condense yes")
+    text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense yes cracks {cracks}")
     text += "velocity first set 0.3 0 0.93\nvelocity second set 0.3 0 1.07\nfix motion grains nve/sphere\n"
     t = run(text + MOMENTA + thermo(10, MOMENTUM_COLUMNS + [AWAKE, "f_cem[8]", "f_cem[12]"]) + "run 3000\n", tmp_path).table()
     change = np.flatnonzero(np.diff(t[AWAKE]))

@@ -182,7 +182,7 @@ void Cement::condense_again() {
   std::vector<int> mine;
   for (Bond& b : bonds_.awake()) {
     const Body& body = bonds_.body(b);
-    if (options_.split || cracks_.separated(b.body) || b.cut_by_ranks() || b.points.size() != body.points) continue;
+    if (cracks_.separated(b.body) || b.cut_by_ranks() || b.points.size() != body.points) continue;
     const double root = largest_root_of_drive(b.points, *law_, false);
     if (root >= kBelow * wakes) continue;
     if (condensed_.fits(b, body, grains_.side_of(b), energy_of(b), root, weight.data(), dt_last_, *law_)) mine.push_back(b.body);
