@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include <set>
 #include <vector>
 
 #include "lanes.h"
@@ -316,8 +317,14 @@ TYPED_TEST(Transfers, LaneByLane) {
   test::Worst gathered, scattered;
   for (int n = 0; n < 50; ++n) {
     std::vector<Block<TypeParam>> of_lane;
-    for (int l = 0; l < kLanes; ++l) of_lane.emplace_back(random);
+    std::set<int> first;  // nodes, which are those of one cell
+    while (of_lane.size() < kLanes) {
+      const Block<TypeParam> b(random);
+      if (first.insert(b.column[0]).second) of_lane.push_back(b);
+    }
     of_lane[3] = of_lane[2];
+    if (n % 3 == 1) of_lane[4] = of_lane[5] = of_lane[2];
+    if (n % 3 == 2) of_lane[0] = of_lane[1] = of_lane[4] = of_lane[5] = of_lane[6] = of_lane[2];
     vd X[3], T[3], out[3];
     vint base[3];
     int column[kLanes * S * S];

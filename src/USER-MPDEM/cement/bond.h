@@ -58,8 +58,7 @@ struct Bond {
   // beginnings of what a step takes in order.
   void prefetch_nodes() const {
     for (const std::vector<double>* v : {&grid.force, &grid.displacement, &grid.mass, &added.of_nodes()}) prefetch_bytes(v->data(), sizeof(double) * v->size());
-    prefetch_bytes(grid.keys.data(), sizeof(Key) * grid.keys.size());
-    prefetch_bytes(added.shares().data(), sizeof(AddedMass::Share) * added.shares().size());
+    prefetch_bytes(added.eights().data(), sizeof(AddedMass::Eight) * added.eights().size());
   }
   void prefetch_step() const {
     constexpr std::size_t kBeginning = 256;
@@ -108,6 +107,12 @@ class Bonds {
     Awake<B> begin() const { return {bonds, places.data()}; }
     Awake<B> end() const { return {bonds, places.data() + places.size()}; }
   };
+  // From the last of them to the first.
+  template <class F>
+  void for_each_awake_backwards(F f) {
+    const std::vector<int>& places = awake_places();
+    for (std::size_t n = places.size(); n-- > 0;) f(here_[places[n]], n > 0 ? &here_[places[n - 1]] : nullptr);
+  }
   AwakeRange<Bond> awake() { return {here_.data(), awake_places()}; }
   AwakeRange<const Bond> awake() const { return {here_.data(), awake_places()}; }
   void awake_changed() { awake_is_known_ = false; }  // after changes of Body::condensed

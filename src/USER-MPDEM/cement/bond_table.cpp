@@ -114,6 +114,11 @@ int summed_columns() {
   return sums;
 }
 
+bool BondColumn::needs_points() const {
+  const auto* field = std::get_if<double BondState::*>(&found);
+  return sum >= 0 || (field && (*field == &BondState::failed || *field == &BondState::largest_damage || *field == &BondState::mean_damage));
+}
+
 double BondColumn::value(const BondState& bond) const {
   if (sum >= 0) return bond.sums[static_cast<std::size_t>(sum)];
   if (const auto* field = std::get_if<double BondState::*>(&found)) return bond.**field;

@@ -51,6 +51,8 @@ struct BondColumn {
   std::variant<double BondState::*, double (*)(const BondState&), double CementTotals::*, double (*)(const PartOfBond&)> found;
   int sum = -1;  // place in BondState::sums, set by bond_columns()
 
+  // Is it found by a pass over the points or links of the bond?
+  bool needs_points() const;
   // Is the value the same for all bonds? The totals cost a pass over all points, the states of bonds another.
   bool of_all() const { return std::holds_alternative<double CementTotals::*>(found); }
   double value(const CementTotals& all) const { return all.*std::get<double CementTotals::*>(found); }

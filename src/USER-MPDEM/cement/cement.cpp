@@ -222,14 +222,12 @@ void Cement::complete_forces() {
   find_grain_accelerations();
   if (now_.substeps > 1 && ends_step()) share_impulses();
   if (condensed_.any()) condensed_.pack()->find_inertial_loads();
-  const auto range = bonds_.awake();
-  for (auto at = range.begin(); at != range.end();) {
-    Bond& b = *at;
-    ++at;
-    if (at != range.end()) (*at).prefetch_nodes();
+  // Backwards, since the last bonds are those that are still in cache, and the next step begins with the first.
+  bonds_.for_each_awake_backwards([this](Bond& b, const Bond* next) {
+    if (next) next->prefetch_nodes();
     b.added.carry(b.grid, grains_.side_of(b));
     b.grid.update_acceleration(b.added.of_nodes());
-  }
+  });
 }
 
 void Cement::find_grain_accelerations() {

@@ -155,6 +155,8 @@ class Cement {
 
   CementTotals totals(double reach_of_box);
   const std::vector<BondState>& bond_states();
+  // The same without a look at the points, for who asks in every step: what needs_points() is 0.
+  const std::vector<BondState>& bond_loads();
   // Static stiffness of each bond as it is now, its grains too, by a layout of its own; a run need not have begun. Equal bonds of a rank are
   // solved once. Needs links.
   std::vector<StiffnessOfBond> stiffness_of_bonds();

@@ -163,18 +163,18 @@ CementTotals Cement::totals(double reach_of_box) {
   return t;
 }
 
-const std::vector<BondState>& Cement::bond_states() {
+const std::vector<BondState>& Cement::bond_loads() {
   const std::size_t n = bonds_.table.size();
-  std::vector<double> peak(n, 0.0);
-  for (std::size_t i = 0; i < n && i < states_.size(); ++i) peak[i] = states_[i].peak;
-  states_.assign(n, BondState{});
-  for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
+  states_.resize(n);
+  for (BondState& b : states_) {
+    BondState now;
+    now.peak = b.peak;
+    b = std::move(now);
+  }
   if (!built_) return states_;
   const double of_other_substeps = 1.0 - 1.0 / now_.substeps;
-  constexpr int kSide = 9;  // force, torque, position of the grain from the origin of the body
-  enum { kFailed = 2 * kSide, kVolume, kDamaged, kColumns };
-  const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
-  std::vector<double> sum(width * n, 0.0), most(n, 0.0);
+  constexpr std::size_t kSide = 9, width = 2 * kSide;  // force, torque, position of the grain from the origin of the body
+  std::vector<double> sum(width * n, 0.0);
   for (const BondedGrains::OwnedSide& o : grains_.owned()) {
     if (!penalty_) break;
     const GrainSide& s = grains_.sides.sides[o.at];
@@ -184,6 +184,41 @@ const std::vector<BondState>& Cement::bond_states() {
     const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, bonds_, weight_of_cement().data());
     for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * body + kSide * s]);
   }
+  global_sum(sum, comm_);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* row = &sum[width * i];
+    BondState& b = states_[i];
+    double axis[3], length = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      axis[d] = row[kSide + 6 + d] - row[6 + d];
+      length += axis[d] * axis[d];
+    }
+    length = std::sqrt(length);
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 3; ++d) {
+        b.force[s][d] = row[kSide * s + d];
+        b.torque[s][d] = row[kSide * s + 3 + d];
+        b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
+      }
+    b.peak = std::max(b.peak, b.tension);
+    b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
+    b.broken = cracks_.broken(i);
+    if (!cracks_.broken(i)) continue;
+    const Separation& s = cracks_[i].separation;
+    const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
+    b.separated = cracks_.separated(i);
+    for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
+  }
+  return states_;
+}
+
+const std::vector<BondState>& Cement::bond_states() {
+  bond_loads();
+  if (!built_) return states_;
+  const std::size_t n = bonds_.table.size();
+  enum { kFailed, kVolume, kDamaged, kColumns };
+  const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
+  std::vector<double> sum(width * n, 0.0), most(n, 0.0);
   const auto add = [&](int row_of_table, const Bond& b, const Body& body, const PointSums& of_bond) {
     double* row = &sum[width * row_of_table];
     row[kFailed] = of_bond.failed;
@@ -207,30 +242,10 @@ const std::vector<BondState>& Cement::bond_states() {
   for (std::size_t i = 0; i < n; ++i) {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
-    double axis[3], length = 0.0;
-    for (int d = 0; d < 3; ++d) {
-      axis[d] = row[kSide + 6 + d] - row[6 + d];
-      length += axis[d] * axis[d];
-    }
-    length = std::sqrt(length);
-    for (int s = 0; s < 2; ++s)
-      for (int d = 0; d < 3; ++d) {
-        b.force[s][d] = row[kSide * s + d];
-        b.torque[s][d] = row[kSide * s + 3 + d];
-        b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
-      }
-    b.peak = std::max(peak[i], b.tension);
-    b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
     b.failed = row[kFailed];
     b.mean_damage = row[kDamaged] / row[kVolume];
     b.largest_damage = most[i];
     b.sums.assign(row + kColumns, row + width);
-    b.broken = cracks_.broken(i);
-    if (!cracks_.broken(i)) continue;
-    const Separation& s = cracks_[i].separation;
-    const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
-    b.separated = cracks_.separated(i);
-    for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;
   }
   return states_;
 }

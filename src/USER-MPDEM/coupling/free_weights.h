@@ -15,7 +15,7 @@ namespace mpdem {
 // Weights that a place has at free nodes: those of its nodes, or of their masters where they are tied.
 class FreeWeights {
  public:
-  explicit FreeWeights(const Grid& grid) : ties_(grid.ties), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
+  explicit FreeWeights(const Grid& grid) : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
   // Adds the row sums of a link of stiffness k at a place: its columns, and lane l of its weights. Two numbers a node.
   template <class Type>
@@ -38,7 +38,7 @@ class FreeWeights {
     nodes_.clear();
   }
   void add(int node, double weight) {
-    const int row = ties_.row(node);
+    const int row = row_[node];
     if (row < 0) add_free(node, weight);
     else ties_.for_each_master(row, [&](int master, double share) { add_free(master, share * weight); });
   }
@@ -55,6 +55,7 @@ class FreeWeights {
     weight_[node] += weight;
   }
   const EdgeTies& ties_;
+  std::vector<int> row_;        // of each node, see EdgeTies::row()
   std::vector<double> weight_;  // of each node
   std::vector<char> used_;
   std::vector<int> nodes_;      // that have one

@@ -44,11 +44,13 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (holds(points, k) || k.inert)
-      items.push_back({body.grain[0] == k.grain ? 0 : 1, points.tags[k.slot / kLanes][k.slot % kLanes], static_cast<int>(i)});
+    if (!holds(points, k) && !k.inert) continue;
+    const int b = k.slot / kLanes, l = k.slot % kLanes;
+    const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
+    items.push_back({{body.grain[0] == k.grain ? 0 : 1, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]}, static_cast<int>(i)});
   }
-  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.side != b.side ? a.side < b.side : a.tag < b.tag; });
-  const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.side == 1; });
+  std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+  const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.key[0] == 1; });
   const auto blocks_of = [](std::ptrdiff_t links) { return (links + kLanes - 1) / kLanes; };
   const std::size_t count = blocks_of(second - items.begin()) + blocks_of(items.end() - second);
   blocks_.reserve(count);
@@ -62,12 +64,12 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
     blocks_.emplace_back();
     LinkBlock& b = blocks_.back();
     const std::size_t n = blocks_.size() - 1;
-    b.side = static_cast<std::uint8_t>(i->side);
+    b.side = static_cast<std::uint8_t>(i->key[0]);
     b.attached = b.inert = 0;
     b.area = vd{};
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
-    for (; lane < kLanes && i != items.end() && i->side == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
+    for (; lane < kLanes && i != items.end() && i->key[0] == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
     for (; lane < kLanes; ++lane)  // at the place of the first, without area
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];

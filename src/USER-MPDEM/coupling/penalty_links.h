@@ -29,6 +29,7 @@
 #define MPDEM_PENALTY_LINKS_H
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -139,10 +140,11 @@ class PenaltyLinks {
     vd X[3];
   };
 
-  // Links lie in the order of their sides and of the IDs of their points, whatever cells these are in: those of a cell are
-  // few, and blocks of one cell would be half empty.
+  // Links lie in the order of their sides, of the cells of their feet, which stay, and of the IDs of their points. Those of a cell are
+  // few, and blocks of one cell would be half empty, so a block has those of several.
   struct Item {
-    int side, tag, link;
+    std::array<int, 5> key;  // side, cell, ID
+    int link;
   };
 
   // Is it attached, and no skin?

@@ -19,23 +19,44 @@ struct Frame {
   vd w, x, y, z;
 };
 
-inline Mat3<vd> rotation_matrix(const Frame& q) {
+// two: 2 over the square of its length, which need not be 1.
+inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
   const vd xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
   const vd xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
   const vd wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
-  return {{{1.0 - 2.0 * (yy + zz), 2.0 * (xy - wz), 2.0 * (xz + wy)},
-           {2.0 * (xy + wz), 1.0 - 2.0 * (xx + zz), 2.0 * (yz - wx)},
-           {2.0 * (xz - wy), 2.0 * (yz + wx), 1.0 - 2.0 * (xx + yy)}}};
+  return {{{1.0 - two * (yy + zz), two * (xy - wz), two * (xz + wy)},
+           {two * (xy + wz), 1.0 - two * (xx + zz), two * (yz - wx)},
+           {two * (xz - wy), two * (yz + wx), 1.0 - two * (xx + yy)}}};
+}
+
+// (1, v/2) q. Its length is not 1.
+inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
+  const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
+  return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y,
+          q.y + y * q.w + z * q.x - x * q.z, q.z + z * q.w + x * q.y - y * q.x};
+}
+inline vd square_of(const Frame& q) { return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z; }
+
+// Squares of lengths of frames that a step has turned are next to 1. Series then take the place of divisions and roots, which the
+// rest of a step would wait for; they are cut where rounding is more.
+constexpr double kNextToOne = 5e-4;
+inline bool all_next_to_one(vd square) { return !any(abs(square - 1.0) > kNextToOne); }
+inline vd inverse_next_to_one(vd square) {
+  const vd e = 1.0 - square;
+  return 1.0 + e * (1.0 + e * (1.0 + e * (1.0 + e)));
+}
+inline vd inverse_root_next_to_one(vd square) {
+  const vd e = 1.0 - square;
+  return 1.0 + e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)));
 }
 
 // Frame after the Cayley rotation of axial vector v: q <- (1, v/2)/|.| q
 inline Frame spin(const Frame& q, vd vx, vd vy, vd vz) {
-  const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
-  const Frame p{q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y,
-                q.y + y * q.w + z * q.x - x * q.z, q.z + z * q.w + x * q.y - y * q.x};
+  const Frame p = turned(q, vx, vy, vz);
   // Normalising p itself keeps |q| = 1 over any number of steps; without spin q keeps its bits.
-  const vd r = 1.0 / sqrt(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z);
-  const vd n = select((x == 0.0) & (y == 0.0) & (z == 0.0), splat(1.0), r);
+  const vd square = square_of(p);
+  const vd r = all_next_to_one(square) ? inverse_root_next_to_one(square) : 1.0 / sqrt(square);
+  const vd n = select((vx == 0.0) & (vy == 0.0) & (vz == 0.0), splat(1.0), r);
   return {n * p.w, n * p.x, n * p.y, n * p.z};
 }
 
@@ -46,7 +67,12 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   Mat3<vd> mid;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) mid.a[i][j] = F.a[i][j] + 0.5 * dF.a[i][j];
-  const Mat3<vd> G = product(dF, inverse(mid));
+  // the product does not wait for the division
+  const Mat3<vd> c = cofactor(mid);
+  const vd inverse = 1.0 / (mid.a[0][0] * c.a[0][0] + mid.a[0][1] * c.a[0][1] + mid.a[0][2] * c.a[0][2]);
+  Mat3<vd> G = product(dF, transpose(c));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) G.a[i][j] *= inverse;
   const Sym3<vd> de{G.a[0][0],
                     G.a[1][1],
                     G.a[2][2],
@@ -56,8 +82,10 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   const vd wx = 0.5 * (G.a[2][1] - G.a[1][2]);
   const vd wy = 0.5 * (G.a[0][2] - G.a[2][0]);
   const vd wz = 0.5 * (G.a[1][0] - G.a[0][1]);
-  const Frame half = spin(q, 0.5 * wx, 0.5 * wy, 0.5 * wz);
-  strain = strain + rotate_back(rotation_matrix(half), de);
+  const Frame half = turned(q, 0.5 * wx, 0.5 * wy, 0.5 * wz);
+  const vd square = square_of(half);
+  const vd two = all_next_to_one(square) ? 2.0 * inverse_next_to_one(square) : 2.0 / square;
+  strain = strain + rotate_back(rotation_matrix(half, two), de);
   q = spin(q, wx, wy, wz);
 }
 

@@ -3,7 +3,8 @@
 //
 // gather_value and scatter_value (gather.h, scatter.h) for eight points that need not be of one cell: each has columns of
 // its own. The vectors then run along a column, whose 3 kSupport doubles are consecutive, and not across the points. Where
-// points are few in their cells this is less work for a point than blocks of one cell with empty lanes.
+// points are few in their cells this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes of
+// one cell read the nodes once, and are added up before the nodes take them.
 #ifndef MPDEM_LANE_BY_LANE_H
 #define MPDEM_LANE_BY_LANE_H
 
@@ -50,6 +51,85 @@ inline void column_weights(const Weights<Type>& s, vd* w) {
     for (int j = 0; j < Type::kSupport; ++j) w[Type::kSupport * i + j] = s.w[0][i] * s.w[1][j];
 }
 
+// Lane k of the result l is lane l of the input k.
+inline void transpose_8(const vd* a, vd* out) {
+  vd s[8], t[8];
+  for (int p = 0; p < 8; p += 2) {
+    s[p] = __builtin_shufflevector(a[p], a[p + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    s[p + 1] = __builtin_shufflevector(a[p], a[p + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int p = 0; p < 8; p += 4)
+    for (int k = p; k < p + 2; ++k) {
+      t[k] = __builtin_shufflevector(s[k], s[k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      t[k + 2] = __builtin_shufflevector(s[k], s[k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  for (int k = 0; k < 4; ++k) {
+    out[k] = __builtin_shufflevector(t[k], t[4 + k], 0, 1, 2, 3, 8, 9, 10, 11);
+    out[4 + k] = __builtin_shufflevector(t[k], t[4 + k], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+// Rows of eight lanes to the values of eight lanes, and back.
+template <int S>
+inline void values_of(const ColumnRow<S>* row, vd* values) {
+  using Row = ColumnRow<S>;
+  if constexpr (Row::kHead == kLanes) {
+    vd heads[kLanes];
+    for (int l = 0; l < kLanes; ++l) heads[l] = row[l].head;
+    transpose_8(heads, values);
+  }
+  constexpr int kDone = Row::kHead == kLanes ? kLanes : 0;
+  for (int l = 0; l < kLanes; ++l) {
+    double of_lane[Row::kValues];
+    row[l].store(of_lane);
+    for (int k = kDone; k < Row::kValues; ++k) values[k][l] = of_lane[k];
+  }
+}
+template <int S>
+inline void rows_of(const vd* values, ColumnRow<S>* row) {
+  using Row = ColumnRow<S>;
+  if constexpr (Row::kHead == kLanes) {
+    vd heads[kLanes];
+    transpose_8(values, heads);
+    for (int l = 0; l < kLanes; ++l) {
+      row[l].head = heads[l];
+      double tail[Row::kValues - kLanes];
+      for (int k = kLanes; k < Row::kValues; ++k) tail[k - kLanes] = values[k][l];
+      std::memcpy(&row[l].tail, tail, sizeof tail);
+    }
+  } else {
+    for (int l = 0; l < kLanes; ++l) {
+      double of_lane[Row::kValues];
+      for (int k = 0; k < Row::kValues; ++k) of_lane[k] = values[k][l];
+      row[l].load(of_lane);
+    }
+  }
+}
+
+// Calls f(std::integral_constant of a number of lanes, the first of them) for lanes of `which` that follow each other in one cell, which is known
+// by the first of its nodes.
+template <int columns, class F>
+inline void for_each_cell(std::uint8_t which, const int* column, F f) {
+  for (int l = 0; l < kLanes;) {
+    if (!(which >> l & 1)) {
+      ++l;
+      continue;
+    }
+    int n = 1;
+    while (l + n < kLanes && (which >> (l + n) & 1) && column[columns * (l + n)] == column[columns * l]) ++n;
+    if (n >= 4) {
+      f(std::integral_constant<int, 4>(), l);
+      l += 4;
+    } else if (n >= 2) {
+      f(std::integral_constant<int, 2>(), l);
+      l += 2;
+    } else {
+      f(std::integral_constant<int, 1>(), l);
+      l += 1;
+    }
+  }
+}
+
 }  // namespace detail
 
 // out[c] = sum_I nodal_Ic N_I of the lanes of `which`, a bit each; zero in the others. column: kSupport^2 of each lane.
@@ -57,28 +137,23 @@ template <class Type>
 inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, vd* out) {
   constexpr int S = Type::kSupport;
   using Row = detail::ColumnRow<S>;
-  vd of_column[S * S];
+  vd of_column[S * S], values[Row::kValues];
   detail::column_weights(s, of_column);
-  double sum[Row::kValues][kLanes] = {};
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(which >> l & 1)) continue;
-    Row all;
+  Row row[kLanes];
+  detail::for_each_cell<S * S>(which, column, [&](auto lanes, int l) {
+    constexpr int N = decltype(lanes)::value;
+    Row sum[N];
     for (int n = 0; n < S * S; ++n) {
       Row r;
       r.load(nodal + 3 * static_cast<long>(column[S * S * l + n]));
-      all.add(of_column[n][l], r);
+      for (int i = 0; i < N; ++i) sum[i].add(of_column[n][l + i], r);
     }
-    double values[Row::kValues];
-    all.store(values);
-    for (int k = 0; k < Row::kValues; ++k) sum[k][l] = values[k];
-  }
+    for (int i = 0; i < N; ++i) row[l + i] = sum[i];
+  });
+  detail::values_of(row, values);
   for (int c = 0; c < 3; ++c) {
     out[c] = vd{};
-    for (int k = 0; k < S; ++k) {
-      vd of_lanes;
-      std::memcpy(&of_lanes, sum[3 * k + c], sizeof of_lanes);
-      out[c] += s.w[2][k] * of_lanes;
-    }
+    for (int k = 0; k < S; ++k) out[c] += s.w[2][k] * values[3 * k + c];
   }
 }
 
@@ -91,20 +166,18 @@ inline void scatter_value_by_lane(double* __restrict nodal, std::uint8_t which, 
   detail::column_weights(s, of_column);
   for (int k = 0; k < S; ++k)
     for (int c = 0; c < 3; ++c) values[3 * k + c] = T[c] * s.w[2][k];
-  for (int l = 0; l < kLanes; ++l) {
-    if (!(which >> l & 1)) continue;
-    double of_lane[Row::kValues];
-    for (int k = 0; k < Row::kValues; ++k) of_lane[k] = values[k][l];
-    Row add;
-    add.load(of_lane);
+  Row row[kLanes];
+  detail::rows_of(values, row);
+  detail::for_each_cell<S * S>(which, column, [&](auto lanes, int l) {
+    constexpr int N = decltype(lanes)::value;
     for (int n = 0; n < S * S; ++n) {
       double* p = nodal + 3 * static_cast<long>(column[S * S * l + n]);
       Row r;
       r.load(p);
-      r.add(of_column[n][l], add);
+      for (int i = 0; i < N; ++i) r.add(of_column[n][l + i], row[l + i]);
       r.store(p);
     }
-  }
+  });
 }
 
 }  // namespace mpdem

@@ -59,7 +59,14 @@ const CementTotals& CementReport::totals(Cement& c) {
 const std::vector<BondState>& CementReport::bonds(Cement& c) {
   if (bonds_ && bonds_at_ == lmp_->update->ntimestep) return *bonds_;
   bonds_ = &c.bond_states();
-  if (c.built()) bonds_at_ = lmp_->update->ntimestep;
+  if (c.built()) bonds_at_ = loads_at_ = lmp_->update->ntimestep;
+  return *bonds_;
+}
+
+const std::vector<BondState>& CementReport::loads(Cement& c) {
+  if (bonds_ && loads_at_ == lmp_->update->ntimestep) return *bonds_;
+  bonds_ = &c.bond_loads();
+  if (c.built()) loads_at_ = lmp_->update->ntimestep;
   return *bonds_;
 }
 

@@ -23,7 +23,8 @@ class CementReport {
   // At the present step; collective. Found once a step, unless forgotten since.
   const CementTotals& totals(Cement& c);
   const std::vector<BondState>& bonds(Cement& c);
-  void forget() { totals_at_ = bonds_at_ = -1; }
+  const std::vector<BondState>& loads(Cement& c);  // what needs no points of that
+  void forget() { totals_at_ = bonds_at_ = loads_at_ = -1; }
 
   // All collective.
   void start_run(Cement& c);
@@ -52,7 +53,7 @@ class CementReport {
   bigint timed_from_ = 0;
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
-  bigint totals_at_ = -1, bonds_at_ = -1;
+  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1;
 };
 
 }  // namespace mpdem

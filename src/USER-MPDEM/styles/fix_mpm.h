@@ -67,6 +67,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // Collective, at the present step.
   const mpdem::CementTotals& totals() { return report_->totals(*cement_); }
   const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
+  const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
   // `intact`, `debonding`, `internal` or `mixed`.
   std::string failure_mode(int body) const { return cement_->cracks().mode(static_cast<std::size_t>(body)); }
 

@@ -241,10 +241,11 @@ void FixMpmCouple::write_table() {
 // Collective, unless found at this step already.
 double FixMpmCouple::value(int body, int column) {
   const mpdem::BondColumn& c = mpdem::bond_columns()[column];
-  return c.of_all() ? c.value(cement_->totals()) : c.value(cement_->bonds()[body]);
+  if (c.of_all()) return c.value(cement_->totals());
+  return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[body]);
 }
 
-double FixMpmCouple::compute_scalar() { return cement_->bonds()[0].tension; }
+double FixMpmCouple::compute_scalar() { return cement_->loads()[0].tension; }
 double FixMpmCouple::compute_vector(int n) { return value(0, n); }
 double FixMpmCouple::compute_array(int row, int column) { return value(row, column); }
 
