@@ -9,7 +9,6 @@
 #include <set>
 
 #include "cement.h"
-#include "lanes.h"
 #include "mpi_ranks.h"
 #include "mpm/largest_eigenvalue.h"
 
@@ -136,35 +135,6 @@ TEST(EdgeTies, KeysComeBack) {
     EXPECT_EQ(second[t].masters, ties[t].masters);
     EXPECT_EQ(second[t].heirs, ties[t].heirs);
   }
-}
-
-// Node by node, from the edge inwards and back, is the same as by the masters.
-TEST(EdgeTies, ChainIsMasters) {
-  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
-  Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
-  const std::vector<EdgeTie> ties = ties_of(c);
-  std::set<Key> slaves;
-  for (const EdgeTie& t : ties) slaves.insert(t.slave);
-  int chained = 0;
-  for (const EdgeTie& t : ties)
-    for (const auto& b : t.behind) chained += static_cast<int>(slaves.count(b.first));
-  EXPECT_GT(chained, 50);
-  EdgeTies by_masters, by_chain;
-  by_masters.bind(ties, c.grid.keys, false);
-  by_chain.bind(ties, c.grid.keys, true);
-  EXPECT_GT(by_chain.memory_usage(), by_masters.memory_usage());
-  test::Random random(5);
-  std::vector<double> a(3 * c.grid.keys.size()), b;
-  for (double& v : a) v = random.uniform(-1, 1);
-  b = a;
-  by_masters.pull_back(a.data());
-  by_chain.pull_back(b.data());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
-  for (double& v : a) v = random.uniform(-1, 1);
-  b = a;
-  by_masters.extend(a.data());
-  by_chain.extend(b.data());
-  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
 }
 
 TEST(EdgeTies, BallIsSoundAndSymmetric) {

@@ -58,7 +58,8 @@ struct Bond {
   // beginnings of what a step takes in order.
   void prefetch_nodes() const {
     for (const std::vector<double>* v : {&grid.force, &grid.displacement, &grid.mass, &added.of_nodes()}) prefetch_bytes(v->data(), sizeof(double) * v->size());
-    prefetch_bytes(added.eights().data(), sizeof(AddedMass::Eight) * added.eights().size());
+    prefetch_bytes(grid.keys.data(), sizeof(Key) * grid.keys.size());
+    prefetch_bytes(added.shares().data(), sizeof(AddedMass::Share) * added.shares().size());
   }
   void prefetch_step() const {
     constexpr std::size_t kBeginning = 256;

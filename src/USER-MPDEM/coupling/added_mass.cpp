@@ -27,24 +27,6 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* sid
     shares_.push_back({i, {unit * k[0], unit * k[1]}});
   }
   shares_.shrink_to_fit();
-  find_eights(grid);
-}
-
-void AddedMass::find_eights(const Grid& grid) {
-  eights_.assign((shares_.size() + kLanes - 1) / kLanes, Eight{});
-  eights_.shrink_to_fit();
-  for (std::size_t n = 0; n < eights_.size(); ++n) {
-    Eight& e = eights_[n];
-    e.count = static_cast<int>(std::min<std::size_t>(kLanes, shares_.size() - kLanes * n));
-    for (int l = 0; l < kLanes; ++l) {
-      const Share& a = shares_[kLanes * n + (l < e.count ? l : 0)];
-      e.node[l] = a.node;
-      for (int s = 0; s < 2; ++s) e.mass[s][l] = l < e.count ? a.mass[s] : 0.0;
-      e.added[l] = mass_[a.node];
-      e.counted[l] = l < e.count ? grid.halo.counts_here()[a.node] : 0.0;
-      for (int d = 0; d < 3; ++d) e.X[d][l] = grid.keys[a.node][1 + d] * grid.h;
-    }
-  }
 }
 
 namespace {
@@ -99,20 +81,20 @@ void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
 
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
   vd force[2][3] = {}, torque[2][3] = {};
-  for (const Eight& eight : eights_) {
-    const EightShares e(eight, grid);
+  for (std::size_t first = 0; first < shares_.size(); first += kLanes) {
+    const EightShares e(shares_, first, grid, mass_);
     vd r[2][3], of_grain[2][3], f[3];
     e.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
       e.lever_arm(side[n], r[n]);
       rigid_at(side[n].a, side[n].alpha, r[n], of_grain[n]);
-      for (int d = 0; d < 3; ++d) f[d] += eight.mass[n] * of_grain[n][d];
+      for (int d = 0; d < 3; ++d) f[d] += e.mass[n] * of_grain[n][d];
     }
     e.put(f, grid.force.data());
-    const vd inverse = eight.counted / e.inertia;
+    const vd inverse = e.counted / e.inertia;
     for (int n = 0; n < 2; ++n) {
       vd relative[3];
-      for (int d = 0; d < 3; ++d) relative[d] = eight.mass[n] * (inverse * f[d] - eight.counted * of_grain[n][d]);
+      for (int d = 0; d < 3; ++d) relative[d] = e.mass[n] * (inverse * f[d] - e.counted * of_grain[n][d]);
       for (int d = 0; d < 3; ++d) {
         const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
         force[n][d] += relative[d];
@@ -232,6 +214,6 @@ void AddedMass::add_to_sides(const Grid& grid, double* mass) const {
       if (grid.halo.counts_here()[a.node]) mass[n] += a.mass[n];
 }
 
-std::size_t AddedMass::memory_usage() const { return mass_.capacity() * sizeof(double) + shares_.capacity() * sizeof(Share) + eights_.capacity() * sizeof(Eight); }
+std::size_t AddedMass::memory_usage() const { return mass_.capacity() * sizeof(double) + shares_.capacity() * sizeof(Share); }
 
 }  // namespace mpdem

@@ -52,15 +52,6 @@ class AddedMass {
     }
   };
   const std::vector<Share>& shares() const { return shares_; }
-  // The same, eight side by side, with what stays of their nodes: loops in every step are on these, see eight_shares.h.
-  struct Eight {
-    vd mass[2];  // 0 in the lanes beyond the last share, whose nodes are its first
-    vd added;    // of the nodes
-    vd counted;  // 1 where this rank counts the node, 0 where not and in the lanes beyond the last share
-    vd X[3];     // of the nodes, reference
-    int count, node[kLanes];
-  };
-  const std::vector<Eight>& eights() const { return eights_; }
   bool empty() const { return shares_.empty(); }
   // Of each node.
   const std::vector<double>& of_nodes() const { return mass_; }
@@ -100,8 +91,6 @@ class AddedMass {
  private:
   std::vector<double> mass_;  // a node
   std::vector<Share> shares_;
-  std::vector<Eight> eights_;
-  void find_eights(const Grid& grid);
 };
 
 }  // namespace mpdem

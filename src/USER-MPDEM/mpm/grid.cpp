@@ -341,7 +341,7 @@ bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& w
 }
 
 void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
-  ties.bind(wanted, keys, !halo.shares_any());
+  ties.bind(wanted, keys);
   any_ties_ = any;
 }
 
