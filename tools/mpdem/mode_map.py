@@ -17,8 +17,8 @@ from .table_figure import HAM_COLOUR, MODES, SHAPES
 
 MODULUS = 28.79e9  # Pa, along the axis of the elasticity of examples/pair_table
 BESIDE = 0.28      # steps of the axis of contents between two energies
-# contents in %, what was seen; as the abstract of Ham et al. (2022) has it
-HAM_MODES = ((0.0, 11.0, "debonding"), (11.0, 17.0, "debonding,\nmixed"), (17.0, 100.0, "internal,\nmixed"))
+# contents in %, above the first and up to the second, what was seen; as the abstract of Ham et al. (2022) has it: mixed from 11 %
+HAM_MODES = ((0.0, 10.9, "debonding"), (10.9, 17.0, "debonding,\nmixed"), (17.0, 100.0, "internal,\nmixed"))
 
 
 def cement_strength(B0):
