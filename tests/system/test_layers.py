@@ -132,3 +132,32 @@ def test_a_long_function_is_found(opening):
         return "namespace n {\n" + opening + "\n" + body + "}\n" + "};\n" * ("class " in opening and "template" not in opening) + "}\n"
     assert not too_long(text(75)), functions(text(75))
     assert len(too_long(text(85))) == 1
+
+
+def members(text):
+    """Names of the data members of every class, those that end in _, by the name of the class."""
+    text, found = without_words(text), {}
+    for head in re.finditer(r"\b(?:class|struct) (\w+)[^;{}()]*\{", text):
+        body, end = text[head.end():], 1
+        at = 0
+        while end:
+            end += {"{": 1, "}": -1}.get(body[at], 0)
+            at += 1
+        body, nested = body[:at - 1], None
+        while nested != body:
+            nested, body = body, re.sub(r"\{[^{}]*\}", ";", body)
+        found[head[1]] = [name for statement in body.split(";") if "(" not in statement
+                          for name in re.findall(r"\b([a-z]\w*_)\s*(?=$|,|=|\[)", statement)]
+    return found
+
+
+def test_classes_are_small():
+    """None of cement/ has more than 25 members: what belongs together is a struct or a class of its own."""
+    found = {name: of_class for path in (PACKAGE / "cement").glob("*.h") for name, of_class in members(path.read_text()).items()}
+    assert len(found["Cement"]) > 15
+    assert not [f"{name} has {len(of_class)} members: {', '.join(of_class)}" for name, of_class in found.items() if len(of_class) > 25]
+
+
+def test_members_are_found():
+    code = "class A : B {\n public:\n  int f() { return a_; }\n  struct { int x; } s_;\n  double a_ = 0.0, b_;\n  T c_{1}, d_[3];\n};\nclass C;\n"
+    assert members(code) == {"A": ["s_", "a_", "b_", "c_", "d_"]}

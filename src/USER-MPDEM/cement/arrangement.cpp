@@ -35,7 +35,7 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
   r.body = b.body;
   r.points = std::move(b.points);
   r.before = b.grid.kinematics();
-  if (!restored_nodes_.empty()) r.before = std::move(restored_nodes_[b.body]);
+  if (!arrivals_.restored_nodes.empty()) r.before = std::move(arrivals_.restored_nodes[b.body]);
   const auto changed = parts.find(b.body);
   if (changed != parts.end()) r.parts = std::move(changed->second);
   return r;
@@ -43,7 +43,7 @@ LayoutRequest Cement::request_of(Bond& b, NewPartsOfBonds& parts) {
 
 // What has nodes of its own before a layout.
 NewPartsOfBonds Cement::parts_at_start(Splits& splits, Sheets& sheets) const {
-  if (!options_.split) return sheets.divide(comm_, bonds_, options_, fresh_points_);
+  if (!options_.split) return sheets.divide(comm_, bonds_, options_, arrivals_.fresh_points);
   NewPartsOfBonds parts = splits.start(comm_, bonds_, options_);
   splits.bring(comm_, bonds_);
   return parts;
@@ -61,7 +61,7 @@ std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penal
     r.points = b.points;
     r.points.sort_links();
     r.parts.part_of_slot = parts[b.body].part_of_slot;
-    if (penalty) r.before = restored_nodes_.empty() ? b.grid.kinematics() : restored_nodes_[b.body];
+    if (penalty) r.before = arrivals_.restored_nodes.empty() ? b.grid.kinematics() : arrivals_.restored_nodes[b.body];
   }
   CementOptions options(options_);
   options.updated = false;  // no margin
@@ -73,10 +73,10 @@ std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penal
 // kept by a rigid motion.
 void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange, bool splits) {
   const std::vector<int> untied = splits ? rows : options_.split ? std::vector<int>() : cracks_.untie(options_);
-  const bool moves = built_ && !untied.empty();
+  const bool moves = layout_.built && !untied.empty();
   const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
   std::vector<LayoutRequest> requests;
-  bool shared = !built_;  // are nodes of other ranks among those that change
+  bool shared = !layout_.built;  // are nodes of other ranks among those that change
   for (int row : rows) {
     Bond* b = bonds_.find(row);
     if (!b) continue;
@@ -86,7 +86,7 @@ void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool a
   LayoutRules how = rules();
   how.arrange = arrange;
   std::vector<BondLayout> layouts = make_layout(how, rows, std::move(requests));
-  restored_nodes_.clear();
+  arrivals_.restored_nodes.clear();
   adopt(layouts);
   if (moves) keep_motion(untied, motion);
   start_velocities(layouts);
@@ -107,12 +107,12 @@ void Cement::bind_shared_nodes() {
   std::vector<HaloSum*> halos;
   for (Bond& b : bonds_.awake())
     if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
-  shared_nodes_.build(halos);
+  layout_.shared_nodes.build(halos);
   if (options_.skip.nonlocal) {
     const int cut = !halos.empty();
     int any;
     MPI_Allreduce(&cut, &any, 1, MPI_INT, MPI_MAX, comm_);
-    any_bond_is_cut_ = any != 0;
+    layout_.any_bond_is_cut = any != 0;
   }
 }
 
@@ -126,7 +126,7 @@ void Cement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, 
 void Cement::bind_grains() {
   grains_.bind(comm_, bonds_, inertia_);
   grains_.distribute(bonds_);  // who looks before the next step is not to find grains at rest
-  built_ = true;
+  layout_.built = true;
   if (dt_last_ == 0.0) dt_last_ = now_.dt;
   condensed_.bind(comm_, bonds_, grains_);
   condensed_.follow(grains_, weight_of_cement().data());
@@ -137,7 +137,7 @@ void Cement::lay_out_run() {
   remember_axis();
   choose_condensed();
   // another time step, other added mass
-  const bool changes = built_ && now_.dt != dt_last_;
+  const bool changes = layout_.built && now_.dt != dt_last_;
   const auto energy = [&] { return changes ? added_energy_ahead(all_rows(), 0.0) : 0.0; };
   books_.release_by(energy, [&] {
     lay_out(all_rows(), std::move(parts));
@@ -147,7 +147,7 @@ void Cement::lay_out_run() {
   });
   load_watch_.take_up(bonds_.table.size());
   // New bodies may be cracked.
-  fresh_points_.clear();
+  arrivals_.fresh_points.clear();
   if (cracks_.take_up(bonds_.table.size()) && can_break()) {
     if (options_.split) {
       Splits::Found split = splits_.look(comm_, bonds_, options_);
@@ -180,8 +180,8 @@ void Cement::lay_out_exchanged() {
 // Of bonds whose points were made between two steps.
 NewPartsOfBonds Cement::parts_of_fresh_points() {
   NewPartsOfBonds parts;
-  if (!fresh_points_.empty()) parts = sheets_.divide(comm_, bonds_, options_, fresh_points_);
-  fresh_points_.clear();
+  if (!arrivals_.fresh_points.empty()) parts = sheets_.divide(comm_, bonds_, options_, arrivals_.fresh_points);
+  arrivals_.fresh_points.clear();
   return parts;
 }
 
@@ -227,21 +227,21 @@ void Cement::drop_inert_links(Bond& b) {
 }
 
 void Cement::refresh_added_mass() {
-  if (built_) refresh_added_mass(all_rows());
+  if (layout_.built) refresh_added_mass(all_rows());
 }
 
 void Cement::refresh_added_mass(const std::vector<int>& rows) {
   if (!penalty_) return;
-  const bool known = eigenvalue_ > 0.0;
+  const bool known = layout_.eigenvalue > 0.0;
   // What damping takes of the bound in every step, nodes with added mass cannot have.
   const double bound = options_.stability_bound() * std::max(0.1, 1.0 - 0.5 * relaxation_rate(options_.relax) * now_.dt);
-  const AddedMass::Stability s{now_.dt, known ? eigenvalue_ : eigenvalue_bound(), !known, bound};
+  const AddedMass::Stability s{now_.dt, known ? layout_.eigenvalue : eigenvalue_bound(), !known, bound};
   for (int row : rows)
     if (Bond* b = bonds_.table[row].condensed ? nullptr : bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s, b->places);
   int some = 0, any;
   for (const Bond& b : bonds_) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);
-  any_added_mass_ = any != 0;
+  layout_.any_added_mass = any != 0;
   grains_.added_mass_changed();
 }
 
@@ -270,7 +270,7 @@ void Cement::sort_links(Bond& b) {
 }
 
 void Cement::sync_slots() {
-  if (!options_.updated || !built_) return;
+  if (!options_.updated || !layout_.built) return;
   for (Bond& b : bonds_) {
     sort_links(b);
     host_.slots_changed(b);

@@ -43,9 +43,9 @@ void Cement::take_up_states() {
 }
 
 void Cement::take_up_commands() {
-  if (!(any_added_mass_ || condensed_.any()) || !grains_.find_commands(comm_, condensed_.pack())) return;
+  if (!(layout_.any_added_mass || condensed_.any()) || !grains_.find_commands(comm_, condensed_.pack())) return;
   books_.do_work(condensed_.work_of_commands(bonds_, dt_last_));
-  if (any_added_mass_) grains_.take_up_commands(comm_, bonds_, now_.dt, dt_last_, books_);
+  if (layout_.any_added_mass) grains_.take_up_commands(comm_, bonds_, now_.dt, dt_last_, books_);
 }
 
 void Cement::step() {
@@ -180,7 +180,7 @@ void Cement::sum_shared(std::vector<double> Grid::*values, int width) {
   std::vector<double*> of_bonds;
   for (Bond& b : bonds_.awake())
     if (b.cut_by_ranks()) of_bonds.push_back((b.grid.*values).data());
-  shared_nodes_.sum(of_bonds, width);
+  layout_.shared_nodes.sum(of_bonds, width);
 }
 
 // Of a bond whose nodes have the forces of points and links, on whatever rank: the others.
@@ -199,13 +199,13 @@ void Cement::complete_forces(Bond& b, double kick) {
 // Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over them takes time to
 // bring them there.
 void Cement::begin_completing() {
-  completes_early_ = true;
-  if ((any_added_mass_ || condensed_.any()) && grains_.any_free() && options_.mass_order == 1) grains_.begin_sums();
+  layout_.completes_early = true;
+  if ((layout_.any_added_mass || condensed_.any()) && grains_.any_free() && options_.mass_order == 1) grains_.begin_sums();
 }
 
 // After the forces of its links.
 void Cement::complete_early(Bond& b) {
-  if (!completes_early_ || b.cut_by_ranks()) return;
+  if (!layout_.completes_early || b.cut_by_ranks()) return;
   complete_forces(b, now_.dt);
   grains_.sum_up(b);
 }
@@ -216,8 +216,8 @@ void Cement::complete_forces() {
   sum_shared(&Grid::force, 3);
   timer_.start(StepTimer::kNodes);
   for (Bond& b : bonds_.awake())
-    if (!completes_early_ || b.cut_by_ranks()) complete_forces(b, 0.5 * (dt_last_ + now_.dt));
-  completes_early_ = false;
+    if (!layout_.completes_early || b.cut_by_ranks()) complete_forces(b, 0.5 * (dt_last_ + now_.dt));
+  layout_.completes_early = false;
   if (options_.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (now_.substeps > 1 && ends_step()) share_impulses();
@@ -231,7 +231,7 @@ void Cement::complete_forces() {
 }
 
 void Cement::find_grain_accelerations() {
-  if (!(any_added_mass_ || condensed_.any()) || !grains_.any_free()) return;
+  if (!(layout_.any_added_mass || condensed_.any()) || !grains_.any_free()) return;
   timer_.start(StepTimer::kCoupling);
   using Loads = BondedGrains::Loads;
   grains_.find_accelerations(comm_, bonds_, now_.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
@@ -385,7 +385,7 @@ void Cement::start_run() {
   if (!options_.updated && penalty_)
     books_.release_by([&] { return added_energy_ahead(all_rows(), 0.0); }, [&] { refresh_added_mass(); });
   if (penalty_ && bodies_started_ < static_cast<int>(bonds_.table.size()))
-    grains_.start_added_mass(comm_, bonds_, bodies_started_, any_added_mass_, books_);
+    grains_.start_added_mass(comm_, bonds_, bodies_started_, layout_.any_added_mass, books_);
   condensed_.follow(grains_, weight_of_cement().data());
   kinematics_->find_internal_force();
   grains_.sides.clear_forces();

@@ -93,7 +93,7 @@ class Cement {
   void couple(const PenaltyParameters* penalty);
   const std::optional<PenaltyParameters>& penalty() const { return penalty_; }
   bool keeps_skins() const { return penalty_ && penalty_->law->keeps_skins(); }
-  bool built() const { return built_; }
+  bool built() const { return layout_.built; }
   int bodies_started() const { return bodies_started_; }
   double dt_last() const { return dt_last_; }
   double dt() const { return now_.dt; }  // of the cement
@@ -108,11 +108,11 @@ class Cement {
   bool may_leave_points_out() const { return options_.condense && !options_.split && options_.axis != AxisRule::global; }
   // The host made the points of these rows of the table; their layout follows.
   void points_were_made(const std::vector<int>& rows) {
-    fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end());
-    rows_that_want_points_.clear();
+    arrivals_.fresh_points.insert(arrivals_.fresh_points.end(), rows.begin(), rows.end());
+    arrivals_.rows_that_want_points.clear();
   }
   // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
-  const std::vector<int>& rows_that_want_points() const { return rows_that_want_points_; }
+  const std::vector<int>& rows_that_want_points() const { return arrivals_.rows_that_want_points; }
 
   // Layout. Of all bonds, at the start of a run, or of those whose points or grains went to other ranks.
   void lay_out_run();
@@ -136,7 +136,7 @@ class Cement {
   DampedStep damped_step(double eigenvalue);
   // The bound will do for steps below it; the eigenvalue itself costs some passes.
   double limiting_eigenvalue(double dt);
-  bool eigenvalue_is_known() const { return eigenvalue_ > 0.0; }
+  bool eigenvalue_is_known() const { return layout_.eigenvalue > 0.0; }
   double largest_mass_ratio();  // of grains that follow forces
 
   // A run: start, then steps, each with its end.
@@ -181,7 +181,7 @@ class Cement {
   // the head as it was read. Throws BadState if it is that of other options.
   std::vector<double> packed_state(CementHead head);
   void restore(const CementHead& head, RecordReader& in);
-  bool restored() const { return restored_; }
+  bool restored() const { return arrivals_.restored; }
 
  private:
   friend class Kinematics;
@@ -299,19 +299,26 @@ class Cement {
   CondensedBonds condensed_;
   StepTimer timer_;
   AdvanceResult advance_;  // of the bond at work
-  HaloSums shared_nodes_;
+  // What is known of the present layout of all bonds.
+  struct {
+    bool built = false;
+    bool completes_early = false;  // forces of bonds that ranks do not cut are complete when those of their links are
+    bool any_added_mass = false, any_bond_is_cut = false;  // of any rank
+    double eigenvalue = 0.0;  // the largest, 0: not yet found
+    HaloSums shared_nodes;
+  } layout_;
+  // What waits for the next layout.
+  struct {
+    bool restored = false;  // the state is that of a restart file
+    std::vector<NodeKinematics> restored_nodes;  // by row of the table
+    std::vector<int> fresh_points, rows_that_want_points;
+  } arrivals_;
   std::vector<BondState> states_;
-  std::vector<NodeKinematics> restored_nodes_;  // by row of the table, until the first layout
   std::optional<PenaltyParameters> penalty_;
   StepInput now_;
   int substep_ = 1;  // counted from 1
   double inertia_ = 0.0, dt_last_ = 0.0;  // step that the stored velocities lie half of behind
-  double eigenvalue_ = 0.0;               // found for the present layout, 0: not yet
   int bodies_started_ = 0;                // the first of the table; the others are new and where they were made
-  bool completes_early_ = false;  // forces of bonds that ranks do not cut are complete when those of their links are
-  bool built_ = false, restored_ = false, any_added_mass_ = false;
-  bool any_bond_is_cut_ = false;  // of any rank
-  std::vector<int> fresh_points_, rows_that_want_points_;
 };
 
 }  // namespace mpdem

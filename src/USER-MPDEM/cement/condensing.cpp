@@ -122,12 +122,12 @@ std::vector<CondensedBonds::OfPattern> Cement::layouts_at_creation(Bonds& alone,
 
 // Bonds that are to wake and have no points get them before the next step, and wake in it. Answers the others.
 std::vector<int> Cement::ask_for_points(const std::vector<int>& rows) {
-  rows_that_want_points_.clear();
+  arrivals_.rows_that_want_points.clear();
   std::vector<int> others;
   for (int row : rows) {
     Body& b = bonds_.table[row];
     if (b.pattern > 0) b.wants_points = true;
-    (b.pattern > 0 ? rows_that_want_points_ : others).push_back(row);
+    (b.pattern > 0 ? arrivals_.rows_that_want_points : others).push_back(row);
   }
   return others;
 }

@@ -27,7 +27,7 @@ void Cement::average_drives() {
   const AverageSweeps sweeps = sweeps_for(options_.length, options_.cell, options_.basis);
   const auto weight = [&sweeps](int k) { return k == sweeps.count - 1 ? sweeps.last_weight : 1.0; };
   std::vector<Bond*> cut;
-  if (any_bond_is_cut_) cut = cut_bonds_near_threshold();
+  if (layout_.any_bond_is_cut) cut = cut_bonds_near_threshold();
   for (Bond& b : bonds_.awake()) {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;

@@ -97,7 +97,7 @@ void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
       drop_inert_links(*b);
       if (std::binary_search(cut.begin(), cut.end(), row)) continue;
       const std::vector<int> nodes = part_nodes(*b, parts[row]);
-      if (eigenvalue_ > 0.0) patches[row] = blocks_about(b->points, b->grid, nodes);
+      if (layout_.eigenvalue > 0.0) patches[row] = blocks_about(b->points, b->grid, nodes);
       start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
       host_.slots_changed(*b);

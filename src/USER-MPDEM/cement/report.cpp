@@ -87,7 +87,7 @@ void count_separated(const Cracks& cracks, CementTotals& t) {
 CementTotals Cement::totals(double reach_of_box) {
   CementTotals t{};
   count_separated(cracks_, t);
-  if (!built_) return t;
+  if (!layout_.built) return t;
   // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kRubbed, kWork, kCount };
@@ -171,7 +171,7 @@ const std::vector<BondState>& Cement::bond_loads() {
     now.peak = b.peak;
     b = std::move(now);
   }
-  if (!built_) return states_;
+  if (!layout_.built) return states_;
   const double of_other_substeps = 1.0 - 1.0 / now_.substeps;
   constexpr std::size_t kSide = 9, width = 2 * kSide;  // force, torque, position of the grain from the origin of the body
   std::vector<double> sum(width * n, 0.0);
@@ -214,7 +214,7 @@ const std::vector<BondState>& Cement::bond_loads() {
 
 const std::vector<BondState>& Cement::bond_states() {
   bond_loads();
-  if (!built_) return states_;
+  if (!layout_.built) return states_;
   const std::size_t n = bonds_.table.size();
   enum { kFailed, kVolume, kDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());

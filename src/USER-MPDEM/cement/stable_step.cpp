@@ -150,7 +150,7 @@ double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows, cons
   const double bound = ties * eigenvalue_bound();
   if (bound > 0.0 && dt <= step_for(bound, options_.relax)) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches);
-  if (e.value > 1.02 * eigenvalue_) eigenvalue_ = e.value + e.residual;
+  if (e.value > 1.02 * layout_.eigenvalue) layout_.eigenvalue = e.value + e.residual;
   return e.value + e.residual;
 }
 
@@ -158,13 +158,13 @@ double Cement::limiting_eigenvalue(double dt, const std::vector<int>& rows, cons
 // no matter: then the step is below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
 // Where nodes split, patches are blocks about them, one support further than those that changed: the modes that are new are as short as a cell.
 void Cement::check_step_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
-  if (eigenvalue_ == 0.0 || options_.updated) return;
+  if (layout_.eigenvalue == 0.0 || options_.updated) return;
   const int n = now_.substeps;
-  const double known = eigenvalue_, limit = step_for(limiting_eigenvalue(now_.dt, rows, patches), options_.relax);
+  const double known = layout_.eigenvalue, limit = step_for(limiting_eigenvalue(now_.dt, rows, patches), options_.relax);
   if (now_.dt > limit)
     throw BadState(text_of("time step ", n * now_.dt, " exceeds the stable step ", n * limit, n > 1 ? text_of(" of ", n, " sub-steps") : "", " after ", event, " at step ",
                            now_.number, "; use 'timestep ", 0.9 * n * limit, "' or less"));
-  if (eigenvalue_ != known) refresh_added_mass();
+  if (layout_.eigenvalue != known) refresh_added_mass();
 }
 
 }  // namespace mpdem

@@ -68,7 +68,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.inertial_work = sums[5];
   head.inertial_work_ahead = sums[6];
   head.rubbed = sums[7];
-  head.eigenvalue = eigenvalue_;
+  head.eigenvalue = layout_.eigenvalue;
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
     for (const NodeCopies::Entry& e : row.second)
@@ -126,8 +126,8 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   const std::size_t table = bonds_.table.size();
   dt_last_ = head.step;
   bodies_started_ = head.bodies_started;
-  eigenvalue_ = head.eigenvalue;
-  restored_ = true;
+  layout_.eigenvalue = head.eigenvalue;
+  arrivals_.restored = true;
   int me;
   MPI_Comm_rank(comm_, &me);
   books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.rubbed, head.work, head.work_ahead, head.inertial_work,
@@ -168,9 +168,9 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   if (!in.trouble().empty()) return;
   if (options_.split) splits_.restore(head.bodies, std::move(copies));
   std::sort(rows.begin(), rows.end(), [](const NodeRow& a, const NodeRow& b) { return key_of(a) < key_of(b); });
-  restored_nodes_.assign(table, NodeKinematics());
+  arrivals_.restored_nodes.assign(table, NodeKinematics());
   for (const NodeRow& row : rows) {
-    NodeKinematics& k = restored_nodes_[body_of(row.field)];
+    NodeKinematics& k = arrivals_.restored_nodes[body_of(row.field)];
     k.keys.push_back(key_of(row));
     for (const double* part : {row.velocity, row.displacement, row.acceleration}) k.values.insert(k.values.end(), part, part + 3);
   }

@@ -38,7 +38,7 @@ void Cement::share_impulses() {
     b.impulse.weigh(b.points, b.grid, inertia_);
     if (!b.impulse.empty() && b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
   }
-  if (penalty_) shared_nodes_.sum(of_bonds, 1);
+  if (penalty_) layout_.shared_nodes.sum(of_bonds, 1);
   grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.pack());
   timer_.start(StepTimer::kNodes);
 }

@@ -25,7 +25,7 @@ class Total : public Kinematics {
     c.average_drives();
     c.grains_.clear_sudden_forces();
     c.grains_.sides.clear_forces();
-    if (c.any_added_mass_) c.grains_.expect_sudden_forces();
+    if (c.layout_.any_added_mass) c.grains_.expect_sudden_forces();
     if (!may_be_distorted) c.begin_completing();
     const auto range = c.bonds_.awake();
     for (auto at = range.begin(); at != range.end();) {
@@ -35,7 +35,7 @@ class Total : public Kinematics {
       c.timer_.start(StepTimer::kNodes);
       b.jump.clear();
       if (transfer) reproject(b);
-      if (c.any_added_mass_) c.grains_.follow_jumps(b, dt, c.dt_last_);
+      if (c.layout_.any_added_mass) c.grains_.follow_jumps(b, dt, c.dt_last_);
       b.grid.drift(kick, dt);
       c.timer_.start(StepTimer::kPoints);
       b.grid.clear_force();

@@ -29,7 +29,7 @@ class Updated : public Kinematics {
     follow_points();
     c.average_drives();
     c.grains_.clear_sudden_forces();
-    if (c.any_added_mass_) c.grains_.expect_sudden_forces();
+    if (c.layout_.any_added_mass) c.grains_.expect_sudden_forces();
     kinetic_.clear();
     inertial_.clear();
     int lost = 0;
@@ -108,7 +108,7 @@ class Updated : public Kinematics {
     const CementOptions& o = c.options_;
     const double dt = c.now_.dt, kick = 0.5 * (c.dt_last_ + dt);
     c.timer_.start(StepTimer::kNodes);
-    if (c.any_added_mass_) c.grains_.follow_jumps(b, dt, c.dt_last_);
+    if (c.layout_.any_added_mass) c.grains_.follow_jumps(b, dt, c.dt_last_);
     b.grid.drift(kick, 0.0);
     kinetic_.push_back(c.kinetic_energy(b, 0.0));
     inertial_.push_back(b.added.energy(b.grid, c.grains_.side_of(b)));
