@@ -108,20 +108,38 @@ Sums sums_of(RowOfGrains& host) {
   return s;
 }
 
-// Free grains in a spin, pulled apart by the host with forces along z that have no sum, as a contact has none.
-TEST(Substeps, MomentumStays) {
+struct Pair {
+  double ratio;    // mass of both grains over that of their cement
+  double contact;  // its frequency times the step of the host, 2 is its limit
+  int substeps;
+};
+double step_of_host(const Pair& p) { return p.substeps * test::kStep; }
+
+Row free_row(const Pair& p) {
   Row r;
   r.free_ends = true;
-  r.substeps = 9;
+  r.substeps = p.substeps;
   r.B0 = 0.0;
-  r.grain_mass = 20 * cement_mass();
+  r.grain_mass = 0.5 * p.ratio * cement_mass();
+  r.contact = 0.5 * r.grain_mass * p.contact * p.contact / (step_of_host(p) * step_of_host(p));
+  return r;
+}
+
+// All motions of both grains.
+void spin(RowOfGrains& host, double first, double second) {
+  for (Grain& g : host.cement->grains().grains)
+    for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? first : second) * (d + 1) * (d < 3 ? 1.0 : 20.0);
+}
+
+// Free grains in a spin, pulled apart by the host with forces along z that have no sum, as a contact has none.
+TEST(Substeps, MomentumStays) {
+  Row r = free_row({40.0, 0.0, 9});
   r.contact = 1e6;
   r.pull[2] = 5.0;
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.dt = r.substeps * test::kStep;
   host.setup();
-  for (Grain& g : host.cement->grains().grains)
-    for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? 0.02 : -0.03) * (d + 1) * (d < 3 ? 1.0 : 20.0);
+  spin(host, 0.02, -0.03);
   host.step();
   const Sums from = sums_of(host);
   double most[2] = {0.0, 0.0};
@@ -135,24 +153,7 @@ TEST(Substeps, MomentumStays) {
   test::expect_within(most[1] / (r.grain_mass * 0.1 * test::kRadius), 1e-11, "angular momentum");
 }
 
-struct Pair {
-  double ratio;    // mass of both grains over that of their cement
-  double contact;  // its frequency times the step of the host, 2 is its limit
-  int substeps;
-};
 class FreePair : public ::testing::TestWithParam<Pair> {};
-
-double step_of_host(const Pair& p) { return p.substeps * test::kStep; }
-
-Row free_row(const Pair& p) {
-  Row r;
-  r.free_ends = true;
-  r.substeps = p.substeps;
-  r.B0 = 0.0;
-  r.grain_mass = 0.5 * p.ratio * cement_mass();
-  r.contact = 0.5 * r.grain_mass * p.contact * p.contact / (step_of_host(p) * step_of_host(p));
-  return r;
-}
 
 // The energy stays: without a contact as in the step itself, with one by what a spring at that step makes it swing, (w dt/2)^2 of it. With a contact that is known
 // at the ends of the step alone there are bands of steps that grow; none of these pairs is in one.
@@ -252,19 +253,14 @@ TEST(Substeps, SteadyLoadsAreThoseOfShortSteps) {
 
 // Forces that are spread over a step in which grains move on curves have the moment of forces at the ends of the step.
 TEST(Substeps, MomentOfSpreadLoads) {
-  Row r;
-  r.free_ends = true;
-  r.substeps = 9;
-  r.B0 = 0.0;
-  r.grain_mass = 20 * cement_mass();
+  Row r = free_row({40.0, 0.0, 9});
   r.pull[0] = 3.0;
   r.pull[1] = -2.0;
   r.pull[2] = 5.0;
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.dt = r.substeps * test::kStep;
   host.setup();
-  for (Grain& g : host.cement->grains().grains)
-    for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? 0.2 : -0.3) * (d + 1) * (d < 3 ? 1.0 : 20.0);
+  spin(host, 0.2, -0.3);
   host.step();
   const auto moment = [&](int d) {
     double here = 0.0;
