@@ -52,6 +52,7 @@ struct Row {
   double grain_mass = 2e-5;
   double contact = 0.0;      // stiffness of a spring of the host along z between the first grain and the second
   double pull[3] = {0, 0, 0};  // a force of the host on the last grain, the opposite on the first
+  double stiffer = 1.0;      // stiffness of the links over kPenalty; forty adds mass to the nodes
 };
 
 // SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
@@ -319,7 +320,7 @@ class RowOfGrains : public CementHost {
   void init() {
     set_step();
     PenaltyParameters p;
-    p.law = std::make_shared<PenaltyTraction>(TractionStiffness{kPenalty, kPenalty});
+    p.law = std::make_shared<PenaltyTraction>(TractionStiffness{row_.stiffer * kPenalty, row_.stiffer * kPenalty});
     p.friction = row_.friction;
     cement->set_density(2710);
     cement->couple(nullptr);

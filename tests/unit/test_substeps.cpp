@@ -228,8 +228,10 @@ TEST(Substeps, FailedPointsAreNotPushed) {
 }
 
 // A load of the host that stays acts as in short steps, through failure: nothing of it is a kick of the whole step.
-TEST(Substeps, SteadyLoadsAreThoseOfShortSteps) {
+class SteadyLoads : public ::testing::TestWithParam<double> {};
+TEST_P(SteadyLoads, AreThoseOfShortSteps) {
   Row r;
+  r.stiffer = GetParam();
   r.free_ends = true;
   r.grain_mass = 3 * cement_mass();
   r.pull[0] = 20.0;
@@ -240,6 +242,7 @@ TEST(Substeps, SteadyLoadsAreThoseOfShortSteps) {
   coarse.dt = r.substeps * test::kStep;
   fine.setup();
   coarse.setup();
+  EXPECT_EQ(coarse.cement->added_mass_of_sides()[0] > 0.0, GetParam() > 1.0);
   double worst = 0.0;
   for (int n = 0; n < 200 && fine.all_failed().size() < 20; ++n) {
     coarse.step();
@@ -250,6 +253,8 @@ TEST(Substeps, SteadyLoadsAreThoseOfShortSteps) {
   EXPECT_GE(fine.all_failed().size(), 20u);
   EXPECT_EQ(coarse.all_failed().size(), fine.all_failed().size());
 }
+// With links that add mass to the nodes, which goes along with the accelerations of the grains, and without.
+INSTANTIATE_TEST_SUITE_P(Substeps, SteadyLoads, ::testing::Values(1.0, 40.0));
 
 // Forces that are spread over a step in which grains move on curves have the moment of forces at the ends of the step.
 TEST(Substeps, MomentOfSpreadLoads) {
