@@ -5,13 +5,21 @@
     skip/undamaged  the ring of tests/system/scenes.py, pulled, too strong to be damaged
     skip/failed     the same pulled through failure
     skip/resting    24 such bonds, coarse, in a row; one is pulled, the others are held still
+    skip/loaded     `skip resting` again, where all bonds carry load: the packing of packings.py, whose free grains all move
 """
 import statistics
 
+import packings
 from bonds import cpu_seconds, failure, grains_at
 from scenes import CALCITE, RADIUS, RING, cement, edit, launch, pair
 
-NAMES = [f"skip/{w}" for w in ("undamaged", "failed", "resting")]
+SCENES = {
+    "undamaged": ("undamaged", lambda quick: pulled(quick, 9.6e12)),
+    "failed": ("failed", lambda quick: pulled(quick, 9.6e3)),
+    "resting": ("resting", lambda quick: row_of_bonds(quick)),
+    "loaded": ("resting", lambda quick: packings.script("total", quick)),
+}
+NAMES = [f"skip/{scene}" for scene in SCENES]
 CELL = 2e-4
 BONDS = 24
 
@@ -38,16 +46,16 @@ def measure(names, directory, quick, tell):
     """Rows (dicts) of the chosen names."""
     rows = []
     for name in names:
-        word = name.split("/")[1]
-        script = row_of_bonds(quick) if word == "resting" else pulled(quick, 9.6e12 if word == "undamaged" else 9.6e3)
+        scene = name.split("/")[1]
+        word, script = SCENES[scene][0], SCENES[scene][1](quick)
         times = {"yes": [], "no": []}
         for turn in range(1 if quick else 3):
             for on, taken in times.items():
                 before = cpu_seconds()
-                run = launch(edit(script, "elastic vti", f"skip {word} {on} elastic vti"), directory / f"skip_{word}_{on}")
+                run = launch(edit(script, "elastic vti", f"skip {word} {on} elastic vti"), directory / f"skip_{scene}_{on}")
                 assert not failure(run), failure(run)
                 taken.append(cpu_seconds() - before)
         yes, no = (statistics.median(t) for t in times.values())
-        rows.append({"skip": word, "seconds": yes, "without": no, "all": times})
+        rows.append({"skip": word, "scene": scene, "seconds": yes, "without": no, "all": times})
         tell(rows[-1])
     return rows

@@ -210,7 +210,7 @@ def report(result):
         lines.append(f"\n{r['bonds']} condensed bonds, points {r['condensed']} ({r['points']}): {r['bytes/bond']:.0f} B/bond made and run, {r['bytes/bond, read']:.0f} read, "
                      f"{r['file bytes/bond']:.0f} in the file; s of CPU: made {r['made']:.2f}, {r['steps']} steps {r['run']:.2f}, written {r['written']:.2f}, read {r['read']:.2f}")
     for r in result["skips"]:
-        lines.append(f"\nskip {r['skip']:10} {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
+        lines.append(f"\nskip {r['skip']:10} in skip/{r['scene']}: {r['seconds']:.2f} s, without {r['without']:.2f} s: {r['without'] / r['seconds']:.2f} times as fast")
     return "\n".join(lines)
 
 
