@@ -16,7 +16,7 @@ BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 
         "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51}
 BOND_NUMBERS = 52
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 16, "coupling": 19, "kn": 20, "law": 23, "bonds": 31,
-       "nodes": 32}
+       "nodes": 32, "copies": 35}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "holds": 22, "framed": 23, "place": 24, "volume": 27, "deformation": 28, "frame": 37,
          "strain": 41, "damage": 47, "law": 53, "moving": 54, "links": 55, "grain": 56, "foot": 57, "area": 60, "attached": 61, "way": 62, "inert": 65, "state": 66}
@@ -121,6 +121,7 @@ def test_unchanged(tmp_path, files):
     ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
     ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "nodes take"), ("fix", "nodes", NAN, "number of nodes is nan"),
+    ("fix", "copies", -1.0, "number of copies of nodes is -1"), ("fix", "copies", 1e9, "1000000000 copies of nodes take"),
     ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 4, NAN, "velocity of a node"), ("node", 12, NAN, "acceleration of a node"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
     ("point", "kind", 3.0, "state is of kind 3"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
     ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "ends before its velocity gradient"), ("point", "links", 0.0, "of a freed place"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "coupling/cement_restart.h"
+#include "cement/cement_restart.h"
 #include "coupling/grain_state.h"
 #include "lanes.h"
 #include "mpm/point_pattern.h"

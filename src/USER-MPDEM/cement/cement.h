@@ -18,13 +18,13 @@
 #include <optional>
 #include <vector>
 
-#include "../coupling/cement_restart.h"
 #include "../material/law.h"
 #include "../mpm/largest_eigenvalue.h"
 #include "../parallel/halo_sum.h"
 #include "bond.h"
 #include "bond_table.h"
 #include "bonded_grains.h"
+#include "cement_restart.h"
 #include "condensed_bonds.h"
 #include "cracks.h"
 #include "energy_books.h"

@@ -321,13 +321,13 @@ void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, c
     if (found[n].left >= found[n].whole) continue;
     State& state = states_[holding[n]];
     state.broken_at = step;
-    Separation& s = state.separation;
-    std::copy(found[n].surface.at_grain, found[n].surface.at_grain + 2, s.at_grain);
-    s.inside = found[n].surface.inside;
+    const bool separated = state.separation.separated;
+    state.separation = found[n].surface;
+    state.separation.separated = separated;
   }
 }
 
-const char* Cracks::mode_of(const Separation& s) {
+const char* Cracks::mode_of(const SeparatingSurface& s) {
   const double share = s.debonded_share();
   return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
 }

@@ -24,7 +24,7 @@ class Cracks {
  public:
   // Of each row of the table, the same on all ranks but for path_cut.
   struct State {
-    Separation separation;   // without parts and path
+    SeparatingSurface separation;
     double failed_seen = 0;  // points, when it was looked at
     std::vector<int> path;   // tags, ascending, see separation.h; empty: not known
     bool path_cut = false;   // on this rank
@@ -73,7 +73,7 @@ class Cracks {
                 std::int64_t step);
 
   // `debonding`, `internal` or `mixed`.
-  static const char* mode_of(const Separation& s);
+  static const char* mode_of(const SeparatingSurface& s);
   // The same, or `intact`.
   std::string mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
 

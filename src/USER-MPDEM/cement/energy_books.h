@@ -12,6 +12,10 @@
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
 #define MPDEM_CEMENT_ENERGY_BOOKS_H
 
+#include <mpi.h>
+
+#include "../parallel/record.h"
+
 namespace mpdem {
 
 class EnergyBooks {
@@ -19,6 +23,18 @@ class EnergyBooks {
   struct Sums {
     double dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;
     double inertial_work = 0.0, inertial_work_ahead = 0.0;  // of Grid::inertial_force
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& s, Visitor& visit) {
+      visit("the dissipated energy", s.dissipated, kFinite);
+      visit("the released energy", s.released, kFinite);
+      visit("the damped energy", s.damped, kFinite);
+      visit("the energy of friction", s.rubbed, kFinite);
+      visit("the work of grains", s.work, kFinite);
+      visit("the work ahead of its step", s.work_ahead, kFinite);
+      visit("the work of the inertial forces", s.inertial_work, kFinite);
+      visit("the work of the inertial forces ahead of its step", s.inertial_work_ahead, kFinite);
+    }
   };
   // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
   struct StepWork {
@@ -62,6 +78,15 @@ class EnergyBooks {
   }
 
   const Sums& sums() const { return sums_; }
+  // Collective.
+  Sums sums_of_all(MPI_Comm comm) const {
+    double numbers[kMostNumbers<Sums>];
+    pack(sums_, numbers);
+    MPI_Allreduce(MPI_IN_PLACE, numbers, kMostNumbers<Sums>, MPI_DOUBLE, MPI_SUM, comm);
+    Sums all;
+    unpack(numbers, all);
+    return all;
+  }
   double start_energy() const { return start_; }  // of all ranks
   void restore(const Sums& sums, double start_energy) {
     sums_ = sums;

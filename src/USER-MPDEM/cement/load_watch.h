@@ -39,6 +39,12 @@ class LoadWatch {
   // Of a row of the table, the same on all ranks.
   struct Largest {
     double load = 0.0, motion = 0.0;  // force, length
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& l, Visitor& visit) {
+      visit("the largest load of a bond", l.load, kNotNegative);
+      visit("the motion with the largest load of a bond", l.motion, kNotNegative);
+    }
   };
 
   void take_up(std::size_t rows) {

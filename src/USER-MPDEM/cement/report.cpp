@@ -204,7 +204,7 @@ const std::vector<BondState>& Cement::bond_loads() {
     b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
-    const Separation& s = cracks_[i].separation;
+    const SeparatingSurface& s = cracks_[i].separation;
     const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
     b.separated = cracks_.separated(i);
     for (int g = 0; g < 2; ++g) b.share[g] = all > 0.0 ? s.at_grain[g] / all : 0.0;

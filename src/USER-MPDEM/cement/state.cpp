@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// State of the cement that points and grains do not hold, for restart files: coupling/cement_restart.h.
+// State of the cement that points and grains do not hold, for restart files: cement_restart.h.
 #include <algorithm>
 #include <map>
 
@@ -45,9 +45,6 @@ Key key_of(const NodeRow& r) { return {r.field, r.place[0], r.place[1], r.place[
 }  // namespace
 
 std::vector<double> Cement::packed_state(CementHead head) {
-  const EnergyBooks::Sums& b = books_.sums();
-  double sums[8] = {b.dissipated, b.released, b.damped, b.work, b.work_ahead, b.inertial_work, b.inertial_work_ahead, b.rubbed};
-  MPI_Allreduce(MPI_IN_PLACE, sums, 8, MPI_DOUBLE, MPI_SUM, comm_);
   std::vector<double> mine;
   for (const Bond& bond : bonds_.awake())
     for (int i = 0; i < bond.grid.size(); ++i)
@@ -60,14 +57,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.step = dt_last_;
   head.bodies_started = bodies_started_;
   head.start_energy = books_.start_energy();
-  head.dissipated = sums[0];
-  head.released = sums[1];
-  head.damped = sums[2];
-  head.work = sums[3];
-  head.work_ahead = sums[4];
-  head.inertial_work = sums[5];
-  head.inertial_work_ahead = sums[6];
-  head.rubbed = sums[7];
+  head.books = books_.sums_of_all(comm_);
   head.eigenvalue = layout_.eigenvalue;
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
@@ -86,11 +76,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::vector<LoadWatch::Sums> loads = load_watch_.sums_of_all(comm_);
   for (std::size_t r = 0; r < states_.size(); ++r) {
     const Cracks::State s = r < cracks_.size() ? cracks_[r] : Cracks::State();
-    const LoadWatch::Largest& largest = load_watch_.largest(r);
-    BondRow row{s.failed_seen, s.separation.separated, {s.separation.at_grain[0], s.separation.at_grain[1]}, s.separation.inside, states_[r].peak};
-    row.broken_at = static_cast<double>(s.broken_at);
-    row.largest_load = largest.load;
-    row.motion_with_it = largest.motion;
+    BondRow row{s.failed_seen, s.separation, states_[r].peak, static_cast<double>(s.broken_at), load_watch_.largest(r)};
     std::copy(loads[r].begin(), loads[r].end(), row.loads);
     append(row, all);
   }
@@ -130,10 +116,7 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   arrivals_.restored = true;
   int me;
   MPI_Comm_rank(comm_, &me);
-  books_.restore(me == 0 ? EnergyBooks::Sums{head.dissipated, head.released, head.damped, head.rubbed, head.work, head.work_ahead, head.inertial_work,
-                                             head.inertial_work_ahead}
-                         : EnergyBooks::Sums(),
-                 head.start_energy);
+  books_.restore(me == 0 ? head.books : EnergyBooks::Sums(), head.start_energy);
   std::vector<Cracks::State> cracks(head.bodies);
   std::vector<LoadWatch::Largest> largest(head.bodies);
   std::vector<LoadWatch::Sums> loads(head.bodies, LoadWatch::Sums{});
@@ -142,13 +125,10 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
     BondRow row;
     in.read(row);
     cracks[r].failed_seen = row.failed_seen;
-    Separation& s = cracks[r].separation;
-    s.separated = row.separated;
-    std::copy(row.at_grain, row.at_grain + 2, s.at_grain);
-    s.inside = row.inside;
+    cracks[r].separation = row.separation;
     states_[r].peak = row.peak;
     cracks[r].broken_at = static_cast<std::int64_t>(row.broken_at);
-    largest[r] = {row.largest_load, row.motion_with_it};
+    largest[r] = row.largest;
     if (me == 0) std::copy(row.loads, row.loads + LoadWatch::kSums, loads[r].begin());
   }
   load_watch_.restore(std::move(largest), std::move(loads));

@@ -22,14 +22,29 @@
 
 #include <vector>
 
+#include "../parallel/record.h"
 #include "neighbours.h"
 
 namespace mpdem {
 
-struct Separation {
+struct SeparatingSurface {
   bool separated = false;
-  // Of the separating surface, projected: at either grain, and inside.
-  double at_grain[2] = {0, 0}, inside = 0;
+  double at_grain[2] = {0, 0}, inside = 0;  // area, projected: at either grain, and inside
+
+  double debonded_share() const {
+    const double all = at_grain[0] + at_grain[1] + inside;
+    return all > 0.0 ? (at_grain[0] + at_grain[1]) / all : 0.0;
+  }
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& s, Visitor& visit) {
+    visit("'is separated' of a bond", s.separated);
+    visit("the area of separation at a grain", s.at_grain, kNotNegative);
+    visit("the area of separation inside", s.inside, kNotNegative);
+  }
+};
+
+struct Separation : SeparatingSurface {
   // New part of each point, in the order given; without sheets too.
   std::vector<int> part;
   std::vector<char> between;  // of each point: as near to what holds to the first grain as to what holds to the second
@@ -37,11 +52,6 @@ struct Separation {
   std::vector<char> holds;
   // Tags of the points, ascending, of that path: while none of them fails the bond is not separated.
   std::vector<int> path;
-
-  double debonded_share() const {
-    const double all = at_grain[0] + at_grain[1] + inside;
-    return all > 0.0 ? (at_grain[0] + at_grain[1]) / all : 0.0;
-  }
 };
 
 constexpr int kLeastLoose = 64;

@@ -26,7 +26,7 @@ namespace {
 // The limit is found twice, for 'timestep auto' and for the report, on other blocks of points.
 constexpr double kRounding = 1.0 + 1e-9;
 
-std::string shares_of(const Separation& s) {
+std::string shares_of(const SeparatingSurface& s) {
   const double all = s.at_grain[0] + s.at_grain[1] + s.inside;
   if (all <= 0.0) return "";
   return text_of("; of the separating surface ", 100.0 * s.at_grain[0] / all, " % at the first grain, ",

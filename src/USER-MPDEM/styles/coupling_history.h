@@ -8,7 +8,7 @@
 
 #include <string>
 
-#include "../coupling/cement_restart.h"
+#include "../cement/cement_restart.h"
 #include "../coupling/penalty_links.h"
 
 namespace mpdem {

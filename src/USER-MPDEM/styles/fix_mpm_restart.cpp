@@ -55,10 +55,9 @@ void FixMpm::restart(char* buf) {
   in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
   in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
   check(in.trouble());
-  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::kMostNumbers<mpdem::BondRow> * static_cast<std::size_t>(head.bodies) +
-                               mpdem::kMostNumbers<mpdem::NodeRow> * static_cast<std::size_t>(head.nodes);
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::numbers_after(head);
   if (expected > numbers)
-    check(text_of(head.bodies, " bonds and ", head.nodes, " nodes take ", expected, " numbers, it has ", numbers, " at most"));
+    check(text_of(head.bodies, " bonds, ", head.nodes, " nodes and ", head.copies, " copies of nodes take ", expected, " numbers, it has ", numbers, " at most"));
   guarded([&] { cement_->restore(head, in); });
   check(in.trouble());
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.

@@ -3,12 +3,15 @@
 //
 // What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, a row a
 // node and rows of the nodes that are split, one after the other. The points do not hold the motion of nodes.
-#ifndef MPDEM_CEMENT_RESTART_H
-#define MPDEM_CEMENT_RESTART_H
+#ifndef MPDEM_CEMENT_CEMENT_RESTART_H
+#define MPDEM_CEMENT_CEMENT_RESTART_H
 
+#include "../fracture/separation.h"
 #include "../mpm/basis.h"
 #include "../mpm/body.h"
 #include "../parallel/record.h"
+#include "energy_books.h"
+#include "load_watch.h"
 
 namespace mpdem {
 
@@ -41,8 +44,8 @@ struct CementHead {
   bool updated = false, tied = false;
   double step = 0.0;       // stored velocities lie half of it behind the time
   int bodies_started = 0;  // so many bonds of the table have moved; those after them are as they were made
-  double start_energy = 0.0, dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;  // of all ranks
-  double inertial_work = 0.0, inertial_work_ahead = 0.0;
+  double start_energy = 0.0;
+  EnergyBooks::Sums books;  // of all ranks
   double time = 0.0;
   double eigenvalue = 0.0;  // 0: not known
   double auto_step = 0.0;   // what `timestep auto` found last
@@ -60,14 +63,7 @@ struct CementHead {
     visit("the time step", h.step, kNotNegative);
     visit("the number of bonds that have moved", h.bodies_started, from(0, kMaxBodies));
     visit("the energy at the start", h.start_energy, kFinite);
-    visit("the dissipated energy", h.dissipated, kFinite);
-    visit("the released energy", h.released, kFinite);
-    visit("the damped energy", h.damped, kFinite);
-    visit("the energy of friction", h.rubbed, kFinite);
-    visit("the work of grains", h.work, kFinite);
-    visit("the work ahead of its step", h.work_ahead, kFinite);
-    visit("the work of the inertial forces", h.inertial_work, kFinite);
-    visit("the work of the inertial forces ahead of its step", h.inertial_work_ahead, kFinite);
+    visit.part(h.books);
     visit("the time", h.time, kFinite);
     visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
     visit("the step of 'timestep auto'", h.auto_step, kNotNegative);
@@ -82,22 +78,19 @@ struct CementHead {
 
 struct BondRow {
   double failed_seen = 0.0;  // number of failed points when the bond was looked at last
-  bool separated = false;
-  double at_grain[2] = {0, 0}, inside = 0.0;  // area of the separating surface
-  double peak = 0.0;  // largest tension
-  // of cement/load_watch.h: the step at which it was broken, the largest load, and the sums of the window
-  double broken_at = 0.0, largest_load = 0.0, motion_with_it = 0.0, loads[13] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  SeparatingSurface separation;
+  double peak = 0.0;       // largest tension
+  double broken_at = 0.0;  // Cracks::State::broken_at, a number of steps
+  LoadWatch::Largest largest;
+  double loads[LoadWatch::kSums] = {};  // of the window, of all ranks
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& b, Visitor& visit) {
     visit("the number of failed points of a bond", b.failed_seen, kNotNegative);
-    visit("'is separated' of a bond", b.separated);
-    visit("the area of separation at a grain", b.at_grain, kNotNegative);
-    visit("the area of separation inside", b.inside, kNotNegative);
+    visit.part(b.separation);
     visit("the largest tension of a bond", b.peak, kFinite);
     visit("the step at which a bond was broken", b.broken_at, kNotNegative);
-    visit("the largest load of a bond", b.largest_load, kNotNegative);
-    visit("the motion with the largest load of a bond", b.motion_with_it, kNotNegative);
+    visit.part(b.largest);
     visit("a sum of loads of a bond", b.loads, kFinite);
   }
 };
@@ -134,6 +127,12 @@ struct CopyRow {
     visit("the volume of a split node", c.volume, kNotNegative);
   }
 };
+
+// How many numbers follow a head.
+inline std::size_t numbers_after(const CementHead& h) {
+  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + static_cast<std::size_t>(kMostNumbers<NodeRow>) * h.nodes +
+         static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
+}
 
 }  // namespace mpdem
 
