@@ -231,6 +231,23 @@ def test_weight(tmp_path):
         assert t[grain[0]][-1] == pytest.approx(0.5 * weight, rel=1e-4) and t[grain[1]][-1] == pytest.approx(-weight, rel=1e-4)
 
 
+@pytest.mark.parametrize("held", [True, False], ids=["hanging", "falling"])
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_work_of_gravity(held, ranks, tmp_path, figures):
+    """The cement's weight does work while grains move; that of the grains is not the cement's."""
+    text = pair(1e-4, gap=2e-4, cement="outer 1.5e-3 inner 0") + cement(2e-4, 1e-8, axis="bond", damage="condense yes")
+    text += "fix g all gravity 9.81 vector 0 0 -1\nfix move second nve/sphere\n"
+    text += f"fix {'hold first move linear 0 0 0' if held else 'also first nve/sphere'}\n"
+    result = run(text + thermo(100, ["f_cem[5]", "f_cem[11]", "f_cem[12]", AWAKE]) + "run 1000\n", tmp_path, ranks)
+    t = result.table()
+    assert (t[AWAKE] == 0).all()
+    work = np.abs(t["f_cem[11]"])  # of a grain that swings it comes back to 0, where a relative error says nothing
+    figures.below("energy imbalance over the largest work", np.abs(t["f_cem[12]"] * work).max() / work.max(), 1e-6)
+    if held: return
+    mass = 2710 * float(re.search(r"^  volume (\S+),", result.output, re.M)[1])
+    assert t["f_cem[11]"][-1] == pytest.approx(0.5 * mass * (9.81 * 1e-5) ** 2, rel=1e-6)
+
+
 def test_ranks(tmp_path):
     """A bond that ranks cut wakes at the same step and is separated by the same failures."""
     tables = {ranks: run(breaking("yes") + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()

@@ -423,7 +423,8 @@ EnergyBooks::StepWork BondedGrains::work_of(const CondensedPack& condensed, doub
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
     for (int d = 0; d < 6; ++d) {
-      const double f = condensed.load(n, d) + condensed.inertial_load(n, d);
+      // the weight is no work of the grain on the cement, but work of gravity
+      const double f = condensed.load(n, d) - condensed.weight(n, d) + condensed.inertial_load(n, d);
       power.now -= f * g.ended[d];
       power.before -= f * g.v[d];
     }
