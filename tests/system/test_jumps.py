@@ -54,6 +54,18 @@ def test_start(tmp_path, figures, motion, words):
         figures.below(f"{motion}, {words or 'total'}: mean energy against that of a small step", abs(late.mean() / small.mean() - 1), 0.04)
 
 
+@pytest.mark.parametrize("words", ["quasistatic 1 1", "quasistatic 100 0.2"])
+@pytest.mark.parametrize("motion", MOTIONS)
+def test_start_with_damping(tmp_path, figures, motion, words):
+    """Dampers take power from the first step on, half of each step's is ahead."""
+    result = run(bond(HALF, "timestep auto 0.5 " + words) + MOTIONS[motion] + thermo(1, ENERGIES + ["f_cem[10]"]) + "run 40\n", tmp_path)
+    table = result.table()
+    damped = table["f_cem[10]"]
+    figures.below(f"{motion}, {words}: imbalance of the energy with dampers", abs(table["f_cem[12]"]).max(),
+                  0.005 if motion == "wiggle" else 1e-5)
+    assert damped[0] == 0 and damped[10] > 1e-3 * energy(table)[10], "dampers take part"
+
+
 @pytest.mark.parametrize("words", ["", "kinematics updated"])
 @pytest.mark.parametrize("change", CHANGES)
 def test_change(tmp_path, figures, change, words):

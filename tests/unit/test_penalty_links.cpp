@@ -135,7 +135,7 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   };
   const auto claimed_power = [&](double later) {
     double sum = 0.0;
-    for (const Bond& b : s.bonds) sum += b.links.damper_power(b.grid, s.side(b), later);
+    for (const Bond& b : s.bonds) sum += b.links.damper_power(b.grid, s.side(b)).after(later);
     return sum;
   };
   add_power(&Grid::velocity, 1.0);

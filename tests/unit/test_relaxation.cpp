@@ -109,7 +109,7 @@ TEST(Relaxation, TakesThePowerItClaims) {
         for (int d = 0; d < 3; ++d)
           power -= g.force[d] * (g.v[d] + later * g.a[d]) + g.torque[d] * (g.omega[d] + later * g.alpha[d]);
       }
-      const double claimed = b.relaxation.power(b.grid, s.side(b), later);
+      const double claimed = b.relaxation.power(b.grid, s.side(b)).after(later);
       test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
       EXPECT_TRUE(later != 0.0 || claimed > 0.0);
       of_both += claimed;

@@ -68,9 +68,7 @@ void Cement::advance() {
   books_.release(advance_.released);
   if (condensed_.any()) condensed_.pack()->find_jump_loads(now_.dt);
   complete_forces();
-  books_.damp(damping_work(0.5 * dt_last_, 0));
-  if (faces_touch())
-    for (const Bond& b : bonds_.awake()) books_.rub(dt_last_ * b.faces.power(b.grid, 0.5 * dt_last_));
+  books_.end_step_of_dampers(step_work(damping_power(0)), step_work(rubbing_power()));
   kinematics_->account_for_accelerations();
   timer_.start(StepTimer::kCoupling);
   react();
@@ -272,16 +270,28 @@ double Cement::kinetic_energy(const Bond& b, double kick) const {
   return 0.5 * (twice[0] + twice[1] + twice[2]);
 }
 
-// The energy that dampers took in the step: the velocity that their force meets is that of this time.
-double Cement::damping_work(double later, int first_body) {
-  if (!penalty_ || (penalty_->damping == 0.0 && options_.relax == 0.0)) return 0.0;
-  double power = 0.0;
+EnergyBooks::StepWork Cement::step_work(const Power& power) const {
+  return {dt_last_ * power.after(0.5 * dt_last_), dt_last_ * power.stored};
+}
+
+// What dampers take of the cement of bodies from first_body on.
+Power Cement::damping_power(int first_body) const {
+  Power power;
+  if (!penalty_ || (penalty_->damping == 0.0 && options_.relax == 0.0)) return power;
   for (const Bond& b : bonds_.awake()) {
     if (b.body < first_body) continue;
-    power += b.links.damper_power(b.grid, grains_.side_of(b), later);
-    if (options_.relax > 0.0) power += b.relaxation.power(b.grid, grains_.side_of(b), later);
+    power.add(b.links.damper_power(b.grid, grains_.side_of(b)));
+    if (options_.relax > 0.0) power.add(b.relaxation.power(b.grid, grains_.side_of(b)));
   }
-  return dt_last_ * power;
+  return power;
+}
+
+// What friction of crack faces takes.
+Power Cement::rubbing_power() const {
+  Power power;
+  if (!faces_touch()) return power;
+  for (const Bond& b : bonds_.awake()) power.add(b.faces.power(b.grid));
+  return power;
 }
 
 std::array<double, 3> Cement::gravity_of(const Bond& b) const { return turned_back(axes_of(bonds_.body(b)), now_.gravity); }
@@ -407,7 +417,7 @@ void Cement::start_run() {
 void Cement::start_bodies() {
   const int rows = static_cast<int>(bonds_.table.size());
   if (bodies_started_ == rows) return;
-  books_.damp(0.5 * damping_work(0.0, bodies_started_));
+  const double damped_ahead = 0.5 * dt_last_ * damping_power(bodies_started_).after(0.5 * dt_last_);  // by the velocities of this time
   if (penalty_) grains_.go_back_half_a_step(bonds_, dt_last_);
   double mine = 0.0, energy;
   for (Bond& b : bonds_.awake()) {
@@ -431,7 +441,7 @@ void Cement::start_bodies() {
     mine += e.elastic + e.kept;
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, comm_);
-  books_.start(energy, work_of_step(bodies_started_), inertial_work_of_step(bodies_started_));
+  books_.start(energy, work_of_step(bodies_started_), inertial_work_of_step(bodies_started_), damped_ahead);
   bodies_started_ = rows;
 }
 

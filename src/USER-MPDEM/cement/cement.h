@@ -276,7 +276,9 @@ class Cement {
   void wake_bonds();
   void condense_again();
   double energy_of(const Bond& b) const;
-  double damping_work(double later, int first_body);
+  EnergyBooks::StepWork step_work(const Power& power) const;
+  Power damping_power(int first_body) const;
+  Power rubbing_power() const;
   EnergyBooks::StepWork work_of_step(int first_body);
   EnergyBooks::StepWork inertial_work_of_step(int first_body) const;
   double kinetic_energy(const Bond& b, double kick) const;

@@ -38,7 +38,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 12;
+  static constexpr int kVersion = 13;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;

@@ -120,13 +120,13 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   }
 }
 
-double CrackFaces::power(const Grid& grid, double later) const {
-  double power = 0.0;
+Power CrackFaces::power(const Grid& grid) const {
+  Power power;
   for (const Pair& p : pairs_)
     for (int s = 0; s < 2; ++s) {
       const long i = 3L * p.node[s];
       if (!grid.halo.counts_here()[p.node[s]]) continue;
-      for (int d = 0; d < 3; ++d) power += (s == 0 ? 1.0 : -1.0) * p.force[d] * (grid.velocity[i + d] + later * grid.acceleration[i + d]);
+      for (int d = 0; d < 3; ++d) power.add((s == 0 ? 1.0 : -1.0) * p.force[d], grid.velocity[i + d], grid.acceleration[i + d]);
     }
   return power;
 }

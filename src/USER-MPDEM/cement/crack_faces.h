@@ -21,6 +21,7 @@
 
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
+#include "../mpm/power.h"
 
 namespace mpdem {
 
@@ -36,7 +37,7 @@ class CrackFaces {
   // are complete; added: mass of the nodes, or none. The next step changes velocities by kick times the acceleration and lasts dt.
   void add_force(const PointStore& points, Grid& grid, const std::vector<double>& added, double kick, double dt);
   // Power that they take, at the velocity that is so long of the acceleration later than the stored one. Of the nodes that count here.
-  double power(const Grid& grid, double later) const;
+  Power power(const Grid& grid) const;
   // Largest slip of a pair that touches, if above a cell; else 0. Deepest overlap of a pair, in the last step.
   double too_far() const { return too_far_; }
   double deepest() const { return deepest_; }

@@ -6,8 +6,8 @@
 //   E + dissipated + released + damped + rubbed - work = start,
 //
 // E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
-// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains, gravity and impulses of the host on the cement; each half
-// step has the work of its velocity on the force at its end. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
+// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains, gravity and impulses of the host on the cement. Each half
+// step has the work of its velocity on the force at its end; so have dampers and friction of crack faces. What belongs to the second half of the last step is ahead. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
 // inertia of mpm/consistent_mass.h. It is kept as that of the lumped mass, less the work of the force by which the two differ. This rank's share of each, all in units of energy.
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
 #define MPDEM_CEMENT_ENERGY_BOOKS_H
@@ -23,6 +23,7 @@ class EnergyBooks {
   struct Sums {
     double dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;
     double inertial_work = 0.0, inertial_work_ahead = 0.0;  // of Grid::inertial_force
+    double damped_ahead = 0.0, rubbed_ahead = 0.0;
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& s, Visitor& visit) {
@@ -34,6 +35,8 @@ class EnergyBooks {
       visit("the work ahead of its step", s.work_ahead, kFinite);
       visit("the work of the inertial forces", s.inertial_work, kFinite);
       visit("the work of the inertial forces ahead of its step", s.inertial_work_ahead, kFinite);
+      visit("the damped energy ahead of its step", s.damped_ahead, kFinite);
+      visit("the energy of friction ahead of its step", s.rubbed_ahead, kFinite);
     }
   };
   // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
@@ -61,6 +64,13 @@ class EnergyBooks {
     damp(before - energy());
   }
 
+  // What dampers and the friction of crack faces take in a step, as soon as its accelerations are known.
+  void end_step_of_dampers(const StepWork& damped, const StepWork& rubbed) {
+    sums_.damped += damped.now;
+    sums_.damped_ahead = damped.now - 0.5 * damped.before;
+    sums_.rubbed += rubbed.now;
+    sums_.rubbed_ahead = rubbed.now - 0.5 * rubbed.before;
+  }
   // At the end of a step. The second half of it is work ahead.
   void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
@@ -69,11 +79,13 @@ class EnergyBooks {
     sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
   }
   // Cement is set in motion with this energy, of all ranks; its first half step has this work.
-  void start(double energy_of_all, const StepWork& w, const StepWork& inertial) {
+  void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
     sums_.work += w.now - 0.5 * w.before;
     sums_.work_ahead += w.now - 0.5 * w.before;
     sums_.inertial_work += inertial.now - 0.5 * inertial.before;
     sums_.inertial_work_ahead += inertial.now - 0.5 * inertial.before;
+    sums_.damped += damped_ahead;
+    sums_.damped_ahead += damped_ahead;
     start_ += energy_of_all;
   }
 

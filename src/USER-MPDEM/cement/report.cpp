@@ -129,7 +129,8 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = books_.sums();
-  const double of_books[] = {books.dissipated, books.released, books.damped, books.rubbed, books.work - books.work_ahead};
+  const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
+                             books.work - books.work_ahead};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;

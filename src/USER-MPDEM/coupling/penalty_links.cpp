@@ -278,8 +278,8 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
-double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, double later) const {
-  double power = 0.0;
+Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const {
+  Power power;
   if (p_.damping == 0.0 || blocks_.empty()) return power;
   with_traction(*p_.law, [&](const auto& law) {
     with_basis(basis_, [&](auto type) {
@@ -295,7 +295,8 @@ double PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side, doubl
         gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
-          power -= sum_lanes(f[d] * (v[d] + later * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e]))));
+          power.stored -= sum_lanes(f[d] * v[d]);
+          power.growth -= sum_lanes(f[d] * (a[d] - s.a[d] - (s.alpha[e] * q[g] - s.alpha[g] * q[e])));
         }
       }
     });

@@ -38,6 +38,7 @@
 
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
+#include "../mpm/power.h"
 #include "grain_sides.h"
 #include "traction_law.h"
 
@@ -93,7 +94,7 @@ class PenaltyLinks {
   void add_force(Grid& grid, GrainSide* side) const;
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
   // of the acceleration later.
-  double damper_power(const Grid& grid, const GrainSide* side, double later) const;
+  Power damper_power(const Grid& grid, const GrainSide* side) const;
   // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 

@@ -96,8 +96,8 @@ void Relaxation::add_force(Grid& grid, GrainSide* side) const {
   });
 }
 
-double Relaxation::power(const Grid& grid, const GrainSide* side, double later) const {
-  double power = 0.0;
+Power Relaxation::power(const Grid& grid, const GrainSide* side) const {
+  Power power;
   const std::vector<char>& counts = grid.halo.counts_here();
   for_each_node(grid, side, [&](const Node& node) {
     if (!counts[node.at]) return;
@@ -106,7 +106,7 @@ double Relaxation::power(const Grid& grid, const GrainSide* side, double later) 
       double a = grid.acceleration[3 * node.at + d];
       for (int s = 0; s < 2; ++s)
         a -= node.share[s] * (side[s].a[d] + side[s].alpha[e] * node.r[s][g] - side[s].alpha[g] * node.r[s][e]);
-      power += node.scale * node.v[d] * (node.v[d] + later * a);
+      power.add(node.scale * node.v[d], node.v[d], a);
     }
   });
   return power;

@@ -19,6 +19,7 @@
 
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
+#include "../mpm/power.h"
 #include "grain_sides.h"
 
 namespace mpdem {
@@ -43,7 +44,7 @@ class Relaxation {
   void add_force(Grid& grid, GrainSide* side) const;
   // Power that damping takes from the nodes that this rank counts. The force is that of the stored velocity. The
   // velocity is the stored one plus `later` times the acceleration.
-  double power(const Grid& grid, const GrainSide* side, double later) const;
+  Power power(const Grid& grid, const GrainSide* side) const;
 
  private:
   struct Node {

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Power of forces of this time: with the stored velocities, which are those of half a step before, and what a unit of time
+// adds to it as velocities go on with the accelerations. Energy per time, and that per time.
+#ifndef MPDEM_POWER_H
+#define MPDEM_POWER_H
+
+namespace mpdem {
+
+struct Power {
+  double stored = 0.0, growth = 0.0;
+  double after(double time) const { return stored + time * growth; }
+  void add(double force, double velocity, double acceleration) {
+    stored += force * velocity;
+    growth += force * acceleration;
+  }
+  void add(const Power& other) {
+    stored += other.stored;
+    growth += other.growth;
+  }
+};
+
+}  // namespace mpdem
+
+#endif
