@@ -4,17 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
+#include "node_places.h"
 
 namespace mpdem {
 
 namespace {
-
-Place place_of(const Key& k) { return {k[1], k[2], k[3]}; }
-Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p[0], p[1], p[2]}; }
 
 struct SentPoint {
   int body;
@@ -115,14 +112,6 @@ void for_each_point(const PointStore& points, F f) {
   for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
     for (int l = 0; l < kLanes; ++l)
       if (points.meta[b].occupied >> l & 1) f(b, l);
-}
-
-// Of all its cells.
-template <class F>
-void for_each_node(const BlockMeta& m, int S, F f) {
-  for (int i = 0; i < nodes_along(m, 0, S); ++i)
-    for (int j = 0; j < nodes_along(m, 1, S); ++j)
-      for (int k = 0; k < nodes_along(m, 2, S); ++k) f(Place{m.base[0] + i, m.base[1] + j, m.base[2] + k});
 }
 
 // Points of the bonds asked for, on the ranks that look at these. Collective.
@@ -361,157 +350,6 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
     }
   for (auto& r : rows) rows_[body_of(r.first[0])].copies.set(place_of(r.first), std::move(r.second));
   for (const SentToward& t : all_to_all(comm, towards).data) rows_[t.body].copies.towards()[t.node].push_back(t.toward);
-}
-
-bool Splits::edges_known(const std::vector<int>& rows) const {
-  return std::all_of(rows.begin(), rows.end(), [&](int r) { return rows_[r].edges_known; });
-}
-
-void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges) {
-  for (int r : rows) {
-    rows_[r].edges.clear();
-    rows_[r].users.clear();
-    rows_[r].edges_known = true;
-  }
-  for (EdgeTie& t : edges) rows_[body_of(t.slave[0])].edges.push_back(std::move(t));
-}
-
-// What stands for a node of the start now; none if that has been split.
-Key Splits::now(const Key& at_start) const {
-  const int body = body_of(at_start[0]);
-  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start[0]), place_of(at_start));
-  return part < 0 ? kNoNode : key_at(body, part, place_of(at_start));
-}
-
-std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S) const {
-  std::vector<Key> nodes;
-  const NodeCopies& copies = rows_[body].copies;
-  const BlockMeta* last = nullptr;
-  for (const BlockMeta& m : points.meta) {
-    if (m.part == 0) continue;
-    if (last && m.part == last->part && m.joined == last->joined && std::equal(m.base, m.base + 3, last->base)) continue;
-    last = &m;
-    for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(body, copies.canonical(m.part, p), p)); });
-  }
-  for (const EdgeTie& t : rows_[body].edges)
-    for (const auto* of_tie : {&t.masters, &t.heirs})
-      for (const auto& m : *of_tie) nodes.push_back(now(m.first));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
-  return nodes;
-}
-
-std::vector<Key> Splits::copies_of(int body) const {
-  std::vector<Key> nodes;
-  for (const auto& row : rows_[body].copies.rows())
-    for (const NodeCopies::Entry& e : row.second)
-      if (rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
-  return nodes;
-}
-
-std::vector<Key> Splits::nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int S) const {
-  std::vector<Key> nodes;
-  const NodeCopies& copies = rows_[body].copies;
-  for (int b : blocks) {
-    const BlockMeta& m = points.meta[b];
-    for_each_node(m, S, [&](const Place& p) {
-      nodes.push_back(key_at(body, m.part, p));
-      nodes.push_back(key_at(body, copies.canonical(m.part, p), p));
-    });
-  }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  return nodes;
-}
-
-void Splits::find_users(Row& row) const {
-  for (std::size_t n = 0; n < row.edges.size(); ++n)
-    for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].heirs})
-      for (const auto& m : *of_tie) row.users.emplace_back(m.first, static_cast<int>(n));
-  std::sort(row.users.begin(), row.users.end());
-  row.users.erase(std::unique(row.users.begin(), row.users.end()), row.users.end());
-}
-
-// Nodes of all parts at the places that split, and edges that were tied to nodes there at the start.
-std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::vector<Key>& split) {
-  Row& row = rows_[body];
-  if (row.users.empty()) find_users(row);
-  std::vector<int> fields, nodes;
-  for (auto k = grid.keys.begin(); k != grid.keys.end();) {
-    fields.push_back((*k)[0]);
-    k = std::lower_bound(k, grid.keys.end(), Key{fields.back() + 1, std::numeric_limits<int>::min(), 0, 0});
-  }
-  std::vector<Key> slaves;
-  for (const Key& k : split) {
-    for (int f : fields) nodes.push_back(grid.base_node(f, &k[1]));
-    for (const NodeCopies::Entry& e : *row.copies.row(place_of(k))) {
-      const Key first = key_at(body, e.first, place_of(k));
-      for (auto u = std::lower_bound(row.users.begin(), row.users.end(), std::make_pair(first, 0)); u != row.users.end() && u->first == first; ++u)
-        slaves.push_back(row.edges[u->second].slave);
-    }
-  }
-  std::sort(slaves.begin(), slaves.end());
-  slaves.erase(std::unique(slaves.begin(), slaves.end()), slaves.end());
-  for (const Key& s : slaves)
-    for (int f : fields)
-      if (at_start({f, s[1], s[2], s[3]}) == s) nodes.push_back(grid.base_node(f, &s[1]));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(nodes.begin(), std::lower_bound(nodes.begin(), nodes.end(), 0));
-  return nodes;
-}
-
-Key Splits::at_start(const Key& k) const {
-  const int body = body_of(k[0]);
-  const NodeCopies& copies = rows_[body].copies;
-  return copies.empty() ? key_at(body, 0, place_of(k)) : key_at(body, copies.at(part_of_field(k[0]), place_of(k)).first, place_of(k));
-}
-
-Key Splits::next(const Key& k, int direction) const {
-  const int body = body_of(k[0]), first = rows_[body].copies.toward(place_of(k), part_of_field(k[0]), direction);
-  if (first < 0) return kNoNode;
-  Place p = place_of(k);
-  p[direction / 2] += direction % 2 == 0 ? -1 : 1;
-  return key_at(body, first, p);
-}
-
-std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
-  std::vector<EdgeTie> ties;
-  for (const Key& k : keys) {
-    EdgeTie t;
-    t.slave = k;
-    const Key start = at_start(k);
-    const std::vector<EdgeTie>& edges = rows_[body_of(k[0])].edges;
-    const auto edge = std::lower_bound(edges.begin(), edges.end(), start, [](const EdgeTie& a, const Key& b) { return a.slave < b; });
-    if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
-      for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
-      for (const auto& h : edge->heirs) t.heirs.emplace_back(now(h.first), h.second);
-    }
-    const bool whole = !t.masters.empty() && std::none_of(t.masters.begin(), t.masters.end(), [](const auto& m) { return m.first == kNoNode; }) &&
-                       std::none_of(t.heirs.begin(), t.heirs.end(), [](const auto& h) { return h.first == kNoNode; });
-    if (!whole) {
-      const int part = part_of_field(k[0]), stands = rows_[body_of(k[0])].copies.canonical(part, place_of(k));
-      if (stands == part) continue;
-      const Key master = key_at(body_of(k[0]), stands, place_of(k));
-      t.masters.assign(1, {master, 1.0});
-      t.heirs = t.masters;
-    }
-    std::sort(t.masters.begin(), t.masters.end());
-    ties.push_back(std::move(t));
-  }
-  return ties;
-}
-
-std::vector<double> Splits::volumes(const std::vector<Key>& keys) const {
-  std::vector<double> given(keys.size(), -1.0);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const NodeCopies& copies = rows_[body_of(keys[i][0])].copies;
-    const Place place = place_of(keys[i]);
-    if (copies.empty() || !copies.row(place)) continue;
-    const int part = part_of_field(keys[i][0]);
-    given[i] = copies.canonical(part, place) == part ? copies.at(part, place).volume : 0.0;
-  }
-  return given;
 }
 
 }  // namespace mpdem

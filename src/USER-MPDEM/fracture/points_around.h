@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points about one of a lattice, and the ways between them: for node_copies.cpp alone.
+// The points about one of a lattice, and the ways between them: for copy_lattice.cpp alone.
 #ifndef MPDEM_POINTS_AROUND_H
 #define MPDEM_POINTS_AROUND_H
 

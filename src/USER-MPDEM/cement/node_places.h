@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#ifndef MPDEM_CEMENT_NODE_PLACES_H
+#define MPDEM_CEMENT_NODE_PLACES_H
+
+#include "../fracture/node_copies.h"
+#include "../mpm/body.h"
+#include "../parallel/rendezvous.h"
+
+namespace mpdem {
+
+// Place of a node in the grid of its bond, and the key of that of a part.
+inline Place place_of(const Key& k) { return {k[1], k[2], k[3]}; }
+inline Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p[0], p[1], p[2]}; }
+
+}  // namespace mpdem
+
+#endif

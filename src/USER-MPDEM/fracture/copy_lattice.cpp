@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// How nodes split (node_copies.h).
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "node_copies.h"
+#include "points_around.h"
+
+namespace mpdem {
+
+namespace {
+
+constexpr int kOut = -2, kIn = -1;  // of seen_: not of the group; not reached yet
+
+int copy_of(const NodeCopies::Row& row, int part) {
+  for (const NodeCopies::Entry& e : row)
+    if (e.part == part) return e.copy;
+  return 0;
+}
+
+bool same_cell(const CopyPoint& a, const CopyPoint& b) { return std::equal(a.cell, a.cell + 3, b.cell); }
+
+bool before(const CopyPoint& a, const CopyPoint& b) {
+  const Place x = place(a.cell), y = place(b.cell);
+  return x != y ? x < y : a.tag < b.tag;
+}
+
+}  // namespace
+
+CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis, const Line& line)
+    : points_(std::move(points)), basis_(basis), S_(support(basis)), line_(line) {
+  std::sort(points_.begin(), points_.end(), before);
+  const int n = static_cast<int>(points_.size());
+  at_.reserve(n);
+  for (int i = 0; i < n; ++i) one_a_cell_ = at_.emplace(place(points_[i].cell), i).second && one_a_cell_;
+  next_.resize(n);
+  for (int i = 0; i < n; ++i)
+    for (int face = 0; face < 6; ++face) {
+      Place c = place(points_[i].cell);
+      c[face / 2] += face % 2 == 0 ? -1 : 1;
+      const auto next = at_.find(c);
+      next_[i][face] = next == at_.end() ? -1 : next->second;
+    }
+  by_tag_.resize(n);
+  std::iota(by_tag_.begin(), by_tag_.end(), 0);
+  std::sort(by_tag_.begin(), by_tag_.end(), [&](int a, int b) { return points_[a].tag < points_[b].tag; });
+  by_base_.resize(n);
+  std::iota(by_base_.begin(), by_base_.end(), 0);
+  std::stable_sort(by_base_.begin(), by_base_.end(), [&](int a, int b) { return place(points_[a].base) < place(points_[b].base); });
+  for (int k = 0; k < n;) {
+    const Place base = place(points_[by_base_[k]].base);
+    const int first = k;
+    while (k < n && place(points_[by_base_[k]].base) == base) ++k;
+    base_[base] = {first, k};
+  }
+  seen_.assign(n, kOut);
+}
+
+template <class F>
+void CopyLattice::for_each_node(const int* base, F f) const {
+  int n = 0;
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
+}
+
+template <class F>
+void CopyLattice::for_each_point(const Place& node, F f) const {
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) {
+        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
+        if (cell == base_.end()) continue;
+        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
+      }
+}
+
+// Those connected with a point; all of a cell are.
+template <class F>
+void CopyLattice::for_each_neighbour(int i, F f) const {
+  const CopyPoint& p = points_[i];
+  const int n = static_cast<int>(points_.size());
+  for (int j = i - 1; j >= 0 && same_cell(points_[j], p); --j) f(j);
+  for (int j = i + 1; j < n && same_cell(points_[j], p); ++j) f(j);
+  for (int face = 0; face < 6; ++face) {
+    const int first = next_[i][face];
+    if (first < 0) continue;
+    for (int j = first; j < n && (j == first || same_cell(points_[j], points_[first])); ++j)
+      if (connected(p, points_[j], face)) f(j);
+  }
+}
+
+CopyChange CopyLattice::start(NodeCopies& copies, const Crevice& crevice) {
+  crevice_ = &crevice;
+  std::vector<int> all(by_base_);
+  CopyChange change = split(nodes_of(all), copies);
+  crevice_ = nullptr;
+  copies.start();
+  find_towards(copies);
+  return change;
+}
+
+std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
+  std::vector<Place> nodes;
+  for (int i : points) for_each_node(points_[i].base, [&](const Place& n, int) { nodes.push_back(n); });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
+  std::vector<Place> nodes;
+  for (int tag : tags) {
+    const int i = *std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int p, int t) { return points_[p].tag < t; });
+    points_[i].failed = true;
+    add_nodes_parted_by(i, copies, nodes);
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return split(nodes, copies);
+}
+
+// A point that failed parts a node only if what touches it does not hang together about it, in the support. Most hang together
+// in the 26 about it, so few nodes are looked at as a whole. Points that fail at once count one after the other.
+void CopyLattice::add_nodes_parted_by(int i, const NodeCopies& copies, std::vector<Place>& nodes) const {
+  const CopyPoint& p = points_[i];
+  if (!one_a_cell_) {
+    for_each_node(p.base, [&](const Place& n, int) { nodes.push_back(n); });
+    return;
+  }
+  const Around around(*this, i);
+  for_each_node(p.base, [&](const Place& n, int) {
+    unsigned mask = 0;
+    for (unsigned left = around.here; left; left &= left - 1) {
+      const int q = __builtin_ctz(left);
+      const CopyPoint& other = points_[around.point[q]];
+      bool in_support = true;
+      for (int d = 0; d < 3; ++d) in_support = in_support && n[d] >= other.base[d] && n[d] < other.base[d] + S_;
+      mask |= static_cast<unsigned>(in_support) << q;
+    }
+    if (const NodeCopies::Row* row = (mask & around.faces) ? copies.row(n) : nullptr) {
+      const int mine = copy_of(*row, p.part);
+      for (unsigned left = mask; left; left &= left - 1) {
+        const int q = __builtin_ctz(left);
+        if (copy_of(*row, points_[around.point[q]].part) != mine) mask &= ~(1u << q);
+      }
+    }
+    if (!around.hang_together(mask)) nodes.push_back(n);
+  });
+}
+
+CopyChange CopyLattice::come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies) {
+  std::vector<OfPiece> sorted(pieces);
+  const auto by_tag = [](const OfPiece& a, const OfPiece& b) { return a.tag < b.tag; };
+  std::sort(sorted.begin(), sorted.end(), by_tag);
+  for (CopyPoint& p : points_) p.piece = std::lower_bound(sorted.begin(), sorted.end(), OfPiece{p.tag, 0}, by_tag)->piece;
+  std::vector<int> border;
+  for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
+    bool meets = false;
+    for_each_neighbour(i, [&](int j) { meets = meets || points_[j].piece != points_[i].piece; });
+    if (meets) border.push_back(i);
+  }
+  return split(nodes_of(border), copies);
+}
+
+CopyChange CopyLattice::split(const std::vector<Place>& nodes, NodeCopies& copies) {
+  wanted_.clear();
+  split_now_.clear();
+  for (const Place& n : nodes) look_at(n, copies);
+  return wanted_.empty() ? CopyChange() : colour(copies);
+}
+
+// Within a component all points have the same side and piece where these count, so its first stands for all.
+bool CopyLattice::is_way(int from, int to) const {
+  const CopyPoint &a = points_[from], &b = points_[to];
+  return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
+}
+
+// The copies of a node: do the points of one fall apart?
+void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
+  std::map<int, std::vector<int>> groups;
+  if (const NodeCopies::Row* row = copies.row(node)) for_each_point(node, [&](int p) { groups[copy_of(*row, points_[p].part)].push_back(p); });
+  else for_each_point(node, [&](int p) { groups[0].push_back(p); });
+  apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
+  int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
+  for (const auto& g : groups) part_group(node, g.second, g.first, next, copies);
+}
+
+// Points times their weights at a node.
+double CopyLattice::volume_at(const Place& node, const std::vector<int>& points) const {
+  double sum = 0.0;
+  with_basis(basis_, [&](auto type) {
+    using Type = decltype(type);
+    for (int i : points) {
+      const CopyPoint& p = points_[i];
+      vd w[Type::kSupport], slope[Type::kSupport];
+      Type::factors(vd{p.at[0], p.at[1], p.at[2]}, 1.0, w, slope);
+      sum += p.volume * w[node[0] - p.base[0]][0] * w[node[1] - p.base[1]][1] * w[node[2] - p.base[2]][2];
+    }
+  });
+  return sum;
+}
+
+// The largest component keeps the copy, the others are the next ones.
+void CopyLattice::share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
+                               const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
+  double whole = -1.0, holds = 0.0;
+  if (const NodeCopies::Row* row = copies.row(node)) {
+    for (const NodeCopies::Entry& e : *row)
+      if (e.copy == copy) whole = e.volume;
+  } else {
+    whole = volume_at(node, group);
+  }
+  std::vector<double> of;
+  for (const std::vector<int>& c : components) {
+    of.push_back(volume_at(node, c));
+    holds += of.back();
+  }
+  std::map<int, double>& volumes = split_now_[node];
+  for (std::size_t n = 0; n < rank.size(); ++n) volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = whole * of[rank[n]] / holds;
+}
+
+void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies) {
+  for (int i : group) seen_[i] = kIn;
+  std::vector<std::vector<int>> components;
+  for (int first : group) {
+    if (points_[first].failed || seen_[first] != kIn) continue;
+    const int c = static_cast<int>(components.size());
+    components.emplace_back(1, first);
+    seen_[first] = c;
+    for (std::size_t n = 0; n < components[c].size(); ++n)
+      for_each_neighbour(components[c][n], [&](int j) {
+        if (seen_[j] != kIn || points_[j].failed || !is_way(first, j)) return;
+        seen_[j] = c;
+        components[c].push_back(j);
+      });
+  }
+  if (components.size() > 1) {
+    // the largest keeps the node
+    std::vector<int> rank(components.size()), of(components.size());
+    std::iota(rank.begin(), rank.end(), 0);
+    std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
+    for (std::size_t n = 0; n < rank.size(); ++n) of[rank[n]] = static_cast<int>(n);
+    for (int i : group)
+      if (seen_[i] >= 0) seen_[i] = of[seen_[i]];
+    find_middles(components, rank);
+    grow(group);
+    for (int i : group)
+      if (seen_[i] > 0) wanted_[i][node] = next + seen_[i] - 1;
+    share_volume(node, group, copy, next, copies, components, rank);
+    next += static_cast<int>(components.size()) - 1;
+  }
+  for (int i : group) seen_[i] = kOut;
+}
+
+void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
+  middles_.clear();
+  for (int c : rank) {
+    Middle m{static_cast<int>(components[c].size()), {0, 0, 0}, {0, 0, 0}};
+    for (int i : components[c]) {
+      const std::array<double, 3> place = place_from_middle(i);
+      for (int d = 0; d < 3; ++d) {
+        m.sum[d] += points_[i].cell[d];
+        m.place[d] += place[d] / m.size;
+      }
+    }
+    middles_.push_back(m);
+  }
+}
+
+// Along the line of centres, and the two axes after that.
+std::array<double, 3> CopyLattice::place_from_middle(int i) const {
+  const auto along = [&](int d) { return points_[i].base[d] + points_[i].at[d] - line_.middle[d]; };
+  return {along(line_.axis), along((line_.axis + 1) % 3), along((line_.axis + 2) % 3)};
+}
+
+// Of two components as near, the larger; of those alike, that whose middle is nearer; then by the line of centres: mirrored and turned cracks
+// split alike.
+bool CopyLattice::goes_with(int i, int a, int b) const {
+  if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
+  long long distance[2] = {0, 0};
+  for (int d = 0; d < 3; ++d) {
+    const long long of_a = static_cast<long long>(middles_[a].size) * points_[i].cell[d] - middles_[a].sum[d];
+    const long long of_b = static_cast<long long>(middles_[b].size) * points_[i].cell[d] - middles_[b].sum[d];
+    distance[0] += of_a * of_a;
+    distance[1] += of_b * of_b;
+  }
+  if (distance[0] != distance[1]) return distance[0] < distance[1];
+  const std::array<double, 3> p = place_from_middle(i);
+  std::array<double, 5> order[2];
+  for (int n = 0; n < 2; ++n) {
+    const double* m = middles_[n == 0 ? a : b].place;
+    const double aside = p[1] * m[2] - p[2] * m[1];
+    order[n] = {m[1] * m[1] + m[2] * m[2], std::fabs(m[0]), -std::fabs(aside), -aside, -p[0] * m[0]};
+  }
+  constexpr double kAlike = 1e-6;  // of a cell
+  for (std::size_t k = 0; k < order[0].size(); ++k)
+    if (std::fabs(order[0][k] - order[1][k]) > kAlike) return order[0][k] < order[1][k];
+  return a < b;
+}
+
+// Failed points go with the nearest that hold; what cannot be reached stays.
+void CopyLattice::grow(const std::vector<int>& group) {
+  std::vector<int> front;
+  for (int i : group)
+    if (seen_[i] >= 0) front.push_back(i);
+  while (!front.empty()) {
+    std::map<int, int> claims;
+    for (int i : front)
+      for_each_neighbour(i, [&](int j) {
+        if (seen_[j] != kIn) return;
+        const auto c = claims.emplace(j, seen_[i]).first;
+        if (goes_with(j, seen_[i], c->second)) c->second = seen_[i];
+      });
+    front.clear();
+    for (const auto& c : claims) {
+      seen_[c.first] = c.second;
+      front.push_back(c.first);
+    }
+  }
+  for (int i : group)
+    if (seen_[i] == kIn) seen_[i] = 0;
+}
+
+bool CopyLattice::Class::operator<(const Class& o) const {
+  if (base != o.base) return base < o.base;
+  if (part != o.part) return part < o.part;
+  return std::lexicographical_compare(copy.begin(), copy.end(), o.copy.begin(), o.copy.end(),
+                                      [](const NodeCopies::Entry& a, const NodeCopies::Entry& b) { return a.copy < b.copy; });
+}
+
+CopyChange CopyLattice::colour(NodeCopies& copies) {
+  std::map<Class, std::vector<int>> classes;  // of the points that changed
+  for (const auto& w : wanted_) {
+    const CopyPoint& p = points_[w.first];
+    Class c{place(p.base), p.part, {}};
+    for_each_node(p.base, [&](const Place& n, int) {
+      NodeCopies::Entry e = copies.at(p.part, n);
+      const auto other = w.second.find(n);
+      if (other != w.second.end()) e.copy = other->second;
+      c.copy.push_back(e);
+    });
+    classes[c].push_back(w.first);
+  }
+  // rows of their nodes, as the points that did not change have them
+  std::map<Place, RowNow> rows;
+  for (const auto& n : split_now_) rows[n.first];
+  for (const auto& c : classes)
+    for_each_node(c.first.base.data(), [&](const Place& n, int) {
+      if (copies.row(n)) rows[n];
+    });
+  std::vector<char> changes(points_.size(), 0);
+  for (const auto& w : wanted_) changes[w.first] = 1;
+  for (auto& r : rows) {
+    int last = -1;  // points of a part are mostly next to each other
+    for_each_point(r.first, [&](int p) {
+      const int part = points_[p].part;
+      if (changes[p] || part == last) return;
+      r.second.emplace(part, copies.at(part, r.first));
+      last = part;
+    });
+  }
+  CopyChange change;
+  for (const auto& c : classes) {
+    const int part = free_part(c.first, rows);
+    for_each_node(c.first.base.data(), [&](const Place& n, int at) {
+      const auto row = rows.find(n);
+      if (row != rows.end()) row->second[part] = {part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume};
+      if (part != c.first.part) change.sources.push_back({n, part, c.first.part});
+    });
+    if (part == c.first.part) continue;
+    for (int i : c.second) {
+      points_[i].part = part;
+      change.moved.push_back({points_[i].tag, part});
+    }
+  }
+  for (const auto& r : rows) {
+    NodeCopies::Row row;
+    const auto split = split_now_.find(r.first);
+    for (const auto& e : r.second) {
+      row.push_back(e.second);
+      if (split == split_now_.end()) continue;
+      const auto volume = split->second.find(e.second.copy);
+      if (volume != split->second.end()) row.back().volume = volume->second;
+    }
+    copies.set(r.first, std::move(row));
+    change.rows.push_back(r.first);
+  }
+  return change;
+}
+
+int CopyLattice::free_part(const Class& c, const std::map<Place, RowNow>& rows) const {
+  const auto fits = [&](int part) {
+    bool all = true;
+    for_each_node(c.base.data(), [&](const Place& n, int at) {
+      const auto row = rows.find(n);
+      if (row == rows.end()) return;
+      const auto e = row->second.find(part);
+      all = all && (e == row->second.end() || e->second.copy == c.copy[at].copy);
+    });
+    return all;
+  };
+  if (fits(c.part)) return c.part;
+  int part = 0;
+  while (!fits(part)) ++part;
+  return part;
+}
+
+// By the classes, which know what each of their nodes is.
+void CopyLattice::find_towards(NodeCopies& copies) const {
+  std::map<Place, std::map<int, std::array<int, 6>>> found;
+  constexpr int kUnknown = -2, kNone = -1;
+  for (const auto& b : base_) {
+    std::map<int, char> parts;
+    for (int n = b.second.first; n < b.second.second; ++n) parts[points_[by_base_[n]].part] = 1;
+    bool near = false;
+    for_each_node(b.first.data(), [&](const Place& n, int) { near = near || copies.row(n); });
+    if (!near) continue;
+    for (const auto& p : parts)
+      for_each_node(b.first.data(), [&](const Place& n, int) {
+        std::array<int, 6> unknown;
+        unknown.fill(kUnknown);
+        std::array<int, 6>& to = found[n].emplace(copies.at(p.first, n).first, unknown).first->second;
+        for (int f = 0; f < 6; ++f) {
+          Place next = n;
+          next[f / 2] += f % 2 == 0 ? -1 : 1;
+          const int d = f / 2;
+          if (next[d] < b.first[d] || next[d] >= b.first[d] + S_) continue;
+          const int first = copies.at(p.first, next).first;
+          to[f] = to[f] == kUnknown || to[f] == first ? first : kNone;
+        }
+      });
+  }
+  copies.towards().clear();
+  // A node that cells beside these have too is whole, and so are its neighbours there.
+  for (const auto& n : found) {
+    const bool split = copies.row(n.first);
+    for (const auto& c : n.second) {
+      NodeCopies::Toward t{c.first, c.second};
+      for (int f = 0; f < 6; ++f) {
+        Place next = n.first;
+        next[f / 2] += f % 2 == 0 ? -1 : 1;
+        if (t.to[f] == kUnknown) t.to[f] = split || copies.row(next) ? kNone : 0;
+      }
+      copies.towards()[n.first].push_back(t);
+    }
+  }
+}
+
+}  // namespace mpdem
