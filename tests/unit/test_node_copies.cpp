@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -130,6 +131,23 @@ TEST(NodeCopies, OneFailedPointSplitsNothing) {
   Pieces p(block(8, 8, 8));
   p.fail({1 + 3 * 64 + 3 * 8 + 3});
   EXPECT_TRUE(p.copies.empty());
+}
+
+// Points on faces of cells have no weight at the nodes where the support ends, and a node may have no others.
+TEST(NodeCopies, PointsOnFacesOfCells) {
+  std::vector<CopyPoint> points = block(8, 4, 4);
+  for (CopyPoint& p : points)
+    for (double& at : p.at) at -= 0.25;
+  CopyLattice lattice(points, Basis::quadratic);
+  NodeCopies copies;
+  lattice.start(copies);
+  std::vector<int> crack;
+  for (const CopyPoint& p : points)
+    if (p.cell[0] == 7 || p.cell[1] == 2) crack.push_back(p.tag);
+  lattice.fail(crack, copies);
+  ASSERT_FALSE(copies.empty());
+  for (const auto& row : copies.rows())
+    for (const NodeCopies::Entry& e : row.second) EXPECT_TRUE(std::isfinite(e.volume));
 }
 
 // Up to the tip nodes are whole whose support the crack does not part.

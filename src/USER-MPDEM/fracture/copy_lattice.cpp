@@ -220,7 +220,7 @@ void CopyLattice::share_volume(const Place& node, const std::vector<int>& group,
     holds += of.back();
   }
   std::map<int, double>& volumes = split_now_[node];
-  for (std::size_t n = 0; n < rank.size(); ++n) volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = whole * of[rank[n]] / holds;
+  for (std::size_t n = 0; n < rank.size(); ++n) volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = holds > 0.0 ? whole * of[rank[n]] / holds : 0.0;  // points may lie where the support ends
 }
 
 void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies) {
