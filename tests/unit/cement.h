@@ -95,7 +95,7 @@ class Cement {
 // All of one body, in one sheet.
 inline TiedNodes edges_of(const Grid& grid) {
   const std::size_t n = grid.keys.size();
-  return {grid.keys, grid.mass, std::vector<char>(n, kNoSheets), std::vector<char>(n, 1), {}};
+  return {grid.keys, {grid.mass.begin(), grid.mass.end()}, std::vector<char>(n, kNoSheets), std::vector<char>(n, 1), {}};
 }
 
 // Points anywhere in [0, n h]^3; every node between has points all over its support.

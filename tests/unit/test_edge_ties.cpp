@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cement.h"
+#include "lanes.h"
 #include "mpi_ranks.h"
 #include "mpm/largest_eigenvalue.h"
 
@@ -137,6 +138,35 @@ TEST(EdgeTies, KeysComeBack) {
   }
 }
 
+// Node by node, from the edge inwards and back, is the same as by the masters.
+TEST(EdgeTies, ChainIsMasters) {
+  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+  Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
+  const std::vector<EdgeTie> ties = ties_of(c);
+  std::set<Key> slaves;
+  for (const EdgeTie& t : ties) slaves.insert(t.slave);
+  int chained = 0;
+  for (const EdgeTie& t : ties)
+    for (const auto& b : t.behind) chained += static_cast<int>(slaves.count(b.first));
+  EXPECT_GT(chained, 50);
+  EdgeTies by_masters, by_chain;
+  by_masters.bind(ties, c.grid.keys, false);
+  by_chain.bind(ties, c.grid.keys, true);
+  EXPECT_GT(by_chain.memory_usage(), by_masters.memory_usage());
+  test::Random random(5);
+  std::vector<double> a(3 * c.grid.keys.size()), b;
+  for (double& v : a) v = random.uniform(-1, 1);
+  b = a;
+  by_masters.pull_back(a.data());
+  by_chain.pull_back(b.data());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
+  for (double& v : a) v = random.uniform(-1, 1);
+  b = a;
+  by_masters.extend(a.data());
+  by_chain.extend(b.data());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-12) << i;
+}
+
 TEST(EdgeTies, BallIsSoundAndSymmetric) {
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
     const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
@@ -168,7 +198,7 @@ TEST(EdgeTies, ForceIsTransposedAndMassIsKept) {
   const auto inside = [](const Vector& x) { return x.norm() < 2.9; };
   Cement c(kH, lattice(2, Vector(0.1, 0.3, -0.2), 4, inside), 0.3);
   const std::vector<EdgeTie> ties = ties_of(c);
-  const std::vector<double> untied = c.grid.mass;
+  const SharedList<double> untied = c.grid.mass;
   c.grid.tie(ties, true);
   EXPECT_EQ(c.grid.ties.size(), ties.size());
   c.grid.lump_mass(c.points, 1.0);
@@ -343,7 +373,7 @@ TEST(EdgeTies, SameOnAnyNumberOfRanks) {
     HaloSum halo;
     halo.build(MPI_COMM_WORLD, part.grid.keys);
     part.grid.lump_mass(part.points, 1.0);
-    halo.sum(part.grid.mass.data(), 1);
+    halo.sum(part.grid.mass.own().data(), 1);
     std::set<Key> found;
     for (const EdgeTie& t : ties_on(MPI_COMM_WORLD, part.grid)) {
       found.insert(t.slave);

@@ -98,8 +98,7 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.sides, true);
     test::Worst node, grain;
     for (Bond& b : s.bonds) {
-      b.added.carry(b.grid, s.side(b));
-      b.grid.update_acceleration(b.added.of_nodes());
+      b.added.accelerate(b.grid, s.side(b));
       for (const AddedMass::Share& m : b.added.shares()) {
         Vector rest(&force[b.body][3 * m.node]);
         const Vector a(&b.grid.acceleration[3 * m.node]);

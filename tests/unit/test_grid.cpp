@@ -199,7 +199,7 @@ TEST(Grid, LeapFrog) {
   g.lump_mass(c.points, 1.0);
   std::vector<double> added(g.size());
   for (double& m : added) m = random.uniform(0, 1);
-  g.mass[3] = added[3] = 0.0;
+  g.mass.own()[3] = added[3] = 0.0;
   for (std::vector<double>* field : {&g.velocity, &g.displacement, &g.force})
     for (double& v : *field) v = random.uniform(-1, 1);
   const Grid start = g;

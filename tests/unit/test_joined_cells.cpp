@@ -47,7 +47,8 @@ class JoinedCells : public ::testing::TestWithParam<Basis> {
   Cement apart{kCell, X, volume, q, GetParam(), 0, part, false}, joined{kCell, X, volume, q, GetParam(), 0, part, true};
 
   // The largest difference over the largest value.
-  static double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  template <class List>
+  static double difference(const List& a, const List& b) {
     EXPECT_EQ(a.size(), b.size());
     double most = 0.0, largest = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {

@@ -238,6 +238,8 @@ void Cement::refresh_added_mass(const std::vector<int>& rows) {
   const AddedMass::Stability s{now_.dt, known ? layout_.eigenvalue : eigenvalue_bound(), !known, bound};
   for (int row : rows)
     if (Bond* b = bonds_.table[row].condensed ? nullptr : bonds_.find(row)) b->added.find(b->links, b->grid, grains_.side_of(*b), s, b->places);
+  for (int row : rows)
+    if (Bond* b = options_.updated ? nullptr : bonds_.find(row)) b->share(layout_.alike);
   int some = 0, any;
   for (const Bond& b : bonds_) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm_);

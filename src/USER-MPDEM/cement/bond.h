@@ -57,15 +57,20 @@ struct Bond {
   // Ask for the memory of a bond that comes next: what a pass over its nodes reads by places that no processor foresees, and the
   // beginnings of what a step takes in order.
   void prefetch_nodes() const {
-    for (const std::vector<double>* v : {&grid.force, &grid.displacement, &grid.mass, &added.of_nodes()}) prefetch_bytes(v->data(), sizeof(double) * v->size());
-    prefetch_bytes(grid.keys.data(), sizeof(Key) * grid.keys.size());
-    prefetch_bytes(added.shares().data(), sizeof(AddedMass::Share) * added.shares().size());
+    for (const std::vector<double>* v : {&grid.force, &grid.displacement}) prefetch_bytes(v->data(), sizeof(double) * v->size());
+    prefetch_bytes(added.masses().data(), sizeof(AddedMass::EightMasses) * added.masses().size());
   }
   void prefetch_step() const {
     constexpr std::size_t kBeginning = 256;
     for (const std::vector<double>* v : {&grid.velocity, &grid.displacement, &grid.acceleration, &grid.force})
       prefetch_bytes(v->data(), std::min(kBeginning, sizeof(double) * v->size()));
     for (int b = 0; b < std::min(2, static_cast<int>(points.blocks.size())); ++b) points.prefetch(b);
+  }
+  // Holds with other bonds what these have alike.
+  void share(AlikeLists& alike) {
+    grid.share(alike);
+    added.share(alike);
+    links.share(alike);
   }
   std::size_t memory_usage() const {
     return points.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +

@@ -306,10 +306,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
   if (any_free_) find_accelerations(comm, bonds, Loads::none);
-  for (Bond& b : bonds.awake()) {
-    b.added.carry(b.grid, side_of(b));
-    b.grid.update_acceleration(b.added.of_nodes());
-  }
+  for (Bond& b : bonds.awake()) b.added.accelerate(b.grid, side_of(b));
   sides.sum_forces();
   for (Grain& grain : grains)
     for (int d = 0; d < 6; ++d)

@@ -174,10 +174,10 @@ void Cement::add_link_forces(Bond& b) {
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
-void Cement::sum_shared(std::vector<double> Grid::*values, int width) {
+void Cement::sum_shared(double* (*values)(Grid&), int width) {
   std::vector<double*> of_bonds;
   for (Bond& b : bonds_.awake())
-    if (b.cut_by_ranks()) of_bonds.push_back((b.grid.*values).data());
+    if (b.cut_by_ranks()) of_bonds.push_back(values(b.grid));
   layout_.shared_nodes.sum(of_bonds, width);
 }
 
@@ -211,7 +211,7 @@ void Cement::complete_early(Bond& b) {
 // Forces of nodes from those of points and links, and the accelerations.
 void Cement::complete_forces() {
   timer_.start(StepTimer::kHalo);
-  sum_shared(&Grid::force, 3);
+  sum_shared([](Grid& g) { return g.force.data(); }, 3);
   timer_.start(StepTimer::kNodes);
   for (Bond& b : bonds_.awake())
     if (!layout_.completes_early || b.cut_by_ranks()) complete_forces(b, 0.5 * (dt_last_ + now_.dt));
@@ -223,8 +223,7 @@ void Cement::complete_forces() {
   // Backwards, since the last bonds are those that are still in cache, and the next step begins with the first.
   bonds_.for_each_awake_backwards([this](Bond& b, const Bond* next) {
     if (next) next->prefetch_nodes();
-    b.added.carry(b.grid, grains_.side_of(b));
-    b.grid.update_acceleration(b.added.of_nodes());
+    b.added.accelerate(b.grid, grains_.side_of(b));
   });
 }
 
@@ -251,7 +250,7 @@ void Cement::add_inertial_forces() {
     timer_.start(StepTimer::kNodes);
   }
   timer_.start(StepTimer::kHalo);
-  sum_shared(&Grid::inertial_force, 3);
+  sum_shared([](Grid& g) { return g.inertial_force.data(); }, 3);
   timer_.start(StepTimer::kNodes);
   for (Bond& b : bonds_.awake())
     for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];

@@ -266,7 +266,7 @@ class Cement {
   std::vector<int> move_places();
   void refresh_for_places(const std::vector<int>& moved);
   void add_link_forces(Bond& b);
-  void sum_shared(std::vector<double> Grid::*values, int width);
+  void sum_shared(double* (*values)(Grid&), int width);
   void begin_completing();
   void complete_early(Bond& b);
   void complete_forces(Bond& b, double kick);
@@ -308,6 +308,7 @@ class Cement {
     bool any_added_mass = false, any_bond_is_cut = false;  // of any rank
     double eigenvalue = 0.0;  // the largest, 0: not yet found
     HaloSums shared_nodes;
+    AlikeLists alike;  // what bonds hold together
   } layout_;
   // What waits for the next layout.
   struct {

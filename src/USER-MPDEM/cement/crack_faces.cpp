@@ -69,7 +69,7 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   if (grid.halo.shares_any()) grid.halo.sum(normal_.data(), 3);
 }
 
-void CrackFaces::add_force(const PointStore& points, Grid& grid, const std::vector<double>& added, double kick, double dt) {
+void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
   touching_ = 0;
   too_far_ = deepest_ = 0.0;
   if (pairs_.empty()) return;

@@ -35,7 +35,7 @@ class CrackFaces {
 
   // Collective among the ranks that share the nodes, of which all know of all copies. Adds the forces of the pairs to those of the nodes, which
   // are complete; added: mass of the nodes, or none. The next step changes velocities by kick times the acceleration and lasts dt.
-  void add_force(const PointStore& points, Grid& grid, const std::vector<double>& added, double kick, double dt);
+  void add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt);
   // Power that they take, at the velocity that is so long of the acceleration later than the stored one. Of the nodes that count here.
   Power power(const Grid& grid) const;
   // Largest slip of a pair that touches, if above a cell; else 0. Deepest overlap of a pair, in the last step.

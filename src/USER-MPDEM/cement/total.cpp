@@ -38,7 +38,8 @@ class Total : public Kinematics {
       if (c.layout_.any_added_mass) c.grains_.follow_jumps(b, dt, c.dt_last_);
       b.grid.drift(kick, dt);
       c.timer_.start(StepTimer::kPoints);
-      b.grid.clear_force();
+      if (may_be_distorted) b.grid.clear_force();
+      else b.grid.begin_forces();
       b.resting.advance(b.points, b.grid, *c.law_, dt, o.skip, c.advance_);
       c.timer_.start(StepTimer::kCoupling);
       c.take_failed(b);
@@ -112,7 +113,7 @@ class Total : public Kinematics {
       c.check_step_after(c.all_rows(), "the present was taken for the reference");
       for (Bond& b : c.bonds_) {
         UpdatedPass::project(b.points, b.grid, *c.law_, c.inertia_, c.options_.transfer);
-        b.grid.halo.sum(b.grid.mass.data(), 1);
+        b.grid.halo.sum(b.grid.mass.own().data(), 1);
         b.grid.halo.sum(b.grid.momentum.data(), 3);
         take_momentum(b.grid);
       }

@@ -41,8 +41,8 @@ class Updated : public Kinematics {
                                 : text_of("material point ", lost, " moved more than two cells in step ", c.now_.number,
                                           " or is not finite; check the motion of the grains and the time step"));
     c.timer_.start(StepTimer::kHalo);
-    c.sum_shared(&Grid::mass, 1);
-    c.sum_shared(&Grid::momentum, 3);
+    c.sum_shared([](Grid& g) { return g.mass.own().data(); }, 1);
+    c.sum_shared([](Grid& g) { return g.momentum.data(); }, 3);
     c.grains_.sides.clear_forces();
     std::size_t n = 0;
     for (Bond& b : c.bonds_) {
@@ -72,7 +72,7 @@ class Updated : public Kinematics {
   void find_internal_force() override {
     Cement& c = cement_;
     for (Bond& b : c.bonds_) UpdatedPass::project(b.points, b.grid, *c.law_, c.inertia_, c.options_.transfer);
-    c.sum_shared(&Grid::mass, 1);
+    c.sum_shared([](Grid& g) { return g.mass.own().data(); }, 1);
   }
 
   void start_points(Bond& b) override { UpdatedPass::start(b.points, b.grid, 0); }
@@ -148,7 +148,7 @@ class Updated : public Kinematics {
     Cement& c = cement_;
     c.timer_.start(StepTimer::kNodes);
     Grid& grid = b.grid;
-    const std::vector<double>& added = b.added.of_nodes();
+    const SharedList<double>& added = b.added.of_nodes();
     for (int i = 0; i < grid.size(); ++i) {
       const double a = added.empty() ? 0.0 : shared() * added[i], m = grid.mass[i] + a;
       for (int d = 0; d < 3; ++d) {

@@ -16,17 +16,54 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* sid
   links.add_stiffness(grid, side, s.dt, penalty.data());
   places.add_stiffness(grid, side, penalty.data());
   grid.halo.sum(penalty.data(), 2);
-  mass_.resize(grid.size());
-  shares_.clear();
+  std::vector<double> mass(grid.size());
+  std::vector<Share> shares;
   for (int i = 0; i < grid.size(); ++i) {
     const double *k = &penalty[2 * i];
     const double share = std::min(1.0, s.dt * s.dt * s.lambda * (s.lambda_is_bound ? grid.tie_factor(i) : 1.0) / s.bound);
-    mass_[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
-    if (mass_[i] == 0.0) continue;
-    const double unit = mass_[i] / (k[0] + k[1]);
-    shares_.push_back({i, {unit * k[0], unit * k[1]}});
+    mass[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
+    if (mass[i] == 0.0) continue;
+    const double unit = mass[i] / (k[0] + k[1]);
+    shares.push_back({i, {unit * k[0], unit * k[1]}});
   }
-  shares_.shrink_to_fit();
+  mass_ = std::move(mass);
+  keep(shares, grid);
+}
+
+void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
+  const std::size_t eights = (shares.size() + kLanes - 1) / kLanes;
+  masses_.assign(eights, EightMasses{});
+  masses_.shrink_to_fit();
+  std::vector<EightNodes> nodes(eights, EightNodes{});
+  for (std::size_t n = 0; n < eights; ++n) {
+    EightMasses& m = masses_[n];
+    EightNodes& e = nodes[n];
+    e.count = static_cast<int>(std::min<std::size_t>(kLanes, shares.size() - kLanes * n));
+    for (int l = 0; l < kLanes; ++l) {
+      const Share& a = shares[kLanes * n + (l < e.count ? l : 0)];
+      e.node[l] = a.node;
+      for (int s = 0; s < 2; ++s) m.mass[s][l] = l < e.count ? a.mass[s] : 0.0;
+      m.added[l] = mass_[a.node];
+      e.counted[l] = l < e.count ? grid.halo.counts_here()[a.node] : 0.0;
+      for (int d = 0; d < 3; ++d) e.X[d][l] = grid.keys[a.node][1 + d] * grid.h;
+    }
+  }
+  nodes_ = std::move(nodes);
+  std::vector<std::array<int, 2>> without;
+  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  for (int i = 0; i < grid.size(); ++i) {
+    if (tie[i] >= 0 || mass_[i] > 0.0) continue;
+    if (without.empty() || without.back()[1] != i) without.push_back({i, i});
+    without.back()[1] = i + 1;
+  }
+  without_ = std::move(without);
+}
+
+std::vector<AddedMass::Share> AddedMass::shares() const {
+  std::vector<Share> shares;
+  for (std::size_t n = 0; n < masses_.size(); ++n)
+    for (int l = 0; l < nodes_[n].count; ++l) shares.push_back({nodes_[n].node[l], {masses_[n].mass[0][l], masses_[n].mass[1][l]}});
+  return shares;
 }
 
 namespace {
@@ -57,22 +94,32 @@ bool jumps(const GrainSide& s) {
   return std::any_of(s.jump, s.jump + 6, [](double j) { return j != 0.0; });
 }
 
+template <class F>
+void for_each_share(const AddedMass& added, F f) {
+  for (std::size_t n = 0; n < added.masses().size(); ++n) {
+    const AddedMass::EightMasses& m = added.masses()[n];
+    const AddedMass::EightNodes& e = added.nodes()[n];
+    for (int l = 0; l < e.count; ++l) f(AddedMass::Share{e.node[l], {m.mass[0][l], m.mass[1][l]}});
+  }
+}
+
 // Calls f(node, mass, side, place from its centre) for all added mass.
 template <class Side, class F>
-void for_each(const std::vector<AddedMass::Share>& shares, const Grid& grid, Side* side, F f) {
-  for (const AddedMass::Share& a : shares)
+void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
+  for_each_share(added, [&](const AddedMass::Share& a) {
     for (int n = 0; n < 2; ++n) {
       if (a.mass[n] == 0.0) continue;
       double r[3];
       a.lever_arm(grid, side[n], r);
       f(a.node, a.mass[n], side[n], r);
     }
+  });
 }
 
 }  // namespace
 
 void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
-  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     double of_grain[3];
     acceleration_at(s, r, of_grain);
     for (int d = 0; d < 3; ++d) grid.force[3 * node + d] += mass * of_grain[d];
@@ -81,20 +128,22 @@ void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
 
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
   vd force[2][3] = {}, torque[2][3] = {};
-  for (std::size_t first = 0; first < shares_.size(); first += kLanes) {
-    const EightShares e(shares_, first, grid, mass_);
+  for (std::size_t m = 0; m < masses_.size(); ++m) {
+    const EightMasses& own = masses_[m];
+    const EightShares e(own, nodes_[m], grid);
     vd r[2][3], of_grain[2][3], f[3];
     e.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
       e.lever_arm(side[n], r[n]);
       rigid_at(side[n].a, side[n].alpha, r[n], of_grain[n]);
-      for (int d = 0; d < 3; ++d) f[d] += e.mass[n] * of_grain[n][d];
+      for (int d = 0; d < 3; ++d) f[d] += own.mass[n] * of_grain[n][d];
     }
+    const vd inverse = 1.0 / e.inertia;
+    for (int d = 0; d < 3; ++d) f[d] *= inverse;
     e.put(f, grid.force.data());
-    const vd inverse = e.counted / e.inertia;
     for (int n = 0; n < 2; ++n) {
       vd relative[3];
-      for (int d = 0; d < 3; ++d) relative[d] = e.mass[n] * (inverse * f[d] - e.counted * of_grain[n][d]);
+      for (int d = 0; d < 3; ++d) relative[d] = e.nodes.counted * own.mass[n] * (f[d] - of_grain[n][d]);
       for (int d = 0; d < 3; ++d) {
         const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
         force[n][d] += relative[d];
@@ -109,10 +158,17 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
     }
 }
 
+void AddedMass::accelerate(Grid& grid, GrainSide* side) const {
+  if (empty()) return grid.update_acceleration();
+  carry(grid, side);
+  for (const std::array<int, 2>& row : without_) grid.accelerate(row[0], row[1]);
+  grid.take_accelerations();
+}
+
 void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const {
   if (!jumps(side[0]) && !jumps(side[1])) return;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for (const Share& a : shares_) {
+  for_each_share(*this, [&](const Share& a) {
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
     for (int n = 0; n < 2; ++n) {
@@ -121,19 +177,19 @@ void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double gr
       for (int d = 0; d < 3; ++d) of_node[d] += inverse * a.mass[n] * of_grain[n][d];
     }
     for (int d = 0; d < 3; ++d) grid.acceleration[3 * a.node + d] += rate * of_node[d];
-    if (!counts[a.node]) continue;
+    if (!counts[a.node]) return;
     for (int n = 0; n < 2; ++n) {
       double relative[3];
       for (int d = 0; d < 3; ++d) relative[d] = of_node[d] - of_grain[n][d];
       add_to_grain(r[n], relative, grain_rate * a.mass[n], side[n].jump_force, side[n].jump_force + 3);
     }
-  }
+  });
   grid.ties.extend(grid.acceleration.data());
 }
 
 void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
     double jump[3];
     jump_at(s, r, jump);
     for (int d = 0; d < 3; ++d) {
@@ -147,7 +203,7 @@ void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {
 double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double later) const {
   double energy = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double of_grain[3], jump[3];
     rigid_at(s.v, s.omega, r, of_grain);
@@ -162,7 +218,7 @@ double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double l
 
 void AddedMass::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSide* side) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
     if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s.transfer_force, s.transfer_force + 3);
   });
 }
@@ -170,7 +226,7 @@ void AddedMass::add_reaction(const Grid& grid, const std::vector<double>& field,
 double AddedMass::work_of_reaction(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const {
   double work = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double of_grain[3];
     rigid_at(s.v, s.omega, r, of_grain);
@@ -182,7 +238,7 @@ double AddedMass::work_of_reaction(const Grid& grid, const GrainSide* side, cons
 double AddedMass::power(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const {
   double power = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double a[3];
     acceleration_at(s, r, a);
@@ -194,7 +250,7 @@ double AddedMass::power(const Grid& grid, const GrainSide* side, const std::vect
 double AddedMass::energy(const Grid& grid, const GrainSide* side, double early, double late) const {
   double energy = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(shares_, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double rate[3], of_grain[3];
     acceleration_at(s, r, rate);
@@ -209,11 +265,20 @@ double AddedMass::energy(const Grid& grid, const GrainSide* side, double early, 
 }
 
 void AddedMass::add_to_sides(const Grid& grid, double* mass) const {
-  for (const Share& a : shares_)
+  for_each_share(*this, [&](const Share& a) {
     for (int n = 0; n < 2; ++n)
       if (grid.halo.counts_here()[a.node]) mass[n] += a.mass[n];
+  });
 }
 
-std::size_t AddedMass::memory_usage() const { return mass_.capacity() * sizeof(double) + shares_.capacity() * sizeof(Share); }
+void AddedMass::share(AlikeLists& alike) {
+  alike.share(mass_);
+  alike.share(nodes_);
+  alike.share(without_);
+}
+
+std::size_t AddedMass::memory_usage() const {
+  return mass_.memory_usage() + masses_.capacity() * sizeof(EightMasses) + nodes_.memory_usage() + without_.memory_usage();
+}
 
 }  // namespace mpdem

@@ -18,6 +18,7 @@
 #ifndef MPDEM_ADDED_MASS_H
 #define MPDEM_ADDED_MASS_H
 
+#include <array>
 #include <vector>
 
 #include "../mpm/grid.h"
@@ -51,17 +52,28 @@ class AddedMass {
       for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
     }
   };
-  const std::vector<Share>& shares() const { return shares_; }
-  bool empty() const { return shares_.empty(); }
+  std::vector<Share> shares() const;
+  // They are kept eight side by side. What bonds of one shape have alike is apart.
+  struct EightMasses {
+    vd mass[2];  // 0 in the lanes beyond the last share, whose nodes are its first
+    vd added;    // of the nodes
+  };
+  struct EightNodes {
+    vd counted;  // 1 where this rank counts the node, 0 where not and in the lanes beyond the last share
+    vd X[3];     // reference
+    int node[kLanes], count, unused[7];
+  };
+  const std::vector<EightMasses>& masses() const { return masses_; }
+  const SharedList<EightNodes>& nodes() const { return nodes_; }
+  bool empty() const { return masses_.empty(); }
   // Of each node.
-  const std::vector<double>& of_nodes() const { return mass_; }
+  const SharedList<double>& of_nodes() const { return mass_; }
 
   // Adds the force that takes the added mass along with its grains to the nodes, without its reaction.
   void take_along(Grid& grid, const GrainSide* side) const;
-  // Added mass moves with its grain. Adds the force that takes it along to the nodes, whose sum over ranks is
-  // complete, and its reaction to the grains, whose sum is still to come. The acceleration is that which nodes will
-  // have by Grid::update_acceleration().
-  void carry(Grid& grid, GrainSide* side) const;
+  // Accelerations of the nodes, whose sum of forces over ranks is complete. Added mass moves with its grain: the force that takes it along is added
+  // to the nodes, and its reaction to the grains, whose sum is still to come.
+  void accelerate(Grid& grid, GrainSide* side) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c
   // / (m + c) of a jump. Adds rate times this share to the accelerations, and grain_rate times the reaction to the
   // forces of jumps on the grains.
@@ -86,11 +98,17 @@ class AddedMass {
   // Adds the mass at either side, of the nodes that this rank counts.
   void add_to_sides(const Grid& grid, double* mass) const;
 
+  // Holds with others what these have alike.
+  void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
-  std::vector<double> mass_;  // a node
-  std::vector<Share> shares_;
+  void carry(Grid& grid, GrainSide* side) const;
+  void keep(const std::vector<Share>& shares, const Grid& grid);
+  SharedList<double> mass_;  // a node
+  std::vector<EightMasses> masses_;
+  SharedList<EightNodes> nodes_;
+  SharedList<std::array<int, 2>> without_;  // first nodes, and ends, of rows of nodes that are not tied and have none
 };
 
 }  // namespace mpdem

@@ -69,14 +69,15 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
 // Of the nodes that count on this rank. Eight nodes side by side, so their lanes are added up last.
 void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
   const Grid& grid = *bond.grid;
-  const std::vector<AddedMass::Share>& shares = bond.added->shares();
   vd of_side[2][kPadded] = {};
-  for (std::size_t first = 0; first < shares.size(); first += kLanes) {
-    const EightShares e(shares, first, grid, bond.added->of_nodes());
+  for (std::size_t m = 0; m < bond.added->masses().size(); ++m) {
+    const AddedMass::EightMasses& own = bond.added->masses()[m];
+    const EightShares e(own, bond.added->nodes()[m], grid);
     vd f[3];
     e.take(grid.force.data(), f);
+    const vd inverse = 1.0 / e.inertia;
     for (int s = 0; s < 2; ++s) {
-      const vd c = e.counted * e.mass[s], share = c / e.inertia;
+      const vd c = e.nodes.counted * own.mass[s], share = c * inverse;
       vd r[3], *to = of_side[s];
       e.lever_arm(sides.sides[bond.side + s], r);
       for (int d = 0; d < 3; ++d) {
@@ -85,7 +86,7 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
         to[3 + d] += share * (r[e1] * f[e2] - r[e2] * f[e1]);
       }
       MassMoments::add(c * (1.0 - share), r, to + 6);
-      MassMoments::add(share * e.mass[1 - s], r, to + 6 + MassMoments::kSize);
+      MassMoments::add(share * own.mass[1 - s], r, to + 6 + MassMoments::kSize);
     }
   }
   for (int s = 0; s < 2; ++s)

@@ -12,7 +12,8 @@ void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const dou
   with_basis(basis_, [&](auto type) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
-      if (!b.attached) continue;
+      const std::uint8_t attached = holding_[i].attached;
+      if (!attached) continue;
       const Secant& s = secants[i];
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       const double* g = motion[b.side];
@@ -24,7 +25,7 @@ void PenaltyLinks::add_small_force(const std::vector<Secant>& secants, const dou
       }
       const vd n = u[0] * s.n[0] + u[1] * s.n[1] + u[2] * s.n[2];
       for (int d = 0; d < 3; ++d) f[d] = -(s.kt * u[d] + (s.kn - s.kt) * n * s.n[d]);
-      scatter_value_by_lane(force, b.attached, columns(b), w, f);
+      scatter_value_by_lane(force, attached, columns(b), w, f);
       double* to = load[b.side];
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, h = (d + 2) % 3;

@@ -53,7 +53,9 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.key[0] == 1; });
   const auto blocks_of = [](std::ptrdiff_t links) { return (links + kLanes - 1) / kLanes; };
   const std::size_t count = blocks_of(second - items.begin()) + blocks_of(items.end() - second);
-  blocks_.reserve(count);
+  std::vector<LinkBlock>& blocks = blocks_.own();
+  blocks.reserve(count);
+  holding_.reserve(count);
   const auto has_moved = [&](const Item& i) {
     const Link& k = points.links[i.link];
     return created(points, k, 0) != acts_at(points, k, 0) || created(points, k, 1) != acts_at(points, k, 1) || created(points, k, 2) != acts_at(points, k, 2);
@@ -61,11 +63,11 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   if (std::any_of(items.begin(), items.end(), has_moved)) created_.resize(count);
   if (p_.damping > 0.0) dampers_.resize(count);
   for (auto i = items.begin(); i != items.end();) {
-    blocks_.emplace_back();
-    LinkBlock& b = blocks_.back();
-    const std::size_t n = blocks_.size() - 1;
+    blocks.emplace_back();
+    holding_.emplace_back();
+    LinkBlock& b = blocks.back();
+    const std::size_t n = blocks.size() - 1;
     b.side = static_cast<std::uint8_t>(i->key[0]);
-    b.attached = b.inert = 0;
     b.area = vd{};
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
@@ -77,21 +79,23 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
         b.base[d][lane] = b.base[d][0];
       }
   }
-  columns_.assign(kLanes * blocks_.size() * columns_of_cell_, 0);
-  parts_.assign(kLanes * blocks_.size(), 0);
+  columns_.own().assign(kLanes * blocks_.size() * columns_of_cell_, 0);
+  std::vector<std::uint16_t>& parts = parts_.own();
+  parts.assign(kLanes * blocks_.size(), 0);
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l)
-      if (blocks_[n].link[l] >= 0) parts_[kLanes * n + l] = static_cast<std::uint16_t>(points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part);
+      if (blocks_[n].link[l] >= 0) parts[kLanes * n + l] = static_cast<std::uint16_t>(points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part);
   take_states(points);
 }
 
 void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& points, int link) {
-  LinkBlock& b = blocks_[block];
+  LinkBlock& b = blocks_.own()[block];
+  Holding& h = holding_[block];
   const Link& k = points.links[link];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
-  b.inert |= bit;
-  if (holds(points, k)) b.attached |= bit;
+  h.inert |= bit;
+  if (holds(points, k)) h.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
   if (!dampers_.empty()) dampers_[block][lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);
@@ -172,7 +176,7 @@ bool PenaltyLinks::move_places(PointStore& points) {
   gone_ = false;
   bool left = false;
   auto move = moves_.begin();
-  for (LinkBlock& b : blocks_) {
+  for (LinkBlock& b : blocks_.own()) {
     const vd* moved = (move++)->X;
     for (int l = 0; l < kLanes; ++l) {
       if (b.link[l] < 0) continue;
@@ -197,7 +201,7 @@ bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, con
   }
   bool all = true;
   for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    LinkBlock& b = blocks_[n];
+    const LinkBlock& b = blocks_[n];
     for (int l = 0; l < kLanes; ++l) {
       if (b.link[l] < 0) continue;
       int base[3];
@@ -223,23 +227,22 @@ void PenaltyLinks::move_to_present(PointStore& points, const Grid& grid) const {
 }
 
 void PenaltyLinks::renumber(const std::vector<int>& new_place) {
-  for (LinkBlock& b : blocks_)
+  for (LinkBlock& b : blocks_.own())
     for (int& k : b.link)
       if (k >= 0) k = new_place[k];
 }
 
 void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place) {
-  for (int& c : columns_) c = place[c];
+  for (int& c : columns_.own()) c = place[c];
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l) {
       const LinkBlock& b = blocks_[n];
       if (b.link[l] < 0) continue;
-      std::uint16_t& part = parts_[kLanes * n + l];
       const int now = points.meta[points.links[b.link[l]].slot / kLanes].part;
-      if (now == part) continue;
-      part = static_cast<std::uint16_t>(now);
+      if (now == parts_[kLanes * n + l]) continue;
+      parts_.own()[kLanes * n + l] = static_cast<std::uint16_t>(now);
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
-      grid.find_columns(field_of(body_, part), base, columns(n, l));
+      grid.find_columns(field_of(body_, now), base, columns(n, l));
     }
 }
 
@@ -274,7 +277,7 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
   v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const vd g = of(b.attached, dampers_[&b - blocks_.data()]);
+  const vd g = of(holding_[number_of(b)].attached, dampers_[number_of(b)]);
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
@@ -286,7 +289,7 @@ Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const 
       using Type = decltype(type);
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const LinkBlock& b = blocks_[i];
-        if (!b.attached) continue;
+        if (!holding_[i].attached) continue;
         const GrainSide& s = side[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
@@ -311,25 +314,26 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
       using Type = decltype(type);
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const LinkBlock& b = blocks_[i];
+        const std::uint8_t attached = holding_[i].attached;
         if (i + 1 < blocks_.size()) {
           prefetch_bytes(&blocks_[i + 1], sizeof(LinkBlock));
           prefetch_bytes(columns(blocks_[i + 1]), kLanes * columns_of_cell_ * sizeof(int));
         }
-        if (!b.attached) continue;
+        if (!attached) continue;
         GrainSide& s = side[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], f[3];
         place(b, grid, s, w, q, delta, n);
         const LinkSeparation apart = separation_of(delta, n);
         const TractionSecant k = law.secant(apart, state(law, i));
-        const vd area = of(b.attached, b.area);
+        const vd area = of(attached, b.area);
         for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
         if (p_.damping > 0.0) {
           vd v[3], by_damper[3];
           damper(b, grid, s, w, k, q, n, v, by_damper);
           for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
         }
-        scatter_value_by_lane(grid.force.data(), b.attached, columns(b), w, f);
+        scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
         for (int d = 0; d < 3; ++d) {
           const int e = (d + 1) % 3, g = (d + 2) % 3;
           s.force[d] -= sum_lanes(f[d]);
@@ -345,7 +349,7 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { place(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
-  return of(b.attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
+  return of(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
 void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, LinkStep& step) {
@@ -356,40 +360,42 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
     using L = std::decay_t<decltype(law)>;
     if constexpr (L::kFields > 0) {
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
-        LinkBlock& b = blocks_[i];
-        if (!b.attached) continue;
+        const LinkBlock& b = blocks_[i];
+        const std::uint8_t attached = holding_[i].attached;
+        if (!attached) continue;
         vd q[3], delta[3], n[3];
         with_basis(basis_, [&](auto type) { place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
         const LinkSeparation apart = separation_of(delta, n);
         typename L::State s = state(law, i);
         const TractionUpdate u = law.update(apart, s);
-        if (!any(u.grown & lanes(b.attached))) continue;
-        const vd area = of(b.attached, b.area), left = area * law.energy(apart, s);
+        if (!any(u.grown & lanes(attached))) continue;
+        const vd area = of(attached, b.area), left = area * law.energy(apart, s);
         step.dissipated += sum_lanes(area * u.dissipated);
         std::memcpy(&states_[L::kFields * i], &s, sizeof s);
         std::uint8_t freed = 0;
         for (int l = 0; l < kLanes; ++l) {
-          if (!(b.attached >> l & 1) || !u.grown[l]) continue;
+          if (!(attached >> l & 1) || !u.grown[l]) continue;
           for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
           if (!u.let_go[l]) continue;
           freed |= static_cast<std::uint8_t>(1u << l);
           step.let_go.push_back(b.link[l]);
         }
-        release(b, freed, left, false, points, step.released);
+        release(i, freed, left, false, points, step.released);
       }
     }
   });
   std::sort(step.let_go.begin(), step.let_go.end());
 }
 
-void PenaltyLinks::release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released) {
+void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released) {
+  const LinkBlock& b = blocks_[block];
   for (int l = 0; l < kLanes; ++l) {
     if (!(freed >> l & 1)) continue;
     released += energy[l];
     points.links[b.link[l]].attached = is_skin;
     points.links[b.link[l]].inert = true;
   }
-  b.attached &= static_cast<std::uint8_t>(~freed);
+  holding_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
@@ -397,15 +403,16 @@ void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, co
   if (failed.empty() || blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      LinkBlock& b = blocks_[i];
-      if (!b.attached) continue;
+      const LinkBlock& b = blocks_[i];
+      const std::uint8_t attached = holding_[i].attached;
+      if (!attached) continue;
       std::uint8_t freed = 0;
       for (int l = 0; l < kLanes; ++l) {
-        if (!(b.attached >> l & 1)) continue;
+        if (!(attached >> l & 1)) continue;
         if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
           freed |= static_cast<std::uint8_t>(1u << l);
       }
-      if (freed) release(b, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
+      if (freed) release(i, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
     }
   });
 }
@@ -414,18 +421,19 @@ void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, do
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i)
-      if (blocks_[i].attached) U += sum_lanes(energy(law, i, grid, side[blocks_[i].side]));
+      if (holding_[i].attached) U += sum_lanes(energy(law, i, grid, side[blocks_[i].side]));
   });
 }
 
 bool PenaltyLinks::drop_inertia(PointStore& points) {
   bool some = false;
-  for (LinkBlock& b : blocks_) {
-    if (b.inert == b.attached) continue;
+  for (std::size_t n = 0; n < blocks_.size(); ++n) {
+    Holding& h = holding_[n];
+    if (h.inert == h.attached) continue;
     some = true;
-    b.inert = b.attached;
-    for (int l = 0; l < kLanes; ++l)
-      if (b.link[l] >= 0) points.links[b.link[l]].inert = false;
+    h.inert = h.attached;
+    for (int link : blocks_[n].link)
+      if (link >= 0) points.links[link].inert = false;
   }
   return some;
 }
@@ -439,11 +447,12 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
     using Type = decltype(type);
     constexpr int S = Type::kSupport;
     for (const LinkBlock& b : blocks_) {
-      if (!b.inert) continue;
-      const vd inertia = (1.0 + side[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[&b - blocks_.data()]);
+      const std::uint8_t inert = holding_[number_of(b)].inert;
+      if (!inert) continue;
+      const vd inertia = (1.0 + side[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
-        if (!(b.inert >> l & 1)) continue;
+        if (!(inert >> l & 1)) continue;
         free.add_row_sums(columns(b) + S * S * l, w, l, inertia[l], penalty + b.side);
       }
     }
@@ -461,7 +470,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         vd delta[3];
         place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
         const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
-        const vd area = of(b.attached, b.area);
+        const vd area = of(holding_[i].attached, b.area);
         s.kn = area * k.kn;
         s.kt = area * k.kt;
       }
@@ -470,8 +479,14 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
   return secants;
 }
 
+void PenaltyLinks::share(AlikeLists& alike) {
+  alike.share(blocks_);
+  alike.share(columns_);
+  alike.share(parts_);
+}
+
 std::size_t PenaltyLinks::memory_usage() const {
-  return blocks_.capacity() * sizeof(LinkBlock) + (states_.capacity() * sizeof(vd)) + columns_.capacity() * sizeof(int) + parts_.capacity() * sizeof(std::uint16_t) +
+  return blocks_.memory_usage() + columns_.memory_usage() + parts_.memory_usage() + holding_.capacity() * sizeof(Holding) + states_.capacity() * sizeof(vd) +
          (moves_.capacity() + created_.capacity()) * sizeof(Places) + dampers_.capacity() * sizeof(vd);
 }
 

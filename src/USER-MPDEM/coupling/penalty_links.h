@@ -119,6 +119,8 @@ class PenaltyLinks {
 
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
+  // Holds with others what these have alike.
+  void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
@@ -128,13 +130,17 @@ class PenaltyLinks {
     vint base[3];  // cells of the points
     int link[kLanes];              // of the store; -1: empty
     std::uint8_t side;
-    std::uint8_t attached, inert;  // a bit a lane: link holds, link has added mass
     // Lanes with a link, attached or not.
     std::uint8_t taken() const {
       unsigned bits = 0;
       for (int l = 0; l < kLanes; ++l) bits |= (link[l] >= 0 ? 1u : 0u) << l;
       return static_cast<std::uint8_t>(bits);
     }
+  };
+
+  // A bit a lane: link holds, link has added mass.
+  struct Holding {
+    std::uint8_t attached = 0, inert = 0;
   };
 
   struct Places {
@@ -157,9 +163,10 @@ class PenaltyLinks {
   void base_of(const PointStore& points, const Link& k, int* base) const;
   void set_lane(std::size_t block, int lane, const PointStore& points, int link);
   // Of a lane of a block, kSupport^2 of them.
-  int* columns(std::size_t block, int lane) { return &columns_[(kLanes * block + lane) * columns_of_cell_]; }
-  const int* columns(const LinkBlock& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
-  const vd* created_at(const LinkBlock& b) const { return created_.empty() ? b.X : created_[&b - blocks_.data()].X; }
+  int* columns(std::size_t block, int lane) { return &columns_.own()[(kLanes * block + lane) * columns_of_cell_]; }
+  std::size_t number_of(const LinkBlock& b) const { return static_cast<std::size_t>(&b - blocks_.data()); }
+  const int* columns(const LinkBlock& b) const { return columns_.data() + kLanes * number_of(b) * columns_of_cell_; }
+  const vd* created_at(const LinkBlock& b) const { return created_.empty() ? b.X : created_[number_of(b)].X; }
   void keep_created();
   // Value of a nodal field at the places of a block.
   template <class Type>
@@ -170,7 +177,7 @@ class PenaltyLinks {
   // Of a block, for its traction law.
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
-  void release(LinkBlock& b, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
+  void release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
   void take_states(const PointStore& points);
   static_assert(kMaxParts <= std::numeric_limits<std::uint16_t>::max(), "two bytes hold a part");
   template <class Type>
@@ -185,9 +192,11 @@ class PenaltyLinks {
   double inverse_h_ = 0, density_ = 0;
   int body_ = 0, columns_of_cell_ = 0;
   bool gone_ = false;               // some links have neither force nor added mass, by the last move_places()
-  std::vector<LinkBlock> blocks_;
-  std::vector<int> columns_;        // of the lanes of the blocks, see Grid
-  std::vector<std::uint16_t> parts_;  // of the lanes
+  // What bonds of one shape have alike: blocks, and of their lanes nodes (see Grid) and parts.
+  SharedList<LinkBlock> blocks_;
+  SharedList<int> columns_;
+  SharedList<std::uint16_t> parts_;
+  std::vector<Holding> holding_;  // of each block
   std::vector<vd> states_;   // of the traction law, its fields of each block; those of the store are the same
   std::vector<Places> moves_;    // of the places of each block in this step, `updated` only
   std::vector<Places> created_;  // where the links of each block were then; empty: where they act

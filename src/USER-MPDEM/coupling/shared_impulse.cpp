@@ -75,9 +75,10 @@ void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMom
 void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
   force_.assign(empty() ? 0 : 3 * grid.size(), 0.0);
-  auto extra = added.shares().begin();
+  const std::vector<AddedMass::Share> shares = added.shares();
+  auto extra = shares.begin();
   for (int i = 0; i < grid.size() && !empty(); ++i) {
-    while (extra != added.shares().end() && extra->node < i) ++extra;
+    while (extra != shares.end() && extra->node < i) ++extra;
     if (share_[i] < 0.0) continue;
     const double held = part_held(grid, i), mass = held * grid.mass[i];
     const double share[2] = {1.0 - share_[i], share_[i]};
@@ -91,7 +92,7 @@ void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
       f[d] += force_[3 * i + d] = mass * a[d];
     }
     for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * mass, side[s]);
-    if (extra == added.shares().end() || extra->node != i) continue;
+    if (extra == shares.end() || extra->node != i) continue;
     for (int s = 0; s < 2; ++s) {
       double relative[3];
       for (int d = 0; d < 3; ++d) {

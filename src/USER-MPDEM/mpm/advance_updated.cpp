@@ -39,7 +39,7 @@ void give(const PointStore& points, int b, const W& s, vmask which, const Sym3<v
   const PointMotion& u = points.motion[b];
   const vd volume = select(which, p.volume, vd{});
   const vd mass = density * volume;
-  scatter_scalar(grid.mass.data(), m.column, s, mass);
+  scatter_scalar(grid.mass.own().data(), m.column, s, mass);
   vd momentum[3];
   for (int d = 0; d < 3; ++d) momentum[d] = mass * u.v[d];
   if (transfer.method == Transfer::apic) {
@@ -106,7 +106,7 @@ void move_to_present(PointStore& points, const Grid& grid) {
 
 void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, double density,
                           const Transfer& transfer) {
-  std::fill(grid.mass.begin(), grid.mass.end(), 0.0);
+  std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   const int n = static_cast<int>(points.blocks.size());
@@ -123,7 +123,7 @@ void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, 
 
 void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
                           const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
-  std::fill(grid.mass.begin(), grid.mass.end(), 0.0);
+  std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
   moves_.clear();

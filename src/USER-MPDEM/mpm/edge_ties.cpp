@@ -81,6 +81,7 @@ class Resolver {
     std::map<Key, double> weights, shares;
     const double share = 1.0 / directions_of(codes_.at(k));
     for_each_term(next_, k, codes_.at(k), [&](const Key& master, double weight, bool next) {
+      t.behind.emplace_back(master, weight);
       const auto code = codes_.find(master);
       const bool is_free = code == codes_.end() || code->second == 0;
       if (is_free) {
@@ -244,10 +245,11 @@ void EdgeTies::clear() { *this = EdgeTies(); }
 void EdgeTies::Rows::end_row() {
   constexpr std::size_t kLast = 256;  // more weights are seldom, and may be there twice
   const std::size_t length = node_.size() - first_[first_.size() - 1], old = weight_.size() - length;
-  const auto row = weight_.begin() + old;
-  const auto at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
+  const double* const row = weight_.begin() + old;
+  const double* const at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
+  const bool is_new = at == row;
   weights_.push_back(static_cast<int>(at - weight_.begin()));
-  if (at != row) weight_.resize(old);
+  if (!is_new) weight_.own().resize(old);
   first_.push_back(static_cast<int>(node_.size()));
 }
 
@@ -273,27 +275,35 @@ void EdgeTies::Rows::renumber(const std::vector<int>& place) {
 
 void EdgeTies::Rows::shrink_to_fit() {
   for (ShortList* v : {&first_, &node_, &weights_}) v->shrink_to_fit();
-  weight_.shrink_to_fit();
+  weight_.own().shrink_to_fit();
+}
+
+void EdgeTies::Rows::share(AlikeLists& alike) {
+  for (ShortList* v : {&first_, &node_, &weights_}) v->share(alike);
+  alike.share(weight_);
 }
 
 template <class F>
-void EdgeTies::Rows::for_each_row(F f) const {
+void EdgeTies::Rows::for_each_row(bool backwards, F f) const {
   const int rows = static_cast<int>(weights_.size());
   const double* weight = weight_.data();
   first_.with([&](const auto* first) {
     node_.with([&](const auto* nodes) {
       weights_.with([&](const auto* weights) {
-        for (int row = 0; row < rows; ++row) f(row, first[row + 1] - first[row], nodes + first[row], weight + weights[row]);
+        for (int n = 0; n < rows; ++n) {
+          const int row = backwards ? rows - 1 - n : n;
+          f(row, first[row + 1] - first[row], nodes + first[row], weight + weights[row]);
+        }
       });
     });
   });
 }
 
 std::size_t EdgeTies::Rows::memory_usage() const {
-  return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + sizeof(double) * weight_.capacity();
+  return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + weight_.memory_usage();
 }
 
-void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
+void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool whole) {
   clear();
   const auto node = [&keys](const Key& k) {
     const int n = place_of(keys, k);
@@ -311,12 +321,48 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   slave_.shrink_to_fit();
   heirs_.shrink_to_fit();
   masters_.shrink_to_fit();
+  if (whole) bind_chain(ties, keys);
+}
+
+// Unless nodes behind are not known or not here.
+void EdgeTies::bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
+  const int count = static_cast<int>(ties.size());
+  std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
+  for (int t = 0; t < count; ++t) {
+    for (const auto& b : ties[t].behind) behind[t].emplace_back(place_of(keys, b.first), b.second);
+    if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
+  }
+  // Those whose nodes behind are free come first. There are no circles.
+  const std::vector<int> row = row_of_each(static_cast<int>(keys.size()));
+  std::vector<int> depth(ties.size(), -1);
+  const std::function<int(int)> find_depth = [&](int t) {
+    if (depth[t] >= 0) return depth[t];
+    int d = 0;
+    for (const auto& b : behind[t])
+      if (row[b.first] >= 0) d = std::max(d, 1 + find_depth(row[b.first]));
+    return depth[t] = d;
+  };
+  std::vector<int> order(ties.size());
+  for (int t = 0; t < count; ++t) {
+    order[t] = t;
+    find_depth(t);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return depth[a] < depth[b]; });
+  for (int t : order) {
+    chain_slave_.push_back(slave_[t]);
+    for (const auto& b : behind[t]) chain_.add(b.first, b.second);
+    chain_.end_row();
+  }
+  chain_slave_.shrink_to_fit();
+  chain_.shrink_to_fit();
 }
 
 void EdgeTies::renumber(const std::vector<int>& place) {
   for (std::size_t t = 0; t < size(); ++t) slave_.set(t, place[slave_[t]]);
   masters_.renumber(place);
   heirs_.renumber(place);
+  for (std::size_t t = 0; t < chain_slave_.size(); ++t) chain_slave_.set(t, place[chain_slave_[t]]);
+  chain_.renumber(place);
 }
 
 void EdgeTies::append(const EdgeTies& other, int row) {
@@ -383,8 +429,8 @@ struct Three {
 }  // namespace
 
 void EdgeTies::pull_back(double* values) const {
-  slave_.with([&](const auto* slaves) {
-    masters_.for_each_row([&, values](int row, int length, const auto* node, const double* weight) {
+  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+    (is_chained() ? chain_ : masters_).for_each_row(is_chained(), [&, values](int row, int length, const auto* node, const double* weight) {
       double* slave = values + 3 * static_cast<long>(slaves[row]);
       const Three v = Three::load(slave);
       Three{}.store(slave);
@@ -425,8 +471,8 @@ void EdgeTies::take_of_heirs(double* values, int width) const {
 }
 
 void EdgeTies::extend(double* values) const {
-  slave_.with([&](const auto* slaves) {
-    masters_.for_each_row([&, values](int row, int length, const auto* node, const double* weight) {
+  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+    (is_chained() ? chain_ : masters_).for_each_row(false, [&, values](int row, int length, const auto* node, const double* weight) {
       Three sum{};
       for (int n = 0; n < length; ++n) sum.add(weight[n], Three::load(values + 3 * static_cast<long>(node[n])));
       sum.store(values + 3 * static_cast<long>(slaves[row]));
@@ -434,6 +480,13 @@ void EdgeTies::extend(double* values) const {
   });
 }
 
-std::size_t EdgeTies::memory_usage() const { return slave_.memory_usage() + masters_.memory_usage() + heirs_.memory_usage(); }
+void EdgeTies::share(AlikeLists& alike) {
+  for (ShortList* v : {&slave_, &chain_slave_}) v->share(alike);
+  for (Rows* r : {&masters_, &heirs_, &chain_}) r->share(alike);
+}
+
+std::size_t EdgeTies::memory_usage() const {
+  return slave_.memory_usage() + masters_.memory_usage() + heirs_.memory_usage() + chain_slave_.memory_usage() + chain_.memory_usage();
+}
 
 }  // namespace mpdem

@@ -38,6 +38,8 @@ namespace mpdem {
 struct EdgeTie {
   Key slave{};
   std::vector<std::pair<Key, double>> masters, heirs;  // heirs take the mass, in shares
+  // The two nodes behind along each axis, which may be tied themselves; empty: not known.
+  std::vector<std::pair<Key, double>> behind;
 };
 
 struct TiedNodes {
@@ -57,8 +59,8 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 // Ties with places of nodes instead of keys. Slaves, heirs and masters are all on this rank.
 class EdgeTies {
  public:
-  // Slaves ascend. Throws std::logic_error if one is not among the keys.
-  void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
+  // Slaves ascend. Throws std::logic_error if one is not among the keys. whole: no other rank has nodes of the grid.
+  void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool whole = false);
   void clear();
   // Nodes went to other places, in the same order.
   void renumber(const std::vector<int>& place);
@@ -108,6 +110,7 @@ class EdgeTies {
   // Slaves take the value of their masters' polynomial, three numbers a node.
   void extend(double* values) const;
 
+  void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
@@ -117,7 +120,7 @@ class EdgeTies {
    public:
     void add(int node, double weight) {
       node_.push_back(node);
-      weight_.push_back(weight);
+      weight_.own().push_back(weight);
     }
     void end_row();
     void append(const Rows& other, int row);
@@ -126,19 +129,20 @@ class EdgeTies {
     bool same_weights(int row, const Rows& other, int of_other) const;
     void renumber(const std::vector<int>& place);
     void shrink_to_fit();
+    void share(AlikeLists& alike);
     template <class F>
     void for_each(int row, F f) const {
       const double* weight = weight_.data() + weights_[row];
       for (int n = first_[row]; n < first_[row + 1]; ++n) f(node_[n], *weight++);
     }
-    // Calls f(row, its length, pointer to its nodes, to its weights) for all rows.
+    // Calls f(row, its length, pointer to its nodes, to its weights) for all rows, from the first or from the last one.
     template <class F>
-    void for_each_row(F f) const;
+    void for_each_row(bool backwards, F f) const;
     std::size_t memory_usage() const;
 
    private:
     ShortList first_ = begun(), node_, weights_;  // first entry of a row, nodes of entries, first weight of a row
-    std::vector<double> weight_;
+    SharedList<double> weight_;
     static ShortList begun() {
       ShortList list;
       list.push_back(0);
@@ -146,8 +150,16 @@ class EdgeTies {
     }
   };
   void append(const EdgeTies& other, int row);
+  void bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
+  bool is_chained() const { return !chain_slave_.empty(); }
+
   ShortList slave_;  // ascending
   Rows masters_, heirs_;
+  // The same ties node by node, if they are known: each slave with the nodes behind it, and after those of them that are tied. Where edges meet
+  // a slave has more masters than nodes behind it. Sums are rounded in another order by that, so nodes that ranks
+  // share, whose nodes behind may not be here, go by their masters.
+  ShortList chain_slave_;
+  Rows chain_;
 };
 
 }  // namespace mpdem

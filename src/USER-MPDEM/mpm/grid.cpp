@@ -171,7 +171,8 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
       acceleration[3 * i + c] = v[6];
     }
   }
-  mass.assign(n, 0.0);
+  mass = {};
+  mass.own().assign(n, 0.0);
   force.assign(3 * n, 0.0);
   momentum.clear();
   ties.clear();
@@ -292,7 +293,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   if (more.empty()) return place;
   keys.swap(all);
   for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
-  spread(mass, 1, place, keys.size(), 0.0);
+  spread(mass.own(), 1, place, keys.size(), 0.0);
   tie_factor_.clear();
   spread(given_volume, 1, place, keys.size(), -1.0);
   ties.renumber(place);
@@ -341,7 +342,7 @@ bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& w
 }
 
 void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
-  ties.bind(wanted, keys);
+  ties.bind(wanted, keys, !halo.shares_any());
   any_ties_ = any;
 }
 
@@ -360,7 +361,7 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density, bo
 }
 
 void Grid::lump_mass(const PointStore& points, double density) {
-  mass = mass_here(points, density);
+  std::vector<double> mass = mass_here(points, density);
   // No less than that of the points that have stiffness, so the bound holds.
   for (std::size_t i = 0; i < given_volume.size(); ++i)
     if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
@@ -393,22 +394,36 @@ void Grid::lump_mass(const PointStore& points, double density) {
     tie_factor_.resize(kept);
     tie_factor_.shrink_to_fit();
   }
+  this->mass = std::move(mass);
 }
 
 void Grid::clear_force() { std::fill(force.begin(), force.end(), 0.0); }
 
-void Grid::update_acceleration(const std::vector<double>& added_mass) {
+void Grid::update_acceleration(const SharedList<double>& added_mass) {
   const int n = size();
   const double* __restrict m = mass.data();
   const double* __restrict c = added_mass.empty() ? nullptr : added_mass.data();
-  const double* __restrict f = force.data();
-  double* __restrict a = acceleration.data();
+  double* __restrict f = force.data();
   for (int i = 0; i < n; ++i) {
     const double inertia = c ? m[i] + c[i] : m[i];
     const double r = inertia > 0.0 ? 1.0 / inertia : 0.0;
-    for (int d = 0; d < 3; ++d) a[3 * i + d] = r * f[3 * i + d];
+    for (int d = 0; d < 3; ++d) f[3 * i + d] *= r;
   }
-  ties.extend(acceleration.data());
+  take_accelerations();
+}
+
+void Grid::take_accelerations() {
+  ties.extend(force.data());
+  force.swap(acceleration);
+}
+
+void Grid::accelerate(int first, int end) {
+  const double* __restrict m = mass.data();
+  double* __restrict f = force.data();
+  for (int i = first; i < end; ++i) {
+    const double r = m[i] > 0.0 ? 1.0 / m[i] : 0.0;
+    for (int d = 0; d < 3; ++d) f[3 * i + d] *= r;
+  }
 }
 
 void Grid::drift(double dt_v, double dt_u) {
@@ -422,9 +437,14 @@ void Grid::drift(double dt_v, double dt_u) {
   }
 }
 
+void Grid::share(AlikeLists& alike) {
+  alike.share(mass);
+  ties.share(alike);
+}
+
 std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
-         sizeof(double) * (mass.capacity() + velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
+         mass.memory_usage() + sizeof(double) * (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
                            tie_factor_.capacity() + given_volume.capacity()) +
          ties.memory_usage();
 }

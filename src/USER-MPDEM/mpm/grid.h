@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "../numerics/shared_list.h"
 #include "../parallel/halo_sum.h"
 #include "body.h"
 #include "edge_ties.h"
@@ -43,7 +44,7 @@ class Grid {
   double h = 0.0;
   Basis basis = Basis::quadratic;
   std::vector<Key> keys;
-  std::vector<double> mass;        // lumped
+  SharedList<double> mass;         // lumped
   std::vector<double> velocity, displacement, force, acceleration;
   std::vector<double> momentum;  // of the points, `updated` only
   std::vector<double> inertial_force;  // (M_L - M) a, see mpm/consistent_mass.h; empty with the lumped mass alone
@@ -114,14 +115,25 @@ class Grid {
   double tie_factor(int node) const { return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)]; }
   double largest_tie_factor() const { return largest_tie_factor_; }
 
-  // Sets a = f / (m + added mass) for each node. There is no added mass if the vector is empty.
-  void update_acceleration(const std::vector<double>& added_mass = {});
+  // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Forces are lost: accelerations come to lie where they
+  // were, so that a step goes over one array and not over two.
+  void update_acceleration(const SharedList<double>& added_mass = {});
+  // The same in two parts: divides the forces of the nodes [first, end), which have no added mass and are not tied; all free nodes are done.
+  void accelerate(int first, int end);
+  void take_accelerations();
+  // Accelerations are no longer needed: forces of the step that begins come to lie there.
+  void begin_forces() {
+    force.swap(acceleration);
+    clear_force();
+  }
   // v += dt_v a, u += dt_u v
   void drift(double dt_v, double dt_u);
 
   bool finite() const;
 
   NodeKinematics kinematics() const;
+  // Holds with others what these have alike.
+  void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
   HaloSum halo;

@@ -35,7 +35,7 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
 }
 
 // out = y field, or, with the affine part, what apic makes of it. Collective.
-void project(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, bool affine, const std::vector<double>& field,
+void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine, const std::vector<double>& field,
              std::vector<double>& out) {
   out.assign(field.size(), 0.0);
   if (affine) add_affine(points, grid, density, field, out);
@@ -52,7 +52,7 @@ void project(const PointStore& points, Grid& grid, const std::vector<double>& ad
 
 }  // namespace
 
-void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density,
+void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density,
                         const Transfer& transfer, double dt, std::vector<double>& jump) {
   const std::size_t n = grid.velocity.size();
   std::vector<double>& v = grid.velocity;
@@ -77,7 +77,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<
   for (std::size_t i = 0; i < n; ++i) v[i] += jump[i];
 }
 
-void filter_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, int order) {
+void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, int order) {
   // q(y) = (1 - (1 - y)^m)/y = sum over k < m of (1 - y)^k
   std::vector<double> r(grid.velocity), y;
   for (int k = 1; k < order; ++k) {

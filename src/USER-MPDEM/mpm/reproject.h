@@ -26,12 +26,12 @@ namespace mpdem {
 
 // Collective among the ranks that share nodes. jump: returns the change of the nodal velocities. dt: that of the
 // coming kick, for flip. added_mass: that of each node, or empty.
-void reproject_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density,
+void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density,
                         const Transfer& transfer, double dt, std::vector<double>& jump);
 
 // Collective. v <- q(y) v with q as in transfer.h. This is what xpic m makes of the velocity before the acceleration
 // comes in. Momentum is kept, with that of the added mass in it.
-void filter_velocity(const PointStore& points, Grid& grid, const std::vector<double>& added_mass, double density, int order);
+void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, int order);
 
 }  // namespace mpdem
 

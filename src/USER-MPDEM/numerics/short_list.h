@@ -11,6 +11,8 @@
 #include <limits>
 #include <vector>
 
+#include "shared_list.h"
+
 namespace mpdem {
 
 class ShortList {
@@ -19,16 +21,16 @@ class ShortList {
   bool empty() const { return size() == 0; }
   int operator[](std::size_t i) const { return wide_.empty() ? narrow_[i] : wide_[i]; }
   void push_back(int v) {
-    if (wide_.empty() && fits(v)) narrow_.push_back(static_cast<Narrow>(v));
+    if (wide_.empty() && fits(v)) narrow_.own().push_back(static_cast<Narrow>(v));
     else wide_list().push_back(v);
   }
   void set(std::size_t i, int v) {
-    if (wide_.empty() && fits(v)) narrow_[i] = static_cast<Narrow>(v);
+    if (wide_.empty() && fits(v)) narrow_.own()[i] = static_cast<Narrow>(v);
     else wide_list()[i] = v;
   }
   void resize(std::size_t size) {
-    if (wide_.empty()) narrow_.resize(size);
-    else wide_.resize(size);
+    if (wide_.empty()) narrow_.own().resize(size);
+    else wide_.own().resize(size);
   }
   // Calls f with a pointer to the integers of whichever width.
   template <class F>
@@ -37,24 +39,28 @@ class ShortList {
     return f(wide_.data());
   }
   void shrink_to_fit() {
-    narrow_.shrink_to_fit();
-    wide_.shrink_to_fit();
+    narrow_.own().shrink_to_fit();
+    wide_.own().shrink_to_fit();
   }
-  std::size_t memory_usage() const { return narrow_.capacity() * sizeof(Narrow) + wide_.capacity() * sizeof(int); }
+  void share(AlikeLists& alike) {
+    alike.share(narrow_);
+    alike.share(wide_);
+  }
+  std::size_t memory_usage() const { return narrow_.memory_usage() + wide_.memory_usage(); }
 
  private:
   using Narrow = std::uint16_t;
   static bool fits(int v) { return v <= std::numeric_limits<Narrow>::max(); }
   std::vector<int>& wide_list() {
     if (wide_.empty()) {
-      wide_.assign(narrow_.begin(), narrow_.end());
+      wide_.own().assign(narrow_.begin(), narrow_.end());
       narrow_ = {};
     }
-    return wide_;
+    return wide_.own();
   }
 
-  std::vector<Narrow> narrow_;
-  std::vector<int> wide_;  // instead, if there are any
+  SharedList<Narrow> narrow_;
+  SharedList<int> wide_;  // instead, if there are any
 };
 
 }  // namespace mpdem
