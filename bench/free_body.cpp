@@ -151,7 +151,7 @@ void FreeBody::step() {
 
 Point FreeBody::place_of_node(int i) const {
   const Grid& g = grid();
-  return {g.h * g.keys[i][1], g.h * g.keys[i][2], g.h * g.keys[i][3]};
+  return {g.h * g.keys[i].at(0), g.h * g.keys[i].at(1), g.h * g.keys[i].at(2)};
 }
 
 void FreeBody::add_node_forces(Bond& bond) {

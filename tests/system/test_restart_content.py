@@ -10,7 +10,7 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, FIX_NODE = 38, 22, 13  # numbers of the head of fix mpm's data, of a bond and of a node in them
+FIX_HEAD, FIX_BOND, NODE = 38, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
         "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51}
@@ -47,7 +47,6 @@ class File:
         self.bond = self.head + 20
         name = b"cem\0\x04\0\0\0mpm\0"
         self.fix = data.index(name) + len(name) + 4
-        self.nodes = self.fix + 8 * (FIX_HEAD + FIX_BOND * bonds)
         assert self.number(self.fix + 8 * FIX["bonds"]) == bonds
         # the atoms: how many numbers, these
         at = next(p for p in range(end - 4, 0, -1) if self.integer(p) * 8 == end - p - 4 > 0) + 4
@@ -63,8 +62,17 @@ class File:
     def number(self, at):
         return struct.unpack_from("<d", self.data, at)[0]
 
+    def nodes_of(self, n):
+        """How many rows of nodes stand before the state of a point."""
+        at = self.atoms[2 + n] + 8 * POINT["kind"]
+        return int(self.number(at + 8)) if self.number(at) == 3 else 0
+
     def point(self, n, name):
-        return self.atoms[2 + n] + 8 * POINT[name]
+        nodes = self.nodes_of(n)
+        return self.atoms[2 + n] + 8 * (POINT[name] + (2 + NODE * nodes if nodes else 0))
+
+    def node(self, n, number):
+        return self.atoms[2 + n] + 8 * (POINT["kind"] + 2 + number)
 
     def with_number(self, at, value):
         return reseal(self.data[:at] + struct.pack("<d", value) + self.data[at + 8:])
@@ -120,11 +128,11 @@ def test_unchanged(tmp_path, files):
     ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
     ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
-    ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "nodes take"), ("fix", "nodes", NAN, "number of nodes is nan"),
+    ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "of 1e+09 nodes"), ("fix", "nodes", NAN, "number of nodes is nan"),
     ("fix", "copies", -1.0, "number of copies of nodes is -1"), ("fix", "copies", 1e9, "1000000000 copies of nodes take"),
-    ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048575.0, "bond of a node"), ("node", 2, 1e12, "place of a node"), ("node", 4, NAN, "velocity of a node"), ("node", 12, NAN, "acceleration of a node"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
-    ("point", "kind", 3.0, "state is of kind 3"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
-    ("point", "part", 1e6, "part"), ("point", "moving", 1.0, "ends before its velocity gradient"), ("point", "links", 0.0, "of a freed place"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
+    ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048576.0, "the bond of a node"), ("node", 1, -1.0, "part of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "velocity of a node"), ("node", 13, NAN, "acceleration of a node"), ("node", -1, 1e9, "number of nodes"), ("node", -1, 0.0, "number of nodes"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
+    ("point", "kind", 4.0, "state is of kind 4"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
+    ("point", "part", 1e9, "part"), ("point", "moving", 1.0, "ends before its velocity gradient"), ("point", "links", 0.0, "of a freed place"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
     ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage is 1.5"), ("point", "law", 100.0, "law of damage is 100"), ("point", "links", 3.0, "links"), ("point", "state", 1.5, "the state of a link is 1.5"), ("point", "state", -0.1, "the state of a link is -0.1"), ("point", "state", NAN, "the state of a link is nan"),
     ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'has been seen' of a bonded grain is 2"),
     ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'has a place'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
@@ -132,24 +140,25 @@ def test_named(tmp_path, files, part, name, value, needed):
     """A number out of its range is named, with its value."""
     f = files["total"]
     linked = next(n for n in range(len(f.atoms) - 2) if f.number(f.point(n, "links")) == 1)
+    with_node = next(n for n in range(len(f.atoms) - 2) if f.nodes_of(n) > 0)
     if part == "head":
         data = f.with_integer(f.head + {"size": 4, "bonds": 8}[name], value)
     else:
-        at = {"bond": lambda: f.bond + 8 * BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "bond row": lambda: f.fix + 8 * (FIX_HEAD + name), "node": lambda: f.nodes + 8 * (5 * FIX_NODE + name),
+        at = {"bond": lambda: f.bond + 8 * BOND[name], "fix": lambda: f.fix + 8 * FIX[name], "bond row": lambda: f.fix + 8 * (FIX_HEAD + name), "node": lambda: f.node(with_node, name),
               "point": lambda: f.point(linked, name), "atom": lambda: f.atoms[1] + 8 * name, "grain": lambda: f.atoms[1] + 8 * GRAIN[name]}[part]()
         data = f.with_number(at, value)
     error = attempt(tmp_path, data)
-    who = "fix mpm (id cem)" if part in ("fix", "node", "bond row") else "read_restart"
+    who = "fix mpm (id cem)" if part in ("fix", "bond row") else "read_restart"
     assert who in error and needed in error, error
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [12, 14])
+@pytest.mark.parametrize("version", [12, 15])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 13", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 14", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 
@@ -158,7 +167,7 @@ def test_anywhere(tmp_path, files, kinematics, changes):
     """Numbers anywhere in the records, the same in every run."""
     f, draw = files[kinematics], random.Random(f"{kinematics} 7")
     places = [f.bond + 8 * n for n in range(BOND_NUMBERS)]
-    places += [f.fix + 8 * n for n in range(1, FIX_HEAD + FIX_BOND)] + [f.nodes + 8 * n for n in range(2 * FIX_NODE)]
+    places += [f.fix + 8 * n for n in range(1, FIX_HEAD + FIX_BOND)]
     for n in (0, 1, 2, len(f.atoms) // 2, len(f.atoms) - 1):
         places += [f.atoms[n] + 8 * k for k in range(int(f.number(f.atoms[n])))]
     kinds = [lambda v: -v or -1.0, lambda v: HUGE, lambda v: 1e9, lambda v: NAN, lambda v: v + 1, lambda v: v - 1, lambda v: 0.0, lambda v: 1e-300]

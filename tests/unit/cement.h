@@ -65,7 +65,7 @@ class Cement {
   }
 
   Vector place(int node) const {
-    return grid.h * Vector(grid.keys[node][1], grid.keys[node][2], grid.keys[node][3]);
+    return grid.h * Vector(grid.keys[node].at(0), grid.keys[node].at(1), grid.keys[node].at(2));
   }
   Vector at(const std::vector<double>& nodal, int node) const {
     return {nodal[3 * node], nodal[3 * node + 1], nodal[3 * node + 2]};

@@ -73,6 +73,8 @@ class RowOfGrains : public CementHost {
   // What goes into a restart file, on each rank its own.
   struct Saved {
     std::vector<double> state;  // of all ranks, on all
+    std::vector<double> nodes, all_nodes;  // those of the rank before this one, and of all
+    int version = CementHead::kVersion;
     std::map<int, PointRecord> points;
     std::map<int, GrainState> states;
     std::vector<Grain> grains;
@@ -112,7 +114,8 @@ class RowOfGrains : public CementHost {
     RecordReader in(from.state.data() + 1, from.state.data() + from.state.size());
     CementHead head;
     in.read(head);
-    cement->restore(head, in);
+    EXPECT_EQ(from.state.size(), 1 + kMostNumbers<CementHead> + numbers_after(head, from.version)) << "what grows with the nodes stands with the points";
+    cement->restore(head, in, from.nodes, from.version);
     EXPECT_EQ(in.trouble(), "");
     init();
   }
@@ -205,6 +208,10 @@ class RowOfGrains : public CementHost {
     MPI_Bcast(&n, 1, MPI_INT, 0, comm_);
     s.state.resize(n);
     MPI_Bcast(s.state.data(), n, MPI_DOUBLE, 0, comm_);
+    std::vector<double> mine;
+    for (const auto& rows : cement->packed_nodes()) mine.insert(mine.end(), rows.second.begin(), rows.second.end());
+    s.nodes = from_the_rank_before(mine);
+    s.all_nodes = gathered(mine);
     for (const Bond& b : bonds) for_points(b, [&](int slot, int tag) { s.points[tag] = b.points.record(slot); });
     s.states = states_;
     s.grains = cement->grains().grains;
@@ -214,6 +221,14 @@ class RowOfGrains : public CementHost {
     return s;
   }
 
+  std::vector<double> from_the_rank_before(const std::vector<double>& mine) const {
+    const int next = (rank_ + 1) % ranks_, before = (rank_ + ranks_ - 1) % ranks_;
+    int n = static_cast<int>(mine.size()), of_other = 0;
+    MPI_Sendrecv(&n, 1, MPI_INT, next, 0, &of_other, 1, MPI_INT, before, 0, comm_, MPI_STATUS_IGNORE);
+    std::vector<double> other(of_other);
+    MPI_Sendrecv(mine.data(), n, MPI_DOUBLE, next, 1, other.data(), of_other, MPI_DOUBLE, before, 1, comm_, MPI_STATUS_IGNORE);
+    return other;
+  }
   // Numbers of all ranks, in order of the ranks.
   std::vector<double> gathered(const std::vector<double>& mine) const {
     const int n = static_cast<int>(mine.size());
@@ -478,20 +493,47 @@ inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const 
   EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
 }
 
+// As files of version 13 have it: nodes behind the bonds, on all ranks, with the bond and the part in one number.
+inline RowOfGrains::Saved as_of_version_13(RowOfGrains::Saved s) {
+  std::vector<double> rows;
+  RecordReader in(s.all_nodes.data(), s.all_nodes.data() + s.all_nodes.size());
+  while (!in.at_end()) {
+    NodeRow row;
+    in.read(row);
+    NodeRow13 before;
+    before.field = row.body | row.part << 20;
+    std::copy(row.place, row.place + 3, before.place);
+    std::copy(row.velocity, row.velocity + 3, before.velocity);
+    std::copy(row.displacement, row.displacement + 3, before.displacement);
+    std::copy(row.acceleration, row.acceleration + 3, before.acceleration);
+    append(before, rows);
+  }
+  CementHead head;
+  unpack(s.state.data() + 1, head);
+  s.state.insert(s.state.begin() + 1 + kMostNumbers<CementHead> + static_cast<std::size_t>(kMostNumbers<BondRow>) * head.bodies, rows.begin(), rows.end());
+  s.nodes.clear();
+  s.version = 13;
+  return s;
+}
+
 // `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt, fail the same points and end
 // the same to the bit. `then(again)` compares further.
 template <class Then>
 void expect_restart_to_the_bit(RowOfGrains& whole, const Row& row, int at, int steps, double dt, Then then) {
   whole.run(at - whole.number);
-  RowOfGrains again(MPI_COMM_WORLD, row, whole.save(), whole.bonds.table);
-  whole.dt = again.dt = dt;
+  const RowOfGrains::Saved saved = whole.save();
+  RowOfGrains again(MPI_COMM_WORLD, row, saved, whole.bonds.table), from_older(MPI_COMM_WORLD, row, as_of_version_13(saved), whole.bonds.table);
+  whole.dt = again.dt = from_older.dt = dt;
   again.setup();
+  from_older.setup();
   whole.setup();
   whole.failed.clear();
   whole.run(steps);
   again.run(steps);
   EXPECT_EQ(again.all_failed(), whole.all_failed());
   expect_same_bits(whole.content(), again.content());
+  from_older.run(steps);
+  expect_same_bits(whole.content(), from_older.content());
   then(again);
 }
 

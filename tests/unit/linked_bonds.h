@@ -168,7 +168,7 @@ struct Scene {
   }
   static Vector node(const Grid& grid, int n) {
     const auto& k = grid.keys[n];
-    return kH * Vector(k[1], k[2], k[3]) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
+    return kH * Vector(k.at(0), k.at(1), k.at(2)) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
   }
   static Vector at(const std::vector<double>& field, int n) { return {field[3 * n], field[3 * n + 1], field[3 * n + 2]}; }
   // A nodal field of each bond.

@@ -72,7 +72,7 @@ TEST_P(MassOfPoints, IsTheSumOverPoints) {
         for (int n = 0; n < c.grid.size(); ++n) {
           double weight = 1.0;
           for (int d = 0; d < 3; ++d) {
-            const int i = c.grid.keys[n][1 + d] - base[d];
+            const int i = c.grid.keys[n].at(d) - base[d];
             weight *= i >= 0 && i < Type::kSupport ? w.w[d][i][0] : 0.0;
           }
           if (weight != 0.0) N.emplace_back(n, weight);

@@ -52,9 +52,9 @@ void expect_sound(const std::vector<EdgeTie>& ties) {
     double sum[4] = {-1.0, 0, 0, 0};
     for (const auto& m : t.masters) {
       EXPECT_FALSE(slaves.count(m.first));
-      EXPECT_EQ(m.first[0], t.slave[0]);
+      EXPECT_EQ(m.first.field(), t.slave.field());
       sum[0] += m.second;
-      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first[1 + d] - t.slave[1 + d]);
+      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first.at(d) - t.slave.at(d));
     }
     for (double s : sum) error.add(std::fabs(s));
     double shares = -1.0;
@@ -89,10 +89,10 @@ TEST(EdgeTies, FaceIsTiedAcross) {
   std::set<Key> slaves, wanted;
   for (const EdgeTie& t : ties) slaves.insert(t.slave);
   for (const Key& k : c.grid.keys)
-    if (k[3] == -1) wanted.insert(k);
+    if (k.at(2) == -1) wanted.insert(k);
   EXPECT_EQ(slaves, wanted);
   for (const EdgeTie& t : ties) {
-    const std::vector<std::pair<Key, double>> masters{{{0, t.slave[1], t.slave[2], 0}, 2.0}, {{0, t.slave[1], t.slave[2], 1}, -1.0}};
+    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, 2.0}, {{0, t.slave.at(0), t.slave.at(1), 1}, -1.0}};
     EXPECT_EQ(t.masters, masters);
     ASSERT_EQ(t.heirs.size(), 1u);
     EXPECT_EQ(t.heirs[0].first, masters[0].first);
@@ -107,10 +107,10 @@ TEST(EdgeTies, FilmIsTiedOnBothSides) {
   expect_sound(ties);
   ASSERT_FALSE(ties.empty());
   for (const EdgeTie& t : ties) {
-    const bool below = t.slave[3] == -1;
-    EXPECT_TRUE(below || t.slave[3] == 2);
-    const std::vector<std::pair<Key, double>> masters{{{0, t.slave[1], t.slave[2], 0}, below ? 2.0 : -1.0},
-                                                      {{0, t.slave[1], t.slave[2], 1}, below ? -1.0 : 2.0}};
+    const bool below = t.slave.at(2) == -1;
+    EXPECT_TRUE(below || t.slave.at(2) == 2);
+    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, below ? 2.0 : -1.0},
+                                                      {{0, t.slave.at(0), t.slave.at(1), 1}, below ? -1.0 : 2.0}};
     EXPECT_EQ(t.masters, masters);
   }
 }
@@ -124,7 +124,7 @@ TEST(EdgeTies, KeysComeBack) {
   EdgeTies bound;
   bound.bind(ties, c.grid.keys);
   std::vector<Key> more = c.grid.keys;
-  for (const Key& k : c.grid.keys) more.push_back({k[0] + 1, k[1], k[2], k[3]});
+  for (const Key& k : c.grid.keys) more.push_back(k.with_field(k.field() + 1));
   more.push_back({0, -1000, 0, 0});
   std::sort(more.begin(), more.end());
   const std::vector<EdgeTie> first = bound.by_key(c.grid.keys);
@@ -177,11 +177,11 @@ TEST(EdgeTies, BallIsSoundAndSymmetric) {
     std::map<Key, std::map<Key, double>> all;  // masters, and heirs with field 1
     for (const EdgeTie& t : ties) {
       all[t.slave] = {t.masters.begin(), t.masters.end()};
-      for (const auto& h : t.heirs) all[t.slave][{1, h.first[1], h.first[2], h.first[3]}] = h.second;
+      for (const auto& h : t.heirs) all[t.slave][h.first.with_field(1)] = h.second;
     }
     // mirrored in x = y and in z = 0
     for (const auto& t : all)
-      for (const auto& image : {+[](const Key& k) { return Key{k[0], k[2], k[1], k[3]}; }, +[](const Key& k) { return Key{k[0], k[1], k[2], -k[3]}; }}) {
+      for (const auto& image : {+[](const Key& k) { return Key{k.field(), k.at(1), k.at(0), k.at(2)}; }, +[](const Key& k) { return Key{k.field(), k.at(0), k.at(1), -k.at(2)}; }}) {
         ASSERT_TRUE(all.count(image(t.first)));
         const auto& other = all[image(t.first)];
         EXPECT_EQ(other.size(), t.second.size());
@@ -252,7 +252,7 @@ struct SlitBall {
   }
   static TiedNodes nodes(const Grid& grid) {
     TiedNodes n = edges_of(grid);
-    for (std::size_t i = 0; i < n.keys.size(); ++i) n.sheets[i] = n.keys[i][1] > 0 ? kApart : kJoined;
+    for (std::size_t i = 0; i < n.keys.size(); ++i) n.sheets[i] = n.keys[i].at(0) > 0 ? kApart : kJoined;
     return n;
   }
 };
@@ -265,7 +265,7 @@ TEST(EdgeTies, JoinedSheetsAreAsOne) {
   for (const EdgeTie& t : ties_of(whole)) wanted[t.slave] = t;
   halves.grid.lump_mass(halves.points, 1.0);
   const auto as_of_whole = [](std::vector<std::pair<Key, double>> v) {
-    for (auto& m : v) m.first[0] = 0;
+    for (auto& m : v) m.first = m.first.with_field(0);
     std::sort(v.begin(), v.end());
     return v;
   };
@@ -278,15 +278,15 @@ TEST(EdgeTies, JoinedSheetsAreAsOne) {
     for (const EdgeTie& t : find_edge_ties(MPI_COMM_SELF, Basis::quadratic, nodes)) ties[t.slave] = t;
     for (const Key& k : nodes.keys) {
       Key of_whole = k, other = k;
-      of_whole[0] = 0;
-      other[0] = other_sheet(k[0]);
+      of_whole = k.with_field(0);
+      other = k.with_field(other_sheet(k.field()));
       const bool doubled = std::binary_search(nodes.keys.begin(), nodes.keys.end(), other);
       const auto tie = ties.find(k);
-      if (slit && k[1] > -3) {  // out of reach of the slit nothing changes
-        if (k[1] > 0 && tie != ties.end()) {
-          for (const auto& m : tie->second.masters) EXPECT_TRUE(m.first[0] == k[0] || m.first[1] <= 0 || !doubled);
+      if (slit && k.at(0) > -3) {  // out of reach of the slit nothing changes
+        if (k.at(0) > 0 && tie != ties.end()) {
+          for (const auto& m : tie->second.masters) EXPECT_TRUE(m.first.field() == k.field() || m.first.at(0) <= 0 || !doubled);
         }
-        apart += k[1] > 0 && doubled && tie == ties.end();
+        apart += k.at(0) > 0 && doubled && tie == ties.end();
         continue;
       }
       const auto w = wanted.find(of_whole);
@@ -299,7 +299,7 @@ TEST(EdgeTies, JoinedSheetsAreAsOne) {
           EXPECT_NEAR(found[n].second, w->second.masters[n].second, 1e-12);
         }
         ++joined;
-      } else if (doubled && is_second_sheet(k[0])) {
+      } else if (doubled && is_second_sheet(k.field())) {
         ASSERT_TRUE(tie != ties.end());
         EXPECT_EQ(tie->second.masters, (std::vector<std::pair<Key, double>>{{other, 1.0}}));
         EXPECT_EQ(tie->second.heirs, tie->second.masters);
@@ -333,9 +333,9 @@ TEST(EdgeTies, SheetsKeepSums) {
   for (const EdgeTie& t : ties) {
     double sum[4] = {-1.0, 0, 0, 0};
     for (const auto& m : t.masters) {
-      EXPECT_LT(c.grid.ties.row(c.grid.base_node(m.first[0], &m.first[1])), 0);
+      EXPECT_LT(c.grid.ties.row(c.grid.node_at(m.first)), 0);
       sum[0] += m.second;
-      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first[1 + d] - t.slave[1 + d]);
+      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first.at(d) - t.slave.at(d));
     }
     for (double s : sum) error.add(std::fabs(s));
   }

@@ -17,13 +17,13 @@ using test::Vector;
 constexpr double kH = 0.5;
 
 struct Cells {
-  std::vector<std::array<int, 4>> cell;  // field, base
+  std::vector<Key> cell;  // its first node
   std::vector<std::array<int, 9>> column;
 
-  explicit Cells(std::vector<std::array<int, 4>> c) : cell(std::move(c)), column(cell.size()) {}
+  explicit Cells(std::vector<Key> c) : cell(std::move(c)), column(cell.size()) {}
   std::vector<Grid::Cell> list() {
     std::vector<Grid::Cell> all;
-    for (std::size_t i = 0; i < cell.size(); ++i) all.push_back({cell[i][0], &cell[i][1], column[i].data()});
+    for (std::size_t i = 0; i < cell.size(); ++i) all.push_back({cell[i].field(), cell[i].place().data(), column[i].data()});
     return all;
   }
 };
@@ -33,14 +33,14 @@ void expect_columns(const Grid& grid, const Cells& c) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k) {
-          const Key expected{c.cell[n][0], c.cell[n][1] + i, c.cell[n][2] + j, c.cell[n][3] + k};
+          const Key expected = c.cell[n].moved(0, i).moved(1, j).moved(2, k);
           EXPECT_EQ(grid.keys.at(c.column[n][3 * i + j] + k), expected);
         }
 }
 
 TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
   test::Random random(111);
-  std::vector<std::array<int, 4>> list;
+  std::vector<Key> list;
   for (int i = 0; i < 60; ++i)
     list.push_back({random.index(2), random.index(7) - 3, random.index(7) - 3, random.index(7) - 3});
   Cells c(list);
@@ -49,8 +49,8 @@ TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
   grid.build(MPI_COMM_SELF, kH, c.list(), NodeKinematics(), fresh);
   EXPECT_TRUE(std::is_sorted(grid.keys.begin(), grid.keys.end()));
   std::set<Key> expected;
-  for (const auto& a : list)
-    for (int n = 0; n < 27; ++n) expected.insert({a[0], a[1] + n / 9, a[2] + n / 3 % 3, a[3] + n % 3});
+  for (const Key& a : list)
+    for (int n = 0; n < 27; ++n) expected.insert(a.moved(0, n / 9).moved(1, n / 3 % 3).moved(2, n % 3));
   EXPECT_EQ(std::set<Key>(grid.keys.begin(), grid.keys.end()), expected);
   EXPECT_EQ(grid.keys.size(), expected.size());
   expect_columns(grid, c);
@@ -60,7 +60,7 @@ TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
 
 // Points far from each other take the nodes of a margin each.
 TEST(Grid, RefusesMoreNodesThanThereIsMemoryFor) {
-  std::vector<std::array<int, 4>> list;
+  std::vector<Key> list;
   for (int i = 0; i < 1000; ++i) list.push_back({0, 100 * i, 0, 0});
   Cells c(list);
   Grid grid;
@@ -141,7 +141,7 @@ TEST(Grid, CarriesTheMotionOver) {
 // A field that split off takes the motion of the one it came from, where that had nodes.
 TEST(Grid, NewFieldsInheritTheMotion) {
   test::Random random(117);
-  const int part = field_of(0, 1);
+  const Field part = field_of(0, 1);
   EXPECT_EQ(body_of(field_of(7, 3)), 7);
   Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}),
       second({{0, 0, 0, 0}, {part, 0, 0, 0}, {part, 2, 0, 0}, {1, 0, 0, 0}});
@@ -156,11 +156,11 @@ TEST(Grid, NewFieldsInheritTheMotion) {
   int inherited = 0;
   for (int i = 0; i < grid.size(); ++i) {
     Key source = grid.keys[i];
-    if (source[0] == part) source[0] = 0;
+    if (source.field() == part) source = source.with_field(0);
     const auto it = std::lower_bound(before.keys.begin(), before.keys.end(), source);
     const bool had = it != before.keys.end() && *it == source;
     const int at = static_cast<int>(it - before.keys.begin());
-    inherited += had && grid.keys[i][0] == part;
+    inherited += had && grid.keys[i].field() == part;
     EXPECT_EQ(fresh[i] != 0, !had);
     for (int d = 0; d < 3; ++d) {
       EXPECT_EQ(grid.velocity[3 * i + d], had ? before.velocity[3 * at + d] : 0.0);

@@ -54,11 +54,11 @@ TEST_P(LargestEigenvalue, OfSomeBlocks) {
   Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)), GetParam());
   // a side of it is tied to the lines behind
   std::vector<EdgeTie> ties;
-  int least = c.grid.keys.front()[1];
-  for (const Key& k : c.grid.keys) least = std::min(least, k[1]);
+  int least = c.grid.keys.front().at(0);
+  for (const Key& k : c.grid.keys) least = std::min(least, k.at(0));
   for (const Key& k : c.grid.keys) {
-    const Key next{k[0], k[1] + 1, k[2], k[3]}, second{k[0], k[1] + 2, k[2], k[3]};
-    if (k[1] == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}});
+    const Key next = k.moved(0, 1), second = k.moved(0, 2);
+    if (k.at(0) == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}});
   }
   c.grid.tie(ties, true);
   c.grid.lump_mass(c.points, kCalcite);

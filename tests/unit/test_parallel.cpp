@@ -40,7 +40,7 @@ std::vector<std::vector<T>> gather_all(const std::vector<T>& mine, MPI_Datatype 
 std::vector<std::vector<double>> gather_all(const std::vector<double>& mine) { return gather_all(mine, MPI_DOUBLE); }
 std::vector<std::vector<Key>> gather_all(const std::vector<Key>& mine) {
   std::vector<int> flat;
-  for (const Key& k : mine) flat.insert(flat.end(), k.begin(), k.end());
+  for (const Key& k : mine) flat.insert(flat.end(), {static_cast<int>(k.field()), k.at(0), k.at(1), k.at(2)});
   std::vector<std::vector<Key>> all;
   for (const std::vector<int>& v : gather_all(flat, MPI_INT)) {
     all.emplace_back();
@@ -92,7 +92,7 @@ TEST_F(Ranks, FetchValues) {
   const int width = 4;
   // a key has one value, whoever holds it
   const auto value_of = [](const Key& k, int c) {
-    return 1.0 / (3 + k[0] + 10 * (k[1] + 5) + 100 * (k[2] + 5) + 1000 * (k[3] + 5)) + c;
+    return 1.0 / (3 + static_cast<int>(k.field()) + 10 * (k.at(0) + 5) + 100 * (k.at(1) + 5) + 1000 * (k.at(2) + 5)) + c;
   };
   for (double share : {0.0, 0.05, 0.4, 1.0})
     for (int round = 0; round < 3; ++round) {
@@ -175,7 +175,7 @@ TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
       // of the part before the last rank 0 holds nothing, of the last only one rank holds anything
       const bool none = (p == kParts - 2 && rank() == 0) || (p == kParts - 1 && rank() != ranks() - 1);
       keys[p] = random_keys(random_, none ? 0.0 : share[p]);
-      for (Key& k : keys[p]) k[0] += 2 * p;
+      for (Key& k : keys[p]) k = k.with_field(k.field() + 2 * p);
       halo[p].build(MPI_COMM_WORLD, keys[p]);
       shared += halo[p].shared_items();
     }
@@ -214,9 +214,9 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
       std::vector<std::array<int, kMostColumns>> column;
       std::vector<char> fresh;
     };
-    std::vector<std::vector<std::array<int, 4>>> bases(kBonds);
+    std::vector<std::vector<Key>> bases(kBonds);
     std::vector<NodeKinematics> before(kBonds);
-    std::vector<std::map<int, int>> parent(kBonds);
+    std::vector<std::map<Field, Field>> parent(kBonds);
     std::vector<std::vector<Key>> extra(kBonds);
     test::Random same(77);
     for (int b = 0; b < kBonds; ++b) {
@@ -240,7 +240,7 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
     const auto cells_of = [&](int b, Made& m) {
       std::vector<Grid::Cell> cells;
       m.column.assign(bases[b].size(), {});
-      for (std::size_t i = 0; i < bases[b].size(); ++i) cells.push_back({bases[b][i][0], &bases[b][i][1], m.column[i].data()});
+      for (std::size_t i = 0; i < bases[b].size(); ++i) cells.push_back({bases[b][i].field(), bases[b][i].place().data(), m.column[i].data()});
       return cells;
     };
     std::vector<Made> one(kBonds), together(kBonds);
@@ -414,8 +414,8 @@ TEST_F(Ranks, GrainSides) {
     // of either grain both sides are here, one behind the other
     std::set<int> bonds(here.begin(), here.end());
     for (const Key& k : owned) {
-      bonds.insert(k[0]);
-      EXPECT_EQ(sides.owned().at(&k - owned.data()), sides.find(k[0], k[1]));
+      bonds.insert(body_of(k.field()));
+      EXPECT_EQ(sides.owned().at(&k - owned.data()), sides.find(body_of(k.field()), k.at(0)));
     }
     EXPECT_EQ(sides.sides.size(), 2 * bonds.size());
     for (int b : bonds) {

@@ -82,7 +82,7 @@ TEST_P(LinearField, InteriorNodesOfALatticeAreInBalance) {
     largest = std::max(largest, f.norm());
     const auto& k = c.grid.keys[n];
     bool full = true;
-    for (int d = 1; d <= 3; ++d) full = full && k[d] >= 2 && k[d] <= kCells - 2;
+    for (int d = 0; d < 3; ++d) full = full && k.at(d) >= 2 && k.at(d) <= kCells - 2;
     if (!full) continue;
     ++inside;
     interior.add(f.norm() / typical);

@@ -37,7 +37,7 @@ TEST_P(Links, NothingHappensAtRestOrInRigidMotion) {
     }
     Grid& grid = s.bonds[b].grid;
     for (int n = 0; n < grid.size(); ++n) {
-      const Vector X = kH * Vector(grid.keys[n][1], grid.keys[n][2], grid.keys[n][3]), u = R * X + t - X;
+      const Vector X = kH * Vector(grid.keys[n].at(0), grid.keys[n].at(1), grid.keys[n].at(2)), u = R * X + t - X;
       copy(u, &grid.displacement[3 * n]);
     }
   }

@@ -77,7 +77,7 @@ TEST(Relaxation, GrainsShareByDistance) {
       const auto& k = b.grid.keys[n];
       double depth[2];
       for (int g = 0; g < 2; ++g) {
-        const Vector X = test::kH * Vector(k[1], k[2], k[3]) - Vector(Eigen::Map<const Vector>(s.bodies[b.body].centre[g]));
+        const Vector X = test::kH * Vector(k.at(0), k.at(1), k.at(2)) - Vector(Eigen::Map<const Vector>(s.bodies[b.body].centre[g]));
         depth[g] = std::max(X.norm() - s.bodies[b.body].radius[g], 0.0);
       }
       const double share = depth[0] + depth[1] > 0.0 ? depth[0] / (depth[0] + depth[1]) : 0.5;
@@ -127,7 +127,7 @@ TEST(Relaxation, PartsFollowTheirOwnGrain) {
   const Bond& b = s.bonds[1];
   for (int n = 0; n < b.grid.size(); ++n) {
     if (b.grid.mass[n] == 0.0) continue;
-    const int piece = piece_of(part_of_field(b.grid.keys[n][0]));
+    const int piece = piece_of(part_of_field(b.grid.keys[n].field()));
     ++nodes[piece];
     if (piece > 1) {
       EXPECT_EQ(s.at(force[1], n), Vector::Zero());

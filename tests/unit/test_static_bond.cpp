@@ -135,7 +135,7 @@ struct Solved {
     }
     scene.sides.distribute(scene.bodies, scene.motion);
     for (int i = 0; i < b.grid.size(); ++i) {
-      const Eigen::Vector3d X = test::kH * Eigen::Vector3d(b.grid.keys[i][1], b.grid.keys[i][2], b.grid.keys[i][3]), u = Q * X + way - X;
+      const Eigen::Vector3d X = test::kH * Eigen::Vector3d(b.grid.keys[i].at(0), b.grid.keys[i].at(1), b.grid.keys[i].at(2)), u = Q * X + way - X;
       test::copy(u, &b.grid.displacement[3 * i]);
     }
     for (PointBlock& p : b.points.blocks) {

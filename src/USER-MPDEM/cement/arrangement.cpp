@@ -50,6 +50,7 @@ NewPartsOfBonds Cement::parts_at_start(Splits& splits, Sheets& sheets) const {
 }
 
 std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penalty) {
+  bring_restored_nodes();
   Sheets sheets(sheets_);
   Splits splits(splits_);
   NewPartsOfBonds parts = parts_at_start(splits, sheets);
@@ -72,6 +73,7 @@ std::vector<BondLayout> Cement::layouts_of_copies(const PenaltyParameters* penal
 // As mass goes back from the heirs of tied nodes to these where a bond came apart, or its nodes split, its momentum and angular momentum are
 // kept by a rigid motion.
 void Cement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, bool arrange, bool splits) {
+  bring_restored_nodes();
   const std::vector<int> untied = splits ? rows : options_.split ? std::vector<int>() : cracks_.untie(options_);
   const bool moves = layout_.built && !untied.empty();
   const std::vector<double> motion = moves ? motion_of(untied) : std::vector<double>();
@@ -384,7 +386,7 @@ void Cement::start_velocities(std::vector<BondLayout>& layouts) {
       if (!is_fresh[i]) continue;
       for (int d = 0; d < 3; ++d) {
         double v = A(0, d);
-        for (int e = 0; e < 3; ++e) v += A(1 + e, d) * grid.keys[i][1 + e];
+        for (int e = 0; e < 3; ++e) v += A(1 + e, d) * grid.keys[i].at(e);
         if (grid.mass[i] > 0.0) v += momentum[3 * i + d] / grid.mass[i];
         grid.velocity[3 * i + d] = v;
       }

@@ -12,7 +12,7 @@ BondMotion motion_of(const Grid& grid, double kick) {
     if (!grid.halo.counts_here()[i]) continue;
     double x[3], v[3];
     for (int d = 0; d < 3; ++d) {
-      x[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+      x[d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d];
       v[d] = grid.velocity[3 * i + d] + kick * grid.acceleration[3 * i + d];
     }
     const double m = grid.mass[i];
@@ -50,7 +50,7 @@ void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& no
   for (int i = 0; i < grid.size(); ++i)
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, g = (d + 2) % 3;
-      const auto x = [&](int c) { return grid.keys[i][1 + c] + grid.displacement[3 * i + c] / h; };
+      const auto x = [&](int c) { return grid.keys[i].at(c) + grid.displacement[3 * i + c] / h; };
       grid.velocity[3 * i + d] += r[d] + r[3 + e] * x(g) - r[3 + g] * x(e);
     }
 }

@@ -180,7 +180,10 @@ class Cement {
   // Restart. Numbers of all ranks, complete on rank 0; the head has what the host keeps. The same numbers come back on every rank,
   // the head as it was read. Throws BadState if it is that of other options.
   std::vector<double> packed_state(CementHead head);
-  void restore(const CementHead& head, RecordReader& in);
+  // The motion of the nodes of this rank, rows of each bond (NodeRow) one after the other.
+  std::map<int, std::vector<double>> packed_nodes() const;
+  // nodes: packed, any of those of all ranks on any rank. version: of the file, see CementHead.
+  void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes, int version = CementHead::kVersion);
   bool restored() const { return arrivals_.restored; }
 
  private:
@@ -221,6 +224,8 @@ class Cement {
   void take_patterns(bool at_start);
   void remember_axis();
   void check_restored(const CementHead& head) const;
+  void bring_restored_nodes();
+  void take_restored_nodes(std::vector<NodeRow> rows);
   using Patches = std::map<int, std::vector<int>>;  // of rows: blocks
   void check_step_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
   double added_energy_ahead(const std::vector<int>& rows, double later);
@@ -314,6 +319,8 @@ class Cement {
   struct {
     bool restored = false;  // the state is that of a restart file
     std::vector<NodeKinematics> restored_nodes;  // by row of the table
+    std::vector<NodeRow> rows_of_nodes;          // of a file, as the ranks read them, until the first layout
+    double nodes = -1.0;                         // of all ranks among these; below 0: there are none to come
     std::vector<int> fresh_points, rows_that_want_points;
   } arrivals_;
   std::vector<BondState> states_;

@@ -201,7 +201,7 @@ void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
     if (!part.kept[k]) continue;
     const std::size_t n = part.from + k;
     const Body& body = part.bodies[k];
-    if (bodies++ == kMaxBodies) trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", kMaxBodies, " bonds, which is the most"));
+    if (bodies++ == std::numeric_limits<int>::max()) trouble.tell(n, numbers, plan_.prefix(n) + text_of("there are ", bodies - 1, " bonds, which is the most"));
     if (!wish_.later) last += body.points;
     if (last > 2147483647.0)
       trouble.tell(n, numbers, plan_.prefix(n) + text_of(body.points, " points exceed the number of atom IDs; use a larger spacing"));

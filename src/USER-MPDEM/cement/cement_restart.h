@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, a row a
-// node and rows of the nodes that are split, one after the other. The points do not hold the motion of nodes.
+// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, and rows of the nodes that
+// are split, one after the other. The motion of the nodes stands with the points of their bonds (AtomVecMpdem::write_with_points), a row a node: it is the bulk of it, and
+// LIGGGHTS has 2 GiB for what a fix writes. Files of version 13 have the rows of nodes behind those of bonds.
 #ifndef MPDEM_CEMENT_CEMENT_RESTART_H
 #define MPDEM_CEMENT_CEMENT_RESTART_H
+
+#include <algorithm>
 
 #include "../fracture/separation.h"
 #include "../mpm/basis.h"
@@ -38,7 +41,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 13;
+  static constexpr int kVersion = 14, kOldestVersion = 13;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -52,7 +55,8 @@ struct CementHead {
   LinksSoFar links;
   bool unilateral = false;    // are failed points stiff while their crack is closed
   bool split = false;         // do nodes split, see fracture/node_copies.h
-  int bodies = 0, nodes = 0, copies = 0;  // rows that follow
+  int bodies = 0, copies = 0;  // rows that follow
+  double nodes = 0.0;          // rows of all ranks
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
@@ -61,15 +65,15 @@ struct CementHead {
     visit("'kinematics updated'", h.updated);
     visit("'edge tied'", h.tied);
     visit("the time step", h.step, kNotNegative);
-    visit("the number of bonds that have moved", h.bodies_started, from(0, kMaxBodies));
+    visit("the number of bonds that have moved", h.bodies_started, kCount);
     visit("the energy at the start", h.start_energy, kFinite);
     visit.part(h.books);
     visit("the time", h.time, kFinite);
     visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
     visit("the step of 'timestep auto'", h.auto_step, kNotNegative);
     visit.part(h.links);
-    visit("the number of bonds", h.bodies, from(0, kMaxBodies));
-    visit("the number of nodes", h.nodes, kCount);
+    visit("the number of bonds", h.bodies, kCount);
+    visit("the number of nodes", h.nodes, kNotNegative);
     visit("'cracks split'", h.split);
     visit("'unilateral'", h.unilateral);
     visit("the number of copies of nodes", h.copies, kCount);
@@ -96,19 +100,44 @@ struct BondRow {
 };
 
 struct NodeRow {
-  int field = 0, place[3] = {0, 0, 0};  // the key of the node
+  int body = 0, part = 0, place[3] = {0, 0, 0};  // the key of the node
   double velocity[3] = {0, 0, 0}, displacement[3] = {0, 0, 0}, acceleration[3] = {0, 0, 0};
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& n, Visitor& visit) {
-    constexpr int kMost = 1 << 30;
-    visit("the bond of a node", n.field, from(0, kMost));
-    visit("the place of a node", n.place, from(-kMost, kMost));
+    visit("the bond of a node", n.body, kCount);
+    visit("the part of a node", n.part, from(0, kMaxParts - 1));
+    visit("the place of a node", n.place, from(-Key::kFarthest, Key::kFarthest));
     visit("the velocity of a node", n.velocity, kFinite);
     visit("the displacement of a node", n.displacement, kFinite);
     visit("the acceleration of a node", n.acceleration, kFinite);
   }
 };
+
+// Of version 13, which had 20 bits for the bond and the others of `field` for the part.
+struct NodeRow13 {
+  int field = 0, place[3] = {0, 0, 0};
+  double velocity[3] = {0, 0, 0}, displacement[3] = {0, 0, 0}, acceleration[3] = {0, 0, 0};
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& n, Visitor& visit) {
+    visit("the bond of a node", n.field, from(0, 1 << 30));
+    visit("the place of a node", n.place, from(-Key::kFarthest, Key::kFarthest));
+    visit("the velocity of a node", n.velocity, kFinite);
+    visit("the displacement of a node", n.displacement, kFinite);
+    visit("the acceleration of a node", n.acceleration, kFinite);
+  }
+};
+inline NodeRow node_row(const NodeRow13& before) {
+  NodeRow row;
+  row.body = before.field & ((1 << 20) - 1);
+  row.part = before.field >> 20;
+  std::copy(before.place, before.place + 3, row.place);
+  std::copy(before.velocity, before.velocity + 3, row.velocity);
+  std::copy(before.displacement, before.displacement + 3, row.displacement);
+  std::copy(before.acceleration, before.acceleration + 3, row.acceleration);
+  return row;
+}
 
 // A part of a bond and a node that is split, see NodeCopies.
 struct CopyRow {
@@ -118,9 +147,8 @@ struct CopyRow {
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& c, Visitor& visit) {
-    constexpr int kMost = 1 << 30;
-    visit("the bond of a split node", c.body, from(0, kMaxBodies - 1));
-    visit("the place of a split node", c.place, from(-kMost, kMost));
+    visit("the bond of a split node", c.body, kCount);
+    visit("the place of a split node", c.place, from(-Key::kFarthest, Key::kFarthest));
     visit("the part of a split node", c.part, from(0, kMaxParts - 1));
     visit("the copy of a split node", c.copy, kCount);
     visit("the first copy of a split node", c.first, kCount);
@@ -129,9 +157,9 @@ struct CopyRow {
 };
 
 // How many numbers follow a head.
-inline std::size_t numbers_after(const CementHead& h) {
-  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + static_cast<std::size_t>(kMostNumbers<NodeRow>) * h.nodes +
-         static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
+inline std::size_t numbers_after(const CementHead& h, int version = CementHead::kVersion) {
+  const std::size_t of_nodes = version > 13 ? 0 : static_cast<std::size_t>(kMostNumbers<NodeRow13>) * static_cast<std::size_t>(h.nodes);
+  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + of_nodes + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
 }
 
 }  // namespace mpdem

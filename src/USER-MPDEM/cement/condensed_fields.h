@@ -12,7 +12,7 @@
 
 namespace mpdem {
 
-inline Eigen::Vector3d place_of(const Grid& grid, int i) { return grid.h * Eigen::Vector3d(grid.keys[i][1], grid.keys[i][2], grid.keys[i][3]); }
+inline Eigen::Vector3d place_of(const Grid& grid, int i) { return grid.h * Eigen::Vector3d(grid.keys[i].at(0), grid.keys[i].at(1), grid.keys[i].at(2)); }
 
 inline Eigen::Matrix<double, 3, 6> fields_at(const StaticBond& fields, int i) {
   Eigen::Matrix<double, 3, 6> u;

@@ -20,7 +20,7 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits& splits, double friction) : friction_(friction) {
   std::vector<int> order(grid.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto place = [&](int i) { return Place{grid.keys[i][1], grid.keys[i][2], grid.keys[i][3]}; };
+  const auto place = [&](int i) { return grid.keys[i].place(); };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
   std::vector<char> paired(grid.size(), 0);
   for (std::size_t i = 0; i < order.size(); ++i)

@@ -70,7 +70,7 @@ std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std:
   for (const Node& n : all) {
     nodes.keys.push_back(n.key);
     nodes.mass.push_back(n.mass);
-    nodes.edge.push_back(!rules.cracks.separated(body_of(n.key[0])));
+    nodes.edge.push_back(!rules.cracks.separated(body_of(n.key.field())));
   }
   nodes.sheets = rules.sheets.at(rules.comm, rows, nodes.keys);
   std::vector<std::vector<EdgeTie>> ties(grids.size());

@@ -10,7 +10,7 @@
 namespace mpdem {
 
 // Place of a node in the grid of its bond, and the key of that of a part.
-inline Place place_of(const Key& k) { return {k[1], k[2], k[3]}; }
+inline Place place_of(const Key& k) { return k.place(); }
 inline Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p[0], p[1], p[2]}; }
 
 }  // namespace mpdem

@@ -47,7 +47,7 @@ std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
   const BondMotion before = mpdem::motion_of(b.grid, kick);
   const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, options_.cell, options_.basis);
   std::vector<Key> more = splits_.nodes_of(b.points, moved.blocks, b.body, support(options_.basis));
-  more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.base_node(k[0], &k[1]) >= 0; }), more.end());
+  more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
   if (!more.empty())
@@ -58,7 +58,7 @@ std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
   b.links.follow_parts(b.points, b.grid, place);
 
   std::vector<int> nodes = splits_.nodes_touched(b.grid, b.body, parts.split);
-  for (const Key& k : more) nodes.push_back(b.grid.base_node(k[0], &k[1]));
+  for (const Key& k : more) nodes.push_back(b.grid.node_at(k));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Key> keys;

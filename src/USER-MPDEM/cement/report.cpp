@@ -42,7 +42,7 @@ struct NodeSums {
       for (int d = 0; d < 3; ++d) {
         kick[d] = half * grid.acceleration[3 * i + d];
         now[d] = grid.velocity[3 * i + d] + kick[d];
-        place[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+        place[d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d];
       }
       const std::array<double, 3> v = turned(axes, now), x = place_in_box(body, axes, place);
       const double mass = grid.mass[i];

@@ -17,7 +17,7 @@ struct Sent {
   SheetPoint point;
 };
 
-Key first_of(int body) { return {body, -(1 << 30), 0, 0}; }
+Key first_of(int body) { return Key::before(field_of(body, 0)); }
 
 }  // namespace
 
@@ -96,29 +96,26 @@ NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOp
 
 JoinedNodes Sheets::joined_nodes(int body) const {
   JoinedNodes nodes;
-  for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(body)); k != joined_.end() && (*k)[0] == body; ++k)
-    nodes.push_back({(*k)[1], (*k)[2], (*k)[3]});
+  for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(body)); k != joined_.end() && k->field() == field_of(body, 0); ++k)
+    nodes.push_back(k->place());
   return nodes;
 }
 
 std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<int>& rows, const std::vector<Key>& keys) const {
-  const auto place = [](Key k) {
-    k[0] = body_of(k[0]);
-    return k;
-  };
+  const auto place = [](const Key& k) { return k.with_field(field_of(body_of(k.field()), 0)); };
   std::vector<Key> wanted;
   for (const Key& k : keys)
-    if (has_sheets_[body_of(k[0])]) wanted.push_back(place(k));
+    if (has_sheets_[body_of(k.field())]) wanted.push_back(place(k));
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<char> found;
   std::vector<Key> joined;
   for (int row : rows)
-    for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(row)); k != joined_.end() && (*k)[0] == row; ++k) joined.push_back(*k);
+    for (auto k = std::lower_bound(joined_.begin(), joined_.end(), first_of(row)); k != joined_.end() && k->field() == field_of(row, 0); ++k) joined.push_back(*k);
   fetch_values(comm, 1, joined, std::vector<double>(joined.size(), 0.0), wanted, found);
   std::vector<char> sheets(keys.size(), kNoSheets);
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (!has_sheets_[body_of(keys[i][0])]) continue;
+    if (!has_sheets_[body_of(keys[i].field())]) continue;
     const std::size_t at = std::lower_bound(wanted.begin(), wanted.end(), place(keys[i])) - wanted.begin();
     sheets[i] = found[at] ? kJoined : kApart;
   }

@@ -19,7 +19,7 @@ namespace mpdem {
 // Points that go to another part, and the field from which each new field has its motion.
 struct NewParts {
   std::map<int, int> part_of_slot;
-  std::map<int, int> parent_field;
+  std::map<Field, Field> parent_field;
   std::map<Key, Key> source;
   std::vector<Key> split;  // nodes whose copies changed, as those of part 0
 };

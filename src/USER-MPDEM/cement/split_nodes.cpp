@@ -3,7 +3,6 @@
 //
 // Nodes of copies, their ties and volumes (splits.h).
 #include <algorithm>
-#include <limits>
 
 #include "node_places.h"
 #include "splits.h"
@@ -32,13 +31,13 @@ void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges
     rows_[r].users.clear();
     rows_[r].edges_known = true;
   }
-  for (EdgeTie& t : edges) rows_[body_of(t.slave[0])].edges.push_back(std::move(t));
+  for (EdgeTie& t : edges) rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
 }
 
 // What stands for a node of the start now; none if that has been split.
 Key Splits::now(const Key& at_start) const {
-  const int body = body_of(at_start[0]);
-  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start[0]), place_of(at_start));
+  const int body = body_of(at_start.field());
+  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start.field()), place_of(at_start));
   return part < 0 ? kNoNode : key_at(body, part, place_of(at_start));
 }
 
@@ -96,14 +95,15 @@ void Splits::find_users(Row& row) const {
 std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::vector<Key>& split) {
   Row& row = rows_[body];
   if (row.users.empty()) find_users(row);
-  std::vector<int> fields, nodes;
+  std::vector<Field> fields;
+  std::vector<int> nodes;
   for (auto k = grid.keys.begin(); k != grid.keys.end();) {
-    fields.push_back((*k)[0]);
-    k = std::lower_bound(k, grid.keys.end(), Key{fields.back() + 1, std::numeric_limits<int>::min(), 0, 0});
+    fields.push_back(k->field());
+    k = std::lower_bound(k, grid.keys.end(), Key::before(fields.back() + 1));
   }
   std::vector<Key> slaves;
   for (const Key& k : split) {
-    for (int f : fields) nodes.push_back(grid.base_node(f, &k[1]));
+    for (Field f : fields) nodes.push_back(grid.node_at(k.with_field(f)));
     for (const NodeCopies::Entry& e : *row.copies.row(place_of(k))) {
       const Key first = key_at(body, e.first, place_of(k));
       for (auto u = std::lower_bound(row.users.begin(), row.users.end(), std::make_pair(first, 0)); u != row.users.end() && u->first == first; ++u)
@@ -113,21 +113,21 @@ std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::ve
   std::sort(slaves.begin(), slaves.end());
   slaves.erase(std::unique(slaves.begin(), slaves.end()), slaves.end());
   for (const Key& s : slaves)
-    for (int f : fields)
-      if (at_start({f, s[1], s[2], s[3]}) == s) nodes.push_back(grid.base_node(f, &s[1]));
+    for (Field f : fields)
+      if (at_start(s.with_field(f)) == s) nodes.push_back(grid.node_at(s.with_field(f)));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(nodes.begin(), std::lower_bound(nodes.begin(), nodes.end(), 0));
   return nodes;
 }
 
 Key Splits::at_start(const Key& k) const {
-  const int body = body_of(k[0]);
+  const int body = body_of(k.field());
   const NodeCopies& copies = rows_[body].copies;
-  return copies.empty() ? key_at(body, 0, place_of(k)) : key_at(body, copies.at(part_of_field(k[0]), place_of(k)).first, place_of(k));
+  return copies.empty() ? key_at(body, 0, place_of(k)) : key_at(body, copies.at(part_of_field(k.field()), place_of(k)).first, place_of(k));
 }
 
 Key Splits::next(const Key& k, int direction) const {
-  const int body = body_of(k[0]), first = rows_[body].copies.toward(place_of(k), part_of_field(k[0]), direction);
+  const int body = body_of(k.field()), first = rows_[body].copies.toward(place_of(k), part_of_field(k.field()), direction);
   if (first < 0) return kNoNode;
   Place p = place_of(k);
   p[direction / 2] += direction % 2 == 0 ? -1 : 1;
@@ -140,7 +140,7 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
     EdgeTie t;
     t.slave = k;
     const Key start = at_start(k);
-    const std::vector<EdgeTie>& edges = rows_[body_of(k[0])].edges;
+    const std::vector<EdgeTie>& edges = rows_[body_of(k.field())].edges;
     const auto edge = std::lower_bound(edges.begin(), edges.end(), start, [](const EdgeTie& a, const Key& b) { return a.slave < b; });
     if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
       for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
@@ -149,9 +149,9 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
     const bool whole = !t.masters.empty() && std::none_of(t.masters.begin(), t.masters.end(), [](const auto& m) { return m.first == kNoNode; }) &&
                        std::none_of(t.heirs.begin(), t.heirs.end(), [](const auto& h) { return h.first == kNoNode; });
     if (!whole) {
-      const int part = part_of_field(k[0]), stands = rows_[body_of(k[0])].copies.canonical(part, place_of(k));
+      const int part = part_of_field(k.field()), stands = rows_[body_of(k.field())].copies.canonical(part, place_of(k));
       if (stands == part) continue;
-      const Key master = key_at(body_of(k[0]), stands, place_of(k));
+      const Key master = key_at(body_of(k.field()), stands, place_of(k));
       t.masters.assign(1, {master, 1.0});
       t.heirs = t.masters;
     }
@@ -164,10 +164,10 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
 std::vector<double> Splits::volumes(const std::vector<Key>& keys) const {
   std::vector<double> given(keys.size(), -1.0);
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    const NodeCopies& copies = rows_[body_of(keys[i][0])].copies;
+    const NodeCopies& copies = rows_[body_of(keys[i].field())].copies;
     const Place place = place_of(keys[i]);
     if (copies.empty() || !copies.row(place)) continue;
-    const int part = part_of_field(keys[i][0]);
+    const int part = part_of_field(keys[i].field());
     given[i] = copies.canonical(part, place) == part ? copies.at(part, place).volume : 0.0;
   }
   return given;

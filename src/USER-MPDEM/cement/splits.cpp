@@ -181,7 +181,7 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
     if (split.empty() || split.back() != k) split.push_back(k);
     if (e.body % ranks != me) changed[k].push_back(e.entry);
   }
-  for (auto& c : changed) rows_[body_of(c.first[0])].copies.set(place_of(c.first), std::move(c.second));
+  for (auto& c : changed) rows_[body_of(c.first.field())].copies.set(place_of(c.first), std::move(c.second));
   return found;
 }
 
@@ -225,7 +225,7 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& 
     row.copies.forget_rows();
   }
   for (const auto& e : restored_)
-    if (body_of(e.first[0]) % ranks == me) rows_[body_of(e.first[0])].copies.set(place_of(e.first), e.second);
+    if (body_of(e.first.field()) % ranks == me) rows_[body_of(e.first.field())].copies.set(place_of(e.first), e.second);
   restored_.clear();
   is_restored_ = false;
   return apply(comm, bonds, rows, changes);
@@ -348,7 +348,7 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
       rows_[r].copies.clear();
       rows_[r].known = true;
     }
-  for (auto& r : rows) rows_[body_of(r.first[0])].copies.set(place_of(r.first), std::move(r.second));
+  for (auto& r : rows) rows_[body_of(r.first.field())].copies.set(place_of(r.first), std::move(r.second));
   for (const SentToward& t : all_to_all(comm, towards).data) rows_[t.body].copies.towards()[t.node].push_back(t.toward);
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "../parallel/agree.h"
+#include "../parallel/all_to_all.h"
 #include "cement.h"
 
 namespace mpdem {
@@ -30,9 +31,10 @@ std::vector<double> gather(MPI_Comm comm, const std::vector<double>& mine) {
 
 NodeRow row_of(const Grid& grid, int i) {
   NodeRow row;
-  row.field = grid.keys[i][0];
+  row.body = body_of(grid.keys[i].field());
+  row.part = part_of_field(grid.keys[i].field());
   for (int d = 0; d < 3; ++d) {
-    row.place[d] = grid.keys[i][1 + d];
+    row.place[d] = grid.keys[i].at(d);
     row.velocity[d] = grid.velocity[3 * i + d];
     row.displacement[d] = grid.displacement[3 * i + d];
     row.acceleration[d] = grid.acceleration[3 * i + d];
@@ -40,16 +42,17 @@ NodeRow row_of(const Grid& grid, int i) {
   return row;
 }
 
-Key key_of(const NodeRow& r) { return {r.field, r.place[0], r.place[1], r.place[2]}; }
+Key key_of(const NodeRow& r) { return {field_of(r.body, r.part), r.place}; }
 
 }  // namespace
 
 std::vector<double> Cement::packed_state(CementHead head) {
-  std::vector<double> mine;
-  for (const Bond& bond : bonds_.awake())
-    for (int i = 0; i < bond.grid.size(); ++i)
-      if (bond.grid.halo.counts_here()[i]) append(row_of(bond.grid, i), mine);
-  const std::vector<double> nodes = gather(comm_, mine);
+  double nodes = 0.0;
+  for (const Bond& bond : bonds_.awake()) {
+    const std::vector<char>& counts = bond.grid.halo.counts_here();
+    nodes += static_cast<double>(std::count(counts.begin(), counts.end(), 1));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &nodes, 1, MPI_DOUBLE, MPI_SUM, comm_);
   head.cell = options_.cell;
   head.basis = options_.basis;
   head.updated = options_.updated;
@@ -62,13 +65,13 @@ std::vector<double> Cement::packed_state(CementHead head) {
   std::vector<double> mine_of_copies;
   for (const auto& row : splits_.rows_to_keep(comm_))
     for (const NodeCopies::Entry& e : row.second)
-      append(CopyRow{body_of(row.first[0]), {row.first[1], row.first[2], row.first[3]}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
+      append(CopyRow{body_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
   const std::vector<double> copies = gather(comm_, mine_of_copies);
   head.split = options_.split;
   head.unilateral = options_.unilateral;
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(bonds_.table.size());
-  head.nodes = static_cast<int>(nodes.size() / kMostNumbers<NodeRow>);
+  head.nodes = nodes;
   std::vector<double> all = {CementHead::kVersion};
   append(head, all);
   states_.resize(bonds_.table.size(), BondState{});
@@ -80,9 +83,18 @@ std::vector<double> Cement::packed_state(CementHead head) {
     std::copy(loads[r].begin(), loads[r].end(), row.loads);
     append(row, all);
   }
-  all.insert(all.end(), nodes.begin(), nodes.end());
   all.insert(all.end(), copies.begin(), copies.end());
   return all;
+}
+
+std::map<int, std::vector<double>> Cement::packed_nodes() const {
+  std::map<int, std::vector<double>> nodes;
+  for (const Bond& bond : bonds_.awake()) {
+    std::vector<double>& rows = nodes[bond.body];
+    for (int i = 0; i < bond.grid.size(); ++i)
+      if (bond.grid.halo.counts_here()[i]) append(row_of(bond.grid, i), rows);
+  }
+  return nodes;
 }
 
 void Cement::check_restored(const CementHead& head) const {
@@ -107,7 +119,7 @@ void Cement::check_restored(const CementHead& head) const {
 }
 
 // Cement may have been made since.
-void Cement::restore(const CementHead& head, RecordReader& in) {
+void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes, int version) {
   check_restored(head);
   const std::size_t table = bonds_.table.size();
   dt_last_ = head.step;
@@ -133,27 +145,73 @@ void Cement::restore(const CementHead& head, RecordReader& in) {
   }
   load_watch_.restore(std::move(largest), std::move(loads));
   cracks_.restore(std::move(cracks));
-  std::vector<NodeRow> rows(head.nodes);
+  const bool with_points = version > 13;
+  std::vector<NodeRow> rows(with_points ? nodes.size() / kMostNumbers<NodeRow> : static_cast<std::size_t>(head.nodes));
+  RecordReader of_points(nodes.data(), nodes.data() + nodes.size());
   for (NodeRow& row : rows) {
-    in.read(row);
-    in.check_whole("the bond of a node", body_of(row.field), from(0, static_cast<double>(table) - 1.0));
+    NodeRow13 before;
+    if (with_points) of_points.read(row);
+    else in.read(before), row = node_row(before);
+    in.check_whole("the bond of a node", row.body, from(0, static_cast<double>(table) - 1.0));
   }
+  in.tell(of_points.trouble());
   std::map<Key, NodeCopies::Row> copies;
   for (int n = 0; n < head.copies; ++n) {
     CopyRow row;
     in.read(row);
     in.check_whole("the bond of a split node", row.body, from(0, static_cast<double>(table) - 1.0));
-    copies[{row.body, row.place[0], row.place[1], row.place[2]}].push_back({row.part, row.copy, row.first, row.volume});
+    copies[{field_of(row.body, 0), row.place}].push_back({row.part, row.copy, row.first, row.volume});
   }
   if (!in.trouble().empty()) return;
   if (options_.split) splits_.restore(head.bodies, std::move(copies));
+  if (with_points) {
+    arrivals_.rows_of_nodes = std::move(rows);
+    arrivals_.nodes = head.nodes;
+  } else {
+    take_restored_nodes(std::move(rows));
+  }
+}
+
+void Cement::take_restored_nodes(std::vector<NodeRow> rows) {
   std::sort(rows.begin(), rows.end(), [](const NodeRow& a, const NodeRow& b) { return key_of(a) < key_of(b); });
-  arrivals_.restored_nodes.assign(table, NodeKinematics());
+  arrivals_.restored_nodes.assign(bonds_.table.size(), NodeKinematics());
   for (const NodeRow& row : rows) {
-    NodeKinematics& k = arrivals_.restored_nodes[body_of(row.field)];
+    NodeKinematics& k = arrivals_.restored_nodes[row.body];
     k.keys.push_back(key_of(row));
     for (const double* part : {row.velocity, row.displacement, row.acceleration}) k.values.insert(k.values.end(), part, part + 3);
   }
+}
+
+// Collective, before the first layout. Points may have gone to other ranks since they were read: rows go to all that have some of their bond, by way of
+// a home of the bond.
+void Cement::bring_restored_nodes() {
+  if (arrivals_.nodes < 0.0) return;
+  int ranks;
+  MPI_Comm_size(comm_, &ranks);
+  double found = static_cast<double>(arrivals_.rows_of_nodes.size());
+  MPI_Allreduce(MPI_IN_PLACE, &found, 1, MPI_DOUBLE, MPI_SUM, comm_);
+  if (found != arrivals_.nodes)
+    throw BadState(text_of("the points of the restart file have the motion of ", found, " of ", arrivals_.nodes, " nodes; use another restart file, of the whole scene"));
+  arrivals_.nodes = -1.0;
+  std::vector<std::vector<NodeRow>> to_home(ranks);
+  for (const NodeRow& row : arrivals_.rows_of_nodes) to_home[row.body % ranks].push_back(row);
+  std::vector<NodeRow>().swap(arrivals_.rows_of_nodes);
+  std::vector<NodeRow> at_home = all_to_all(comm_, to_home).data;
+  const auto by_bond = [](const NodeRow& a, const NodeRow& b) { return a.body < b.body; };
+  std::sort(at_home.begin(), at_home.end(), by_bond);
+  std::vector<std::vector<int>> ask(ranks);
+  for (const Bond& b : bonds_) ask[b.body % ranks].push_back(b.body);
+  const Received<int> asked = all_to_all(comm_, ask);
+  std::vector<std::vector<NodeRow>> answer(ranks);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < asked.count[rank]; ++i, ++n) {
+      NodeRow of_bond;
+      of_bond.body = asked.data[n];
+      const auto rows = std::equal_range(at_home.begin(), at_home.end(), of_bond, by_bond);
+      answer[rank].insert(answer[rank].end(), rows.first, rows.second);
+    }
+  take_restored_nodes(all_to_all(comm_, answer).data);
 }
 
 }  // namespace mpdem

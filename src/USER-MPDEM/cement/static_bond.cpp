@@ -105,7 +105,7 @@ std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, in
   std::vector<double> x(3 * grid.size());
   for (int i = 0; i < grid.size(); ++i) {
     Vector3 X;
-    for (int d = 0; d < 3; ++d) X[d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d];
+    for (int d = 0; d < 3; ++d) X[d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d];
     double apart[2], motion[6];
     for (int s = 0; s < 2; ++s) apart[s] = std::max(0.0, (X - centre(p.side[s])).norm() - p.body.radius[s]);
     const double sum = apart[0] + apart[1], share = sum > 0.0 ? apart[0] / sum : 0.5;

@@ -45,7 +45,7 @@ void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
       for (int s = 0; s < 2; ++s) m.mass[s][l] = l < e.count ? a.mass[s] : 0.0;
       m.added[l] = mass_[a.node];
       e.counted[l] = l < e.count ? grid.halo.counts_here()[a.node] : 0.0;
-      for (int d = 0; d < 3; ++d) e.X[d][l] = grid.keys[a.node][1 + d] * grid.h;
+      for (int d = 0; d < 3; ++d) e.X[d][l] = grid.keys[a.node].at(d) * grid.h;
     }
   }
   nodes_ = std::move(nodes);

@@ -49,7 +49,7 @@ class AddedMass {
     double mass[2];  // of the links to either side
     // Vector from the centre of a grain to the node.
     void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
-      for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
+      for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
     }
   };
   std::vector<Share> shares() const;

@@ -19,17 +19,17 @@ void take(const GrainSide& s, const double* of_box, double* to) {
 void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std::vector<int>& here,
                        const std::vector<Key>& owned) {
   std::vector<Key> keys = owned;
-  for (const Key& k : owned) keys.push_back({k[0], 1 - k[1], 0, 0});
+  for (const Key& k : owned) keys.push_back({k.field(), 1 - k.at(0), 0, 0});
   for (int body : here)
     for (int s = 0; s < 2; ++s) keys.push_back({body, s, 0, 0});
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   sides.assign(keys.size(), GrainSide{});
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    sides[i].body = keys[i][0];
-    sides[i].side = keys[i][1];
-    sides[i].tag = bodies[keys[i][0]].grain[keys[i][1]];
-    sides[i].axes = axes_of(bodies[keys[i][0]]);
+    sides[i].body = body_of(keys[i].field());
+    sides[i].side = keys[i].at(0);
+    sides[i].tag = bodies[sides[i].body].grain[sides[i].side];
+    sides[i].axes = axes_of(bodies[sides[i].body]);
   }
   owned_at_.clear();
   for (const Key& k : owned)

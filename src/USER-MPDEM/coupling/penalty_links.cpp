@@ -80,11 +80,11 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
       }
   }
   columns_.own().assign(kLanes * blocks_.size() * columns_of_cell_, 0);
-  std::vector<std::uint16_t>& parts = parts_.own();
+  std::vector<int>& parts = parts_.own();
   parts.assign(kLanes * blocks_.size(), 0);
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l)
-      if (blocks_[n].link[l] >= 0) parts[kLanes * n + l] = static_cast<std::uint16_t>(points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part);
+      if (blocks_[n].link[l] >= 0) parts[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part;
   take_states(points);
 }
 
@@ -240,7 +240,7 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
       if (b.link[l] < 0) continue;
       const int now = points.meta[points.links[b.link[l]].slot / kLanes].part;
       if (now == parts_[kLanes * n + l]) continue;
-      parts_.own()[kLanes * n + l] = static_cast<std::uint16_t>(now);
+      parts_.own()[kLanes * n + l] = now;
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
       grid.find_columns(field_of(body_, now), base, columns(n, l));
     }

@@ -39,6 +39,7 @@
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
+#include "../numerics/short_list.h"
 #include "grain_sides.h"
 #include "traction_law.h"
 
@@ -179,7 +180,6 @@ class PenaltyLinks {
   typename L::State state(const L&, std::size_t block) const;
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
   void take_states(const PointStore& points);
-  static_assert(kMaxParts <= std::numeric_limits<std::uint16_t>::max(), "two bytes hold a part");
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
   // Velocity of the place against the grain's, and the force of the dampers by it.
@@ -195,7 +195,7 @@ class PenaltyLinks {
   // What bonds of one shape have alike: blocks, and of their lanes nodes (see Grid) and parts.
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
-  SharedList<std::uint16_t> parts_;
+  SharedList<int> parts_;
   std::vector<Holding> holding_;  // of each block
   std::vector<vd> states_;   // of the traction law, its fields of each block; those of the store are the same
   std::vector<Places> moves_;    // of the places of each block in this step, `updated` only

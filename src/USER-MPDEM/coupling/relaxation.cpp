@@ -38,7 +38,7 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, c
     for (int s = 0; s < 2; ++s) {
       double r2 = 0.0;
       for (int d = 0; d < 3; ++d) {
-        const double r = grid.keys[i][1 + d] * grid.h - body.centre[s][d];
+        const double r = grid.keys[i].at(d) * grid.h - body.centre[s][d];
         r2 += r * r;
       }
       depth[s] = std::max(std::sqrt(r2) - body.radius[s], 0.0);
@@ -62,7 +62,7 @@ void Relaxation::for_each_node(const Grid& grid, const GrainSide* side, F f) con
     Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, rate_ * grid.mass[i]};
     for (int s = 0; s < 2; ++s)
       for (int d = 0; d < 3; ++d)
-        node.r[s][d] = grid.keys[i][1 + d] * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
+        node.r[s][d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
     const auto is_far = [&](int s) {
       const double* r = node.r[s];
       return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];

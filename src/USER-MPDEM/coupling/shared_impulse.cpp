@@ -11,7 +11,7 @@ namespace mpdem {
 namespace {
 
 void lever_arm(const Grid& grid, int node, const GrainSide& s, double* r) {
-  for (int d = 0; d < 3; ++d) r[d] = grid.keys[node][1 + d] * grid.h + grid.displacement[3 * node + d] - s.x[d];
+  for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
 }
 
 void acceleration_at(const GrainSide& s, const double* r, double* a) {

@@ -143,7 +143,7 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   int head[AtomVecMpdem::kRestartHead];
   const bool whole = at != std::string::npos && at + sizeof AtomVecMpdem::kRestartMagic + sizeof head <= text.size();
   if (whole) std::memcpy(head, &text[at + sizeof AtomVecMpdem::kRestartMagic], sizeof head);
-  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // for the atom style to judge
+  if (whole && (!AtomVecMpdem::reads(head[0]) || !head[AtomVecMpdem::kRestartSealed])) return "";  // for the atom style to judge
   return mpdem::text_of("read_restart: file '", name, "' is truncated: its ", size, " bytes do not end as they were written", cure);
 }
 
@@ -163,6 +163,7 @@ void WriteRestart::write(char* file) {
   std::uint64_t all = 0;
   MPI_Reduce(&bytes, &all, 1, MPI_UINT64_T, MPI_SUM, 0, world);
   if (region) all = 0;  // what was written is not known
+  AtomVecMpdem::of(lmp)->write_with_points({});
   std::string complaint;
   if (me == 0) complaint = write_seal(with(name, "base"), split ? 0 : all, block, split ? nprocs : 0, update->ntimestep);
   if (split && complaint.empty())

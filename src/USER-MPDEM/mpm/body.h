@@ -14,6 +14,7 @@
 #include <cmath>
 
 #include "../numerics/rotation.h"
+#include "../parallel/key.h"
 #include "../parallel/record.h"
 
 namespace mpdem {
@@ -116,18 +117,17 @@ inline int nearer_side(const Body& body, double nearer_to_first) {
 // A body has parts. Each part has nodes of its own, which are a field of the grid. A body that came apart has pieces:
 // piece 0 stays with the first grain, piece 1 with the second, and others are loose. A body that holds is piece 0. A
 // piece is one part. If the body has a crevice (fracture/crevice.h), it is two parts, which are called sheets.
-constexpr int kBodyBits = 20;
-constexpr int kMaxBodies = 1 << kBodyBits;
-constexpr int kMaxParts = 1 << (30 - kBodyBits);
+// Bonds are as many as an int counts. A part that has 27 nodes takes some 10 kB, so memory ends before the parts of a bond do.
+constexpr int kMaxParts = 1 << kPartBits;
 constexpr int kMaxPieces = kMaxParts / 2;
 inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }
 inline int piece_of(int part) { return part >> 1; }
 inline int sheet_of(int part) { return part & 1; }
-inline int field_of(int body, int part) { return body | part << kBodyBits; }
-inline int part_of_field(int field) { return field >> kBodyBits; }
-inline int other_sheet(int field) { return field ^ (1 << kBodyBits); }
-inline bool is_second_sheet(int field) { return (field >> kBodyBits & 1) != 0; }
-inline int body_of(int field) { return field & ((1 << kBodyBits) - 1); }
+inline Field field_of(int body, int part) { return body | static_cast<Field>(part) << kBodyBits; }
+inline int part_of_field(Field field) { return static_cast<int>(field >> kBodyBits); }
+inline Field other_sheet(Field field) { return field ^ (Field{1} << kBodyBits); }
+inline bool is_second_sheet(Field field) { return (field >> kBodyBits & 1) != 0; }
+inline int body_of(Field field) { return static_cast<int>(field & ((Field{1} << kBodyBits) - 1)); }
 
 }  // namespace mpdem
 

@@ -32,15 +32,11 @@ Key neighbour(const Next& next, Key k, int direction, int steps, bool other = fa
     for (int n = 0; n < steps && k != kNoNode; ++n) k = next(k, direction);
     return k;
   }
-  k[1 + direction / 2] += direction % 2 == 0 ? -steps : steps;
-  if (other) k[0] = other_sheet(k[0]);
-  return k;
+  k = k.moved(direction / 2, direction % 2 == 0 ? -steps : steps);
+  return other ? k.with_field(other_sheet(k.field())) : k;
 }
 
-Key copy_of(Key k) {
-  k[0] = other_sheet(k[0]);
-  return k;
-}
+Key copy_of(const Key& k) { return k.with_field(other_sheet(k.field())); }
 
 void make_unique(std::vector<Key>& keys) {
   std::sort(keys.begin(), keys.end());
@@ -158,7 +154,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
     if (!found[c]) continue;
     joined[i] = 1;
     mass[i] += of_copies[c];
-    if (is_second_sheet(keys[i][0])) codes[i] = kCopy;
+    if (is_second_sheet(keys[i].field())) codes[i] = kCopy;
   }
 
   double mine = 0.0, most;

@@ -50,7 +50,6 @@ struct TiedNodes {
   // The next node in direction -x +x -y +y -z +z, kNoNode if there is none; empty: that of the same field. See fracture/node_copies.h.
   std::function<Key(const Key&, int direction)> next;
 };
-constexpr Key kNoNode{-1, 0, 0, 0};
 constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
 
 // Finds the ties of the nodes of this rank. Collective.

@@ -36,7 +36,7 @@ void sort_unique(std::vector<Key>& keys) {
 void widen(std::vector<Key>& keys, int d, int low, int high) {
   const auto moved = [&](int by) {
     std::vector<Key> copy(keys);
-    for (Key& k : copy) k[1 + d] += by;
+    for (Key& k : copy) k = k.moved(d, by);
     return copy;
   };
   std::vector<Key> wide = moved(low), both;
@@ -52,13 +52,14 @@ void widen(std::vector<Key>& keys, int d, int low, int high) {
 
 }  // namespace
 
-int Grid::base_node(int field, const int* base) const {
-  const Key k{field, base[0], base[1], base[2]};
+int Grid::base_node(Field field, const int* base) const { return node_at({field, base}); }
+
+int Grid::node_at(const Key& k) const {
   const auto it = std::lower_bound(keys.begin(), keys.end(), k);
   return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
 }
 
-bool Grid::find_columns(int field, const int* base, int* column) const {
+bool Grid::find_columns(Field field, const int* base, int* column) const {
   const int S = support(basis);
   for (int i = 0; i < S; ++i)
     for (int j = 0; j < S; ++j) {
@@ -106,7 +107,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   std::vector<int> columns(columns_of_cell * unique.size()), walk(columns_of_cell, 0);
   for (std::size_t u = 0; u < unique.size(); ++u)
     for (int n = 0; n < columns_of_cell; ++n) {
-      const Key first{unique[u][0], unique[u][1] + n / S, unique[u][2] + n % S, unique[u][3]};
+      const Key first = unique[u].moved(0, n / S).moved(1, n % S);
       while (keys[walk[n]] < first) ++walk[n];
       columns[columns_of_cell * u + n] = walk[n];
     }
@@ -132,7 +133,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   if (margin > 0) {
     inside_.assign(keys.size(), 0);
     for (int d = 2; d >= 0; --d) widen(unique, d, 1 - margin, margin - 1);
-    for (const Key& k : unique) inside_[base_node(k[0], &k[1])] = 1;
+    for (const Key& k : unique) inside_[node_at(k)] = 1;
   }
   return bytes;
 }
@@ -140,12 +141,11 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 namespace {
 
 // Node whose motion a node takes over.
-Key source_of(Key k, const GridRequest& r) {
+Key source_of(const Key& k, const GridRequest& r) {
   const auto own = r.source.find(k);
   if (own != r.source.end()) return own->second;
-  const auto it = r.parent_field.find(k[0]);
-  if (it != r.parent_field.end()) k[0] = it->second;
-  return k;
+  const auto it = r.parent_field.find(k.field());
+  return it != r.parent_field.end() ? k.with_field(it->second) : k;
 }
 
 }  // namespace
@@ -255,7 +255,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
 }
 
 void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-                 std::vector<char>& fresh, const std::map<int, int>& parent_field, int margin, const std::vector<Key>& extra) {
+                 std::vector<char>& fresh, const std::map<Field, Field>& parent_field, int margin, const std::vector<Key>& extra) {
   std::vector<GridRequest> one(1);
   GridRequest& r = one.front();
   r.grid = this;
@@ -308,7 +308,7 @@ void Grid::take_over_motion(const std::map<Key, Key>& source) {
   };
   std::vector<Move> moves;
   for (const auto& s : source) {
-    const int to = base_node(s.first[0], &s.first[1]), from = base_node(s.second[0], &s.second[1]);
+    const int to = node_at(s.first), from = node_at(s.second);
     if (to < 0 || from < 0) continue;
     moves.push_back({to, {}});
     for (int d = 0; d < 3; ++d) {

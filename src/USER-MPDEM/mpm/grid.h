@@ -56,17 +56,17 @@ class Grid {
 
   // A cell that needs its nodes, and where to put the first node of each column.
   struct Cell {
-    Cell(int field, const int* base, int* column, int joined = kOneCell)
+    Cell(Field field, const int* base, int* column, int joined = kOneCell)
         : field(field), base{base[0], base[1], base[2]}, column(column), joined(joined) {}
-    int field;  // field_of(body, part)
+    Field field;  // field_of(body, part)
     int base[3];
     int* column;
     int joined;  // with others in a row: columns of a block of them, see basis.h
-    Key key() const { return {field, base[0], base[1], base[2]}; }
+    Key key() const { return {field, base}; }
     Key last() const {
-      Key k = key();
-      for (int d = 0; d < 3; ++d) k[1 + d] += reach_along(joined, d);
-      return k;
+      int last[3];
+      for (int d = 0; d < 3; ++d) last[d] = base[d] + reach_along(joined, d);
+      return {field, last};
     }
   };
 
@@ -75,12 +75,13 @@ class Grid {
   // nodes of a new field take the motion of the field it came from. margin: so many cells around the wanted ones get
   // nodes, too. extra: nodes that belong to no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh, const std::map<int, int>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
+             std::vector<char>& fresh, const std::map<Field, Field>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
 
   // Finds the columns of a cell after build(); false if the cell has no nodes on this rank. base_node() finds its
   // first node alone.
-  bool find_columns(int field, const int* base, int* column) const;
-  int base_node(int field, const int* base) const;
+  bool find_columns(Field field, const int* base, int* column) const;
+  int base_node(Field field, const int* base) const;
+  int node_at(const Key& k) const;
   // Is the cell with this first node at least one cell away from the end of the margin?
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
@@ -154,7 +155,7 @@ struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
   NodeKinematics before;            // motion that this rank knows of the body; may be that of all ranks
-  std::map<int, int> parent_field;  // of the parts that are new
+  std::map<Field, Field> parent_field;  // of the parts that are new
   std::map<Key, Key> source;  // nodes that take over the motion of others
   std::vector<Key> extra;
   std::vector<char> fresh;          // answer

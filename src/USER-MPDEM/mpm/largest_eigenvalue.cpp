@@ -20,8 +20,9 @@ constexpr int kMostProducts = 200;
 // The same number in [-1, 1] for a node on every rank and in every run.
 double scrambled(const Key& k, int c) {
   std::uint64_t z = 0x9e3779b97f4a7c15ull * (c + 1);
-  for (int i : k) {
-    z = (z ^ static_cast<std::uint32_t>(i)) * 0xbf58476d1ce4e5b9ull;
+  const std::uint32_t of_field = static_cast<std::uint32_t>(body_of(k.field())) ^ static_cast<std::uint32_t>(part_of_field(k.field())) << 20;
+  for (std::uint32_t i : {of_field, static_cast<std::uint32_t>(k.at(0)), static_cast<std::uint32_t>(k.at(1)), static_cast<std::uint32_t>(k.at(2))}) {
+    z = (z ^ i) * 0xbf58476d1ce4e5b9ull;
     z ^= z >> 29;
   }
   z *= 0x94d049bb133111ebull;

@@ -100,7 +100,7 @@ struct PointRecord {
   // See parallel/record.h.
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
-    visit("its bond", p.body, from(0, kMaxBodies - 1));
+    visit("its bond", p.body, kCount);
     visit("its part", p.part, from(0, kMaxParts - 1));
     visit("'failed'", p.failed);
     visit("'was looked at'", p.looked_at);

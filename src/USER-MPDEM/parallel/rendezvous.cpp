@@ -14,8 +14,8 @@ namespace {
 
 int home_rank(const Key& k, int ranks) {
   std::uint64_t h = 1469598103934665603ull;
-  for (int v : k) {
-    h ^= static_cast<std::uint32_t>(v);
+  for (std::uint64_t v : {k.low(), k.high()}) {
+    h ^= v;
     h *= 1099511628211ull;
     h ^= h >> 29;
   }

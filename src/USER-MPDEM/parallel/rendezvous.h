@@ -10,14 +10,11 @@
 
 #include <mpi.h>
 
-#include <array>
-#include <cstdint>
 #include <vector>
 
-namespace mpdem {
+#include "key.h"
 
-// Node: body, i, j, k. Grain: tag, 0, 0, 0.
-using Key = std::array<int, 4>;
+namespace mpdem {
 
 // items[n] are the indices of the caller's keys that ranks[n] holds too, in key order, so
 // that both sides enumerate the shared keys alike. Ranks ascend.

@@ -26,7 +26,7 @@ constexpr int kSphereNumbers = 17;  // of an atom of style sphere, before those 
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBodyNumbers = mpdem::kMostNumbers<mpdem::Body>;
 constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // numbers, which MPI counts in int
-enum Kind { kNoState = 0, kPoint = 1, kGrain = 2 };
+enum Kind { kNoState = 0, kPoint = 1, kGrain = 2, kNodes = 3 };  // the last: how many rows of nodes, these, and another state
 }  // namespace
 
 // Every scene with cement begins here, in whatever program the package is: by `atom_style`, and by `read_restart`
@@ -139,18 +139,54 @@ int AtomVecMpdem::size_of_state(int i) const {
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
+void AtomVecMpdem::write_with_points(std::map<int, std::vector<double>> of_bonds) {
+  rows_.clear();
+  for (auto& b : of_bonds)
+    if (!b.second.empty()) rows_[b.first].rows = std::move(b.second);
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const auto of_bond = is_point(i) ? rows_.find(bond[i]) : rows_.end();
+    if (of_bond != rows_.end()) ++of_bond->second.points;
+  }
+  std::string trouble;
+  for (const auto& b : rows_)
+    if (b.second.rows.size() / kNumbersOfRow > static_cast<std::size_t>(kMostRowsOfPoint) * b.second.points)
+      trouble = mpdem::text_of("write_restart: the bond of grains ", bonds.table[b.first].grain[0], " and ", bonds.table[b.first].grain[1], " has ", b.second.rows.size() / kNumbersOfRow,
+                               " nodes on a rank, and ", b.second.points, " points, at most ", kMostRowsOfPoint, " nodes a point are allowed; use a larger cell");
+  mpdem::stop_if_any(lmp, trouble);
+}
+
+int AtomVecMpdem::pack_rows(int i, double* buf) {
+  const auto of_bond = is_point(i) ? rows_.find(bond[i]) : rows_.end();
+  if (of_bond == rows_.end()) return 0;
+  RowsOfBond& b = of_bond->second;
+  const auto upto = [&](int points) { return b.rows.size() / kNumbersOfRow * points / b.points * kNumbersOfRow; };
+  const std::size_t from = upto(b.dealt), to = upto(b.dealt + 1);
+  ++b.dealt;
+  if (from == to) return 0;
+  buf[0] = kNodes;
+  buf[1] = static_cast<double>((to - from) / kNumbersOfRow);
+  std::copy(b.rows.begin() + from, b.rows.begin() + to, buf + 2);
+  return static_cast<int>(2 + to - from);
+}
+
 // Exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
   int n = AtomVecSphere::size_restart();
   for (int i = 0; i < atom->nlocal; ++i) n += size_of_state(i) + 1;
+  for (auto& b : rows_) {
+    b.second.dealt = 0;
+    const int rows = static_cast<int>(b.second.rows.size()) / kNumbersOfRow;
+    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // so many points have some
+  }
   return n;
 }
 
-// State and its length follow what the fixes wrote, and are taken off again before the
+// State, rows and their length follow what the fixes wrote, and are taken off again before the
 // base class hands the rest to the fixes.
 int AtomVecMpdem::pack_restart(int i, double* buf) {
   int m = AtomVecSphere::pack_restart(i, buf);
-  const int n = pack_state(i, &buf[m]);
+  int n = pack_rows(i, &buf[m]);
+  n += pack_state(i, &buf[m + n]);
   m += n;
   buf[m++] = n + 1;
   buf[0] = m;
@@ -175,11 +211,25 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
   if (!found.trouble().empty()) return found.trouble();
 
   const double *state = buf + total - own, *end = buf + total - 1;
+  const double *nodes = state, *nodes_end = state;
+  if (state[0] == kNodes) {
+    const double most = static_cast<double>((end - state - 3) / kNumbersOfRow);
+    if (!found.check_whole("its number of nodes", state[1], mpdem::from(1.0, std::max(1.0, most)))) return found.trouble();
+    nodes = state + 2;
+    nodes_end = state = nodes + static_cast<int>(state[1]) * kNumbersOfRow;
+    if (state >= end) return "its number of nodes is wrong";
+  }
   mpdem::RecordReader in(state + 1, end);
   mpdem::PointRecord point;
   if (state[0] == kPoint) {
     in.read(point);
     if (in.trouble().empty()) in.tell(trouble_of(point, bonds.table));
+    mpdem::RecordReader of_nodes(nodes, nodes_end);
+    for (mpdem::NodeRow row; of_nodes.trouble().empty() && !of_nodes.at_end();) {
+      of_nodes.read(row);
+      of_nodes.check_whole("the bond of a node", row.body, mpdem::from(point.body, point.body));
+    }
+    in.tell(of_nodes.trouble());
   } else if (state[0] == kGrain) {
     GrainState grain;
     in.read(grain);
@@ -192,7 +242,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
 
 int AtomVecMpdem::unpack_restart(double* buf) {
   // That the file is as it was written is known from its seal, if it has one, see host/restart_seal.cpp.
-  const double most = kSphereNumbers + atom->nextra_store + kMostOfState + 1;
+  const double most = kSphereNumbers + atom->nextra_store + kMostOfState + 1 + static_cast<double>(kMostRowsOfPoint) * kNumbersOfRow;
   const int total = buf[0] > kSphereNumbers && buf[0] <= most ? static_cast<int>(buf[0]) : 1;
   const double own_length = buf[total - 1];
   const int own = own_length > 1.0 && own_length < total ? static_cast<int>(own_length) : 0;
@@ -203,7 +253,13 @@ int AtomVecMpdem::unpack_restart(double* buf) {
   buf[0] = total - own;
   AtomVecSphere::unpack_restart(buf);
   buf[0] = total;
-  unpack_state(atom->nlocal - 1, &buf[total - own]);
+  const double* state = &buf[total - own];
+  if (state[0] == kNodes) {
+    const double* rows = state + 2;
+    state = rows + static_cast<int>(state[1]) * kNumbersOfRow;
+    restored_rows.insert(restored_rows.end(), rows, state);
+  }
+  unpack_state(atom->nlocal - 1, state);
   return total;
 }
 
@@ -215,6 +271,22 @@ void write_numbers(FILE* fp, const std::vector<double>& numbers) {
 }
 bool read_numbers(FILE* fp, std::vector<double>& numbers) {
   return numbers.empty() || fread(numbers.data(), sizeof(double), numbers.size(), fp) == numbers.size();
+}
+
+// Of a file, at most.
+bigint numbers_left(FILE* fp) {
+  const long here = std::ftell(fp);
+  std::fseek(fp, 0, SEEK_END);
+  const bigint left = (std::ftell(fp) - here) / static_cast<bigint>(sizeof(double));
+  std::fseek(fp, here, SEEK_SET);
+  return left;
+}
+
+// From the first rank to all, more than MPI counts.
+void broadcast(std::vector<double>& numbers, MPI_Comm comm) {
+  constexpr std::size_t kMost = std::size_t{1} << 30;
+  for (std::size_t at = 0; at < numbers.size(); at += kMost)
+    MPI_Bcast(&numbers[at], static_cast<int>(std::min(kMost, numbers.size() - at)), MPI_DOUBLE, 0, comm);
 }
 
 }  // namespace
@@ -253,21 +325,16 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   if (!marked()) return "the file has no data of atom_style mpdem" + cure;
   if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) return truncated;
   const int count = head[2], patterns = head[3];
-  if (head[0] != kRestartVersion) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
+  if (!reads(head[0])) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
   if (head[1] != kBodyNumbers || count < 0 || patterns < 0)
     return mpdem::text_of("the file is damaged: it has ", count, " bonds of ", head[1], " numbers, this program writes ", kBodyNumbers, " numbers a bond", cure);
-  if (count > mpdem::kMaxBodies)
-    return mpdem::text_of("the file has ", count, " bonds, this program takes ", mpdem::kMaxBodies, " at most; use the program that wrote it");
+  if (static_cast<bigint>(kBodyNumbers) * count > numbers_left(fp)) return truncated;
   std::vector<double> numbers(static_cast<std::size_t>(kBodyNumbers) * count);
   if (!read_numbers(fp, numbers)) return truncated;
   if (!marked()) return mpdem::text_of("the file is damaged: it says ", count, " bonds, which is not how many it has", cure);
   bigint of_patterns = 0;
   if (fread(&of_patterns, sizeof of_patterns, 1, fp) != 1) return truncated;
-  const long here = std::ftell(fp);
-  std::fseek(fp, 0, SEEK_END);
-  const bigint left = (std::ftell(fp) - here) / static_cast<bigint>(sizeof(double));
-  std::fseek(fp, here, SEEK_SET);
-  if (of_patterns < patterns || of_patterns > std::min(kMostOfPatterns, left)) return "the file is damaged in the patterns of points" + cure;
+  if (of_patterns < patterns || of_patterns > std::min(kMostOfPatterns, numbers_left(fp))) return "the file is damaged in the patterns of points" + cure;
   std::vector<double> pattern_numbers(of_patterns);
   if (!read_numbers(fp, pattern_numbers)) return truncated;
   if (!marked()) return "the file is damaged in the patterns of points" + cure;
@@ -302,7 +369,7 @@ void AtomVecMpdem::share_bodies() {
   MPI_Bcast(count, 3, MPI_INT, 0, world);
   bonds.table.resize(count[0]);
   std::vector<double> numbers = packed_bodies();
-  MPI_Bcast(numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, 0, world);
+  broadcast(numbers, world);
   const double* from = numbers.data();
   for (mpdem::Body& body : bonds.table) from = mpdem::unpack(from, body);
   patterns.resize(count[2]);

@@ -16,9 +16,11 @@ AtomStyle(mpdem,AtomVecMpdem)
 #define MPDEM_ATOM_VEC_MPDEM_H
 
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "../cement/cement_restart.h"
 #include "../coupling/grain_state.h"
 #include "../cement/bond.h"
 #include "atom_vec_sphere.h"
@@ -56,8 +58,15 @@ class AtomVecMpdem : public AtomVecSphere {
   // body, how many bodies, how many patterns of points, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   // Bodies follow, the bytes again, the number of numbers of the patterns, these, and the bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 18, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
+  static constexpr int kRestartVersion = 19, kOldestRestartVersion = 18, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
   static inline bool restart_is_sealed = false;
+
+  static bool reads(int version) { return version >= kOldestRestartVersion && version <= kRestartVersion; }
+  // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow a row. They are dealt out to the points evenly, so
+  // that no atom has many. Those of a file are in restored_rows after read_restart, on the ranks that have these points then.
+  static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
+  void write_with_points(std::map<int, std::vector<double>> of_bonds);
+  std::vector<double> restored_rows;
 
   // The atom style in use, or null.
   static AtomVecMpdem* of(LAMMPS* lmp);
@@ -77,6 +86,12 @@ class AtomVecMpdem : public AtomVecSphere {
   bigint memory_usage() override;
 
  private:
+  struct RowsOfBond {
+    std::vector<double> rows;
+    int points = 0, dealt = 0;  // so many points of it this rank has, and so many have theirs
+  };
+  std::map<int, RowsOfBond> rows_;  // for the next restart file
+  int pack_rows(int i, double* buf);
   void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);

@@ -25,11 +25,11 @@ void FixMpm::write_restart(FILE* fp) {
   head.auto_step = auto_step_;
   head.links = coupling_.so_far();
   const std::vector<double> all = cement_->packed_state(head);
+  avec_->write_with_points(cement_->packed_nodes());
   if (comm->me != 0) return;
   const std::size_t bytes = all.size() * sizeof(double);
   if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    mpdem::stop_one(lmp, who() + "the motion of the nodes does not fit into the 2 GiB that a restart file of LIGGGHTS has for a fix; use a larger "
-                                 "'cell', or several scenes");
+    mpdem::stop_one(lmp, text_of(who(), "what it keeps of bonds and split nodes takes ", bytes, " bytes in a restart file of LIGGGHTS, which has 2 GiB for a fix; use several scenes"));
   const int size = static_cast<int>(bytes);  // LIGGGHTS' format
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(all.data(), sizeof(double), all.size(), fp);
@@ -45,8 +45,10 @@ void FixMpm::restart(char* buf) {
   const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
   const double* v = reinterpret_cast<const double*>(buf);
   check(numbers == 0 ? "there are none" : "");
+  const bool known = v[0] >= mpdem::CementHead::kOldestVersion && v[0] <= mpdem::CementHead::kVersion;
   const std::string other = mpdem::trouble_with_version(who() + "restart data", v[0], mpdem::CementHead::kVersion);
-  if (!other.empty()) mpdem::stop_all(lmp, other);
+  if (!known) mpdem::stop_all(lmp, other);
+  const int version = static_cast<int>(v[0]);
   mpdem::RecordReader in(v + 1, v + numbers);
   mpdem::CementHead head;
   in.read(head);
@@ -55,10 +57,12 @@ void FixMpm::restart(char* buf) {
   in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
   in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
   check(in.trouble());
-  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::numbers_after(head);
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::numbers_after(head, version);
   if (expected > numbers)
     check(text_of(head.bodies, " bonds, ", head.nodes, " nodes and ", head.copies, " copies of nodes take ", expected, " numbers, it has ", numbers, " at most"));
-  guarded([&] { cement_->restore(head, in); });
+  std::vector<double> nodes;
+  nodes.swap(avec_->restored_rows);
+  guarded([&] { cement_->restore(head, in, nodes, version); });
   check(in.trouble());
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = head.time;

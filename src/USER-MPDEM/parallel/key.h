@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Names a node on all ranks: its field, which is a part of a bond (mpm/body.h), and its place on the grid of the bond. Other things are named by
+// fewer whole numbers. Keys are in the order of field, i, j, k.
+//
+// A key takes 16 bytes: 31 bits for the bond, which are as many as an int can count, 22 for the part, 25 for each number of a place. A part has nodes of its own,
+// so memory ends before parts do. A place that is farther from the origin of its bond than kFarthest cells throws OnOneRank.
+#ifndef MPDEM_KEY_H
+#define MPDEM_KEY_H
+
+#include <array>
+#include <cstdint>
+
+#include "agree.h"
+
+namespace mpdem {
+
+using Field = std::int64_t;
+constexpr int kBodyBits = 31, kPartBits = 22;
+
+class Key {
+ public:
+  static constexpr int kPlaceBits = 25, kFarthest = (1 << (kPlaceBits - 1)) - 1;
+  // No node has this one. It comes before all others.
+  constexpr Key() = default;
+  Key(Field field, int i, int j, int k) : bits_(static_cast<Bits>(field) << 3 * kPlaceBits | shifted(i, 2) | shifted(j, 1) | shifted(k, 0)) {}
+  Key(Field field, const int* place) : Key(field, place[0], place[1], place[2]) {}
+  // Comes before all keys of the field, and is none of them.
+  static Key before(Field field) {
+    Key k;
+    k.bits_ = static_cast<Bits>(field) << 3 * kPlaceBits;
+    return k;
+  }
+
+  Field field() const { return static_cast<Field>(bits_ >> 3 * kPlaceBits); }
+  int at(int d) const { return static_cast<int>(bits_ >> (2 - d) * kPlaceBits & kMask) - kFarthest - 1; }
+  std::array<int, 3> place() const { return {at(0), at(1), at(2)}; }
+  Key with_field(Field field) const {
+    Key k = before(field);
+    k.bits_ |= bits_ & ((Bits{1} << 3 * kPlaceBits) - 1);
+    return k;
+  }
+  Key moved(int d, int by) const {
+    std::array<int, 3> p = place();
+    p[d] += by;
+    return Key(field(), p.data());
+  }
+  // Of all of it.
+  std::uint64_t low() const { return static_cast<std::uint64_t>(bits_); }
+  std::uint64_t high() const { return static_cast<std::uint64_t>(bits_ >> 64); }
+
+  friend bool operator<(const Key& a, const Key& b) { return a.bits_ < b.bits_; }
+  friend bool operator==(const Key& a, const Key& b) { return a.bits_ == b.bits_; }
+  friend bool operator!=(const Key& a, const Key& b) { return a.bits_ != b.bits_; }
+
+ private:
+  __extension__ using Bits = unsigned __int128;
+  static constexpr Bits kMask = (Bits{1} << kPlaceBits) - 1;
+  static Bits shifted(int place, int n) {
+    if (place > kFarthest || place < -kFarthest)
+      throw OnOneRank(text_of("a node lies ", place, " cells from the middle of its bond, allowed are ", kFarthest, "; use a larger 'cell', and check the motion of the points"));
+    return static_cast<Bits>(place + kFarthest + 1) << n * kPlaceBits;
+  }
+  Bits bits_ = 0;
+};
+
+constexpr Key kNoNode;
+
+}  // namespace mpdem
+
+#endif
