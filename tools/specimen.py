@@ -40,9 +40,9 @@ def positive(text):
 def arguments():
     p = argparse.ArgumentParser(description="Pours a specimen of beads, cements it, and breaks it.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, specimen.csv and the figures")
-    p.add_argument("--beads", metavar="N", type=runner.at_least_one, default=150, help="number of beads (150)")
+    p.add_argument("--beads", metavar="N", type=runner.at_least_one, default=80, help="number of beads (80)")
     p.add_argument("--contents", metavar="C,D", type=positive, default=[0.003, 0.006, 0.012], help="mass of the cement of a bond over that of its two beads")
-    p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1e5, 2e5, 4e5], help="on the sides, Pa; none: ''")
+    p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1.25e4, 2.5e4, 5e4], help="on the sides, Pa (1.25e4,2.5e4,5e4); none: ''")
     p.add_argument("--at", metavar="C", type=float, help="content at which the sides are pressed (default: the middle one)")
     p.add_argument("--tests", metavar="A,B", default="compression,tension", help="unconfined tests, compression and tension")
     p.add_argument("--set", metavar="NAME=VALUE", action="append", default=[], help="a variable of the scripts")
@@ -80,13 +80,13 @@ def plan(args):
     return [poured, *(c for c in cements.values() if c.label in used), *loads], reference
 
 
-def draw(out, rows, reference, fit):
+def draw(out, rows, reference, line):
     from mpdem import specimen_figures as figures
-    items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure)) for load, r in rows]
+    items = [(load, r, specimen.Curve(os.path.join(out, load.label), load.test, load.pressure, load.arguments.get("young"))) for load, r in rows]
     names, roses = ["curves.png", "awake.png", "strength.png", "rose.png"], []
     figures.curves(os.path.join(out, "curves.png"), items, reference)
     figures.awake(os.path.join(out, "awake.png"), items)
-    figures.strengths(os.path.join(out, "strength.png"), items, reference, fit)
+    figures.strengths(os.path.join(out, "strength.png"), items, reference, line)
     for load, _, curve in items:
         folder = os.path.join(out, load.label)
         bonds, beads = specimen.bonds_at(folder), specimen.beads_at(folder)
@@ -101,13 +101,23 @@ def draw(out, rows, reference, fit):
 def tell(rows, reference):
     """The table, and cohesion and friction angle; returns these."""
     for load, r in rows:
-        print(f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, "
-              f"{r['kinetic_at_first_failure']:.1e} at the first point that fails; energy imbalance of the cement {r['imbalance']:.1e}")
-    fit = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
+        calm = f"below 1e-3 from {100 * r['load_when_calm']:.0f} % of the peak" if r["load_when_calm"] < 1.0 else "not below 1e-3 before"
+        print(f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, {calm} until the first point fails; "
+              f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
+              f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots")
+    line = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
+    if not line:
+        return None
+    if line["beyond"]:
+        print(f"content {reference:g}: at {', '.join(f'{1e-6 * p:g}' for p in line['beyond'])} MPa the specimen is beyond its cap: the strength rises by less than the "
+              "pressure, which breaks bonds itself; left out of cohesion and friction angle")
+    fit = line["fit"]
     if fit:
-        print(f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees; "
-              f"strengths off the line by at most {100 * fit['off']:.2g} % of the largest")
-    return fit
+        print(f"content {reference:g}: cohesion {1e-6 * fit['cohesion']:.3g} MPa, friction angle {fit['angle']:.3g} degrees, from {line['fitted']} strengths; "
+              f"these are off the line by at most {100 * fit['off']:.2g} % of the largest")
+    else:
+        print(f"content {reference:g}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")
+    return line
 
 
 def main():

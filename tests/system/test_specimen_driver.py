@@ -13,7 +13,7 @@ from scenes import PATIENCE, executable
 
 ROOT = Path(__file__).parents[2]
 DRIVER = ROOT / "tools" / "specimen.py"
-TINY = ["--beads", "12", "--contents", "0.012", "--pressures", "2e5", "--jobs", "1",
+TINY = ["--beads", "12", "--contents", "0.012", "--pressures", "5e3,2e5", "--jobs", "1",
         "--set", "settle=0.04", "--set", "press=0.01", "--set", "speed=0.2", "--set", "pull=0.05", "--set", "ramp=2e-5", "--set", "confine=6e-5",
         "--set", "record=20", "--set", "frames=5", "--set", "strain=0.004", "--set", "beyond=1.3"]
 
@@ -44,8 +44,8 @@ def curve(out, label):
 def test_strengths(driven, figures):
     out, said = driven
     table = rows(out)
-    assert list(table) == ["compression_0.012", "tension_0.012", "compression_0.012_0.2MPa"]
-    assert said.count("broken, ") >= 3 and "left" in said and "cohesion" in said
+    assert list(table) == ["compression_0.012", "tension_0.012", "compression_0.012_0.005MPa", "compression_0.012_0.2MPa"]
+    assert said.count("broken, ") >= 3 and "left" in said and ("cohesion" in said or "beyond its cap" in said)
     for label, r in table.items():
         assert float(r["strength"]) > 0 and float(r["stiffness_of_ends"]) > 0
         assert int(r["broken"]) == sum(int(r[m]) for m in ("debonding", "internal", "mixed")) <= int(r["bonds"]), label
@@ -74,14 +74,49 @@ def test_curve(driven, figures):
                   abs((c["work"] + c["kinetic_beads"])[peak + 1] / work[peak] - 1), 0.05)
 
 
-def test_confined(driven, figures):
-    """The side walls come to their pressure before the plate moves."""
+@pytest.mark.parametrize("pressure", [5e3, 2e5])
+def test_confined(driven, figures, pressure):
+    """The side walls come to their pressure before the plate moves, and small pressures do not lose them."""
     out, _ = driven
-    c = curve(out, "compression_0.012_0.2MPa")
+    c = curve(out, f"compression_0.012_{1e-6 * pressure:g}MPa")
     poured = json.loads((out / "poured" / "done.json").read_text())["results"]
     before = int(np.flatnonzero(c["stage"] == 0)[-1])
-    figures.below("pressure of the sides at the end of their stage", abs(c["sideways"][before] / (2e5 * poured["side"] * poured["height"]) - 1), 0.1)
+    figures.below(f"pressure of the sides at the end of their stage, {1e-6 * pressure:g} MPa",
+                  abs(c["sideways"][before] / (pressure * poured["side"] * poured["height"]) - 1), 0.1)
+    figures.below(f"strain of the sides until then, {1e-6 * pressure:g} MPa", abs(c["lateral"][:before + 1]).max(), 2e-3)
     assert c["stage"][-1] == 1
+
+
+def test_ramp(driven, figures):
+    """The plate takes up its speed along half a wave of a cosine."""
+    out, _ = driven
+    c = curve(out, "compression_0.012")
+    ramp, speed = 2e-5, 0.2
+    u = np.minimum(c["time"], ramp)
+    wanted = 0.5 * speed * (u - ramp / np.pi * np.sin(np.pi * u / ramp)) + speed * (c["time"] - u)
+    assert (c["time"] < ramp).sum() > 10
+    within = c["time"] < 2 * ramp
+    figures.below("way of the plate against that of the ramp, over that of twice its time", abs(c["way"] - wanted)[within].max() / wanted[within].max(), 1e-2)
+
+
+def test_energy_of_the_contacts(driven, figures):
+    """Without friction and dashpots, what the plate did is in cement, motion, and the springs of the contacts: nothing is left over."""
+    out, _ = driven
+    sys.path.insert(0, str(ROOT / "tools"))
+    from mpdem import specimen
+    folder = out / "without_friction"
+    folder.mkdir()
+    scripts = ROOT / "examples" / "specimen"
+    words = {"here": scripts, "poured": "../poured", "cemented": "../cemented_0.012", "rub": 0, "bounce": 0.9999, "speed": 0.05, "ramp": 2e-5, "record": 20, "frames": 1,
+             "strain": 0.002, "beyond": 1.1}
+    with open(folder / "out.txt", "w") as said:
+        done = subprocess.run([executable(), "-in", scripts / "in.load", *(str(w) for k, v in words.items() for w in ("-var", k, v))], cwd=folder, stdout=said,
+                              timeout=300 * PATIENCE)
+    assert done.returncode == 0, (folder / "out.txt").read_text()[-2000:]
+    c = specimen.Curve(str(folder), "compression", 0.0)
+    fails = int(np.argmax(c.table["failed"] > 0)) - 1
+    assert 0.1 < (c.springs[fails] - c.springs[0]) / c.work[fails] < 0.95
+    figures.below("work of the plate less energy of cement, beads and springs when the first point fails, over it", abs(c.rubbed[fails] / c.work[fails]), 1e-2)
 
 
 def test_goes_on(driven):
@@ -89,7 +124,7 @@ def test_goes_on(driven):
     out, _ = driven
     before = (out / "specimen.csv").read_text()
     again = drive(out, *TINY)
-    assert again.returncode == 0 and "5 runs, 5 finished before, 0 to do" in again.stdout, again.stdout + again.stderr
+    assert again.returncode == 0 and "6 runs, 6 finished before, 0 to do" in again.stdout, again.stdout + again.stderr
     assert (out / "specimen.csv").read_text() == before
     other = drive(out, *TINY[:-2], "--set", "beyond=1.2", "--redraw")
     assert other.returncode == 0 and "written to" in other.stdout and len(rows(out)) == 0, "runs of other variables are not those"
@@ -129,5 +164,15 @@ def test_mohr_coulomb():
     from mpdem import specimen
     cohesion, angle = 3e5, np.radians(35.0)
     q = (1 + np.sin(angle)) / (1 - np.sin(angle))
-    fit = specimen.mohr_coulomb([{"pressure": p, "strength": 2 * cohesion * np.sqrt(q) + q * p} for p in (0.0, 1e5, 4e5)])
+    rows = [{"pressure": p, "strength": 2 * cohesion * np.sqrt(q) + q * p} for p in (0.0, 1e5, 4e5)]
+    line = specimen.mohr_coulomb(rows)
+    fit = line["fit"]
+    assert line["beyond"] == [] and line["fitted"] == 3
     assert fit["cohesion"] == pytest.approx(cohesion) and fit["angle"] == pytest.approx(35.0) and fit["off"] < 1e-12
+    # strengths that rise by less than the pressure are left out, in whatever order they come
+    cap = [{"pressure": p, "strength": rows[-1]["strength"] + 0.4 * (p - 4e5)} for p in (8e5, 6e5)]
+    line = specimen.mohr_coulomb([cap[0], *rows, cap[1]])
+    assert line["beyond"] == [6e5, 8e5] and line["fit"] == fit
+    line = specimen.mohr_coulomb([{"pressure": p, "strength": 1e6 + 0.5 * p} for p in (0.0, 1e5, 2e5)])
+    assert line["beyond"] == [1e5, 2e5] and line["fit"] is None
+    assert specimen.mohr_coulomb(rows[:1]) is None

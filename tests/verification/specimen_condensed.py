@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A specimen with condensed bonds against the same with resolved ones, in unconfined compression until ten bonds are broken.
 
-    tests/verification/specimen_condensed.py OUT [--beads 150]
+    tests/verification/specimen_condensed.py OUT [--beads 150] [--only condensed,...]
 
-Runs tools/specimen.py twice, with `condense yes` and `condense no`, and prints the largest difference of the stress, over the peak, up to
-the peak and up to the tenth broken bond, and the first ten bonds that broke. Goes on where it was stopped.
+Runs tools/specimen.py with `condense no`, and compares with it: `condense yes`, other `wake`; and what tells the noise of a brittle specimen: `condense no`
+with half the step, and with a plate that is faster by a millionth and by a thousandth. For each it prints the largest difference of the stress, over the peak, up to
+the first broken bond, the peak and the tenth broken bond, and which of the first ten broken bonds are the same. Goes on where it was stopped.
 """
 import argparse
 import os
@@ -20,19 +21,55 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path.insert(0, os.path.join(ROOT, "tools"))
 from mpdem import specimen  # noqa: E402
 
-WORDS = ["--pressures", "", "--tests", "compression", "--jobs", "1", "--set", "speed=0.02", "--set", "record=50", "--set", "frames=1",
-         "--set", "beyond=1.15"]
+SPEED, RECORD, BROKEN = 0.02, 50, 10
+WORDS = ["--pressures", "", "--tests", "compression", "--jobs", "1"]
+ALL = {"frames": "1", "beyond": "1.15", "speed": str(SPEED), "record": str(RECORD)}
+RUNS = {
+    "resolved": {"condense": "no"},
+    "resolved, half the step": {"condense": "no", "step": "0.4", "record": str(2 * RECORD)},
+    "resolved, faster by 1e-6": {"condense": "no", "speed": repr(SPEED * (1 + 1e-6))},
+    "resolved, faster by 1e-3": {"condense": "no", "speed": repr(SPEED * (1 + 1e-3))},
+    "condensed": {},
+    "condensed, wake 0.5": {"wake": "0.5"},
+    "condensed, wake 0.3": {"wake": "0.3"},
+}
 
 
-def first_broken(bonds, number):
-    """Bonds by the row of the table in which they are separated first, and the step of the last of `number`."""
-    found = []
+def first_broken(bonds, curve):
+    """(time, bond) of the first bonds that are separated in the table, in its order."""
+    found, seen = [], set()
     for step in sorted(bonds):
         row = bonds[step]
-        found += [(step, int(b)) for b, s in zip(row["bond"], row["separated"]) if s > 0 and int(b) not in {f[1] for f in found}]
-        if len(found) >= number:
+        for b in row["bond"][row["separated"] > 0]:
+            if int(b) not in seen:
+                seen.add(int(b))
+                found.append((float(np.interp(step, curve.table["step"], curve.table["time"])), int(b)))
+        if len(found) >= BROKEN:
             break
-    return found[:number]
+    return found[:BROKEN]
+
+
+def swaps(order, reference):
+    """Largest difference of the times of two bonds that broke the other way round, as the reference has them; of those in both."""
+    at = {b: t for t, b in reference}
+    times = [at[b] for _, b in order if b in at]
+    return max((max(times[:i + 1]) - t for i, t in enumerate(times)), default=0.0)
+
+
+def told(name, run, reference):
+    (a, mine), (b, theirs) = run, reference
+    off = np.abs(np.interp(b.table["time"], a.table["time"], a.stress) - b.stress) / b.stress[b.peak]
+    end = min(a.table["time"][-1], b.table["time"][-1])
+    if not mine or not theirs:
+        print(f"{name}: no bond is broken; set a larger `beyond`")
+        return
+    until = [min(mine[0][0], theirs[0][0]), b.table["time"][b.peak], min(mine[-1][0], theirs[-1][0], end)]
+    parts = ", ".join(f"{100 * off[b.table['time'] <= t].max():.2g}" for t in until)
+    same = len({n for _, n in mine} & {n for _, n in theirs})
+    order = next((i for i, (x, y) in enumerate(zip(mine, theirs)) if x[1] != y[1]), len(theirs))
+    print(f"{name}: peak {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):+.2g} %; stress up to the first broken bond, the peak, the last of the first broken bonds: off by at most "
+          f"{parts} % of the peak; of the first {len(theirs)} broken bonds {same} the same, in the same order the first {order}, "
+          f"others within {1e6 * swaps(mine, theirs):.2g} us of {1e6 * theirs[-1][0]:.0f}")
 
 
 def main():
@@ -40,33 +77,30 @@ def main():
     p.add_argument("out")
     p.add_argument("--beads", default="150")
     p.add_argument("--content", default="0.003")
+    p.add_argument("--set", action="append", default=[], help="NAME=VALUE for all runs")
+    p.add_argument("--only", help="names of runs, beside the resolved one")
     p.add_argument("--exe", default=os.path.join(ROOT, "build", "liggghts-mpdem"))
     args = p.parse_args()
-    curves, broken = {}, {}
-    for word in ("yes", "no"):
-        out = os.path.join(args.out, word)
-        if word == "no" and not os.path.isdir(out):
+    label = f"{float(args.content):g}"
+    folders, found = {name: os.path.join(args.out, name.replace(",", "").replace(" ", "_")) for name in RUNS}, {}
+    for name, words in RUNS.items():
+        if args.only and name != "resolved" and name not in args.only.split(";"):
+            continue
+        out = folders[name]
+        if name != "resolved" and not os.path.isdir(out):
             os.makedirs(out)
-            for name in ("poured", f"cemented_{float(args.content):g}"):
-                shutil.copytree(os.path.join(args.out, "yes", name), os.path.join(out, name))
+            for stage in ("poured", f"cemented_{label}"):
+                shutil.copytree(os.path.join(folders["resolved"], stage), os.path.join(out, stage))
+        settings = {**ALL, **words, **dict(word.split("=") for word in args.set)}
         subprocess.run([os.path.join(ROOT, "tools", "specimen.py"), out, "--exe", args.exe, "--beads", args.beads, "--contents", args.content,
-                        *WORDS, "--set", f"condense={word}"], check=True)
-        folder = os.path.join(out, f"compression_{float(args.content):g}")
-        curves[word] = specimen.Curve(folder, "compression", 0.0)
-        broken[word] = first_broken(specimen.bonds_at(folder), 10)
-    a, b = curves["yes"], curves["no"]
-    steps = a.table["step"]
-    stress = np.interp(steps, b.table["step"], b.stress)
-    off = np.abs(a.stress - stress) / b.stress[b.peak]
-    until = {"the peak": b.table["step"][b.peak], "the tenth broken bond": min(x[-1][0] for x in broken.values())}
-    for name, step in until.items():
-        print(f"stress up to {name}: largest difference {100 * off[steps <= step].max():.2g} % of the peak")
-    print(f"peak: {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):.2g} %")
-    for word in ("yes", "no"):
-        print(f"condense {word}: first broken (step since the start, bond) {[(int(s - curves[word].table['step'][0]), n) for s, n in broken[word]]}")
-    one, two = ({n for _, n in broken[word]} for word in ("yes", "no"))
-    print(f"of the first ten {len(one & two)} are the same; in the same order the first "
-          f"{next((i for i, (x, y) in enumerate(zip(broken['yes'], broken['no'])) if x[1] != y[1]), 10)}")
+                        *WORDS, *(w for k, v in settings.items() for w in ("--set", f"{k}={v}"))], check=True, stdout=subprocess.DEVNULL)
+        folder = os.path.join(out, f"compression_{label}")
+        curve = specimen.Curve(folder, "compression", 0.0)
+        found[name] = curve, first_broken(specimen.bonds_at(folder), curve)
+        if name != "resolved":
+            told(name, found[name], found["resolved"])
+    for name, (_, order) in found.items():
+        print(f"{name}: (us, bond) {[(round(1e6 * t), b) for t, b in order]}")
 
 
 if __name__ == "__main__":

@@ -17,10 +17,11 @@ from .run import Trouble
 
 FOLDER = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "examples", "specimen")
 STIFFNESS = (0.3, 0.6)   # of the peak, beyond the confining pressure
+CALM = 1e-3              # kinetic share of the energy
 FEWEST = 10              # beads that tell the strain
 COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "stiffness_of_ends", "strength", "strain_at_peak", "strain_at_end",
            "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_at_half",
-           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall")
+           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall", "beyond_cap", "springs_at_peak", "rubbed_at_first_failure", "rubbed_at_peak", "load_when_calm")
 
 
 def variables_of(script):
@@ -124,7 +125,7 @@ class Load(Stage):
 class Curve:
     """The rows of curve.csv from where the ends begin to move; stress and strain by the first shape of the specimen."""
 
-    def __init__(self, folder, test, pressure):
+    def __init__(self, folder, test, pressure, young=None):
         table = read_table(os.path.join(folder, "curve.csv"))
         shape = Pour.results(None, os.path.join(os.path.dirname(folder), "poured"))
         text = output(folder)
@@ -150,12 +151,57 @@ class Curve:
         self.in_cement = t["work"]
         self.in_contacts = self.work - self.in_cement - t["kinetic_beads"]
         self.peak = int(np.argmax(self.stress))
+        self.springs = np.full(len(self.strain), np.nan)  # energy of the contacts, see Springs
+        steps, energy = Springs(folder, young).energies()
+        if steps.size:
+            self.springs = np.interp(t["step"], steps, energy)
+        # What friction and dashpots of the contacts took since the start.
+        self.rubbed = self.in_contacts - self.in_contacts[0] - (self.springs - self.springs[0])
 
     def _work(self, table, side):
         """Of the walls and grips on the specimen; forces are means over the interval that ends with the row."""
         axial = np.cumsum(table["force"][1:] * np.diff(table["way"]))
         sides = np.cumsum(table["sideways"][1:] * np.diff(table["lateral"])) * 2 * side
         return np.concatenate(([0.0], axial - sides))
+
+
+class Springs:
+    """Elastic energy of the contacts by Hertz and Mindlin, of beads with each other and with walls, from what LIGGGHTS tells of them.
+
+    The energy of the normal springs is exact, that of the tangential ones is the one of their present stiffness."""
+
+    def __init__(self, folder, young):
+        self.folder = folder
+        with open(os.path.join(FOLDER, "beads.in")) as beads, open(os.path.join(FOLDER, "contacts.in")) as contacts:
+            young = float(young or re.search(r"^variable +young +index (\S+)", beads.read(), re.M)[1])
+            poisson = float(re.search(r"poissonsRatio peratomtype (\S+)", contacts.read())[1])
+        self.Y, self.G = young / (2 * (1 - poisson**2)), young / (4 * (2 - poisson) * (1 + poisson))
+
+    def of(self, radius, depth, slip=0.0):
+        return 8.0 / 15.0 * self.Y * np.sqrt(radius) * depth**2.5 + 4.0 * self.G * np.sqrt(radius * depth) * slip**2
+
+    def energies(self):
+        """Steps and the energy at each, J."""
+        radius = {i: b[3] for i, b in next(iter(beads_at(self.folder, 1).values()), {}).items()}
+        found = {}
+        for step, rows in local_tables(self.folder, "pairs").items():
+            a, b = (np.array([radius[int(i)] for i in rows[:, n]]) for n in (0, 1))
+            found[step] = self.of(a * b / (a + b), rows[:, 5], np.linalg.norm(rows[:, 2:5], axis=1)).sum()
+        for step, rows in local_tables(self.folder, "walls").items():
+            found[step] = found.get(step, 0.0) + self.of(np.array([radius[int(i)] for i in rows[:, 0]]), rows[:, 1]).sum()
+        steps = sorted(found)
+        return np.array(steps, dtype=float), np.array([found[s] for s in steps])
+
+
+def local_tables(folder, name):
+    """Rows of the dumps of contacts, by step."""
+    found = {}
+    for path in glob.glob(os.path.join(folder, f"{name}.*.txt")):
+        with open(path) as f:
+            head = [next(f) for _ in range(9)]
+            columns = len(head[8].split()) - 2
+            found[int(head[1])] = np.array(f.read().split(), dtype=float).reshape(-1, columns)
+    return found
 
 
 def slope(x, y):
@@ -179,12 +225,19 @@ def gauge_strain(folder, c):
     return np.interp(c.table["step"], steps, strain) * (1.0 if c.test == "tension" else -1.0)
 
 
+def calm_from(c, rising, fails):
+    """Share of the peak of the load from which on the kinetic share of the energy stays below CALM until the first point fails; nan: it does not."""
+    loud = np.flatnonzero(c.kinetic_share[:max(fails, 1)] >= CALM)
+    first = int(loud[-1]) + 1 if loud.size else 0
+    return float(rising[first] / rising[c.peak]) if first < fails else float("nan")
+
+
 def results(folder, load):
-    c = Curve(folder, load.test, load.pressure)
+    c = Curve(folder, load.test, load.pressure, load.arguments.get("young"))
     t, k = c.table, c.peak
     cement = runner.finished(os.path.dirname(folder), load.needs[0])
     rising = (c.stress - load.pressure)[:k + 1]
-    inside = np.flatnonzero((rising >= STIFFNESS[0] * rising[k]) & (rising <= STIFFNESS[1] * rising[k]))
+    inside = np.flatnonzero(rising[:int(np.argmax(rising > STIFFNESS[1] * rising[k]))] >= STIFFNESS[0] * rising[k])  # later drops are none of it
     gauge = gauge_strain(folder, c)
     half, fails = int(np.argmax(rising >= 0.5 * rising[k])), int(np.argmax(t["failed"] > 0)) or k
     return {"test": load.test, "content": load.content, "pressure": load.pressure, **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
@@ -194,18 +247,29 @@ def results(folder, load):
             "internal": int(t["internal"][-1]), "mixed": int(t["mixed"][-1]), "kinetic_at_half": float(c.kinetic_share[half]),
             "kinetic_at_first_failure": float(c.kinetic_share[max(fails - 1, 0)]), "kinetic_at_peak": float(c.kinetic_share[k]),
             "imbalance": float(np.abs(t["imbalance"][1:]).max()), "work": float(c.work[-1]), "in_contacts": float(c.in_contacts[-1]),
-            "steps": int(t["step"][-1] - t["step"][0])}
+            "steps": int(t["step"][-1] - t["step"][0]), "springs_at_peak": float((c.springs[k] - c.springs[0]) / c.work[k]),
+            "rubbed_at_first_failure": float(c.rubbed[max(fails - 1, 0)] / c.work[max(fails - 1, 0)]), "rubbed_at_peak": float(c.rubbed[k] / c.work[k]),
+            "load_when_calm": calm_from(c, rising, fails)}
 
 
 def mohr_coulomb(rows):
-    """Cohesion and friction angle (degrees) of the line strength = C + q pressure that fits best; the residual over the largest strength."""
-    p, s = (np.array([float(r[k]) for r in rows]) for k in ("pressure", "strength"))
-    if len(set(p)) < 2:
+    """Cohesion and friction angle (degrees) of the line strength = C + q pressure that fits best; the residual over the largest strength.
+
+    Friction makes the strength rise by more than the pressure. Beyond the pressure of the largest strength less pressure the specimen is at its
+    cap: the pressure itself breaks bonds. Those strengths are left out. `fit` is None where no two are left."""
+    if len({float(r["pressure"]) for r in rows}) < 2:
         return None
+    p, s = (np.array([float(r[k]) for r in sorted(rows, key=lambda r: float(r["pressure"]))]) for k in ("pressure", "strength"))
+    cap = p[np.argmax(s - p)]
+    found = {"beyond": [float(v) for v in p[p > cap]], "fitted": int((p <= cap).sum()), "fit": None}
+    p, s = p[p <= cap], s[p <= cap]
+    if len(set(p)) < 2:
+        return found
     q, C = np.polyfit(p, s, 1)
     angle = np.degrees(np.arcsin((q - 1) / (q + 1)))
-    return {"cohesion": float(C / (2 * np.sqrt(q))), "angle": float(angle), "slope": float(q), "unconfined": float(C),
-            "off": float(np.abs(s - C - q * p).max() / s.max())}
+    found["fit"] = {"cohesion": float(C / (2 * np.sqrt(q))), "angle": float(angle), "slope": float(q), "unconfined": float(C),
+                    "off": float(np.abs(s - C - q * p).max() / s.max())}
+    return found
 
 
 def bonds_at(folder):
@@ -216,10 +280,10 @@ def bonds_at(folder):
     return {int(s): {k: v[table["step"] == s] for k, v in table.items()} for s in steps}
 
 
-def beads_at(folder):
-    """Places and radii of the beads by step, by ID."""
+def beads_at(folder, most=None):
+    """Places and radii of the beads by step, by ID; of some of the steps."""
     found = {}
-    for path in glob.glob(os.path.join(folder, "beads.*.txt")):
+    for path in glob.glob(os.path.join(folder, "beads.*.txt"))[:most]:
         with open(path) as f:
             head = [next(f) for _ in range(9)]
             rows = np.loadtxt(f, ndmin=2)
@@ -231,6 +295,9 @@ def write(path, runs, out):
     """The finished loads, measured anew; returns them with their results."""
     rows = [(r, {**res, **r.results(os.path.join(out, r.label))}) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load))
             if res is not None]
+    for load, res in rows:
+        line = mohr_coulomb([other for _, other in rows if load.test == other["test"] == "compression" and load.content == other["content"]])
+        res["beyond_cap"] = int(line is not None and load.pressure in line["beyond"])
     with open(path + ".tmp", "w", newline="") as f:
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)

@@ -82,7 +82,7 @@ def energy(path, load, c):
     t = c.table
     parts = (("stored in the cement and its links", c.stored, "#1f6fb4"), ("dissipated by damage", t["dissipated"], "#c1272d"),
              ("released by points that failed", t["released"], "#e39a1f"), ("taken by dampers in the cement", t["damped"], "#8a5fa8"),
-             ("kinetic, beads and cement", c.kinetic - c.kinetic[0], "#2a8f7b"), ("contacts: springs, friction, dashpots", c.in_contacts - c.in_contacts[0], "#9aa0a8"))
+             ("kinetic, beads and cement", c.kinetic - c.kinetic[0], "#2a8f7b"), ("contacts: springs", c.springs - c.springs[0], "#9aa0a8"), ("contacts: friction, dashpots", c.rubbed, "#5b6169"))
     fig, ax = plt.subplots(figsize=(5.2, 3.3))
     x, low = 1e3 * c.strain, np.zeros(len(c.strain))
     for label, value, colour in parts:
@@ -100,7 +100,7 @@ def energy(path, load, c):
     save(fig, path)
 
 
-def strengths(path, items, reference, fit):
+def strengths(path, items, reference, line):
     """Stiffness and strengths over content; circles of Mohr of one content."""
     fig, axes = plt.subplots(1, 3, figsize=(7.48, 2.7), gridspec_kw={"width_ratios": (1, 1, 1.5)})
     for test, colour, label in (("compression", PALETTE[0], "compression"), ("tension", PALETTE[2], "tension")):
@@ -118,16 +118,17 @@ def strengths(path, items, reference, fit):
         ax.set_ylim(0.0, None)
         ax.legend(frameon=False)
     circles(axes[2], [(r["pressure"], r["strength"]) for load, r, _ in items if load.test == "compression" and load.content == reference],
-            [r["strength"] for load, r, _ in items if load.test == "tension" and load.content == reference], fit)
+            [r["strength"] for load, r, _ in items if load.test == "tension" and load.content == reference], line)
     axes[2].set_title(f"content {100 * reference:.3g} %", loc="left")
     fig.tight_layout()
     save(fig, path)
 
 
-def circles(ax, pairs, tensions, fit):
-    angle = np.linspace(0.0, np.pi, 200)
+def circles(ax, pairs, tensions, line):
+    angle, fit = np.linspace(0.0, np.pi, 200), line and line["fit"]
     for (low, high), colour in zip(sorted(pairs), PALETTE):
-        ax.plot(1e-6 * (0.5 * (low + high) + 0.5 * (high - low) * np.cos(angle)), 1e-6 * 0.5 * (high - low) * np.sin(angle), color=colour, lw=0.9)
+        ax.plot(1e-6 * (0.5 * (low + high) + 0.5 * (high - low) * np.cos(angle)), 1e-6 * 0.5 * (high - low) * np.sin(angle), color=colour, lw=0.9,
+                ls=":" if line and low in line["beyond"] else "-")
     for strength in tensions:
         ax.plot(-1e-6 * 0.5 * strength * (1 + np.cos(angle)), 1e-6 * 0.5 * strength * np.sin(angle), color=PALETTE[2], lw=0.9, ls="--")
     if fit:
@@ -139,7 +140,7 @@ def circles(ax, pairs, tensions, fit):
     ax.set_aspect("equal")
     ax.set_ylim(0.0, None)
     ax.axvline(0.0, color="0.7", lw=0.6)
-    ax.set_xlabel("normal stress (MPa); dashed: tension")
+    ax.set_xlabel("normal stress (MPa); dashed: tension" + ("; dotted: beyond the cap" if line and line["beyond"] else "") + "")
     ax.set_ylabel("shear stress (MPa)")
 
 
