@@ -58,7 +58,7 @@ TEST_P(LargestEigenvalue, OfSomeBlocks) {
   for (const Key& k : c.grid.keys) least = std::min(least, k.at(0));
   for (const Key& k : c.grid.keys) {
     const Key next = k.moved(0, 1), second = k.moved(0, 2);
-    if (k.at(0) == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}});
+    if (k.at(0) == least) ties.push_back({k, {{next, 2.0}, {second, -1.0}}, {{next, 1.0}}, {}});
   }
   c.grid.tie(ties, true);
   c.grid.lump_mass(c.points, kCalcite);
