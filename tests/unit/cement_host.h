@@ -74,7 +74,6 @@ class RowOfGrains : public CementHost {
   struct Saved {
     std::vector<double> state;  // of all ranks, on all
     std::vector<double> nodes, all_nodes;  // those of the rank before this one, and of all
-    int version = CementHead::kVersion;
     std::map<int, PointRecord> points;
     std::map<int, GrainState> states;
     std::vector<Grain> grains;
@@ -114,8 +113,8 @@ class RowOfGrains : public CementHost {
     RecordReader in(from.state.data() + 1, from.state.data() + from.state.size());
     CementHead head;
     in.read(head);
-    EXPECT_EQ(from.state.size(), 1 + kMostNumbers<CementHead> + numbers_after(head, from.version)) << "what grows with the nodes stands with the points";
-    cement->restore(head, in, from.nodes, from.version);
+    EXPECT_EQ(from.state.size(), 1 + kMostNumbers<CementHead> + numbers_after(head)) << "what grows with the nodes stands with the points";
+    cement->restore(head, in, from.nodes);
     EXPECT_EQ(in.trouble(), "");
     init();
   }
@@ -493,47 +492,21 @@ inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const 
   EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
 }
 
-// As files of version 13 have it: nodes behind the bonds, on all ranks, with the bond and the part in one number.
-inline RowOfGrains::Saved as_of_version_13(RowOfGrains::Saved s) {
-  std::vector<double> rows;
-  RecordReader in(s.all_nodes.data(), s.all_nodes.data() + s.all_nodes.size());
-  while (!in.at_end()) {
-    NodeRow row;
-    in.read(row);
-    NodeRow13 before;
-    before.field = row.body | row.part << 20;
-    std::copy(row.place, row.place + 3, before.place);
-    std::copy(row.velocity, row.velocity + 3, before.velocity);
-    std::copy(row.displacement, row.displacement + 3, before.displacement);
-    std::copy(row.acceleration, row.acceleration + 3, before.acceleration);
-    append(before, rows);
-  }
-  CementHead head;
-  unpack(s.state.data() + 1, head);
-  s.state.insert(s.state.begin() + 1 + kMostNumbers<CementHead> + static_cast<std::size_t>(kMostNumbers<BondRow>) * head.bodies, rows.begin(), rows.end());
-  s.nodes.clear();
-  s.version = 13;
-  return s;
-}
-
 // `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt, fail the same points and end
 // the same to the bit. `then(again)` compares further.
 template <class Then>
 void expect_restart_to_the_bit(RowOfGrains& whole, const Row& row, int at, int steps, double dt, Then then) {
   whole.run(at - whole.number);
   const RowOfGrains::Saved saved = whole.save();
-  RowOfGrains again(MPI_COMM_WORLD, row, saved, whole.bonds.table), from_older(MPI_COMM_WORLD, row, as_of_version_13(saved), whole.bonds.table);
-  whole.dt = again.dt = from_older.dt = dt;
+  RowOfGrains again(MPI_COMM_WORLD, row, saved, whole.bonds.table);
+  whole.dt = again.dt = dt;
   again.setup();
-  from_older.setup();
   whole.setup();
   whole.failed.clear();
   whole.run(steps);
   again.run(steps);
   EXPECT_EQ(again.all_failed(), whole.all_failed());
   expect_same_bits(whole.content(), again.content());
-  from_older.run(steps);
-  expect_same_bits(whole.content(), from_older.content());
   then(again);
 }
 

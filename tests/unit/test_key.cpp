@@ -77,26 +77,5 @@ TEST(Key, NodesOfManyBondsAndPartsAreApart) {
   }
 }
 
-// What restart files of version 13 say of nodes.
-TEST(Key, NodesOfOlderFiles) {
-  NodeRow13 before;
-  before.field = 1234 | 77 << 20;
-  for (int d = 0; d < 3; ++d) {
-    before.place[d] = d - 5;
-    before.velocity[d] = 0.5 + d;
-    before.displacement[d] = 0.25 + d;
-    before.acceleration[d] = 0.125 + d;
-  }
-  const NodeRow row = node_row(before);
-  EXPECT_EQ(row.body, 1234);
-  EXPECT_EQ(row.part, 77);
-  for (int d = 0; d < 3; ++d) {
-    EXPECT_EQ(row.place[d], before.place[d]);
-    EXPECT_EQ(row.velocity[d], before.velocity[d]);
-    EXPECT_EQ(row.displacement[d], before.displacement[d]);
-    EXPECT_EQ(row.acceleration[d], before.acceleration[d]);
-  }
-}
-
 }  // namespace
 }  // namespace mpdem

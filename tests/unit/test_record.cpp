@@ -159,7 +159,7 @@ std::vector<double> bad_values(const Described& of) {
 
 template <class R>
 class Records : public testing::Test {};
-using AllRecords = testing::Types<Body, Link, FreedPlace, PointRecord, GrainState, CementHead, BondRow, NodeRow, NodeRow13, CopyRow, PatternHead, PatternPoint>;
+using AllRecords = testing::Types<Body, Link, FreedPlace, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow, PatternHead, PatternPoint>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
 // Has the description of a record all numbers that it declares?

@@ -182,8 +182,8 @@ class Cement {
   std::vector<double> packed_state(CementHead head);
   // The motion of the nodes of this rank, rows of each bond (NodeRow) one after the other.
   std::map<int, std::vector<double>> packed_nodes() const;
-  // nodes: packed, any of those of all ranks on any rank. version: of the file, see CementHead.
-  void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes, int version = CementHead::kVersion);
+  // nodes: packed, any of those of all ranks on any rank.
+  void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
   bool restored() const { return arrivals_.restored; }
 
  private:

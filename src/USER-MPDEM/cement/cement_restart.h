@@ -3,7 +3,7 @@
 //
 // What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, and rows of the nodes that
 // are split, one after the other. The motion of the nodes stands with the points of their bonds (AtomVecMpdem::write_with_points), a row a node: it is the bulk of it, and
-// LIGGGHTS has 2 GiB for what a fix writes. Files of version 13 have the rows of nodes behind those of bonds.
+// LIGGGHTS has 2 GiB for what a fix writes.
 #ifndef MPDEM_CEMENT_CEMENT_RESTART_H
 #define MPDEM_CEMENT_CEMENT_RESTART_H
 
@@ -41,7 +41,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 14, kOldestVersion = 13;
+  static constexpr int kVersion = 14;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -114,31 +114,6 @@ struct NodeRow {
   }
 };
 
-// Of version 13, which had 20 bits for the bond and the others of `field` for the part.
-struct NodeRow13 {
-  int field = 0, place[3] = {0, 0, 0};
-  double velocity[3] = {0, 0, 0}, displacement[3] = {0, 0, 0}, acceleration[3] = {0, 0, 0};
-
-  template <class Self, class Visitor>
-  static constexpr void describe(Self& n, Visitor& visit) {
-    visit("the bond of a node", n.field, from(0, 1 << 30));
-    visit("the place of a node", n.place, from(-Key::kFarthest, Key::kFarthest));
-    visit("the velocity of a node", n.velocity, kFinite);
-    visit("the displacement of a node", n.displacement, kFinite);
-    visit("the acceleration of a node", n.acceleration, kFinite);
-  }
-};
-inline NodeRow node_row(const NodeRow13& before) {
-  NodeRow row;
-  row.body = before.field & ((1 << 20) - 1);
-  row.part = before.field >> 20;
-  std::copy(before.place, before.place + 3, row.place);
-  std::copy(before.velocity, before.velocity + 3, row.velocity);
-  std::copy(before.displacement, before.displacement + 3, row.displacement);
-  std::copy(before.acceleration, before.acceleration + 3, row.acceleration);
-  return row;
-}
-
 // A part of a bond and a node that is split, see NodeCopies.
 struct CopyRow {
   int body = 0, place[3] = {0, 0, 0};
@@ -157,9 +132,8 @@ struct CopyRow {
 };
 
 // How many numbers follow a head.
-inline std::size_t numbers_after(const CementHead& h, int version = CementHead::kVersion) {
-  const std::size_t of_nodes = version > 13 ? 0 : static_cast<std::size_t>(kMostNumbers<NodeRow13>) * static_cast<std::size_t>(h.nodes);
-  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + of_nodes + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
+inline std::size_t numbers_after(const CementHead& h) {
+  return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
 }
 
 }  // namespace mpdem

@@ -119,7 +119,7 @@ void Cement::check_restored(const CementHead& head) const {
 }
 
 // Cement may have been made since.
-void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes, int version) {
+void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
   check_restored(head);
   const std::size_t table = bonds_.table.size();
   dt_last_ = head.step;
@@ -145,13 +145,10 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   }
   load_watch_.restore(std::move(largest), std::move(loads));
   cracks_.restore(std::move(cracks));
-  const bool with_points = version > 13;
-  std::vector<NodeRow> rows(with_points ? nodes.size() / kMostNumbers<NodeRow> : static_cast<std::size_t>(head.nodes));
+  std::vector<NodeRow> rows(nodes.size() / kMostNumbers<NodeRow>);
   RecordReader of_points(nodes.data(), nodes.data() + nodes.size());
   for (NodeRow& row : rows) {
-    NodeRow13 before;
-    if (with_points) of_points.read(row);
-    else in.read(before), row = node_row(before);
+    of_points.read(row);
     in.check_whole("the bond of a node", row.body, from(0, static_cast<double>(table) - 1.0));
   }
   in.tell(of_points.trouble());
@@ -164,12 +161,8 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   }
   if (!in.trouble().empty()) return;
   if (options_.split) splits_.restore(head.bodies, std::move(copies));
-  if (with_points) {
-    arrivals_.rows_of_nodes = std::move(rows);
-    arrivals_.nodes = head.nodes;
-  } else {
-    take_restored_nodes(std::move(rows));
-  }
+  arrivals_.rows_of_nodes = std::move(rows);
+  arrivals_.nodes = head.nodes;
 }
 
 void Cement::take_restored_nodes(std::vector<NodeRow> rows) {

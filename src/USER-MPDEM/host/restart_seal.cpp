@@ -143,7 +143,7 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   int head[AtomVecMpdem::kRestartHead];
   const bool whole = at != std::string::npos && at + sizeof AtomVecMpdem::kRestartMagic + sizeof head <= text.size();
   if (whole) std::memcpy(head, &text[at + sizeof AtomVecMpdem::kRestartMagic], sizeof head);
-  if (whole && (!AtomVecMpdem::reads(head[0]) || !head[AtomVecMpdem::kRestartSealed])) return "";  // for the atom style to judge
+  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // for the atom style to judge
   return mpdem::text_of("read_restart: file '", name, "' is truncated: its ", size, " bytes do not end as they were written", cure);
 }
 

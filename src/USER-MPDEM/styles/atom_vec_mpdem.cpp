@@ -325,7 +325,7 @@ std::string AtomVecMpdem::read_bodies(FILE* fp) {
   if (!marked()) return "the file has no data of atom_style mpdem" + cure;
   if (fread(head, sizeof(int), kRestartHead, fp) != kRestartHead) return truncated;
   const int count = head[2], patterns = head[3];
-  if (!reads(head[0])) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
+  if (head[0] != kRestartVersion) return mpdem::trouble_with_version("data of atom_style mpdem", head[0], kRestartVersion);
   if (head[1] != kBodyNumbers || count < 0 || patterns < 0)
     return mpdem::text_of("the file is damaged: it has ", count, " bonds of ", head[1], " numbers, this program writes ", kBodyNumbers, " numbers a bond", cure);
   if (static_cast<bigint>(kBodyNumbers) * count > numbers_left(fp)) return truncated;

@@ -45,10 +45,8 @@ void FixMpm::restart(char* buf) {
   const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
   const double* v = reinterpret_cast<const double*>(buf);
   check(numbers == 0 ? "there are none" : "");
-  const bool known = v[0] >= mpdem::CementHead::kOldestVersion && v[0] <= mpdem::CementHead::kVersion;
   const std::string other = mpdem::trouble_with_version(who() + "restart data", v[0], mpdem::CementHead::kVersion);
-  if (!known) mpdem::stop_all(lmp, other);
-  const int version = static_cast<int>(v[0]);
+  if (!other.empty()) mpdem::stop_all(lmp, other);
   mpdem::RecordReader in(v + 1, v + numbers);
   mpdem::CementHead head;
   in.read(head);
@@ -57,12 +55,12 @@ void FixMpm::restart(char* buf) {
   in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
   in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));
   check(in.trouble());
-  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::numbers_after(head, version);
+  const std::size_t expected = 1 + mpdem::kMostNumbers<mpdem::CementHead> + mpdem::numbers_after(head);
   if (expected > numbers)
-    check(text_of(head.bodies, " bonds, ", head.nodes, " nodes and ", head.copies, " copies of nodes take ", expected, " numbers, it has ", numbers, " at most"));
+    check(text_of(head.bodies, " bonds and ", head.copies, " copies of nodes take ", expected, " numbers, it has ", numbers, " at most"));
   std::vector<double> nodes;
   nodes.swap(avec_->restored_rows);
-  guarded([&] { cement_->restore(head, in, nodes, version); });
+  guarded([&] { cement_->restore(head, in, nodes); });
   check(in.trouble());
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = head.time;
