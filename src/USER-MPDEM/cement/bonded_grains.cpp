@@ -11,7 +11,7 @@ namespace mpdem {
 namespace {
 double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
 
-// That of two estimates which is nearer to zero; zero if they disagree in sign.
+// The estimate that is nearer to zero; zero if the two differ in sign.
 double lesser(double a, double b) {
   if (a * b <= 0.0) return 0.0;
   return std::fabs(a) < std::fabs(b) ? a : b;

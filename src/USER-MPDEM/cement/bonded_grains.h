@@ -78,7 +78,7 @@ class BondedGrains {
   enum class Loads { none, all, spread };
   // Collective. Accelerations of free grains.
   void find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed = nullptr);
-  // Before it, of bonds that ranks do not cut, when their forces are complete: what they add to it, while their memory is at hand.
+  // Call before find_accelerations(), for a bond that ranks do not cut and whose forces are complete: adds its sums while it is in cache.
   void begin_sums() {
     accelerations_.begin(sides);
     summed_ = true;
@@ -101,7 +101,7 @@ class BondedGrains {
   void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
   // Collective. react() in one of n sub-steps. What is added to the loads of the grains is the n-th part, and what is spread is taken from them.
   void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
-  // For who looks at the loads after a step: the whole of the loads of host and cement.
+  // Sets the loads that are shown after a step: all of those of host and cement.
   void show_loads(int substeps);
   // Collective. Of that, the reaction of added mass that followed jumps, or whose nodes changed velocity by transfer, and its work.
   void react_to_jumps(double dt, EnergyBooks& books);

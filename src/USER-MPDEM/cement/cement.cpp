@@ -18,7 +18,7 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
   kinematics_ = options_.updated ? make_updated(*this) : make_total(*this);
 }
 
-// What comes after need not know of parts.
+// Clears the marks of parts, so that another fix starts from whole bonds.
 Cement::~Cement() {
   if (!options_.split) return;
   for (Bond& b : bonds_)
@@ -181,7 +181,7 @@ void Cement::sum_shared(double* (*values)(Grid&), int width) {
   layout_.shared_nodes.sum(of_bonds, width);
 }
 
-// Of a bond whose nodes have the forces of points and links, on whatever rank: the others.
+// Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
 void Cement::complete_forces(Bond& b, double kick) {
   if (penalty_ && options_.relax > 0.0) b.relaxation.add_force(b.grid, grains_.side_of(b));
   const double* g = now_.gravity;
@@ -201,7 +201,7 @@ void Cement::begin_completing() {
   if ((layout_.any_added_mass || condensed_.any()) && grains_.any_free() && options_.mass_order == 1) grains_.begin_sums();
 }
 
-// After the forces of its links.
+// Completes a bond that ranks do not cut right after the forces of its links.
 void Cement::complete_early(Bond& b) {
   if (!layout_.completes_early || b.cut_by_ranks()) return;
   complete_forces(b, now_.dt);

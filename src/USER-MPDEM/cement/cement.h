@@ -155,7 +155,7 @@ class Cement {
 
   CementTotals totals(double reach_of_box);
   const std::vector<BondState>& bond_states();
-  // The same without a look at the points, for who asks in every step: what needs_points() is 0.
+  // As above, but columns that need points (needs_points()) are 0. Cheap enough for every step.
   const std::vector<BondState>& bond_loads();
   // Static stiffness of each bond as it is now, its grains too, by a layout of its own; a run need not have begun. Equal bonds of a rank are
   // solved once. Needs links.
@@ -327,8 +327,8 @@ class Cement {
   std::optional<PenaltyParameters> penalty_;
   StepInput now_;
   int substep_ = 1;  // counted from 1
-  double inertia_ = 0.0, dt_last_ = 0.0;  // step that the stored velocities lie half of behind
-  int bodies_started_ = 0;                // the first of the table; the others are new and where they were made
+  double inertia_ = 0.0, dt_last_ = 0.0;  // dt_last_: length of the last step; stored velocities belong to its middle
+  int bodies_started_ = 0;                // number of rows at the head of the table that have moved; later rows are where they were made
 };
 
 }  // namespace mpdem

@@ -24,7 +24,7 @@ constexpr double kDriveOfDamaged = 10.0;
 
 BondDescription described(const Bond& b, const Body& body) { return BondDescription(b.points, b.grid, body, SidesAtCreation(body).side); }
 
-// Of what all solutions of a run hang on.
+// Hash of the parameters on which every solution depends.
 std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   std::size_t hash = 0;
   for (double number : {links.law->stiffness().kn, links.law->stiffness().kt, static_cast<double>(links.at_surface), inertia})
@@ -301,7 +301,7 @@ std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bon
   return side;
 }
 
-// Those of all bonds are added up by grain already.
+// For all bonds together the pack has the loads summed by grain already.
 EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last,
                                            int first_body) const {
   if (!any()) return {};

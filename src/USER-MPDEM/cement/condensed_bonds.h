@@ -46,7 +46,7 @@ class CondensedBonds {
   // Collective. Takes them in the place of those that are here, or with these, and solves those that are new or changed. Before solve().
   void take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_out, int patterns, bool all_anew, const Law& law, const PenaltyParameters& links, double inertia);
   bool has_pattern(int pattern) const { return patterns_.count(pattern) > 0; }
-  // Of those that count on this rank.
+  // Calls f for each pattern that this rank counts.
   template <class F>
   void each_pattern(F f) {
     for (auto& p : patterns_)
@@ -70,7 +70,7 @@ class CondensedBonds {
   // Of those that this rank tells. half: half a step.
   Energies energies(const Bonds& bonds, double half) const;
   Energies energies_of(int body, const Bonds& bonds, double half) const;
-  // Of a bond that this rank tells: all loads on its grains. Elastic energy of its points; that of its links is the rest.
+  // All loads on the grains of a bond that this rank reports. The elastic energy of its points; the rest of its energy is in the links.
   bool tells(int body) const { return find(body) && find(body)->tells; }
   std::array<GrainSide, 2> loaded_sides(int body, const Bonds& bonds, const double* gravity) const;
   double energy_of_points(int body) const;

@@ -60,7 +60,7 @@ class Cracks {
   // Bonds that have ties now and come to a layout without them.
   std::vector<int> untie(const CementOptions& options);
 
-  // Of these bonds, ascending, which hold: their ligament and the separation that there would be without it. skins: TractionLaw::keeps_skins(). Collective.
+  // Rows of bonds that hold, ascending: the ligament of each, and the separating surface if the ligament failed. skins: TractionLaw::keeps_skins(). Collective.
   struct Ahead {
     double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
     Separation surface;              // if the ligament failed

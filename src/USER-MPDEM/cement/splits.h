@@ -56,7 +56,7 @@ class Splits {
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes that are copies.
   std::vector<Key> copies_of(int body) const;
-  // The same of some blocks alone, with their own nodes and without those at the edge.
+  // Nodes that these blocks use; nodes at the edge are left out.
   std::vector<Key> nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int support) const;
   // Nodes of a grid whose ties or masses hang on the copies of these.
   std::vector<int> nodes_touched(const Grid& grid, int body, const std::vector<Key>& split);

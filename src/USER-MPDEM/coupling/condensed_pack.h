@@ -37,7 +37,7 @@ class CondensedPack {
   };
   // Collective. grains: those that this rank owns, ascending in tag.
   void build(MPI_Comm comm, const std::vector<Part>& parts, const std::vector<Grain>& grains);
-  // On this rank; on any.
+  // empty(): this rank has no condensed bonds. any(): some rank has one.
   bool empty() const { return blocks_.empty(); }
   bool any() const { return any_; }
 

@@ -11,7 +11,7 @@
 //   force    f = A (p n - kt e) on the cement, -f and -q x f on the grain
 //
 // A place is opened where its link lets go, with s = R^T q when it closes. As long as the point of the link holds, it follows the foot of the
-// link. A point that failed carries no stress: then the place goes on to the nearest point that holds (FreedPlace, places_to_move()),
+// link. A point that failed carries no stress: then the place goes on to the nearest point that holds (FreedPlace),
 // half a spacing before it towards the grain. What failed between them keeps its thickness there: r is the distance of that place in the
 // reference, or the present one if that is less, so nothing is pushed at once; a place that is closed keeps its force. A point
 // follows one place of either grain, with the area of all that came to it.

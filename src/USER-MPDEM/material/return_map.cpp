@@ -19,7 +19,7 @@ namespace mpdem {
 
 namespace {
 
-// Of D: where the next step towards the root would be less, the root is found.
+// The root is found when the next change of D would be smaller than this.
 constexpr double kTolerance = 1e-11;
 constexpr int kMostSteps = 8;
 // Two values nearer than this give no slope.

@@ -100,7 +100,7 @@ class EdgeTies {
 
   // Moves values of slaves to their masters, by the weights. Three numbers a node.
   void pull_back(double* values) const;
-  // The same by the sizes of the weights. One number a node.
+  // As pull_back(), with absolute weights, for one number a node.
   void pull_back_sizes(double* values) const;
   // Moves values of slaves to their heirs, as mass goes. `width` numbers a node.
   void bequeath(double* values, int width) const;

@@ -49,7 +49,7 @@ class Grid {
   std::vector<double> momentum;  // of the points, `updated` only
   std::vector<double> inertial_force;  // (M_L - M) a, see mpm/consistent_mass.h; empty with the lumped mass alone
   EdgeTies ties;
-  // Of nodes whose mass is not that of the points: their volume, and -1 of the others. Empty: there are none. See fracture/node_copies.h.
+  // Volume that stands in for the points' at a node, -1 where it is theirs. Empty: it is theirs at all nodes. See fracture/node_copies.h.
   std::vector<double> given_volume;
 
   int size() const { return static_cast<int>(keys.size()); }

@@ -22,7 +22,7 @@ class HaloSum {
   // With what is known already of the ranks that share `size` keys. Not collective.
   void build(MPI_Comm comm, Sharing shared, std::size_t size);
 
-  // Where no key is shared, there are so many now, none of them shared.
+  // Sets the number of keys when none of them is shared.
   void resize(std::size_t size) { counts_here_.resize(size, 1); }
 
   // Collective among sharing ranks. values: width doubles a key, summed in place.
