@@ -123,7 +123,7 @@ void FreeBody::set_velocity(const std::function<Point(const Point&)>& velocity) 
       with_weights<decltype(type)>(p, m, 1.0 / g.h, [&](const auto& w) { scatter_value(given.data(), m.column, w, momentum); });
     }
   });
-  g.ties.bequeath(given.data(), 3);
+  g.ties.give_to_heirs(given.data(), 3);
   for (int i = 0; i < g.size(); ++i) {
     const Point v = velocity(place_of_node(i));
     std::copy(v.begin(), v.end(), &g.velocity[3 * i]);

@@ -379,7 +379,7 @@ void Cement::start_velocities(std::vector<BondLayout>& layouts) {
                                      [&](const auto& w) { scatter_value(momentum.data(), points.meta[b].column, w, rest); });
       }
     });
-    grid.ties.bequeath(momentum.data(), 3);
+    grid.ties.give_to_heirs(momentum.data(), 3);
     grid.halo.sum(momentum.data(), 3);
     const std::vector<char>& is_fresh = *n.fresh;
     for (int i = 0; i < grid.size(); ++i) {

@@ -45,7 +45,7 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
     here_.clear();
     if (cut || some_failed) {
       here_ = grid.mass_here(points, density, true);
-      grid.ties.bequeath(here_.data(), 1);
+      grid.ties.give_to_heirs(here_.data(), 1);
     }
     stale_ = false;
     holding_ = here_;

@@ -34,7 +34,7 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
       });
     }
   });
-  grid.ties.bequeath(out.data(), 3);
+  grid.ties.give_to_heirs(out.data(), 3);
 }
 
 void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, double density) {
@@ -48,7 +48,7 @@ void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, d
         });
       }
     });
-    grid.ties.bequeath(row_sums_.data(), 1);
+    grid.ties.give_to_heirs(row_sums_.data(), 1);
   }
   std::vector<double>& force = grid.inertial_force;
   force.resize(grid.acceleration.size());

@@ -62,8 +62,8 @@ void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
       }
     });
   });
-  grid.ties.bequeath(volume_.data(), 1);
-  grid.ties.bequeath(sum_.data(), 1);
+  grid.ties.give_to_heirs(volume_.data(), 1);
+  grid.ties.give_to_heirs(sum_.data(), 1);
 }
 
 void DriveAverage::find_means(const EdgeTies& ties) {
@@ -88,7 +88,7 @@ void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bo
       });
     }
   });
-  if (!last) grid.ties.bequeath(sum_.data(), 1);
+  if (!last) grid.ties.give_to_heirs(sum_.data(), 1);
 }
 
 }  // namespace mpdem

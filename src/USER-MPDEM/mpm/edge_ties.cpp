@@ -448,7 +448,7 @@ void EdgeTies::pull_back_sizes(double* values) const {
   }
 }
 
-void EdgeTies::bequeath(double* values, int width) const {
+void EdgeTies::give_to_heirs(double* values, int width) const {
   for (std::size_t t = 0; t < size(); ++t)
     for (int c = 0; c < width; ++c) {
       double& v = values[width * slave_[t] + c];

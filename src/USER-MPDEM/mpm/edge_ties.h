@@ -103,7 +103,7 @@ class EdgeTies {
   // As pull_back(), with absolute weights, for one number a node.
   void pull_back_sizes(double* values) const;
   // Moves values of slaves to their heirs, as mass goes. `width` numbers a node.
-  void bequeath(double* values, int width) const;
+  void give_to_heirs(double* values, int width) const;
   // Slaves take the mean of what their heirs have, in the same shares.
   void take_of_heirs(double* values, int width) const;
   // Slaves take the value of their masters' polynomial, three numbers a node.

@@ -375,7 +375,7 @@ void Grid::lump_mass(const PointStore& points, double density) {
       if (ties.row(i) >= 0) tie_factor_[i] *= ties.weight_sum(ties.row(i));
     ties.pull_back_sizes(tie_factor_.data());
   }
-  ties.bequeath(mass.data(), 1);
+  ties.give_to_heirs(mass.data(), 1);
   halo.sum(mass.data(), 1);
   // A node at whose support points just end has of them what rounding leaves: a mass that no time step is short enough for, and a force of the
   // order of its root. It has neither.
