@@ -2,9 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "files_in_use.h"
 
+#include <dirent.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 
 #include "arguments.h"
@@ -29,6 +32,22 @@ bool is_stream(const std::string& name, std::FILE* stream) {
   return stream && stat(name.c_str(), &a) == 0 && fstat(fileno(stream), &b) == 0 && same(a, b);
 }
 
+// How many streams of this program may write to the file. Fixes of LIGGGHTS such as ave/time and print hold theirs open and tell nobody.
+int writing_streams(const std::string& name) {
+  struct stat file, of;
+  DIR* open_files = stat(name.c_str(), &file) == 0 ? opendir("/proc/self/fd") : nullptr;
+  if (!open_files) return 0;
+  int count = 0;
+  while (const dirent* entry = readdir(open_files)) {
+    if (entry->d_name[0] == '.') continue;
+    const int fd = std::atoi(entry->d_name);
+    const int how = fcntl(fd, F_GETFL);
+    count += how >= 0 && (how & O_ACCMODE) != O_RDONLY && fstat(fd, &of) == 0 && same(file, of);
+  }
+  closedir(open_files);
+  return count;
+}
+
 }  // namespace
 
 bool same_file(const std::string& a, const std::string& b) {
@@ -39,6 +58,17 @@ bool same_file(const std::string& a, const std::string& b) {
   const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(a, code), code);
   return !code && there == std::filesystem::weakly_canonical(std::filesystem::absolute(b, code), code) && !code;
 }
+
+namespace {
+
+// Streams that a fix of this package has open for its own table.
+int own_streams(const Fix* fix) {
+  if (const auto* mpm = dynamic_cast<const FixMpm*>(fix)) return mpm->events_open();
+  const auto* couple = dynamic_cast<const FixMpmCouple*>(fix);
+  return couple && couple->table_open();
+}
+
+}  // namespace
 
 std::string writer_of(LAMMPS* lmp, const std::string& name, const Fix* asks) {
   for (int i = 0; i < lmp->modify->nfix; ++i) {
@@ -54,7 +84,8 @@ std::string writer_of(LAMMPS* lmp, const std::string& name, const Fix* asks) {
     if (same_file(name, file_of(dump))) return text_of("dump '", dump->id, "'");
   }
   if (is_stream(name, lmp->logfile)) return "the log";
-  return is_stream(name, lmp->screen) ? "the screen output" : "";
+  if (is_stream(name, lmp->screen)) return "the screen output";
+  return writing_streams(name) > (asks ? own_streams(asks) : 0) ? "another fix or command, such as fix ave/time or fix print," : "";
 }
 
 void check_only_writer(LAMMPS* lmp, const std::string& who, const std::string& word, const std::string& name, const Fix* asks) {

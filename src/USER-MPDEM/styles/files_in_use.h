@@ -15,7 +15,7 @@ namespace mpdem {
 
 bool same_file(const std::string& a, const std::string& b);
 
-// "'csv' of fix mpm/couple (id bond)", a dump, the log, or empty. `asks`: the fix whose own table does not count, or null.
+// "'csv' of fix mpm/couple (id bond)", a dump, the log, a fix or command that holds the file open, or empty. `asks`: the fix whose own table does not count, or null.
 // To be asked on the first rank.
 std::string writer_of(LAMMPS_NS::LAMMPS* lmp, const std::string& name, const LAMMPS_NS::Fix* asks);
 

@@ -63,6 +63,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bool in_motion() const;
   // File of the events, or empty.
   const std::string& events_name() const { return failures_.file(); }
+  bool events_open() const { return failures_.is_open(); }
 
   // Collective, at the present step.
   const mpdem::CementTotals& totals() { return report_->totals(*cement_); }

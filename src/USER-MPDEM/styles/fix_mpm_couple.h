@@ -34,6 +34,7 @@ class FixMpmCouple : public Fix {
 
   // File of the table, or empty.
   const std::string& table_name() const { return table_name_; }
+  bool table_open() const { return table_open_; }
 
  private:
   FixMpm* find_cement() const;

@@ -27,6 +27,8 @@ std::string TableFile::open(const std::string& name, const std::string& header, 
   file_ = std::fopen(name.c_str(), goes_on ? "a" : "w");
   if (!file_) return name + ": " + std::strerror(errno);
   std::setvbuf(file_, nullptr, _IONBF, 0);  // rows come whole, and what fails is known at once
+  struct stat now {};
+  length_ = fstat(fileno(file_), &now) == 0 ? now.st_size : 0;
   return goes_on ? "" : write(header + "\n");
 }
 
@@ -53,7 +55,12 @@ std::string TableFile::keep_rows(const std::string& header, long last_kept) {
 std::string TableFile::write(const std::string& rows) {
   struct stat before {};
   const bool known = fstat(fileno(file_), &before) == 0 && S_ISREG(before.st_mode);
-  if (std::fwrite(rows.data(), 1, rows.size(), file_) == rows.size()) return "";
+  if (known && before.st_size != length_)
+    return name_ + ": it changed since its last row, by another fix, command or program that writes to it";
+  if (std::fwrite(rows.data(), 1, rows.size(), file_) == rows.size()) {
+    length_ += static_cast<off_t>(rows.size());
+    return "";
+  }
   const std::string trouble = name_ + ": " + std::strerror(errno);
   // half a row would be read as a row; should this fail too there is nothing left to do about it
   if (known && ftruncate(fileno(file_), before.st_size) == 0) std::clearerr(file_);

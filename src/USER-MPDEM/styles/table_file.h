@@ -2,10 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // CSV file of one header and rows that begin with the step, ascending. A run that is continued continues its
-// table too: rows up to a step stay. Nothing is lost in silence: rows are written whole or not at all, and whoever
-// writes is told why. Rank 0 writes; the others hold a closed file.
+// table too: rows up to a step stay. Nothing is lost in silence: rows are written whole or not at all, not behind what
+// somebody else wrote, and whoever writes is told why. Rank 0 writes; the others hold a closed file.
 #ifndef MPDEM_TABLE_FILE_H
 #define MPDEM_TABLE_FILE_H
+
+#include <sys/types.h>
 
 #include <cstdio>
 #include <string>
@@ -33,6 +35,7 @@ class TableFile {
 
   std::string name_;
   std::FILE* file_ = nullptr;
+  off_t length_ = 0;  // of the file, by what this object wrote and kept
   long kept_to_ = -1;
 };
 
