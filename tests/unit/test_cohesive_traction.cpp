@@ -118,6 +118,26 @@ TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   }
 }
 
+// On a path whose mode changes the energy is that of the path, with equal energies of both modes too. r = lambdaf/lambda0 of a mode: a link that
+// opens to the damage 1/2 has taken G/(r + 1).
+TEST(CohesiveTraction, EnergyOfTwoModesIsThatOfThePath) {
+  const double G = 0.02, r[2] = {2.0, 100.0}, k[2] = {kStiff.kn, kStiff.kt};
+  const double strength[2] = {std::sqrt(2.0 * G * k[0] / r[0]), std::sqrt(2.0 * G * k[1] / r[1])};
+  for (int first : {0, 1}) {
+    const int last = 1 - first;
+    const double half = 2.0 * r[first] / (r[first] + 1.0) * strength[first] / k[first], end = 2.01 * G / strength[last];
+    Path p{CohesiveTraction(kStiff, values(strength[0], strength[1], G, G))};
+    p.go(first == 0 ? half : 0.0, first == 1 ? half : 0.0, 20000);
+    EXPECT_NEAR(p.d, 0.5, 1e-12);
+    p.go(0.0, 0.0, 1);
+    p.go(last == 0 ? end : 0.0, last == 1 ? end : 0.0, 20000);
+    EXPECT_TRUE(p.let_go);
+    EXPECT_NEAR(p.dissipated / G, 1.0 + 1.0 / (r[first] + 1.0) - 1.0 / (r[last] + 1.0), 1e-9);
+    EXPECT_NEAR(p.dissipated / G, first == 0 ? 1.3234 : 0.6766, 1e-4);
+    EXPECT_NEAR(p.work / p.dissipated, 1.0, 1e-3);
+  }
+}
+
 TEST(CohesiveTraction, RefusesAnEnergyBelowTheElasticOne) {
   const auto trouble = [](const LawValues& v) { return CohesiveTraction(kStiff, v).trouble(); };
   EXPECT_EQ(trouble(values()), "");
