@@ -26,7 +26,7 @@ LawValues values(double tn = kTn, double tt = kTt, double Gn = kGn, double Gt = 
 struct Path {
   CohesiveTraction law{kStiff, values()};
   CohesiveTraction::State state{};
-  double n = 0, t = 0, work = 0, dissipated = 0, stored = 0, peak = 0, d = 0;
+  double n = 0, t = 0, work = 0, dissipated = 0, released = 0, stored = 0, peak = 0, d = 0;
   bool let_go = false;
 
   void go(double to_n, double to_t, int steps) {
@@ -38,6 +38,7 @@ struct Path {
       t = from_t + i * dt;
       const TractionUpdate u = law.update(separation(), state);
       dissipated += u.dissipated[0];
+      released += u.released[0];
       let_go = let_go || u.let_go[0];
       const TractionSecant k = law.secant(separation(), state);
       work += 0.5 * ((before.kn[0] * old_n + k.kn[0] * n) * dn + (before.kt[0] * old_t + k.kt[0] * t) * dt);
@@ -60,6 +61,7 @@ TEST(CohesiveTraction, TakesItsStrengthAndEnergyOfEitherMode) {
       EXPECT_TRUE(p->let_go);
       EXPECT_EQ(p->d, 1.0);
       EXPECT_EQ(p->stored, 0.0);
+      EXPECT_EQ(p->released, 0.0);
       EXPECT_NEAR(p->dissipated / (open ? kGn : kGt), 1.0, 1e-12);
       if (steps < 1000) continue;
       EXPECT_NEAR(p->work / (open ? kGn : kGt), 1.0, 1e-4);
@@ -106,16 +108,35 @@ TEST(CohesiveTraction, DamageNeverHeals) {
   EXPECT_EQ(fresh.d, 0.0);
 }
 
+// Some let go under compression, some open, some not at all.
 TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   test::Random random(331);
-  for (int trial = 0; trial < 20; ++trial) {
+  int open = 0, pressed = 0, held = 0;
+  for (int trial = 0; trial < 40; ++trial) {
     Path p;
     for (int leg = 0; leg < 12; ++leg) {
-      p.go(random.uniform(-0.3, 1.0) * kGn / kTn, random.uniform(-1.0, 1.0) * kGt / kTt, 4000);
-      EXPECT_NEAR(p.work, p.stored + p.dissipated, 1e-3 * kGn) << trial << ' ' << leg;
+      p.go(random.uniform(-0.3, 1.0) * kGn / kTn, random.uniform(-1.0, 1.0) * (trial < 20 ? 1.0 : 4.0) * kGt / kTt, 4000);
+      EXPECT_NEAR(p.work, p.stored + p.dissipated + p.released, 1e-3 * kGn) << trial << ' ' << leg;
     }
     EXPECT_GT(p.d, 0.0);
+    ++(!p.let_go ? held : p.released > 0.0 ? pressed : open);
   }
+  EXPECT_GT(open, 0);
+  EXPECT_GT(pressed, 0);
+  EXPECT_GT(held, 0);
+}
+
+// Pressed by 0.002, then sheared until it lets go: the energy of the pressure is given up, not damage.
+TEST(CohesiveTraction, ReleasesWhatPressureStores) {
+  constexpr double kIn = 0.002;
+  Path p;
+  p.go(-kIn, 0.0, 10);
+  p.go(-kIn, 2.01 * kGt / kTt, 20000);
+  EXPECT_TRUE(p.let_go);
+  EXPECT_EQ(p.stored, 0.0);
+  EXPECT_NEAR(p.dissipated / kGt, 1.0, 1e-12);
+  EXPECT_NEAR(p.released / (0.5 * kStiff.kn * kIn * kIn), 1.0, 1e-12);
+  EXPECT_NEAR(p.work, p.dissipated + p.released, 1e-4 * kGt);
 }
 
 // On a path whose mode changes the energy is that of the path, with equal energies of both modes too. r = lambdaf/lambda0 of a mode: a link that
@@ -155,11 +176,11 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
     std::vector<Link>& links = b.points.links;
     double area = 0.0, spent = 0.0;
     for (const Link& k : links) area += k.attached * k.area;
-    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
     EXPECT_GT(spent, 0.0);
     EXPECT_TRUE(std::any_of(links.begin(), links.end(), [](const Link& k) { return k.attached && k.state[0] > 0.0 && k.state[0] < 1.0; }));
-    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     EXPECT_EQ(b.link_step.dissipated, 0.0);
     EXPECT_TRUE(b.link_step.let_go.empty());
 
@@ -172,7 +193,7 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
 
     const auto held = std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; });
     for (double& u : b.grid.displacement) u *= 100.0;
-    b.links.follow(b.points, b.grid, s.side(b), b.link_step);
+    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
     const std::vector<int>& gone = b.link_step.let_go;
     EXPECT_TRUE(std::is_sorted(gone.begin(), gone.end()));
@@ -181,6 +202,48 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
     EXPECT_GT(gone.size(), links.size() / 2);
     EXPECT_LT(spent, kGt * area);
     EXPECT_TRUE(b.points.meta.front().failed == 0);
+  }
+}
+
+// Links that are pressed and almost let go, all in one step: what is booked is the work of the step's forces. With friction it is what they
+// store at its end, which places take over.
+TEST(CohesiveTraction, PressureThatEndsIsReleasedByItsWork) {
+  constexpr double kIn = 0.02, kSlide = 0.08;
+  for (double friction : {-1.0, 0.3}) {
+    PenaltyParameters p = test::penalty(true, 0.0);
+    p.law = std::make_shared<CohesiveTraction>(kStiff, values());
+    p.friction = friction;
+    test::Scene s(333, p);
+    for (Bond& b : s.bonds) {
+      for (Link& k : b.points.links) k.state[0] = 1.0 - 1e-9;
+      b.links = s.links_anew(b);
+      const Body& body = s.bodies[b.body];
+      const test::Vector n = (Eigen::Map<const test::Vector>(body.centre[1]) - Eigen::Map<const test::Vector>(body.centre[0])).normalized(), t = n.unitOrthogonal();
+      const test::Vector pressed = -kIn * n, moves = pressed + kSlide * t;
+      const auto find_forces = [&](double& energy) {
+        b.grid.clear_force();
+        b.links.add_force(b.grid, s.side(b));
+        energy = 0.0;
+        b.links.add_spring_energy(b.grid, s.side(b), energy);
+        return b.grid.force;
+      };
+      for (std::size_t i = 0; i < b.grid.displacement.size(); ++i) b.grid.displacement[i] = pressed[i % 3];
+      double before, after, at_end = 0.0, work = 0.0;
+      const std::vector<double> f = find_forces(before);
+      for (std::size_t i = 0; i < b.grid.velocity.size(); ++i) {
+        b.grid.velocity[i] = moves[i % 3] / test::kDt;
+        b.grid.displacement[i] += moves[i % 3];
+      }
+      b.links.add_spring_energy(b.grid, s.side(b), at_end);
+      b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+      const std::vector<double> g = find_forces(after);
+      for (std::size_t i = 0; i < f.size(); ++i) work += 0.5 * (f[i] + g[i]) * moves[i % 3];
+      EXPECT_GT(before, 0.0);
+      EXPECT_LT(after, 1e-6 * before);
+      const double taken = friction < 0.0 ? before - after - work : at_end;
+      EXPECT_NEAR((b.link_step.released + b.link_step.dissipated) / taken, 1.0, 1e-6) << friction;
+      EXPECT_GT(std::abs(at_end / (before - after - work) - 1.0), 0.5);  // the step is large enough to tell them apart
+    }
   }
 }
 

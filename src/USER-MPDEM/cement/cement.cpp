@@ -153,7 +153,7 @@ void Cement::let_go(Bond& b) {
 
 // Traction laws may dissipate and let go of points that hold.
 void Cement::follow_links(Bond& b) {
-  b.links.follow(b.points, b.grid, grains_.side_of(b), b.link_step);
+  b.links.follow(b.points, b.grid, grains_.side_of(b), now_.dt, b.link_step);
   books_.dissipate(b.link_step.dissipated);
   books_.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;

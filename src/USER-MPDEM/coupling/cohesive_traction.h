@@ -9,6 +9,7 @@
 //   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
 //   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
 //   traction     (1 - d) of the penalty, all of it under compression; none once d is 1
+//   released     kn <-delta_n>^2/2, what a link under compression still stores when shear has brought d to 1
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
 // So a link bears tn and takes Gn under opening, and tt and Gt under shear, however large the steps are. The onset is
@@ -73,7 +74,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
 
   TractionUpdate update(const LinkSeparation& delta, State& s) const {
     const double kn = stiffness().kn, ratio = stiffness().kt / kn;
-    const vd open = max(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
+    const vd open = max(delta.n, vd{}), pressed = min(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
     const vd B = select(square > 0.0, shear / square, vd{});
     const vd onset = 1.0 / (kn * sqrt((1.0 - B) / (tn_ * tn_) + ratio * B / (tt_ * tt_)));
     const vd G = 1.0 / ((1.0 - B) / Gn_ + B / Gt_);
@@ -83,6 +84,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
     u.grown = (lambda > onset) & (d > s.d);
     u.let_go = u.grown & (d >= 1.0);
     const auto spent = [&](vd at) { return G * onset * at / (end - at * soft); };
+    u.released = select(u.let_go, 0.5 * kn * pressed * pressed, vd{});
     u.dissipated = select(u.grown, spent(d) - spent(s.d), vd{});
     s.d = select(u.grown, min(d, splat(1.0)), s.d);
     return u;

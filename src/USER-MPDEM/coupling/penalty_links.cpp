@@ -248,8 +248,7 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
 
 // Current vector q from the grain's centre, its deviation from R q0 and the direction n.
 template <class Type>
-void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta,
-                         vd* n) const {
+void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const {
   vd u[3], r[3], at[3], q0[3];
   gather(grid.displacement, b, w, u);
   // in the grain's frame
@@ -269,13 +268,16 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
 }
 
 template <class Type>
+void PenaltyLinks::find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const {
+  gather(grid.velocity, b, w, v);
+  for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * q[(d + 2) % 3] - s.omega[(d + 2) % 3] * q[(d + 1) % 3];
+}
+
+template <class Type>
 void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k,
                           const vd* q, const vd* n, vd* v, vd* f) const {
   const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
-  gather(grid.velocity, b, w, v);
-  v[0] -= s.v[0] + s.omega[1] * q[2] - s.omega[2] * q[1];
-  v[1] -= s.v[1] + s.omega[2] * q[0] - s.omega[0] * q[2];
-  v[2] -= s.v[2] + s.omega[0] * q[1] - s.omega[1] * q[0];
+  find_velocity(b, grid, s, w, q, v);
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
   const vd g = of(holding_[number_of(b)].attached, dampers_[number_of(b)]);
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
@@ -352,7 +354,7 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   return of(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
-void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, LinkStep& step) {
+void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, double dt, LinkStep& step) {
   step.dissipated = step.released = 0.0;
   step.let_go.clear();
   if (blocks_.empty() || p_.law->fields() == 0) return;
@@ -369,7 +371,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
         typename L::State s = state(law, i);
         const TractionUpdate u = law.update(apart, s);
         if (!any(u.grown & lanes(attached))) continue;
-        const vd area = of(attached, b.area), left = area * law.energy(apart, s);
+        const vd area = of(attached, b.area);
         step.dissipated += sum_lanes(area * u.dissipated);
         std::memcpy(&states_[L::kFields * i], &s, sizeof s);
         std::uint8_t freed = 0;
@@ -380,7 +382,16 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
           freed |= static_cast<std::uint8_t>(1u << l);
           step.let_go.push_back(b.link[l]);
         }
-        release(i, freed, left, false, points, step.released);
+        vd released = area * u.released;
+        if (freed && p_.friction < 0.0) {
+          // A pressure that ends within a step works with its last value on half of the way, so kn delta_n(t) delta_n(t - dt)/2 is
+          // released. With friction a place takes over the pressure.
+          vd v[3];
+          with_basis(basis_, [&](auto type) { find_velocity(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, v); });
+          const vd before = apart.n - dt * (v[0] * n[0] + v[1] * n[1] + v[2] * n[2]);
+          released *= select(apart.n < 0.0, max(before / apart.n, vd{}), vd{});
+        }
+        release(i, freed, released, false, points, step.released);
       }
     }
   });
@@ -398,19 +409,16 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
   holding_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
 
-void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side,
-                          double& released) {
+void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released) {
   if (failed.empty() || blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
       const std::uint8_t attached = holding_[i].attached;
-      if (!attached) continue;
       std::uint8_t freed = 0;
       for (int l = 0; l < kLanes; ++l) {
-        if (!(attached >> l & 1)) continue;
-        if (std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot))
-          freed |= static_cast<std::uint8_t>(1u << l);
+        const bool loses = (attached >> l & 1) && std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot);
+        if (loses) freed |= static_cast<std::uint8_t>(1u << l);
       }
       if (freed) release(i, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
     }
@@ -445,7 +453,6 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
   FreeWeights free(grid);
   with_basis(basis_, [&](auto type) {
     using Type = decltype(type);
-    constexpr int S = Type::kSupport;
     for (const LinkBlock& b : blocks_) {
       const std::uint8_t inert = holding_[number_of(b)].inert;
       if (!inert) continue;
@@ -453,7 +460,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
         if (!(inert >> l & 1)) continue;
-        free.add_row_sums(columns(b) + S * S * l, w, l, inertia[l], penalty + b.side);
+        free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, inertia[l], penalty + b.side);
       }
     }
   });

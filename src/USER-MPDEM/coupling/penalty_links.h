@@ -88,9 +88,9 @@ class PenaltyLinks {
   // Points went to other parts, and nodes to other places, see Grid::add_nodes().
   void follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place);
 
-  // What the present positions do to the state of the traction law, in the links of the store too. Positions that stay change
-  // nothing. No work for a law without a state.
-  void follow(PointStore& points, const Grid& grid, const GrainSide* side, LinkStep& step);
+  // What the present positions, dt after those of before, do to the state of the traction law, in the links of the store too. Positions that
+  // stay change nothing. No work for a law without a state.
+  void follow(PointStore& points, const Grid& grid, const GrainSide* side, double dt, LinkStep& step);
   // Force of the present positions and states on nodes and grains.
   void add_force(Grid& grid, GrainSide* side) const;
   // Power that the dampers take: their force is that of the stored velocity, the velocity is so long
@@ -182,7 +182,10 @@ class PenaltyLinks {
   void take_states(const PointStore& points);
   template <class Type>
   void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
-  // Velocity of the place against the grain's, and the force of the dampers by it.
+  // Velocity of the place against the grain's.
+  template <class Type>
+  void find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const;
+  // The same, and the force of the dampers by it.
   template <class Type>
   void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;

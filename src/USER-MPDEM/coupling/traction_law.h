@@ -51,8 +51,8 @@ struct TractionSecant {
 };
 
 struct TractionUpdate {
-  vd dissipated;         // energy per area, since the state before
-  vmask grown, let_go;   // the state changed; the link carries nothing from now on
+  vd dissipated, released;  // energies per area, since the state before: spent by damage; stored to the last by a link that lets go
+  vmask grown, let_go;      // the state changed; the link carries nothing from now on
 };
 
 // Length over which the front of a crack softens in front of a material of these elastic constants.
