@@ -61,7 +61,7 @@ struct CementHead {
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
     visit("cell", h.cell, kPositive);
-    visit("the number of the basis", h.basis, from(0, static_cast<int>(Basis::cubic)));
+    visit("the number of the basis", h.basis, from(0, Bases::kNumber - 1));
     visit("'kinematics updated'", h.updated);
     visit("'edge tied'", h.tied);
     visit("the time step", h.step, kNotNegative);

@@ -100,12 +100,11 @@ std::map<int, std::vector<double>> Cement::packed_nodes() const {
 void Cement::check_restored(const CementHead& head) const {
   const auto edge = [](bool t) { return t ? "tied" : "free"; };
   const auto name = [](bool u) { return u ? "updated" : "total"; };
-  const char* const bases[] = {"linear", "quadratic", "cubic"};
   if (head.cell != options_.cell)
     throw BadState(text_of("'cell ", options_.cell, "' but the restart file was written with cell ", head.cell, "; use that"));
   if (head.basis != options_.basis || head.updated != options_.updated)
-    throw BadState(text_of("'basis ", bases[static_cast<int>(options_.basis)], "' and 'kinematics ", name(options_.updated),
-                           "' but the motion of the nodes in the restart file is that of basis ", bases[static_cast<int>(head.basis)],
+    throw BadState(text_of("'basis ", name_of(options_.basis), "' and 'kinematics ", name(options_.updated),
+                           "' but the motion of the nodes in the restart file is that of basis ", name_of(head.basis),
                            " and kinematics ", name(head.updated), "; use these"));
   const auto cracks = [](bool split) { return split ? "split" : "bonds"; };
   if (head.split != options_.split)

@@ -6,12 +6,24 @@
 // direction a point at X uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same
 // base form a cell. The weights of a point sum to one and reproduce linear fields.
 //
-// kAffine is h^2 over the second moment of the weights, sum w_I (X_I - X)^2, if that moment is the same at all
-// places, and 0 if it is not.
+// A new basis has one file with such a type, and its place in the two lists below, the last: restart files number the bases. The words of
+// fix mpm, its messages, the bound of the time step, and the kernels follow. Of a type Type, with t = X/h - base:
+//   kName           the word of `basis`
+//   kSupport        nodes a direction
+//   kShift          see above
+//   kMiddle         middle of a cell, from its base
+//   factors()       weights and gradients of eight points
+//   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2, if that moment is the same at all places, else 0
+//   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if there is none (eigenvalue_bound in largest_eigenvalue.h)
+//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is tied (edge_ties.h)
+//   kMayJoinCells   whether blocks of points may have cells in a row: with many nodes it does not pay
 #ifndef MPDEM_BASIS_H
 #define MPDEM_BASIS_H
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "cubic_bspline.h"
 #include "linear_tent.h"
@@ -19,16 +31,33 @@
 
 namespace mpdem {
 
-enum class Basis { linear, quadratic, cubic };
+template <class... Type>
+struct BasisList {
+  static constexpr int kNumber = sizeof...(Type), kMostSupport = std::max({Type::kSupport...});
+  static std::vector<std::string> names() { return {Type::kName...}; }
+};
 
-constexpr int kMostColumns = CubicBspline::kSupport * CubicBspline::kSupport;
+using Bases = BasisList<LinearTent, QuadraticBspline, CubicBspline>;
+enum class Basis { linear, quadratic, cubic };  // the place in the list
+
+constexpr int kMostColumns = Bases::kMostSupport * Bases::kMostSupport;
+
+template <class Type, class... Rest, class F>
+decltype(auto) with_place_in(BasisList<Type, Rest...>, int place, F& f) {
+  if constexpr (sizeof...(Rest) > 0) {
+    if (place > 0) return with_place_in(BasisList<Rest...>(), place - 1, f);
+  }
+  return f(Type());
+}
 
 // Calls f with an object of the type of the basis; never inside a loop over points.
 template <class F>
 decltype(auto) with_basis(Basis basis, F f) {
-  if (basis == Basis::linear) return f(LinearTent());
-  if (basis == Basis::cubic) return f(CubicBspline());
-  return f(QuadraticBspline());
+  return with_place_in(Bases(), static_cast<int>(basis), f);
+}
+
+inline const char* name_of(Basis basis) {
+  return with_basis(basis, [](auto type) { return decltype(type)::kName; });
 }
 
 inline int support(Basis basis) {
@@ -51,11 +80,8 @@ inline int support_base(double X, double inverse_h, double shift) {
 constexpr int kOneCell = -1, kMostReach = 2;
 constexpr int cells_in_a_row(int d, int reach) { return reach == 0 ? kOneCell : d + 3 * (reach - 1); }
 constexpr int reach_along(int joined, int d) { return joined != kOneCell && joined % 3 == d ? 1 + joined / 3 : 0; }
-// Cubic splines have too many nodes for it to pay.
-template <class Type>
-constexpr bool kMayJoinCells = Type::kSupport < CubicBspline::kSupport;
 inline bool may_join_cells(Basis basis) {
-  return with_basis(basis, [](auto type) { return kMayJoinCells<decltype(type)>; });
+  return with_basis(basis, [](auto type) { return decltype(type)::kMayJoinCells; });
 }
 
 // 1-D factors of weights and gradients for the eight points of a block.

@@ -10,10 +10,12 @@
 namespace mpdem {
 
 struct CubicBspline {
+  static constexpr const char* kName = "cubic";  // see basis.h
   static constexpr int kSupport = 4;
   static constexpr double kShift = 1.0;   // base = floor(X/h - kShift)
   static constexpr double kMiddle = 1.5;  // of the cell, from base
-  static constexpr double kAffine = 3.0;  // see basis.h
+  static constexpr double kAffine = 3.0, kSteepest = 3.14, kTiedBelow = 0.05;
+  static constexpr bool kMayJoinCells = false;
 
   // t = X/h - base in [1, 2]
   static void factors(vd t, double inverse_h, vd* w, vd* dw) {

@@ -14,8 +14,11 @@ namespace mpdem {
 
 namespace {
 
-// Shares of mass. None of them is near what a lattice gives whose cells are full, so that rounding decides nothing.
-double tied_below(Basis basis) { return basis == Basis::cubic ? 0.05 : 0.12; }  // of the next node
+// Shares of mass, kTiedBelow of the basis of that of the next node. None of them is near what a lattice gives whose cells are full, so that
+// rounding decides nothing.
+double tied_below(Basis basis) {
+  return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
+}
 constexpr double kSecond = 0.3;   // the second has at least this share of the next
 constexpr double kAlike = 1e-6;
 

@@ -80,7 +80,7 @@ struct Moving {
 }  // namespace
 
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h) {
-  const double most = basis == Basis::quadratic ? 6.0 : basis == Basis::cubic ? 3.14 : 0.0;
+  const double most = with_basis(basis, [](auto type) { return decltype(type)::kSteepest; });
   return most * largest_stiffness / (density * h * h);
 }
 

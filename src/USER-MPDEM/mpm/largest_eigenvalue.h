@@ -45,8 +45,8 @@ inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& po
 
 // Upper bound of the largest eigenvalue wherever the points are; 0 if the basis has none. With row-sum lumping the
 // largest eigenvalue is at most that of a single point (Fried 1972). That of a single point is at most the maximum
-// over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is 6 for quadratic
-// B-splines and 3.14 for cubic ones.
+// over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is kSteepest of
+// the basis.
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h);
 
 }  // namespace mpdem

@@ -12,10 +12,12 @@
 namespace mpdem {
 
 struct LinearTent {
+  static constexpr const char* kName = "linear";  // see basis.h
   static constexpr int kSupport = 2;
   static constexpr double kShift = 0.0;   // base = floor(X/h - kShift)
   static constexpr double kMiddle = 0.5;  // of the cell, from base
-  static constexpr double kAffine = 0.0;  // see basis.h
+  static constexpr double kAffine = 0.0, kSteepest = 0.0, kTiedBelow = 0.12;
+  static constexpr bool kMayJoinCells = true;
 
   // t = X/h - base in [0, 1]
   static void factors(vd t, double inverse_h, vd* w, vd* dw) {

@@ -88,7 +88,7 @@ inline int cell_of(const BlockMeta& m, int lane, int d) {
 // Calls f with the weights of a block of points; compiled for blocks of one cell and for rows of two and three in each direction.
 template <class Type, class F>
 decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
-  if constexpr (kMayJoinCells<Type>) {
+  if constexpr (Type::kMayJoinCells) {
     const auto of_row = [&](auto joined) { return f(Weights<Type, decltype(joined)::value>(p.X, m.base, lanes(m.second), lanes(m.third), inverse_h)); };
     if (m.joined == 0) return of_row(std::integral_constant<int, 0>());
     if (m.joined == 1) return of_row(std::integral_constant<int, 1>());

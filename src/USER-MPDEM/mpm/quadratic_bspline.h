@@ -12,10 +12,12 @@
 namespace mpdem {
 
 struct QuadraticBspline {
+  static constexpr const char* kName = "quadratic";  // see basis.h
   static constexpr int kSupport = 3;
   static constexpr double kShift = 0.5;   // base = floor(X/h - kShift)
   static constexpr double kMiddle = 1.0;  // of the cell, from base
-  static constexpr double kAffine = 4.0;  // see basis.h
+  static constexpr double kAffine = 4.0, kSteepest = 6.0, kTiedBelow = 0.12;
+  static constexpr bool kMayJoinCells = true;
 
   // t = X/h - base in [1/2, 3/2]
   static void factors(vd t, double inverse_h, vd* w, vd* dw) {

@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -78,12 +79,12 @@ int Arguments::integer(const std::string& keyword, int least) {
   return static_cast<int>(v);
 }
 
-std::string Arguments::choice(const std::string& keyword, const std::vector<std::string>& allowed) {
+int Arguments::place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed) {
   std::string list;
   for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;
   const std::string w = word("one of " + list + " for '" + keyword + "'");
-  for (const std::string& a : allowed)
-    if (a == w) return w;
+  const auto found = std::find(allowed.begin(), allowed.end(), w);
+  if (found != allowed.end()) return static_cast<int>(found - allowed.begin());
   complain("'" + keyword + " " + w + "': must be one of " + list);
 }
 

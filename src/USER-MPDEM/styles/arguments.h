@@ -39,7 +39,8 @@ class Arguments {
   double positive(const std::string& keyword);
   double not_negative(const std::string& keyword);
   int integer(const std::string& keyword, int least);
-  std::string choice(const std::string& keyword, const std::vector<std::string>& allowed);
+  std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) { return allowed[place_of_choice(keyword, allowed)]; }
+  int place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed);
   bool yes_no(const std::string& keyword) { return choice(keyword, {"yes", "no"}) == "yes"; }
 
   [[noreturn]] void unknown(const std::string& word, const std::vector<std::string>& known) const;

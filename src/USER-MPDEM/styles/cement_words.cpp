@@ -201,8 +201,7 @@ CementWords take_cement_words(Arguments& args) {
     if (key == "cell") {
       o.cell = args.positive(key);
     } else if (key == "basis") {
-      const std::string name = args.choice(key, {"linear", "quadratic", "cubic"});
-      o.basis = name == "linear" ? Basis::linear : name == "cubic" ? Basis::cubic : Basis::quadratic;
+      o.basis = static_cast<Basis>(args.place_of_choice(key, Bases::names()));
     } else if (key == "mass_order") {
       o.mass_order = args.integer(key, 1);
       if (o.mass_order > 2)
