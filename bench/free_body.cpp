@@ -174,7 +174,7 @@ double FreeBody::stable_step() {
   double lambda = 0.0;
   if (method_.updated) lambda = eigenvalue_bound(method_.basis, law().elasticity().largest_stiffness(), density_, cement_->options().cell);
   if (lambda == 0.0) lambda = (method_.updated ? 1.2 : 1.0) * cement_->eigenvalue_of_new_layout().value;
-  return cement_->step_for(lambda, 0.0);
+  return cement_->stable_step().step_for(lambda, 0.0);
 }
 
 }  // namespace mpdem::bench

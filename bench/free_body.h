@@ -62,11 +62,11 @@ class FreeBody : public CementHost {
   const Law& law() const { return cement_->law(); }
   double density() const { return density_; }
   const Method& method() const { return method_; }
-  std::size_t memory_usage() const { return cement_->memory_usage(); }
+  std::size_t memory_usage() const { return cement_->report().memory_usage(); }
   // As fix mpm: lambda of these points where they stay, the bound for any place where they move; for tents, which have none, that of these
   // points with 20 % on top.
   double stable_step();
-  double energy() { const CementTotals t = cement_->totals(0.0); return t.kinetic + t.elastic; }
+  double energy() { const CementTotals t = cement_->report().totals(0.0); return t.kinetic + t.elastic; }
   // f(block, lane)
   template <class F>
   void for_points(F f) const {

@@ -282,7 +282,7 @@ class RowOfGrains : public CementHost {
     return content;
   }
   // Half of the difference of the forces on the grains of a bond, along z; on all ranks.
-  double tension(int row) { return cement->bond_states()[row].tension; }
+  double tension(int row) { return cement->report().bond_states()[row].tension; }
   int points_here() const {
     int n = 0;
     for (const Bond& b : bonds) n += b.points.size();

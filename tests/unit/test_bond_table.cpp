@@ -27,7 +27,7 @@ int place_of(const std::string& name) {
 
 double value(RowOfGrains& host, int bond, const std::string& name) {
   const BondColumn& c = bond_columns()[place_of(name)];
-  return c.of_all() ? c.value(host.cement->totals(0.1)) : c.value(host.cement->bond_states()[bond]);
+  return c.of_all() ? c.value(host.cement->report().totals(0.1)) : c.value(host.cement->report().bond_states()[bond]);
 }
 
 // Scripts number the columns.
@@ -86,14 +86,14 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   }
   EXPECT_GT(value(host, 0, "debonded"), 0.0);
   EXPECT_NE(value(host, 0, "debonded"), value(host, 1, "debonded"));  // bonds at the ends of the row and in its middle
-  EXPECT_EQ(value(host, 0, "external_work"), host.cement->totals(0.1).external_work);
+  EXPECT_EQ(value(host, 0, "external_work"), host.cement->report().totals(0.1).external_work);
 
   // What needs no points is there without a look at them, the rest is empty.
   for (std::size_t n = 0; n < bond_columns().size(); ++n) {
     const BondColumn& c = bond_columns()[n];
     if (c.of_all()) continue;
     for (int b = 0; b < 3; ++b) {
-      const double whole = c.value(host.cement->bond_states()[b]), alone = c.value(host.cement->bond_loads()[b]);
+      const double whole = c.value(host.cement->report().bond_states()[b]), alone = c.value(host.cement->report().bond_loads()[b]);
       EXPECT_EQ(alone, c.needs_points() ? 0.0 : whole) << c.name;
     }
   }

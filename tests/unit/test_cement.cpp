@@ -69,7 +69,7 @@ TEST_P(Kinematic, PulledThroughFailure) {
     host.run(20);
     alone.run(20);
     peak = std::max(peak, host.tension(0));
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     const double work = host.sum(host.work);
     if (host.number < 200) continue;
     ++checked;
@@ -79,7 +79,7 @@ TEST_P(Kinematic, PulledThroughFailure) {
     test::expect_within(std::fabs(t.imbalance), 1e-3, "imbalance of the books");
   }
   EXPECT_EQ(checked, 66);
-  const CementTotals t = host.cement->totals(0.1);
+  const CementTotals t = host.cement->report().totals(0.1);
   EXPECT_EQ(t.separated, 1.0);
   EXPECT_GT(t.failed, 50.0);
   EXPECT_GT(t.dissipated + t.released, 0.5 * t.external_work);
@@ -112,14 +112,14 @@ TEST_P(Kinematic, RestartsToTheBit) {
     const double dt = (at == 300 ? 0.8 : 0.7) * test::kStep;
     test::expect_restart_to_the_bit(whole, r, at, 100, dt, [&](RowOfGrains& again) {
       EXPECT_EQ(again.cement->bodies_started(), 2);
-      const CementTotals a = whole.cement->totals(0.1), b = again.cement->totals(0.1);
+      const CementTotals a = whole.cement->report().totals(0.1), b = again.cement->report().totals(0.1);
       for (double CementTotals::*sum : {&CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
         EXPECT_NEAR(a.*sum, b.*sum, 1e-12 * a.external_work);
       EXPECT_EQ(a.separated, b.separated);
-      for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->bond_states()[bond].tension, again.cement->bond_states()[bond].tension);
+      for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->report().bond_states()[bond].tension, again.cement->report().bond_states()[bond].tension);
     });
   }
-  EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
+  EXPECT_GT(whole.cement->report().totals(0.1).failed, 50.0);
 }
 
 // A bond goes to another rank while it fails, and again later. At these steps, each after a check, the run goes on to the bit. At

@@ -62,7 +62,7 @@ std::array<double, 3> force_at_end(RowOfGrains& host, int ramps) {
   std::array<double, 3> f{};
   for (int n = 0; n < kMeanSteps; ++n) {
     host.step();
-    for (int d = 0; d < 3; ++d) f[d] += host.cement->bond_states()[0].force[1][d] / kMeanSteps;
+    for (int d = 0; d < 3; ++d) f[d] += host.cement->report().bond_states()[0].force[1][d] / kMeanSteps;
   }
   return f;
 }
@@ -96,7 +96,7 @@ TEST(FreedPlaces, FollowTheNearestPointsThatHold) {
   if (test::ranks() > 1) GTEST_SKIP();
   RowOfGrains host(MPI_COMM_WORLD, loose(on_path({0, 0, -kPush}), 0.3, true));
   const double force = force_at_end(host, 1)[2], least = stiffness() * kPush, most = stiffness(test::kSpacing) * kPush;
-  EXPECT_GT(host.cement->totals(0.1).failed, 300.0);
+  EXPECT_GT(host.cement->report().totals(0.1).failed, 300.0);
   EXPECT_GT(force, 1.03 * least);
   EXPECT_LT(force, 1.02 * most);
 }
@@ -123,7 +123,7 @@ TEST(FreedPlaces, SlideWithMuN) {
     test::Worst off_mu;
     for (int n = 0; n < 100; ++n) {
       host.run(5);
-      const BondState& b = host.cement->bond_states()[0];
+      const BondState& b = host.cement->report().bond_states()[0];
       EXPECT_LT(b.force[0][2], -10.0);
       // pressure has no moment about the centre
       off_mu.add(std::fabs(std::fabs(b.torque[0][1] / (test::kRadius * b.force[0][2])) - mu));
@@ -131,7 +131,7 @@ TEST(FreedPlaces, SlideWithMuN) {
       EXPECT_LT(std::fabs(b.force[0][1]), 1e-3 * std::fabs(b.force[0][2]));
     }
     test::expect_within(off_mu, std::max(0.01 * mu, 1e-9), "moment of friction over radius and normal force, less mu");
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     if (mu > 0.0) {
       EXPECT_GT(t.rubbed, 0.1 * t.external_work);
     } else {
@@ -181,7 +181,7 @@ TEST_P(Broken, CarriesCompressionAgain) {
     if (test::ranks() > 1) alone.run(50);
     peak = std::max(peak, host.tension(0));
     if (test::ranks() > 1) test::expect_within(std::fabs(host.tension(0) - alone.tension(0)) / peak, 1e-6, "tension against that of one rank");
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_GT(t.rubbed, rubbed - 1e-9 * t.external_work);
     rubbed = t.rubbed;
     if (host.number < 300) continue;
@@ -192,7 +192,7 @@ TEST_P(Broken, CarriesCompressionAgain) {
     pressed += 0.1 * host.tension(0);
     pressed_off += 0.1 * off.tension(0);
   }
-  const CementTotals t = host.cement->totals(0.1);
+  const CementTotals t = host.cement->report().totals(0.1);
   EXPECT_EQ(t.separated, 1.0);
   EXPECT_GT(t.failed, 300.0);
   EXPECT_GT(t.rubbed, 0.05 * t.external_work);
@@ -212,10 +212,10 @@ TEST_P(Broken, RestartsToTheBit) {
   whole.setup();
   for (int at : {502, 1303, 1804}) {  // as points fail, closing, sliding; between looks for places that go on
     test::expect_restart_to_the_bit(whole, r, at, 100, whole.dt, [&](RowOfGrains& again) {
-      EXPECT_NEAR(whole.cement->totals(0.1).rubbed, again.cement->totals(0.1).rubbed, 1e-12 * whole.cement->totals(0.1).external_work);
+      EXPECT_NEAR(whole.cement->report().totals(0.1).rubbed, again.cement->report().totals(0.1).rubbed, 1e-12 * whole.cement->report().totals(0.1).external_work);
     });
   }
-  EXPECT_GT(whole.cement->totals(0.1).rubbed, 0.0);
+  EXPECT_GT(whole.cement->report().totals(0.1).rubbed, 0.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(FreedPlaces, Broken, ::testing::Values(Method{false, false}, Method{true, false}, Method{true, true}),
@@ -253,11 +253,11 @@ TEST(CrackFaces, SlideWithMuN) {
     double N = 0.0, T = 0.0;
     for (int n = 0; n < kMeanSteps; ++n) {
       host.step();
-      const BondState& b = host.cement->bond_states()[0];
+      const BondState& b = host.cement->report().bond_states()[0];
       N += b.force[1][2] - b.force[0][2];
       T += b.force[0][0] - b.force[1][0];
     }
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     test::expect_within(std::fabs(T / N - mu), std::max(0.01 * mu, 1e-4), "force of friction over the normal one, less mu");
     test::expect_within(std::fabs(t.imbalance), 0.003, "imbalance");
     EXPECT_GE(t.rubbed, (mu > 0.0 ? 0.1 : -1e-6) * t.external_work);
@@ -291,7 +291,7 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
     host.step();
     overlapped += host.bonds.begin()->faces.deepest() > 0.5 * kPush;
     host.run(100);
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_GT(t.rubbed, -1e-6 * (t.elastic + t.kinetic));
   }
   EXPECT_EQ(overlapped, 1);
@@ -305,7 +305,7 @@ TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
   alone.setup();
   host.run(1203);
   alone.run(1203);
-  const BondState &a = host.cement->bond_states()[0], &b = alone.cement->bond_states()[0];
+  const BondState &a = host.cement->report().bond_states()[0], &b = alone.cement->report().bond_states()[0];
   for (int d : {0, 2}) test::expect_within(std::fabs(a.force[1][d] - b.force[1][d]) / a.force[1][2], 1e-9, "force against that of one rank");
   const RowOfGrains::Saved saved = host.save();
   RowOfGrains again(MPI_COMM_WORLD, r, saved, host.bonds.table);
@@ -357,12 +357,12 @@ TEST(ClosingPoints, CarryCompressionWithTheStiffnessOfWholeCement) {
   double most = 0.0;
   for (int n = 0; n < 400; ++n) {
     cycled.run(10);
-    const CementTotals t = cycled.cement->totals(0.1);
+    const CementTotals t = cycled.cement->report().totals(0.1);
     most = std::max(most, t.external_work);
     const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.rubbed;
     if (n > 20) test::expect_within(std::fabs(t.external_work - spent) / most, 1e-3, "work less energies, over the largest work");
   }
-  const CementTotals t = cycled.cement->totals(0.1);
+  const CementTotals t = cycled.cement->report().totals(0.1);
   EXPECT_GT(most, 8e-7);
   EXPECT_GT(t.external_work, -1e-3 * most);  // nothing came out of the cycle
 }
@@ -374,7 +374,7 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   r.unilateral = true;
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.setup();
-  const double step = host.cement->stable_step();
+  const double step = host.cement->stable_step().find();
   r.path = [](double t) {
     const Ramp in{0.0, kRampTime};
     return Way{{0, 0, -kPush * in.share(t)}, {0, 0, -kPush * in.rate(t)}};
@@ -383,7 +383,7 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   at_limit.dt = 0.98 * step;
   at_limit.setup();
   at_limit.run(3000);
-  const CementTotals t = at_limit.cement->totals(0.1);
+  const CementTotals t = at_limit.cement->report().totals(0.1);
   EXPECT_GT(step, test::kStep);
   EXPECT_LT(t.kinetic, 0.1 * t.elastic);
   test::expect_within(std::fabs(t.imbalance), 1e-2, "imbalance");

@@ -70,7 +70,7 @@ TEST_P(Divided, IsThatManySteps) {
   for (const auto& e : fine.all_failed()) expected.push_back({(e[0] + c.substeps - 1) / c.substeps, e[1]});
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(coarse.all_failed(), expected);
-  const CementTotals a = coarse.cement->totals(0.1), b = fine.cement->totals(0.1);
+  const CementTotals a = coarse.cement->report().totals(0.1), b = fine.cement->report().totals(0.1);
   for (double CementTotals::*sum : {&CementTotals::kinetic, &CementTotals::elastic, &CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
     EXPECT_NEAR(a.*sum, b.*sum, 1e-9 * b.external_work);
   test::expect_within(std::fabs(a.imbalance), 1e-3, "imbalance of the books");
@@ -91,7 +91,7 @@ struct Sums {
 };
 // Of grains and cement, and of the springs between them.
 Sums sums_of(RowOfGrains& host) {
-  const CementTotals t = host.cement->totals(0.1);
+  const CementTotals t = host.cement->report().totals(0.1);
   Sums s{};
   for (const Grain& g : host.cement->grains().grains)
     for (int d = 0; d < 3; ++d) {
@@ -190,7 +190,7 @@ TEST_P(FreePair, BooksBalance) {
   for (int n = 0; n < 200; ++n) {
     host.step();
     if (n % 10 != 9) continue;
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     worst = std::max(worst, std::fabs(t.imbalance * t.external_work));
     most = std::max(most, t.external_work);
   }
@@ -219,7 +219,7 @@ TEST(Substeps, FailedPointsAreNotPushed) {
       }
       host.step();
     }
-    t[divided] = host.cement->totals(0.1);
+    t[divided] = host.cement->report().totals(0.1);
     EXPECT_EQ(t[divided].separated, 0.0);
     test::expect_within(std::fabs(t[divided].imbalance), 1e-6, "imbalance of the books");
   }
@@ -242,7 +242,7 @@ TEST_P(SteadyLoads, AreThoseOfShortSteps) {
   coarse.dt = r.substeps * test::kStep;
   fine.setup();
   coarse.setup();
-  EXPECT_EQ(coarse.cement->added_mass_of_sides()[0] > 0.0, GetParam() > 1.0);
+  EXPECT_EQ(coarse.cement->report().added_mass_of_sides()[0] > 0.0, GetParam() > 1.0);
   double worst = 0.0;
   for (int n = 0; n < 200 && fine.all_failed().size() < 20; ++n) {
     coarse.step();
@@ -360,7 +360,7 @@ TEST(Substeps, PulledThroughFailure) {
       alone.run(divided ? 1 : 10);
       peak[divided] = std::max(peak[divided], host.tension(0));
     }
-    const CementTotals t = host.cement->totals(0.1);
+    const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_EQ(t.separated, 1.0);
     test::expect_within(std::fabs(t.imbalance), 2e-3, "imbalance of the books");
     EXPECT_EQ(host.all_failed(), alone.all_failed());
@@ -379,7 +379,58 @@ TEST(Substeps, RestartsToTheBit) {
   whole.dt = r.substeps * test::kStep;
   whole.setup();
   for (int at : {50, 95}) test::expect_restart_to_the_bit(whole, r, at, 17, whole.dt, [](RowOfGrains&) {});
-  EXPECT_GT(whole.cement->totals(0.1).failed, 50.0);
+  EXPECT_GT(whole.cement->report().totals(0.1).failed, 50.0);
+}
+
+// A host that nobody asks.
+class NoHost : public CementHost {
+ public:
+  std::array<double, 3> initial_velocity(int) override { return {0.0, 0.0, 0.0}; }
+  void points_failed(const Bond&) override {}
+  void links_let_go(const Bond&) override {}
+  void slots_changed(const Bond&) override {}
+};
+
+// The part by itself: a grain that is moved at an even acceleration, and one that follows an even load, are where they have to be in each sub-step.
+TEST(Substeps, BringGrainsToWhereTheStepEnds) {
+  constexpr int kSubsteps = 4;
+  constexpr double kTime = 1.0, kLoad = 6.0, kMass = 2.0;
+  Bonds bonds;
+  NoHost host;
+  Scene scene(MPI_COMM_SELF, bonds, host, CementOptions(), nullptr);
+  scene.now.substeps = kSubsteps;
+  scene.now.dt = kTime / kSubsteps;
+  GrainState state[2];
+  std::vector<Grain> grains(2);
+  for (int g = 0; g < 2; ++g) {
+    grains[g].tag = 1 + g;
+    grains[g].mass = kMass;
+    grains[g].inertia = 1.0;
+    grains[g].radius = 1.0;
+    grains[g].velocity[0] = 1.0;
+    grains[g].state = &state[g];
+    for (bool& f : grains[g].free) f = g == 1;
+  }
+  grains[1].force[0] = state[1].between[0] = state[1].mean[12] = kLoad;
+  scene.grains.replace(grains);
+
+  Substeps substeps(scene);
+  substeps.begin();
+  Grain &moved = scene.grains.grains[0], &pulled = scene.grains.grains[1];
+  moved.x[0] = 2.0;  // the host moves them
+  moved.velocity[0] = 3.0;
+  pulled.x[0] = 77.0;  // which is no matter for one that is free
+  substeps.find_ways();
+  for (scene.substep = 1; scene.substep <= kSubsteps; ++scene.substep) {
+    const double t = scene.now.dt * scene.substep, a = kLoad / kMass;
+    substeps.move_grains();
+    EXPECT_NEAR(moved.x[0], t + t * t, 1e-14) << scene.substep;
+    EXPECT_NEAR(moved.velocity[0], 1.0 + 2.0 * t, 1e-14) << scene.substep;
+    EXPECT_NEAR(pulled.x[0], t + 0.5 * a * t * t, 1e-14) << scene.substep;
+    EXPECT_NEAR(pulled.velocity[0], 1.0 + a * (t - 0.5 * scene.now.dt), 1e-14) << scene.substep;
+    if (!scene.ends_step()) substeps.kick_grains();
+  }
+  EXPECT_NEAR(state[0].x[0], 0.75 + 0.75 * 0.75, 1e-14) << "the place before the last sub-step";
 }
 
 }  // namespace

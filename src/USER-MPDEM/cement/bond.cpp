@@ -6,6 +6,11 @@
 
 namespace mpdem {
 
+void Bond::sort_links() {
+  const auto by_slot = [](const Link& x, const Link& y) { return x.slot < y.slot; };
+  if (!std::is_sorted(points.links.begin(), points.links.end(), by_slot)) links.renumber(points.sort_links());
+}
+
 namespace {
 bool comes_before(const Bond& b, int body) { return b.body < body; }
 }  // namespace

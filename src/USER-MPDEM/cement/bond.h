@@ -66,6 +66,8 @@ struct Bond {
       prefetch_bytes(v->data(), std::min(kBeginning, sizeof(double) * v->size()));
     for (int b = 0; b < std::min(2, static_cast<int>(points.blocks.size())); ++b) points.prefetch(b);
   }
+  // Links by the slots of their points, which change while points change cells.
+  void sort_links();
   // Holds with other bonds what these have alike.
   void share(AlikeLists& alike) {
     grid.share(alike);

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "../numerics/length.h"
+
 namespace mpdem {
 
 namespace {
-double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
-
 // The estimate that is nearer to zero; zero if the two differ in sign.
 double lesser(double a, double b) {
   if (a * b <= 0.0) return 0.0;
@@ -21,6 +21,11 @@ double lesser(double a, double b) {
 double BondedGrains::mass_ratio(const Grain& g, double cement) {
   const bool moves = g.free[0] || g.free[1] || g.free[2];
   return ((moves ? 1.0 : 0.0) + (g.free[3] ? 2.5 : 0.0)) * cement / g.mass;
+}
+
+const Grain* BondedGrains::find(int tag) const {
+  const auto at = std::lower_bound(grains.begin(), grains.end(), tag, [](const Grain& g, int t) { return g.tag < t; });
+  return at != grains.end() && at->tag == tag ? &*at : nullptr;
 }
 
 void BondedGrains::replace(std::vector<Grain> now) {

@@ -39,6 +39,8 @@ class BondedGrains {
   // The bonded grains of this rank, anew; bind() if others than before.
   void replace(std::vector<Grain> now);
   bool changed() const { return changed_; }
+  // Null if it is not on this rank.
+  const Grain* find(int tag) const;
 
   // A side whose grain is here.
   struct OwnedSide {

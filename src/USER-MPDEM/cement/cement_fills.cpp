@@ -13,6 +13,7 @@
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/memory_limit.h"
+#include "../parallel/ranks.h"
 #include "cement_maker.h"
 #include "point_file.h"
 
@@ -24,8 +25,7 @@ enum Check { cells };  // of a bond, the first when it is made
 
 // The text of a file that only the first rank reads. Collective.
 std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {
-  int me;
-  MPI_Comm_rank(comm, &me);
+  const int me = rank_in(comm);
   std::string text;
   long long size = -1;
   int code = 0;
@@ -98,7 +98,7 @@ void CementMaker::fill_by_file(Fill& f) {
   o.spacing = wish_.spacing;
   o.attach = wish_.attach;
   const double* first = bond.grain[0].x;
-  o.to_body = [&](const Vector3& x) -> Vector3 { return box_.shortest(Vector3(x[0] - first[0], x[1] - first[1], x[2] - first[2])) + bond.pair.centre(0); };
+  o.to_body = [&](const Vector3& x) -> Vector3 { return plan_.box().shortest(Vector3(x[0] - first[0], x[1] - first[1], x[2] - first[2])) + bond.pair.centre(0); };
   PointCloud cloud = read_points(text, wish_.file, bond.pair, o);
   check_grains_of_file(f.first, cloud.other_grains);
   f.points = std::move(cloud.points);
@@ -225,8 +225,8 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
 // Of each fill: the ranks in whose parts of the box, or near them, some bond of the part has it.
 std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::vector<int>& fills) const {
   double mine[6];
-  std::copy(box_.own_low, box_.own_low + 3, mine);
-  std::copy(box_.own_high, box_.own_high + 3, mine + 3);
+  std::copy(plan_.box().own_low, plan_.box().own_low + 3, mine);
+  std::copy(plan_.box().own_high, plan_.box().own_high + 3, mine + 3);
   std::vector<double> all(6 * ranks_);
   MPI_Allgather(mine, 6, MPI_DOUBLE, all.data(), 6, MPI_DOUBLE, comm_);
   std::vector<Box> domains;
@@ -238,7 +238,7 @@ std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::
   const BoxSearch search(domains);
   std::vector<std::vector<char>> need(fills_.size());
   for (const int f : fills) need[f].assign(ranks_, 0);
-  const std::vector<Vector3> shifts = box_.images();
+  const std::vector<Vector3> shifts = plan_.box().images();
   for (std::size_t n = part.from; n < part.to; ++n) {
     const Fill& f = fill_of(n);
     if (f.box.isEmpty()) continue;

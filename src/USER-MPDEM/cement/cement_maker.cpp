@@ -30,7 +30,7 @@ Box box_around(const Body& body, const Box& box) {
 }
 
 CementMaker::CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<Body>& table, const Scene& scene, CementMakerHost& host)
-    : comm_(comm), plan_(plan), wish_(plan.wish()), box_(plan.box()), table_(table), host_(host), first_body_(table.size()),
+    : comm_(comm), plan_(plan), wish_(plan.wish()), table_(table), host_(host), first_body_(table.size()),
       atoms_before_(scene.atoms), last_tag_(scene.last_tag) {
   MPI_Comm_rank(comm_, &me_);
   MPI_Comm_size(comm_, &ranks_);
@@ -176,11 +176,11 @@ Body CementMaker::body_of(std::size_t n) const {
   const std::array<double, 3> ahead = turned(axes_of(body), body.centre[0]);
   for (int c = 0; c < 3; ++c) {
     body.origin[c] = g0.x[c] - ahead[c];
-    if (!box_.periodic[c]) continue;
+    if (!plan_.box().periodic[c]) continue;
     // Multiples of the box; taken from integers, not from a difference of coordinates.
-    body.shift[0][c] = std::round((g0.x[c] - g0.unwrapped[c]) / box_.period[c]) * box_.period[c];
-    body.shift[1][c] = std::round((g0.x[c] + bond.between[c] - g1.unwrapped[c]) / box_.period[c]) * box_.period[c];
-    body.box[c] = box_.period[c];
+    body.shift[0][c] = std::round((g0.x[c] - g0.unwrapped[c]) / plan_.box().period[c]) * plan_.box().period[c];
+    body.shift[1][c] = std::round((g0.x[c] + bond.between[c] - g1.unwrapped[c]) / plan_.box().period[c]) * plan_.box().period[c];
+    body.box[c] = plan_.box().period[c];
   }
   return body;
 }

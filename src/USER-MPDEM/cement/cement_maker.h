@@ -133,7 +133,6 @@ class CementMaker {
   int me_, ranks_;
   CementPlan& plan_;
   const CementWish& wish_;
-  const SceneBox& box_;
   std::vector<Body>& table_;
   CementMakerHost& host_;
   const std::size_t first_body_;

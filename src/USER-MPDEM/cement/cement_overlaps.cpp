@@ -83,7 +83,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
     boxes.push_back(f.points.empty() ? Box() : Box(around.min() - margin, around.max() + margin));
   }
   const BoxSearch search(boxes);
-  const std::vector<Vector3> shifts = box_.images();
+  const std::vector<Vector3> shifts = plan_.box().images();
   std::map<int, PointsNear> by_cells;  // of the fills that are asked for
   std::map<std::pair<std::size_t, int>, double> found;
   // x: middle of a full cell
@@ -106,7 +106,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
         for (const FillPoint& p : f.points) {
           if (p.volume < full) continue;
           const Vector3 x = of[m].out(p.X);
-          if (search.box(k).contains(x + shift) && box_.owns(x)) look(k, there + static_cast<int>(m), of[m], wish_.spacing, x + shift);
+          if (search.box(k).contains(x + shift) && plan_.box().owns(x)) look(k, there + static_cast<int>(m), of[m], wish_.spacing, x + shift);
         }
       });
   }
@@ -149,7 +149,7 @@ void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) con
     int tag;
   };
   const double tolerance = 0.5 * wish_.spacing;
-  const std::vector<Vector3> shifts = box_.images();
+  const std::vector<Vector3> shifts = plan_.box().images();
   std::vector<Inside> mine;
   for (std::size_t k = 0; k < part.bodies.size(); ++k) {
     const Body& body = part.bodies[k];
@@ -168,7 +168,7 @@ void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) con
           if (grain.tag == body.grain[s] && (centre - Vector3(body.centre[s][0], body.centre[s][1], body.centre[s][2])).norm() < tolerance) return;
         for (const FillPoint& p : f.points) {
           const double depth = grain.radius - (p.X - centre).norm();
-          if (depth <= tolerance || !box_.owns(of.out(p.X))) continue;
+          if (depth <= tolerance || !plan_.box().owns(of.out(p.X))) continue;
           ++in.points;
           if (depth > in.deepest) in.tag = grain.tag;
           in.deepest = std::max(in.deepest, depth);
@@ -214,7 +214,7 @@ void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
 int CementMaker::points_outside(const Fill& f, const Body& body) const {
   const auto in = [&](const Vector3& x) {
     bool all = true;
-    for (int c = 0; c < 3; ++c) all = all && (box_.periodic[c] || (x[c] >= box_.low[c] && x[c] < box_.high[c]));
+    for (int c = 0; c < 3; ++c) all = all && (plan_.box().periodic[c] || (x[c] >= plan_.box().low[c] && x[c] < plan_.box().high[c]));
     return all;
   };
   const Box around = box_around(body, f.box);

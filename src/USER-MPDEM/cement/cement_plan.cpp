@@ -10,6 +10,7 @@
 #include "../geometry/composite.h"
 #include "../parallel/agree.h"
 #include "../parallel/gather_all.h"
+#include "../parallel/ranks.h"
 
 namespace mpdem {
 
@@ -127,9 +128,7 @@ double CementPlan::points_expected(std::size_t bond) const { return kind_of(bond
 
 // Each rank its share of the kinds: their shapes and sizes.
 void CementPlan::measure_kinds(BondTrouble& trouble) {
-  int me, ranks;
-  MPI_Comm_rank(comm_, &me);
-  MPI_Comm_size(comm_, &ranks);
+  const int ranks = ranks_of(comm_), me = rank_in(comm_);
   for (std::size_t k = me; k < kinds_.size(); k += ranks) {
     Kind& kind = kinds_[k];
     try {
@@ -150,9 +149,7 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
 
 void CementPlan::share_kinds() {
   constexpr int kNumbers = 5;
-  int me, ranks;
-  MPI_Comm_rank(comm_, &me);
-  MPI_Comm_size(comm_, &ranks);
+  const int ranks = ranks_of(comm_), me = rank_in(comm_);
   std::vector<double> shared(kNumbers * kinds_.size(), 0.0);
   for (std::size_t k = me; k < kinds_.size(); k += ranks) {
     const Kind& kind = kinds_[k];

@@ -8,8 +8,9 @@
 #include <limits>
 #include <unordered_map>
 
-#include "../parallel/agree.h"
 #include "../mpm/field_drive.h"
+#include "../parallel/agree.h"
+#include "../parallel/ranks.h"
 #include "bond_description.h"
 #include "condensed_fields.h"
 
@@ -82,8 +83,7 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
   std::string trouble;
   const std::size_t of_all = hash_of_run(links, inertia);
-  int me;
-  MPI_Comm_rank(comm, &me);
+  const int me = rank_in(comm);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = rows[n];
     Bond* b = bonds.find(row);
@@ -153,8 +153,7 @@ void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_ou
   }
   throw_if_any(comm, trouble);
   if (patterns == 0) return;
-  int me;
-  MPI_Comm_rank(comm, &me);
+  const int me = rank_in(comm);
   std::vector<int> first(patterns, std::numeric_limits<int>::max());
   for (const auto& p : patterns_) first[p.first - 1] = me;
   MPI_Allreduce(MPI_IN_PLACE, first.data(), patterns, MPI_INT, MPI_MIN, comm);
@@ -163,22 +162,17 @@ void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_ou
 
 // The model of a bond goes to all ranks that have a grain of it.
 void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
-  int me;
-  MPI_Comm_rank(comm, &me);
+  const int me = rank_in(comm);
   std::vector<int> teller(bonds.table.size(), std::numeric_limits<int>::max());
   for (const auto& s : solutions_) teller[s.first] = me;
   MPI_Allreduce(MPI_IN_PLACE, teller.data(), static_cast<int>(teller.size()), MPI_INT, MPI_MIN, comm);
-  const auto owned = [&](int tag) {
-    const auto at = std::lower_bound(grains.grains.begin(), grains.grains.end(), tag, [](const Grain& g, int t) { return g.tag < t; });
-    return at != grains.grains.end() && at->tag == tag;
-  };
   std::vector<Key> keys, wanted;
   std::vector<double> numbers;
   members_.clear();
   for (int row = 0; row < static_cast<int>(teller.size()); ++row) {
     const Body& body = bonds.table[row];
     if (body.pattern > 0 && body.condensed) {
-      const bool first = owned(body.grain[0]), here = first || owned(body.grain[1]);
+      const bool first = grains.find(body.grain[0]), here = first || grains.find(body.grain[1]);
       const auto p = here ? patterns_.find(body.pattern) : patterns_.end();
       if (p != patterns_.end()) members_.push_back({row, first, p->second.solution});
       continue;
@@ -190,7 +184,7 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
       keys.push_back({row, 0, 0, 0});
       numbers.resize(numbers.size() + CondensedModel::kNumbers);
       own->second->model.pack(&numbers[numbers.size() - CondensedModel::kNumbers]);
-    } else if (owned(bonds.table[row].grain[0]) || owned(bonds.table[row].grain[1])) {
+    } else if (grains.find(body.grain[0]) || grains.find(body.grain[1])) {
       members_.push_back({row, false, nullptr});
       wanted.push_back({row, 0, 0, 0});
     }
@@ -311,8 +305,8 @@ EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bon
     if (m.body < first_body) continue;
     const auto side = loaded_sides(m.body, bonds, gravity);
     for (const GrainSide& s : side) {
-      const auto g = std::lower_bound(grains.grains.begin(), grains.grains.end(), s.tag, [](const Grain& a, int tag) { return a.tag < tag; });
-      if (g == grains.grains.end() || g->tag != s.tag) continue;
+      const Grain* g = grains.find(s.tag);
+      if (!g) continue;
       const std::array<double, 6> f = in_box(s, s.force, s.torque);
       for (int d = 0; d < 6; ++d) {
         work.now -= dt_last * f[d] * g->state->ended[d];

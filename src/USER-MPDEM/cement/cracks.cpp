@@ -9,6 +9,7 @@
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
+#include "../parallel/ranks.h"
 
 namespace mpdem {
 
@@ -94,8 +95,7 @@ struct WholeBonds {
 
 // Sends each of these bonds, ascending, to one rank, as a whole. Collective.
 WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, bool split) {
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
   std::vector<std::vector<Sent>> out(ranks);
   for (int row : rows) {
     const Bond* here = bonds.find(row);
@@ -196,8 +196,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
   Found found;
   const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
   if (looked_at.empty()) return found;
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
 
   // The bonds that come to this rank are whole.
   const WholeBonds whole = collect(comm, bonds, looked_at, options.split);

@@ -8,11 +8,24 @@
 
 #include <memory>
 
-#include "bond.h"
+#include "added_masses.h"
+#include "arrangement.h"
+#include "nodal_forces.h"
+#include "scene.h"
+#include "shared_nodes.h"
+#include "work_of_step.h"
 
 namespace mpdem {
 
-class Cement;
+// What kinematics act on.
+struct MovingParts {
+  Scene& scene;
+  SharedNodes& shared;
+  AddedMasses& added;
+  Arrangement& arrangement;
+  NodalForces& forces;
+  const WorkOfStep& work;
+};
 
 class Kinematics {
  public:
@@ -25,18 +38,21 @@ class Kinematics {
   virtual void account_for_accelerations() {}
   // Collective. Internal force of the present state.
   virtual void find_internal_force() = 0;
-  // Points of a bond that is new take up the motion of its nodes.
-  virtual void start_points(Bond&) {}
-  // After a layout of the bond.
-  virtual void bind(Bond&) {}
 
  protected:
-  explicit Kinematics(Cement& cement) : cement_(cement) {}
-  Cement& cement_;
+  explicit Kinematics(const MovingParts& parts)
+      : scene_(parts.scene), shared_(parts.shared), added_(parts.added), arrangement_(parts.arrangement), forces_(parts.forces), work_(parts.work) {}
+
+  Scene& scene_;
+  SharedNodes& shared_;
+  AddedMasses& added_;
+  Arrangement& arrangement_;
+  NodalForces& forces_;
+  const WorkOfStep& work_;
 };
 
-std::unique_ptr<Kinematics> make_total(Cement& cement);
-std::unique_ptr<Kinematics> make_updated(Cement& cement);
+std::unique_ptr<Kinematics> make_total(const MovingParts& parts);
+std::unique_ptr<Kinematics> make_updated(const MovingParts& parts);
 
 // Velocities of nodes that have mass from momentum.
 void take_momentum(Grid& grid);

@@ -10,6 +10,7 @@
 #include "../material/tensor_damage.h"
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
+#include "../parallel/ranks.h"
 
 namespace mpdem {
 
@@ -88,8 +89,7 @@ class LayoutMaker {
       : rules_(rules), rows_(rows), requests_(requests), layouts_(requests.size()) {}
 
   std::vector<BondLayout> make() {
-    int ranks;
-    MPI_Comm_size(rules_.comm, &ranks);
+    const int ranks = ranks_of(rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     std::vector<std::vector<EdgeTie>> ties;
     // A slave of this rank may have its masters on others, which then come here as nodes of no cell: a plan tells.

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes that split (splits.h): what changes in a bond, in place. Points that go to other parts get blocks of their own, new nodes come
+// Nodes that split (splits.h) change a bond in place. Points that go to other parts get blocks of their own, new nodes come
 // into the grid, and the ties and masses of those that are touched are found anew; all else stays where it is. What comes of it is what a layout of
 // the same state gives, to the bit. A bond that ranks cut is laid out as a whole.
+#include "parting.h"
+
 #include <algorithm>
 
 #include "../mpm/block_nodes.h"
 #include "bond_motion.h"
-#include "cement.h"
-#include "kinematics.h"
 
 namespace mpdem {
 
@@ -34,19 +34,83 @@ std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const 
 
 }  // namespace
 
-void Cement::split_nodes() {
-  timer_.start(StepTimer::kLayout);
-  Splits::Found split = splits_.look(comm_, bonds_, options_);
+void Parting::take_up() {
+  load_watch_.take_up(scene_.bonds.table.size());
+  if (!divisions_.cracks.take_up(scene_.bonds.table.size()) || !scene_.can_break()) return;
+  const bool split = scene_.options.split;
+  if (split) {
+    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options);
+    if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
+  }
+  Cracks::Found found = look_at_bonds(true);
+  if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, split});
+  find_relaxation(found.held);
+}
+
+void Parting::look() {
+  if (!scene_.can_break()) return;
+  const bool after_check = scene_.follows_check();
+  if (!after_check && !scene_.watches()) return;
+  Cracks& cracks = divisions_.cracks;
+  if (scene_.options.split) split_nodes();
+  if (after_check)
+    cracks.give_way(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, load_watch_.look(scene_.comm, scene_.bonds.table, scene_.shear_speed()),
+                    scene_.keeps_skins(), scene_.now.number - 1);
+  if (!after_check && !cracks.some_path_is_cut(scene_.comm)) return;
+  scene_.timer.start(StepTimer::kLayout);
+  if (after_check) added_.drop_inert();
+  Cracks::Found found = look_at_bonds(after_check);
+  if (scene_.options.split) part_bonds(found.lay_out, std::move(found.parts));
+  else lay_out_parts(found.lay_out, std::move(found.parts));
+  find_relaxation(found.held);
+}
+
+std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
+  for (Bond& b : scene_.bonds) b.sort_links();
+  return divisions_.cracks.ahead(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
+}
+
+// Bonds that hold by bridges alone that are narrower than a cell come apart there.
+Cracks::Found Parting::look_at_bonds(bool debris) {
+  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, debris);
+  if (!scene_.options.split) return found;
+  Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds, scene_.options, found.pieces);
+  found.parts = std::move(split.parts);
+  found.lay_out.insert(found.lay_out.end(), split.lay_out.begin(), split.lay_out.end());
+  std::sort(found.lay_out.begin(), found.lay_out.end());
+  found.lay_out.erase(std::unique(found.lay_out.begin(), found.lay_out.end()), found.lay_out.end());
+  return found;
+}
+
+// Of bonds whose points hold to other grains now.
+void Parting::find_relaxation(const std::vector<int>& rows) {
+  for (int row : rows)
+    if (Bond* b = scene_.bonds.find(row)) arrangement_.find_relaxation(*b);
+}
+
+// Where parts came apart. Links have other nodes then, and their added mass another energy.
+void Parting::lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts) {
+  if (rows.empty()) return;
+  scene_.books.release_by([&] { return added_.energy(rows); },
+                          [&] {
+                            arrangement_.lay_out_again(rows, std::move(parts), {});
+                            added_.follow(rows, "parts came apart");
+                          });
+}
+
+void Parting::split_nodes() {
+  scene_.timer.start(StepTimer::kLayout);
+  Splits::Found split = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options);
   part_bonds(split.lay_out, std::move(split.parts));
 }
 
 // Mass stays with its copy and copies move as the node did, so momentum and energy are what they were; edges that are tied no longer
 // give mass back, see give_back_motion(). Answers the nodes whose ties and masses are new.
-std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
-  const double kick = 0.5 * (dt_last_ + now_.dt);
-  const BondMotion before = mpdem::motion_of(b.grid, kick);
-  const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, options_.cell, options_.basis);
-  std::vector<Key> more = splits_.nodes_of(b.points, moved.blocks, b.body, support(options_.basis));
+std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
+  const double kick = scene_.kick();
+  const BondMotion before = motion_of(b.grid, kick);
+  const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, scene_.options.cell, scene_.options.basis);
+  std::vector<Key> more = divisions_.splits.nodes_of(b.points, moved.blocks, b.body, support(scene_.options.basis));
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
@@ -57,55 +121,49 @@ std::vector<int> Cement::part_nodes(Bond& b, const NewParts& parts) {
   b.links.renumber(moved.link_place);
   b.links.follow_parts(b.points, b.grid, place);
 
-  std::vector<int> nodes = splits_.nodes_touched(b.grid, b.body, parts.split);
+  std::vector<int> nodes = divisions_.splits.nodes_touched(b.grid, b.body, parts.split);
   for (const Key& k : more) nodes.push_back(b.grid.node_at(k));
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
-  const std::vector<double> volumes = splits_.volumes(keys);
-  for (std::size_t n = 0; n < nodes.size() && options_.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
-  const bool freed = b.grid.tie_anew(nodes, splits_.ties(keys));
-  b.grid.lump_mass(b.points, inertia_);
+  const std::vector<double> volumes = divisions_.splits.volumes(keys);
+  for (std::size_t n = 0; n < nodes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));
+  b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
-    give_back_motion(b.grid, before, mpdem::motion_of(b.grid, kick));
-    books_.release(before.kinetic - mpdem::motion_of(b.grid, kick).kinetic);
+    give_back_motion(b.grid, before, motion_of(b.grid, kick));
+    scene_.books.release(before.kinetic - motion_of(b.grid, kick).kinetic);
   }
   return nodes;
 }
 
 // Links have other nodes then, and their added mass another energy. Those that let go give theirs up.
-void Cement::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
+void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
   if (rows.empty()) return;
   std::vector<int> mine;
   for (int row : rows) {
-    const Bond* b = bonds_.find(row);
+    const Bond* b = scene_.bonds.find(row);
     if (b && b->cut_by_ranks()) mine.push_back(row);
   }
-  const std::vector<int> cut = agreed_rows(mine);
-  const auto energy = [&] {
-    double sum = 0.0;
-    for (int row : rows)
-      if (const Bond* b = bonds_.find(row)) sum += b->added.energy(b->grid, grains_.side_of(*b));
-    return sum;
-  };
-  Patches patches;
-  books_.release_by(energy, [&] {
+  const std::vector<int> cut = scene_.agreed_rows(mine);
+  StableStep::Patches patches;
+  scene_.books.release_by([&] { return added_.energy(rows); }, [&] {
     for (int row : rows) {
-      Bond* b = bonds_.find(row);
+      Bond* b = scene_.bonds.find(row);
       if (!b) continue;
-      drop_inert_links(*b);
+      added_.drop_inert(*b);
       if (std::binary_search(cut.begin(), cut.end(), row)) continue;
       const std::vector<int> nodes = part_nodes(*b, parts[row]);
-      if (layout_.eigenvalue > 0.0) patches[row] = blocks_about(b->points, b->grid, nodes);
-      start_anew(*b);
+      if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
+      arrangement_.start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
-      host_.slots_changed(*b);
-      kinematics_->bind(*b);
+      scene_.host.slots_changed(*b);
+      if (scene_.options.updated) b->updated.bind(b->points, b->grid);
     }
-    if (!cut.empty()) lay_out(cut, std::move(parts), true, true);
-    refresh_added_mass(rows);
-    check_step_after(rows, "nodes split", &patches);
+    if (!cut.empty()) arrangement_.lay_out(cut, std::move(parts), {true, true});
+    added_.refresh(rows);
+    added_.follow(rows, "nodes split", &patches);
   });
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-//
-// What is told of the cement: sums over all, a row a bond. Nothing here runs in a step that prints nothing.
+#include "report.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <string>
 
 #include "../mpm/gather.h"
-#include "cement.h"
 
 namespace mpdem {
 
@@ -84,38 +84,38 @@ void count_separated(const Cracks& cracks, CementTotals& t) {
 
 }  // namespace
 
-CementTotals Cement::totals(double reach_of_box) {
+CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
   count_separated(cracks_, t);
-  if (!layout_.built) return t;
+  if (!scene_.laid_out) return t;
   // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kRubbed, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
-  const CondensedBonds::Energies condensed = condensed_.energies(bonds_, 0.5 * dt_last_);
+  const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds, 0.5 * scene_.dt_last);
   const auto add_condensed = [&](int row) {
     of_points.add(condensed_.sums_of_points(row));
     const double energy = condensed_.energy_of_points(row);
     sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
   };
-  for (Bond& bond : bonds_) {
-    if (!bonds_.is_awake(bond)) {
+  for (Bond& bond : scene_.bonds) {
+    if (!scene_.bonds.is_awake(bond)) {
       add_condensed(bond.body);
       continue;
     }
-    of_points.add(bond.points, *law_, true);
-    of_nodes.add(bond.grid, bonds_.body(bond), 0.5 * dt_last_);
-    const GrainSide* side = grains_.side_of(bond);
-    const double inertial = bond.added.energy(bond.grid, side, 0.5 * dt_last_, 0.5 * dt_last_);
+    of_points.add(bond.points, *scene_.law, true);
+    of_nodes.add(bond.grid, scene_.bonds.body(bond), 0.5 * scene_.dt_last);
+    const GrainSide* side = scene_.grains.side_of(bond);
+    const double inertial = bond.added.energy(bond.grid, side, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
     bond.places.add_energy(bond.grid, side, sum[kCoupling]);
     sum[kElastic] += bond.closing.energy(bond.points, bond.grid);
     sum[kCoupling] += inertial;
-    sum[kKept] += bond.added.energy(bond.grid, side, 0.0, dt_last_) - inertial;
+    sum[kKept] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
   }
-  for (int row : condensed_.rows_without_points(bonds_)) add_condensed(row);
+  for (int row : condensed_.rows_without_points(scene_.bonds)) add_condensed(row);
   sum[kCoupling] += condensed.elastic;
   of_nodes.add(condensed);
   sum[kKinetic] = of_nodes.kinetic;
@@ -128,15 +128,15 @@ CementTotals Cement::totals(double reach_of_box) {
   sum[kDamaged] = of_points.damaged_volume;
   sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
-  const EnergyBooks::Sums& books = books_.sums();
+  const EnergyBooks::Sums& books = scene_.books.sums();
   const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
                              books.work - books.work_ahead};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
   sum[kKept] -= inertial;
-  global_sum(sum, comm_);
-  global_max(most, comm_);
+  global_sum(sum, scene_.comm);
+  global_max(most, scene_.comm);
 
   t.points = sum[kPoints];
   t.failed = sum[kFailed];
@@ -154,9 +154,9 @@ CementTotals Cement::totals(double reach_of_box) {
   const double scale = std::max(std::fabs(t.external_work), spent);
   // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kKept];
-  const double stiffest = std::max(law_->elasticity().C33, penalty_ ? penalty_->law->stiffness().kn * options_.cell : 0.0);
-  const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / options_.cell);
-  t.imbalance = scale > rounding ? (t.external_work + books_.start_energy() - kept) / scale : 0.0;
+  const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
+  const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
+  t.imbalance = scale > rounding ? (t.external_work + scene_.books.start_energy() - kept) / scale : 0.0;
   for (int d = 0; d < 3; ++d) {
     t.momentum[d] = sum[kP + d];
     t.angular_momentum[d] = sum[kL + d];
@@ -164,28 +164,28 @@ CementTotals Cement::totals(double reach_of_box) {
   return t;
 }
 
-const std::vector<BondState>& Cement::bond_loads() {
-  const std::size_t n = bonds_.table.size();
+const std::vector<BondState>& Report::bond_loads() {
+  const std::size_t n = scene_.bonds.table.size();
   states_.resize(n);
   for (BondState& b : states_) {
     BondState now;
     now.peak = b.peak;
     b = std::move(now);
   }
-  if (!layout_.built) return states_;
-  const double of_other_substeps = 1.0 - 1.0 / now_.substeps;
+  if (!scene_.laid_out) return states_;
+  const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
   constexpr std::size_t kSide = 9, width = 2 * kSide;  // force, torque, position of the grain from the origin of the body
   std::vector<double> sum(width * n, 0.0);
-  for (const BondedGrains::OwnedSide& o : grains_.owned()) {
-    if (!penalty_) break;
-    const GrainSide& s = grains_.sides.sides[o.at];
+  for (const BondedGrains::OwnedSide& o : scene_.grains.owned()) {
+    if (!scene_.penalty) break;
+    const GrainSide& s = scene_.grains.sides.sides[o.at];
     tell(s, of_other_substeps, &sum[width * o.body + kSide * o.side]);
   }
   for (int body : condensed_.rows_told()) {
-    const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, bonds_, weight_of_cement().data());
+    const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, scene_.bonds, scene_.weight().data());
     for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * body + kSide * s]);
   }
-  global_sum(sum, comm_);
+  global_sum(sum, scene_.comm);
   for (std::size_t i = 0; i < n; ++i) {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
@@ -202,7 +202,7 @@ const std::vector<BondState>& Cement::bond_loads() {
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
     b.peak = std::max(b.peak, b.tension);
-    b.gap = length - bonds_.table[i].radius[0] - bonds_.table[i].radius[1];
+    b.gap = length - scene_.bonds.table[i].radius[0] - scene_.bonds.table[i].radius[1];
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
     const SeparatingSurface& s = cracks_[i].separation;
@@ -213,10 +213,10 @@ const std::vector<BondState>& Cement::bond_loads() {
   return states_;
 }
 
-const std::vector<BondState>& Cement::bond_states() {
+const std::vector<BondState>& Report::bond_states() {
   bond_loads();
-  if (!layout_.built) return states_;
-  const std::size_t n = bonds_.table.size();
+  if (!scene_.laid_out) return states_;
+  const std::size_t n = scene_.bonds.table.size();
   enum { kFailed, kVolume, kDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
   std::vector<double> sum(width * n, 0.0), most(n, 0.0);
@@ -228,18 +228,18 @@ const std::vector<BondState>& Cement::bond_states() {
     most[row_of_table] = of_bond.largest_damage;
     add_to_sums({b, body, of_bond}, row + kColumns);
   };
-  for (const Bond& b : bonds_) {
+  for (const Bond& b : scene_.bonds) {
     PointSums of_bond;
-    if (bonds_.is_awake(b)) of_bond.add(b.points, *law_, false);
+    if (scene_.bonds.is_awake(b)) of_bond.add(b.points, *scene_.law, false);
     else of_bond = condensed_.sums_of_points(b.body);
-    add(b.body, b, bonds_.body(b), of_bond);
+    add(b.body, b, scene_.bonds.body(b), of_bond);
   }
-  for (int row : condensed_.rows_without_points(bonds_)) {
-    const CondensedBonds::OfPattern& p = condensed_.of_pattern(bonds_.table[row]);
+  for (int row : condensed_.rows_without_points(scene_.bonds)) {
+    const CondensedBonds::OfPattern& p = condensed_.of_pattern(scene_.bonds.table[row]);
     add(row, p.bond, p.body, condensed_.sums_of_points(row));
   }
-  global_sum(sum, comm_);
-  global_max(most, comm_);
+  global_sum(sum, scene_.comm);
+  global_max(most, scene_.comm);
   for (std::size_t i = 0; i < n; ++i) {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
@@ -251,54 +251,60 @@ const std::vector<BondState>& Cement::bond_states() {
   return states_;
 }
 
-std::vector<Cracks::Ahead> Cement::cracks_ahead(const std::vector<int>& rows) {
-  for (Bond& b : bonds_) sort_links(b);
-  return cracks_.ahead(comm_, bonds_, sheets_, options_, rows, keeps_skins());
-}
-
-std::vector<double> Cement::added_mass_of_sides() {
-  std::vector<double> sum(2 * bonds_.table.size(), 0.0);
-  for (const Bond& b : bonds_) b.added.add_to_sides(b.grid, &sum[2 * static_cast<std::size_t>(b.body)]);
-  global_sum(sum, comm_);
+std::vector<double> Report::added_mass_of_sides() const {
+  std::vector<double> sum(2 * scene_.bonds.table.size(), 0.0);
+  for (const Bond& b : scene_.bonds) b.added.add_to_sides(b.grid, &sum[2 * static_cast<std::size_t>(b.body)]);
+  global_sum(sum, scene_.comm);
   return sum;
 }
 
-double Cement::cement_mass() {
+double Report::cement_mass() const {
   double sum = 0.0;
-  for (const Bond& bond : bonds_)
-    for (const PointBlock& b : bond.points.blocks) sum += inertia_ * sum_lanes(b.volume);
-  for (int row : condensed_.rows_without_points(bonds_)) sum += inertia_ * bonds_.table[row].volume;
+  for (const Bond& bond : scene_.bonds)
+    for (const PointBlock& b : bond.points.blocks) sum += scene_.inertia * sum_lanes(b.volume);
+  for (int row : condensed_.rows_without_points(scene_.bonds)) sum += scene_.inertia * scene_.bonds.table[row].volume;
   return sum;
 }
 
-void Cement::show_condensed_points() {
-  for (Bond& b : bonds_)
+void Report::show_condensed_points() const {
+  for (Bond& b : scene_.bonds)
     if (condensed_.has(b.body)) condensed_.show_strain(b);
 }
 
-int Cement::awake_bonds() const {
-  return static_cast<int>(std::count_if(bonds_.table.begin(), bonds_.table.end(), [](const Body& b) { return !b.condensed; }));
+int Report::awake_bonds() const {
+  return static_cast<int>(std::count_if(scene_.bonds.table.begin(), scene_.bonds.table.end(), [](const Body& b) { return !b.condensed; }));
 }
 
 // v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where they are.
-void Cement::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
+void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
   std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
-  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * dt_last_ * bond.grid.acceleration[i];
+  for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * scene_.dt_last * bond.grid.acceleration[i];
   if (condensed_.has(bond.body)) {
-    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, bonds_.body(bond), 0.5 * dt_last_);
+    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, scene_.bonds.body(bond), 0.5 * scene_.dt_last);
     velocity.swap(n.velocity);
     displacement.swap(n.displacement);
   }
   motion.resize(bond.laid_out_blocks);
-  with_basis(options_.basis, [&](auto type) {
+  with_basis(scene_.options.basis, [&](auto type) {
     for (std::size_t b = 0; b < bond.laid_out_blocks; ++b) {
       const BlockMeta& m = bond.points.meta[b];
-      with_weights<decltype(type)>(bond.points.blocks[b], m, 1.0 / options_.cell, [&](const auto& w) {
+      with_weights<decltype(type)>(bond.points.blocks[b], m, 1.0 / scene_.options.cell, [&](const auto& w) {
         gather_value(displacement.data(), m.column, w, motion[b].u);
         gather_value(velocity.data(), m.column, w, motion[b].v);
       });
     }
   });
+}
+
+std::vector<double> Report::peaks() const {
+  std::vector<double> peaks(scene_.bonds.table.size(), 0.0);
+  for (std::size_t r = 0; r < std::min(peaks.size(), states_.size()); ++r) peaks[r] = states_[r].peak;
+  return peaks;
+}
+
+void Report::restore(const std::vector<double>& peaks) {
+  states_.assign(peaks.size(), BondState{});
+  for (std::size_t r = 0; r < peaks.size(); ++r) states_[r].peak = peaks[r];
 }
 
 }  // namespace mpdem

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../parallel/all_to_all.h"
+#include "../parallel/ranks.h"
 #include "../parallel/rendezvous.h"
 
 namespace mpdem {
@@ -43,8 +44,7 @@ NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOp
   if (looked_at.empty()) return changed;
   std::vector<char> wanted(rows, 0);
   for (int row : looked_at) wanted[row] = 1;
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
   const double reach = sheet_reach(options.basis, options.cell);
   std::vector<std::vector<Sent>> out(ranks);
   std::vector<std::vector<signed char>> sheet;  // of the slots of each bond

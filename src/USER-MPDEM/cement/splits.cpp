@@ -7,6 +7,7 @@
 
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
+#include "../parallel/ranks.h"
 #include "node_places.h"
 
 namespace mpdem {
@@ -40,18 +41,6 @@ struct SentToward {
   Place node;
   NodeCopies::Toward toward;
 };
-
-int ranks_of(MPI_Comm comm) {
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
-  return ranks;
-}
-
-int rank_in(MPI_Comm comm) {
-  int me;
-  MPI_Comm_rank(comm, &me);
-  return me;
-}
 
 SentPoint sent_point(const PointStore& points, int row, const Body& body, const CementOptions& options, int b, int l) {
   SentPoint s{row, {}, sheet_point(points, body, b, l)};

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-//
-// The static stiffness of all bonds. Those of one rank are solved there, one by one, equal ones once. Those that ranks cut are solved
-// by all ranks together, one after the other.
+#include "stiffness_of_bonds.h"
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -10,8 +9,9 @@
 
 #include "../numerics/cross_matrix.h"
 #include "../parallel/agree.h"
+#include "../parallel/ranks.h"
 #include "bond_description.h"
-#include "cement.h"
+#include "pattern_layouts.h"
 
 namespace mpdem {
 
@@ -119,8 +119,7 @@ class StiffnessFinder {
 
   // Collective. The first rank that has a bond tells the others.
   std::vector<StiffnessOfBond> of_all(MPI_Comm comm) {
-    int me;
-    MPI_Comm_rank(comm, &me);
+    const int me = rank_in(comm);
     std::vector<int> teller(table_.size(), std::numeric_limits<int>::max());
     for (int row : told_) teller[row] = me;
     MPI_Allreduce(MPI_IN_PLACE, teller.data(), static_cast<int>(teller.size()), MPI_INT, MPI_MIN, comm);
@@ -163,27 +162,26 @@ class StiffnessFinder {
 
 }  // namespace
 
-std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() {
-  std::vector<BondLayout> layouts = layouts_of_copies(&*penalty_);
-  BondedGrains grains(grains_);
-  grains.bind(comm_, bonds_, inertia_, true);
-  grains.distribute(bonds_);
+std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<BondLayout> layouts) {
+  BondedGrains grains(scene.grains);
+  grains.bind(scene.comm, scene.bonds, scene.inertia, true);
+  grains.distribute(scene.bonds);
   const int orphan = grains.sides.orphan();
-  throw_if_any(comm_, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));
-  StiffnessFinder finder(bonds_.table, layouts, grains, *law_);
+  throw_if_any(scene.comm, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));
+  StiffnessFinder finder(scene.bonds.table, layouts, grains, *scene.law);
   std::string trouble;
-  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(patterns_of_owned_grains(), &*penalty_);
+  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene, patterns_of_owned_grains(scene), &*scene.penalty);
   try {
     finder.solve_whole();
     finder.solve_patterns(std::move(of_patterns));
   } catch (const BadState& e) {
     trouble = e.what();
   }
-  throw_if_any(comm_, trouble);
-  finder.solve_cut(comm_);
+  throw_if_any(scene.comm, trouble);
+  finder.solve_cut(scene.comm);
   finder.turn_condensed();
   finder.into_box();
-  return finder.of_all(comm_);
+  return finder.of_all(scene.comm);
 }
 
 }  // namespace mpdem

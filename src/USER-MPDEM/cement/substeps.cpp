@@ -15,7 +15,7 @@
 //   end of the step      v = w + dt/2 (n (F - u) + f)/M = w + n dt/2 (F - u + f/n)/M, which the host does with its step n dt.
 #include <cmath>
 
-#include "cement.h"
+#include "substeps.h"
 
 namespace mpdem {
 
@@ -23,34 +23,17 @@ namespace {
 double inertia_of(const Grain& g, int d) { return d < 3 ? g.mass : g.inertia; }
 }  // namespace
 
-double Cement::Way::place(int d, double time, double t) const {
+double Substeps::Way::place(int d, double time, double t) const {
   return from[d] + length[d] * t * t * (3.0 - 2.0 * t) + time * t * (1.0 - t) * (start[d] * (1.0 - t) - end[d] * t);
 }
 
-double Cement::Way::velocity(int d, double time, double t) const {
+double Substeps::Way::velocity(int d, double time, double t) const {
   return 6.0 * length[d] / time * t * (1.0 - t) + start[d] * (1.0 - t) * (1.0 - 3.0 * t) + end[d] * t * (3.0 * t - 2.0);
 }
 
-void Cement::share_impulses() {
-  timer_.start(StepTimer::kCoupling);
-  std::vector<double*> of_bonds;
-  for (Bond& b : bonds_.awake()) {
-    b.impulse.weigh(b.points, b.grid, inertia_);
-    if (!b.impulse.empty() && b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
-  }
-  if (penalty_) layout_.shared_nodes.sum(of_bonds, 1);
-  grains_.share_impulses(comm_, bonds_, now_.substeps, condensed_.pack());
-  timer_.start(StepTimer::kNodes);
-}
-
-void Cement::react() {
-  if (now_.substeps == 1) grains_.react(now_.dt, books_, condensed_.pack());
-  else grains_.react_in_substep(now_.dt, now_.substeps, books_, condensed_.pack());
-}
-
-void Cement::begin_substeps() {
-  const int n = now_.substeps;
-  for (Grain& g : grains_.grains)
+void Substeps::begin() {
+  const int n = scene_.now.substeps;
+  for (Grain& g : scene_.grains.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];
       g.kick[d] = n * (g.force[d] + g.unshown[d] - g.of_cement[d] - g.spread(d, n)) + g.of_cement[d];
@@ -59,11 +42,11 @@ void Cement::begin_substeps() {
 
 // Of motion that is prescribed, places and velocities at both ends of the step are known: a cubic between, so that the velocity is continuous. Where
 // the velocities are not those of the motion, as when a grain starts at once, motion is even within the step.
-void Cement::take_substeps() {
-  const int n = now_.substeps;
-  const double dt = now_.dt;
-  std::vector<Way> ways;
-  for (Grain& g : grains_.grains) {
+void Substeps::find_ways() {
+  const int n = scene_.now.substeps;
+  const double dt = scene_.now.dt;
+  ways_.clear();
+  for (Grain& g : scene_.grains.grains) {
     Way way;
     for (int d = 0; d < 3; ++d) {
       way.from[d] = g.state->x[d];
@@ -77,43 +60,39 @@ void Cement::take_substeps() {
       if (std::fabs(mean - 0.5 * (way.start[d] + way.end[d])) > 0.25 * std::fabs(way.end[d] - way.start[d])) way.start[d] = way.end[d] = mean;
       if (g.free[d]) g.velocity[d] = g.start[d];
     }
-    ways.push_back(way);
-  }
-  for (substep_ = 1; substep_ <= n; ++substep_) {
-    move_grains(ways);
-    if (ends_step()) break;
-    advance();
-    for (Grain& g : grains_.grains)
-      for (int d = 0; d < 6; ++d) {
-        g.kick[d] = g.of_cement[d] + g.state->held()[d];
-        if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
-      }
-    end_step();
+    ways_.push_back(way);
   }
 }
 
-// The last sub-step leaves the place before it in the state, for the host to find the motion.
-void Cement::move_grains(const std::vector<Way>& ways) {
-  const int n = now_.substeps;
-  const double dt = now_.dt;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    Grain& g = grains_.grains[i];
+void Substeps::move_grains() {
+  const int n = scene_.now.substeps;
+  const double dt = scene_.now.dt;
+  for (std::size_t i = 0; i < ways_.size(); ++i) {
+    Grain& g = scene_.grains.grains[i];
     for (int d = 0; d < 6; ++d) {
       if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
-      else if (d < 3) g.velocity[d] = ways[i].velocity(d, n * dt, double(substep_) / n);
-      else g.velocity[d] = ways[i].start[d] + (substep_ - 0.5) / n * (ways[i].end[d] - ways[i].start[d]);
+      else if (d < 3) g.velocity[d] = ways_[i].velocity(d, n * dt, double(scene_.substep) / n);
+      else g.velocity[d] = ways_[i].start[d] + (scene_.substep - 0.5) / n * (ways_[i].end[d] - ways_[i].start[d]);
     }
     for (int d = 0; d < 3; ++d) {
       const double before = g.x[d];
-      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways[i].place(d, n * dt, double(substep_) / n);
+      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways_[i].place(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
-      g.state->x[d] = ends_step() ? before : g.x[d];
+      g.state->x[d] = scene_.ends_step() ? before : g.x[d];
       // to the mean of both ends of the step, beginning at its start
-      if (substep_ == 1) g.bent[d] = 0.0;
-      g.bent[d] += ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways[i].from[d]) : ways[i].from[d] - g.x[d];
+      if (scene_.substep == 1) g.bent[d] = 0.0;
+      g.bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways_[i].from[d]) : ways_[i].from[d] - g.x[d];
     }
   }
-  grains_.turn(dt);
+  scene_.grains.turn(dt);
+}
+
+void Substeps::kick_grains() {
+  for (Grain& g : scene_.grains.grains)
+    for (int d = 0; d < 6; ++d) {
+      g.kick[d] = g.of_cement[d] + g.state->held()[d];
+      if (g.free[d]) g.velocity[d] += 0.5 * scene_.now.dt * g.kick[d] / inertia_of(g, d);
+    }
 }
 
 }  // namespace mpdem

@@ -30,18 +30,11 @@ struct AdvanceOptions {
   bool nonlocal = false;
 };
 
-// Counts of the work for damage.
-struct DamageWork {
-  long damaged_blocks = 0, growing_blocks = 0, growing_points = 0;
-  long evaluations = 0;  // of the law in steps of growing points, see LawUpdate
-};
-
 struct AdvanceResult {
   double dissipated = 0.0, released = 0.0;  // energy of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
   bool near_threshold = false;              // is_near_threshold() or has grown, nonlocal damage only
   PassTicks ticks;
-  DamageWork work;
 };
 
 // Advances the points of the blocks [first, last) by dt with the nodal velocity and adds the

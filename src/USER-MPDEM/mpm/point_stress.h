@@ -109,7 +109,6 @@ class PointStress {
     vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
     const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b));
     stress = blend(active, t.stress, Sym3<vd>{});
-    ++result_.work.damaged_blocks;
     if (nonlocal_) {
       look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active);
       const vd a = drive_factor<L>(average(b) / max(root_of_norm(law_, p.strain), splat(1e-100)));
@@ -118,7 +117,6 @@ class PointStress {
     const vd threshold = strength * t.least_threshold;
     const std::uint8_t growing = bits(active & (t.square_bound > threshold * threshold));
     if (growing == 0) return true;
-    ++result_.work.growing_blocks;
     waiting_[blocks_waiting_] = {b, stress};
     for (int l = 0; l < kLanes; ++l)
       if (growing >> l & 1) wait(kLanes * blocks_waiting_ + l, strain_start, strength);
@@ -159,10 +157,8 @@ class PointStress {
     Points& v = vectors_[first / kLanes];
     const LawUpdate u =
         law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_);
-    result_.work.evaluations += u.evaluations;
     for (int k = 0; k < count; ++k) {
       if (!u.grown[k]) continue;
-      ++result_.work.growing_points;
       Waiting& w = waiting_[place_[first + k] / kLanes];
       const int b = w.block, l = place_[first + k] % kLanes;
       const double volume = points_.blocks[b].volume[l];

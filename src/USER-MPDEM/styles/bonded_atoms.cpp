@@ -7,6 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "../numerics/length.h"
 #include "arguments.h"
 #include "atom.h"
 #include "domain.h"
@@ -21,7 +22,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 constexpr int kFixedBoundary = 1;  // Domain::boundary
-double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
 }  // namespace
 
 void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {

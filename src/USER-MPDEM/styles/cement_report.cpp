@@ -51,21 +51,21 @@ const CementTotals& CementReport::totals(Cement& c) {
   if (totals_at_ == lmp_->update->ntimestep) return totals_;
   double reach = 0.0;
   for (int d = 0; d < 3; ++d) reach = std::max({reach, std::fabs(lmp_->domain->boxlo[d]), std::fabs(lmp_->domain->boxhi[d])});
-  totals_ = c.totals(reach);
+  totals_ = c.report().totals(reach);
   if (c.built()) totals_at_ = lmp_->update->ntimestep;
   return totals_;
 }
 
 const std::vector<BondState>& CementReport::bonds(Cement& c) {
   if (bonds_ && bonds_at_ == lmp_->update->ntimestep) return *bonds_;
-  bonds_ = &c.bond_states();
+  bonds_ = &c.report().bond_states();
   if (c.built()) bonds_at_ = loads_at_ = lmp_->update->ntimestep;
   return *bonds_;
 }
 
 const std::vector<BondState>& CementReport::loads(Cement& c) {
   if (bonds_ && loads_at_ == lmp_->update->ntimestep) return *bonds_;
-  bonds_ = &c.bond_loads();
+  bonds_ = &c.report().bond_loads();
   if (c.built()) loads_at_ = lmp_->update->ntimestep;
   return *bonds_;
 }
@@ -79,7 +79,7 @@ std::string of_substeps(const Cement& c) {
 void CementReport::parameters(Cement& c, bigint points) {
   const CementOptions& o = c.options();
   const std::vector<Body>& table = c.bonds().table;
-  const Cement::DampedStep damped = c.damped_step(c.limiting_eigenvalue(c.dt()));
+  const StableStep::DampedStep damped = c.stable_step().damped_step(c.stable_step().limiting_eigenvalue(c.dt()));
   const double limit = damped.step;
   if (lmp_->comm->me == 0 && !reported_) {
     const VtiConstants& e = c.law().elasticity().constants;
@@ -90,15 +90,15 @@ void CementReport::parameters(Cement& c, bigint points) {
     text += c.law().report(o.cell);
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
-    text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.eigenvalue_is_known() ? "" : " at least", "\n");
+    text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
     say(text);
     warn(c);
   }
   if (o.condense && c.penalty()) {
-    int mine = c.bonds_solved(), all;
+    int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
     const int bonds = static_cast<int>(table.size());
-    if (lmp_->comm->me == 0) say(text_of("  condensed ", bonds - c.awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew\n"));
+    if (lmp_->comm->me == 0) say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew\n"));
   }
   if (damped.admitted < o.relax) damping(c);
   if (c.dt() > kRounding * limit)
@@ -109,9 +109,9 @@ void CementReport::parameters(Cement& c, bigint points) {
 // Where the step goes by it, not by the cell. From the eigenvalue itself: below the bound more damping would seem to do. Collective.
 void CementReport::damping(Cement& c) {
   const CementOptions& o = c.options();
-  const EigenvalueEstimate e = c.eigenvalue();
-  const Cement::DampedStep damped = c.damped_step(e.value + e.residual);
-  const double ratio = c.largest_mass_ratio();
+  const EigenvalueEstimate e = c.stable_step().eigenvalue();
+  const StableStep::DampedStep damped = c.stable_step().damped_step(e.value + e.residual);
+  const double ratio = c.stable_step().largest_mass_ratio();
   const std::string is_free = ratio == 0.0 ? "" :
       text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");
   const std::string text = text_of("the damping of 'quasistatic ", o.mass_scale, " ", o.relax, "' shortens the stable step from ", damped.undamped,
@@ -137,8 +137,8 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   reported_ = true;
   if (!c.penalty()) return;
   const std::vector<Body>& table = c.bonds().table;
-  const std::vector<double> of_sides = c.added_mass_of_sides();
-  double mass[2] = {0.0, c.cement_mass()};  // of the grains and, with its inertia, of the cement
+  const std::vector<double> of_sides = c.report().added_mass_of_sides();
+  double mass[2] = {0.0, c.report().cement_mass()};  // of the grains and, with its inertia, of the cement
   for (int i = 0; i < lmp_->atom->nlocal; ++i)
     if (!avec.is_point(i)) mass[0] += lmp_->atom->rmass[i];
   MPI_Allreduce(MPI_IN_PLACE, mass, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
@@ -169,12 +169,12 @@ void CementReport::times(Cement& c, bigint points) {
   if (steps <= 0) return;
   const CementOptions& o = c.options();
   const auto& mine = c.timer().seconds();
-  const PassTicks t = c.ticks();
+  const PassTicks t = c.forces().ticks();
   const double ticks = std::max(1.0, static_cast<double>(t.gather + t.material + t.scatter));
   std::vector<double> s = {mine[StepTimer::kPoints] * t.scatter / ticks, mine[StepTimer::kNodes], mine[StepTimer::kHalo],
                            mine[StepTimer::kPoints] * t.gather / ticks, mine[StepTimer::kPoints] * t.material / ticks,
                            mine[StepTimer::kCoupling], mine[StepTimer::kLayout], mine[StepTimer::kOutput]};
-  double total = 0.0, bytes = static_cast<double>(c.memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
+  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
   for (const Bond& b : c.bonds()) asleep[0] += b.resting.asleep();
   for (double x : mine) total += x;
   s.push_back(c.timer().cpu_seconds());
@@ -293,7 +293,7 @@ void CementReport::jump(Cement& c) {
 void CementReport::start_run(Cement& c) {
   timed_from_ = lmp_->update->ntimestep;
   c.timer().clear();
-  c.clear_ticks();
+  c.forces().clear_ticks();
   jump_told_ = false;
   c.grains().watch_jumps(limit_of_jumps(c), static_cast<long>(lmp_->update->ntimestep));
   forget();

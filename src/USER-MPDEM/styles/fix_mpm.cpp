@@ -180,7 +180,7 @@ void FixMpm::set_time_step(const Fix* running) {
   double limit = 0.0;
   guarded([&] {
     e = cement_->eigenvalue_of_new_layout();
-    limit = cement_->step_for(e.value + e.residual, cement_->options().relax);
+    limit = cement_->stable_step().step_for(e.value + e.residual, cement_->options().relax);
     if (subcycle > 0) limit *= subcycle;
     else longest_substep_ = kShareOfSubsteps * limit;
     if (subcycle == 0 && step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
@@ -364,7 +364,7 @@ void FixMpm::reset_dt() {
 
 double FixMpm::stable_step() {
   double step = 0.0;
-  guarded([&] { step = substeps() * cement_->stable_step(); });
+  guarded([&] { step = substeps() * cement_->stable_step().find(); });
   return step;
 }
 
@@ -421,11 +421,11 @@ void FixMpm::write_events() {
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date.
 void FixMpm::fill_atoms() {
   sync_slots();
-  cement_->show_condensed_points();
+  cement_->report().show_condensed_points();
   std::string trouble;
-  std::vector<mpdem::Cement::PointMotionNow> motion;
+  std::vector<mpdem::Report::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {
-    cement_->motion_of_points(bond, motion);
+    cement_->report().motion_of_points(bond, motion);
     const mpdem::Body& body = avec_->bonds.body(bond);
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (std::size_t b = 0; b < motion.size(); ++b)
@@ -466,7 +466,7 @@ double FixMpm::compute_vector(int n) {
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
                       t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
-                      static_cast<double>(cement_->awake_bonds()), static_cast<double>(substeps()), t.broken};
+                      static_cast<double>(cement_->report().awake_bonds()), static_cast<double>(substeps()), t.broken};
   return v[n];
 }
 

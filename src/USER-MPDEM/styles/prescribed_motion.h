@@ -17,7 +17,6 @@ struct PrescribedMotion {
   bool translation[3] = {false, false, false}, rotation = false;
 
   bool all() const { return translation[0] && translation[1] && translation[2] && rotation; }
-  bool any_translation_free() const { return !(translation[0] && translation[1] && translation[2]); }
 };
 
 PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom);

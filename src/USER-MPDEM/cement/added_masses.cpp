@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "added_masses.h"
+
+#include <algorithm>
+
+namespace mpdem {
+
+void AddedMasses::refresh(const std::vector<int>& rows) {
+  if (!scene_.penalty) return;
+  const CementOptions& o = scene_.options;
+  const bool known = stable_step_.eigenvalue_is_known();
+  // What damping takes of the bound in every step, nodes with added mass cannot have.
+  const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
+  const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
+  for (int row : rows)
+    if (Bond* b = scene_.bonds.table[row].condensed ? nullptr : scene_.bonds.find(row)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
+  for (int row : rows)
+    if (Bond* b = o.updated ? nullptr : scene_.bonds.find(row)) b->share(alike_);
+  int some = 0, any;
+  for (const Bond& b : scene_.bonds) some = some || !b.added.empty();
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
+  any_ = any != 0;
+  scene_.grains.added_mass_changed();
+}
+
+// The layout has the added mass for the eigenvalue that was known before.
+void AddedMasses::follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches) {
+  if (stable_step_.check_after(rows, event, patches)) refresh();
+}
+
+void AddedMasses::follow_places(const std::vector<int>& rows) {
+  if (rows.empty()) return;
+  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] { refresh(rows); });
+}
+
+void AddedMasses::drop_inert() {
+  scene_.books.release_by([&] { return energy_ahead(scene_.all_rows(), scene_.kick()); },
+                          [&] {
+                            for (Bond& b : scene_.bonds.awake()) drop_inert(b);
+                            refresh();
+                          });
+}
+
+// A new layout leaves them out, and sums over links go by their blocks, so they go here too: a run in parts is the run as a whole.
+void AddedMasses::drop_inert(Bond& b) const {
+  if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
+  b.links = PenaltyLinks(b.points, scene_.bonds.body(b), *scene_.penalty, scene_.options.cell, scene_.inertia, scene_.options.basis);
+  b.links.find_columns(b.grid);
+}
+
+double AddedMasses::energy(const std::vector<int>& rows) const {
+  double sum = 0.0;
+  for (int row : rows)
+    if (const Bond* b = scene_.bonds.find(row)) sum += b->added.energy(b->grid, scene_.grains.side_of(*b));
+  return sum;
+}
+
+double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) const {
+  double sum = 0.0;
+  for (int row : rows) {
+    const Bond* b = row < scene_.bodies_started ? scene_.bonds.find(row) : nullptr;
+    if (b) sum += b->added.energy_ahead(b->grid, scene_.grains.side_of(*b), later);
+  }
+  return sum;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// When bonds are condensed (condensed_bonds.h), wake, and are condensed again; which of them ask for their points first. Energy that a bond has in one
+// way and not in the other is booked. Functions are collective, but for those of one line here.
+#ifndef MPDEM_CEMENT_CONDENSING_H
+#define MPDEM_CEMENT_CONDENSING_H
+
+#include <vector>
+
+#include "added_masses.h"
+#include "arrangement.h"
+#include "condensed_bonds.h"
+#include "cracks.h"
+#include "scene.h"
+#include "shared_nodes.h"
+#include "work_of_step.h"
+
+namespace mpdem {
+
+class Condensing {
+ public:
+  Condensing(Scene& scene, CondensedBonds& condensed, const Cracks& cracks, Arrangement& arrangement, SharedNodes& shared, AddedMasses& added,
+             const WorkOfStep& work)
+      : scene_(scene), condensed_(condensed), cracks_(cracks), arrangement_(arrangement), shared_(shared), added_(added), work_(work) {}
+
+  // Before the layout of a run: bonds that no step has moved yet. Throws BadState if the words of the script are others than those of the steps before.
+  void choose();
+  // After a layout of bonds or grains that came from other ranks, or are new: sides of the grains, and what condensed bonds need of them.
+  void bind();
+  // After that, with the links of the run: those of these bonds that are to be condensed.
+  void condense(const std::vector<int>& rows, bool at_start);
+  // At the end of the forces of a step: bonds near their threshold are resolved from the next drift on.
+  void wake();
+  // After a check: bonds that are awake, whole on a rank, and far from their threshold again, where force and energy hardly change by it: their waves have
+  // gone. They keep their damage, and have the stiffness of the present.
+  void condense_again();
+
+  // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
+  const std::vector<int>& rows_that_want_points() const { return rows_that_want_points_; }
+  void points_were_made() { rows_that_want_points_.clear(); }
+
+ private:
+  void take_patterns(bool at_start);
+  std::vector<int> ask_for_points(const std::vector<int>& rows);
+  std::vector<int> rows_that_rest();
+
+  Scene& scene_;
+  CondensedBonds& condensed_;
+  const Cracks& cracks_;
+  Arrangement& arrangement_;
+  SharedNodes& shared_;
+  AddedMasses& added_;
+  const WorkOfStep& work_;
+  std::vector<int> rows_that_want_points_;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "nodal_forces.h"
+
+#include <array>
+
+#include "places.h"
+
+namespace mpdem {
+
+void NodalForces::take_failed(Bond& b) {
+  b.failed.clear();
+  b.failed.swap(pass_.failed);
+  if (!b.resting.asleep()) b.near_threshold = pass_.near_threshold;
+  pass_.near_threshold = false;
+}
+
+void NodalForces::let_go(Bond& b) {
+  if (b.failed.empty()) return;
+  b.mass.forget();
+  b.impulse.forget();
+  b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), pass_.released);
+  b.sort_links();
+  if (scene_.touches()) open_places(scene_, b, b.failed, {});
+  if (scene_.options.unilateral) {
+    const double before = b.closing.energy(b.points, b.grid);
+    b.closing.add(b.points, scene_.law->elasticity(), b.failed);
+    pass_.released -= b.closing.energy(b.points, b.grid) - before;
+  }
+  scene_.host.points_failed(b);
+  if (scene_.penalty) cracks_.watch(b);
+}
+
+// Traction laws may dissipate and let go of points that hold.
+void NodalForces::follow_links(Bond& b) {
+  b.links.follow(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
+  scene_.books.dissipate(b.link_step.dissipated);
+  scene_.books.release(b.link_step.released);
+  if (b.link_step.let_go.empty()) return;
+  if (scene_.touches()) open_places(scene_, b, {}, b.link_step.let_go);
+  scene_.host.links_let_go(b);
+  cracks_.watch_links(b);
+}
+
+// Everything but the internal force, which is on the nodes already.
+void NodalForces::add_link_forces(Bond& b) {
+  scene_.timer.start(StepTimer::kCoupling);
+  follow_links(b);
+  if (!b.places.empty()) scene_.books.rub(b.places.follow(b.points, b.grid, scene_.grains.side_of(b)));
+  if (scene_.options.updated) b.links.add_force(b.grid, scene_.grains.side_of(b));
+  else b.resting.add_force(b.links, b.grid, scene_.grains.side_of(b));
+  b.places.add_force(b.grid, scene_.grains.side_of(b));
+  b.closing.add_force(b.points, b.grid);
+  b.grid.ties.pull_back(b.grid.force.data());
+}
+
+// Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
+void NodalForces::complete(Bond& b, double kick) {
+  if (scene_.penalty && scene_.options.relax > 0.0) b.relaxation.add_force(b.grid, scene_.grains.side_of(b));
+  const double* g = scene_.now.gravity;
+  if (g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0) {
+    const std::array<double, 3> along = scene_.gravity_of(b);
+    for (int i = 0; i < b.grid.size(); ++i)
+      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / scene_.options.mass_scale * along[d];
+  }
+  scene_.host.add_node_forces(b);
+  if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
+}
+
+// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over them takes time to
+// bring them there.
+void NodalForces::begin_completing() {
+  completes_early_ = true;
+  if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
+}
+
+// Completes a bond that ranks do not cut right after the forces of its links.
+void NodalForces::complete_early(Bond& b) {
+  if (!completes_early_ || b.cut_by_ranks()) return;
+  complete(b, scene_.now.dt);
+  scene_.grains.sum_up(b);
+}
+
+// Forces of nodes from those of points and links, and the accelerations.
+void NodalForces::complete() {
+  scene_.timer.start(StepTimer::kHalo);
+  shared_.sum([](Grid& g) { return g.force.data(); }, 3);
+  scene_.timer.start(StepTimer::kNodes);
+  for (Bond& b : scene_.bonds.awake())
+    if (!completes_early_ || b.cut_by_ranks()) complete(b, scene_.kick());
+  completes_early_ = false;
+  if (scene_.options.mass_order > 1) add_inertial_forces();
+  find_grain_accelerations();
+  if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
+  if (condensed_.any()) condensed_.pack()->find_inertial_loads();
+  // Backwards, since the last bonds are those that are still in cache, and the next step begins with the first.
+  scene_.bonds.for_each_awake_backwards([this](Bond& b, const Bond* next) {
+    if (next) next->prefetch_nodes();
+    b.added.accelerate(b.grid, scene_.grains.side_of(b));
+  });
+}
+
+void NodalForces::find_grain_accelerations() {
+  if (!grains_need_accelerations()) return;
+  scene_.timer.start(StepTimer::kCoupling);
+  using Loads = BondedGrains::Loads;
+  scene_.grains.find_accelerations(scene_.comm, scene_.bonds, scene_.now.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
+  scene_.timer.start(StepTimer::kNodes);
+}
+
+// With N the inertia of nodes, added mass and grains, of which the nodes have the lumped mass, and a = N^-1 f, the accelerations are
+// N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
+void NodalForces::add_inertial_forces() {
+  find_grain_accelerations();
+  for (Bond& b : scene_.bonds.awake()) {
+    Grid& grid = b.grid;
+    grid.inertial_force = grid.force;
+    b.added.take_along(grid, scene_.grains.side_of(b));
+    grid.update_acceleration(b.added.of_nodes());
+    grid.force.swap(grid.inertial_force);
+    scene_.timer.start(StepTimer::kPoints);
+    b.mass.find_inertial_force(b.points, grid, scene_.inertia);
+    scene_.timer.start(StepTimer::kNodes);
+  }
+  scene_.timer.start(StepTimer::kHalo);
+  shared_.sum([](Grid& g) { return g.inertial_force.data(); }, 3);
+  scene_.timer.start(StepTimer::kNodes);
+  for (Bond& b : scene_.bonds.awake())
+    for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];
+}
+
+void NodalForces::share_impulses() {
+  scene_.timer.start(StepTimer::kCoupling);
+  std::vector<double*> of_bonds;
+  for (Bond& b : scene_.bonds.awake()) {
+    b.impulse.weigh(b.points, b.grid, scene_.inertia);
+    if (!b.impulse.empty() && b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
+  }
+  if (scene_.penalty) shared_.sum(of_bonds, 1);
+  scene_.grains.share_impulses(scene_.comm, scene_.bonds, scene_.now.substeps, condensed_.pack());
+  scene_.timer.start(StepTimer::kNodes);
+}
+
+void NodalForces::react() {
+  if (scene_.now.substeps == 1) scene_.grains.react(scene_.now.dt, scene_.books, condensed_.pack());
+  else scene_.grains.react_in_substep(scene_.now.dt, scene_.now.substeps, scene_.books, condensed_.pack());
+}
+
+void NodalForces::end_pass() {
+  scene_.books.dissipate(pass_.dissipated);
+  scene_.books.release(pass_.released);
+}
+
+void NodalForces::find_at_start() {
+  scene_.grains.sides.clear_forces();
+  scene_.grains.clear_sudden_forces();
+  for (Bond& b : scene_.bonds.awake()) {
+    b.jump.clear();
+    b.links.add_force(b.grid, scene_.grains.side_of(b));
+    b.places.add_force(b.grid, scene_.grains.side_of(b));
+    b.closing.add_force(b.points, b.grid);
+    b.grid.ties.pull_back(b.grid.force.data());
+  }
+  complete();
+}
+
+}  // namespace mpdem

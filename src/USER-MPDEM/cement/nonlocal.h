@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Nonlocal damage: averages of the drive over a length, of bonds that are near the threshold. See mpm/drive_average.h.
+#ifndef MPDEM_CEMENT_NONLOCAL_H
+#define MPDEM_CEMENT_NONLOCAL_H
+
+#include "scene.h"
+
+namespace mpdem {
+
+// Collective. Leaves the averages with the points, for the pass over them; nothing without nonlocal damage. any_bond_is_cut: by ranks, on any rank.
+void average_drives(Scene& scene, bool any_bond_is_cut);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "pattern_layouts.h"
+
+#include <algorithm>
+
+#include "../mpm/point_state.h"
+#include "../parallel/agree.h"
+#include "layout.h"
+
+namespace mpdem {
+
+namespace {
+
+// Of bonds that this rank has as a whole.
+std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
+  CementOptions options(scene.options);
+  options.split = false;
+  Sheets sheets;
+  const Cracks intact;
+  NewPartsOfBonds parts = sheets.divide(MPI_COMM_SELF, alone, options);
+  std::vector<LayoutRequest> requests;
+  std::vector<int> rows;
+  for (Bond& b : alone) {
+    const std::string trouble = mpdem::take_up_states(b.points, scene.law);
+    if (!trouble.empty()) throw BadState(trouble);
+    requests.emplace_back();
+    requests.back().body = b.body;
+    requests.back().points = std::move(b.points);
+    requests.back().parts = std::move(parts[b.body]);
+    rows.push_back(b.body);
+  }
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, sheets, intact, scene.inertia, penalty, nullptr};
+  std::vector<CondensedBonds::OfPattern> found;
+  for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
+    found.push_back({l.body + 1, Bond(), alone.table[l.body], true});
+    Bond& b = found.back().bond;
+    b.points = std::move(l.points);
+    b.grid = std::move(l.grid);
+    b.links = std::move(l.links);
+    b.laid_out_blocks = b.points.blocks.size();
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<int> patterns_of_owned_grains(const Scene& scene) {
+  const auto owned = [&](int tag) { return scene.grains.find(tag) != nullptr; };
+  std::vector<char> needed(scene.bonds.patterns.size() + 1, 0);
+  for (const Body& b : scene.bonds.table)
+    if (b.pattern > 0 && !needed[b.pattern]) needed[b.pattern] = owned(b.grain[0]) || owned(b.grain[1]);
+  std::vector<int> patterns;
+  for (std::size_t p = 1; p < needed.size(); ++p)
+    if (needed[p]) patterns.push_back(static_cast<int>(p));
+  return patterns;
+}
+
+std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns, const PenaltyParameters* penalty) {
+  Bonds alone;  // a row a pattern, so that keys of nodes are the same on all ranks
+  alone.table.resize(scene.bonds.patterns.size());
+  std::vector<char> known(scene.bonds.patterns.size() + 1, 1);
+  for (int p : patterns) known[p] = 0;
+  for (const Body& body : scene.bonds.table) {
+    if (body.pattern == 0 || known[body.pattern]) continue;
+    known[body.pattern] = 1;
+    const int row = body.pattern - 1;
+    const PointPattern& pattern = scene.bonds.patterns[row];
+    alone.table[row] = body;
+    for (std::size_t n = 0; n < pattern.points.size(); ++n) alone.add(pattern.record(n, row, body), static_cast<int>(n) + 1);
+  }
+  std::vector<CondensedBonds::OfPattern> found;
+  std::string trouble;
+  try {
+    if (!patterns.empty()) found = layouts_at_creation(scene, alone, penalty);
+  } catch (const BadState& e) {
+    trouble = e.what();
+  }
+  throw_if_any(scene.comm, trouble);
+  return found;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What is told of the cement: sums over all, a row a bond, the motion of points. Nothing here runs in a step that prints nothing, and nothing here
+// changes the state, but for the strain of points that show_condensed_points() writes for who looks. Consistent units.
+#ifndef MPDEM_REPORT_H
+#define MPDEM_REPORT_H
+
+#include <vector>
+
+#include "bond_table.h"
+#include "condensed_bonds.h"
+#include "cracks.h"
+#include "scene.h"
+
+namespace mpdem {
+
+class Report {
+ public:
+  Report(const Scene& scene, const Cracks& cracks, const CondensedBonds& condensed) : scene_(scene), cracks_(cracks), condensed_(condensed) {}
+
+  // Collective. reach_of_box: the largest coordinate, by which positions are rounded.
+  CementTotals totals(double reach_of_box) const;
+  // Collective. A row a bond of the table.
+  const std::vector<BondState>& bond_states();
+  // As above, but columns that need points (needs_points()) are 0. Cheap enough for every step.
+  const std::vector<BondState>& bond_loads();
+  // Collective. Added mass: at either side of each bond, over all ranks.
+  std::vector<double> added_mass_of_sides() const;
+  double cement_mass() const;  // of this rank, with the mass scale
+  int awake_bonds() const;     // of all ranks
+  int bonds_solved() const { return condensed_.solved_last(); }  // at the last layout, by this rank
+  std::size_t memory_usage() const { return scene_.bonds.memory_usage(); }  // bytes, on this rank
+
+  // Displacement and velocity of the points of a bond at the present time, in the axes of its body.
+  struct PointMotionNow {
+    vd u[3], v[3];
+  };
+  void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
+  // Strain of the points of condensed bonds, for who looks at points.
+  void show_condensed_points() const;
+
+  // The largest tension of each bond that was told so far, for restart files.
+  std::vector<double> peaks() const;
+  void restore(const std::vector<double>& peaks);
+
+ private:
+  const Scene& scene_;
+  const Cracks& cracks_;
+  const CondensedBonds& condensed_;
+  std::vector<BondState> states_;
+};
+
+}  // namespace mpdem
+
+#endif

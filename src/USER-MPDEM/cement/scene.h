@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What the parts of the cement share and none of them owns: bonds and grains, how they are computed, the clock, and the books in which whoever
+// changes energy writes it down. Cement has it and gives it to its parts by reference; parts that only look have it as const.
+//
+// Consistent units. Functions that say so are collective.
+#ifndef MPDEM_CEMENT_SCENE_H
+#define MPDEM_CEMENT_SCENE_H
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "../material/law.h"
+#include "bond.h"
+#include "bonded_grains.h"
+#include "energy_books.h"
+#include "options.h"
+#include "step_timer.h"
+
+namespace mpdem {
+
+// What the engine asks of its host, seldom.
+class CementHost {
+ public:
+  virtual ~CementHost() = default;
+  // Velocity of a point of this rank that has not moved yet, by its tag.
+  virtual std::array<double, 3> initial_velocity(int tag) = 0;
+  // Points of a bond failed in this step, Bond::failed; before they get other slots.
+  virtual void points_failed(const Bond& bond) = 0;
+  // Links of a bond let go of points that did not fail, Bond::link_step.
+  virtual void links_let_go(const Bond& bond) = 0;
+  // Slots of points of a bond changed.
+  virtual void slots_changed(const Bond& bond) = 0;
+  // All forces of a step are on the nodes, those of tied nodes on their masters: adds forces from outside, which the books of energy do not
+  // know, or holds nodes. Ranks that share a node do the same to it.
+  virtual void add_node_forces(Bond&) {}
+};
+
+// When, and what acts everywhere.
+struct StepInput {
+  std::int64_t number = 0;  // of this step
+  double dt = 0;            // with sub-steps: of one of them
+  int substeps = 1;         // that the cement takes in a step of the host
+  double gravity[3] = {0, 0, 0};
+};
+
+struct Scene {
+  static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart, and at places that let go
+
+  MPI_Comm comm;
+  Bonds& bonds;
+  CementHost& host;
+  CementOptions options;
+  std::shared_ptr<const Law> law;
+  std::optional<PenaltyParameters> penalty;  // of the links; none: no links
+  double inertia = 0.0;                      // density of the calcite with the mass scale
+  BondedGrains grains;
+  EnergyBooks books;
+  StepTimer timer;
+
+  StepInput now;
+  int substep = 1;         // counted from 1
+  double dt_last = 0.0;    // length of the last step; stored velocities belong to its middle
+  int bodies_started = 0;  // number of rows at the head of the table that have moved; later rows are where they were made
+  bool laid_out = false;   // bonds have a layout, and grains their sides
+
+  Scene(MPI_Comm comm_of_all, Bonds& of_host, CementHost& asked, const CementOptions& words, std::shared_ptr<const Law> of_points)
+      : comm(comm_of_all), bonds(of_host), host(asked), options(words), law(std::move(of_points)) {}
+  Scene(const Scene&) = delete;  // parts refer to it
+
+  // Is this the first, or the last, of the sub-steps of a step of the host?
+  bool begins_step() const { return substep == 1; }
+  bool ends_step() const { return substep == now.substeps; }
+  // The time from the middle of the last step to that of this one.
+  double kick() const { return 0.5 * (dt_last + now.dt); }
+  bool watches() const { return begins_step() && (now.number - 1) % kWatchEvery == 0; }
+  // Is this the first step after a check of the whole state?
+  bool follows_check() const { return begins_step() && (now.number - 1) % options.check_every == 0; }
+
+  double density() const { return inertia / options.mass_scale; }
+  bool keeps_skins() const { return penalty && penalty->law->keeps_skins(); }
+  // Can points fail, or links let go?
+  bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
+  // Do places that let go still touch? Faces of cracks?
+  bool touches() const { return penalty && penalty->friction >= 0.0; }
+  bool faces_touch() const { return touches() && options.split; }
+
+  // The acceleration by gravity that acts on the inertia of the cement, in the axes of the box; that of gravity in those of a bond.
+  std::array<double, 3> weight() const;
+  std::array<double, 3> gravity_of(const Bond& b) const;
+  double shear_speed() const;
+  // Bound of the largest eigenvalue of cement without ties; 0: none.
+  double eigenvalue_bound() const;
+
+  std::vector<int> all_rows() const;
+  // Collective. Those that some rank names, ascending.
+  std::vector<int> agreed_rows(const std::vector<int>& mine) const;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// What time step is stable: by the largest eigenvalue of the cement, by the damping of `quasistatic`, by the grains. It keeps the largest
+// eigenvalue that it found so far, on which the added mass of links hangs.
+//
+// Steps are times, eigenvalues are squares of frequencies. All functions are collective, but for those about the known eigenvalue.
+#ifndef MPDEM_CEMENT_STABLE_STEP_H
+#define MPDEM_CEMENT_STABLE_STEP_H
+
+#include <map>
+#include <vector>
+
+#include "../mpm/largest_eigenvalue.h"
+#include "condensed_bonds.h"
+#include "scene.h"
+#include "stiffness_of_bonds.h"
+
+namespace mpdem {
+
+class StableStep {
+ public:
+  StableStep(const Scene& scene, CondensedBonds& condensed) : scene_(scene), condensed_(condensed) {}
+
+  // Largest stable step in the present state, from the largest eigenvalue of the cement and the stiffness that the links give to free grains.
+  double find();
+  EigenvalueEstimate eigenvalue();
+  // That of a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is stable.
+  double step_for(double eigenvalue, double relax) const;
+  // Largest step with which grains on massless bonds of this static stiffness would be stable.
+  double of_grains(const std::vector<StiffnessOfBond>& found) const;
+  // What the damping of `quasistatic` takes of the step, and the damping that takes a tenth at most.
+  struct DampedStep {
+    double step, undamped, admitted;
+  };
+  DampedStep damped_step(double eigenvalue) const;
+  // Of `quasistatic` with the damping `share` of critical: the largest rate of any node against its grains, which when free are slowed too.
+  double relaxation_rate(double share) const;
+  double largest_mass_ratio() const;  // of grains that follow forces
+
+  // The bound will do for steps below it; the eigenvalue itself costs some passes.
+  double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr); }
+  // The largest that was found so far, 0: none was asked for.
+  double known_eigenvalue() const { return known_; }
+  bool eigenvalue_is_known() const { return known_ > 0.0; }
+  void restore(double eigenvalue) { known_ = eigenvalue; }
+
+  // Blocks of points of a bond, by row of the table.
+  using Patches = std::map<int, std::vector<int>>;
+  // After the layout of these bonds changed in a run; event: why. patches: blocks that alone need a look, or null. Is the known eigenvalue
+  // another one now? Throws BadState if the step is too long.
+  bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
+
+ private:
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches);
+  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches);
+
+  const Scene& scene_;
+  CondensedBonds& condensed_;
+  double known_ = 0.0;
+};
+
+}  // namespace mpdem
+
+#endif

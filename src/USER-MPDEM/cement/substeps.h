@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The grains in a step of the host that the cement takes in n sub-steps: where they are at the end of each, and the kicks of the loads on those that
+// are free. For the scheme see substeps.cpp. Nothing is sent between ranks. Units are those of the scene.
+#ifndef MPDEM_CEMENT_SUBSTEPS_H
+#define MPDEM_CEMENT_SUBSTEPS_H
+
+#include <vector>
+
+#include "scene.h"
+
+namespace mpdem {
+
+class Substeps {
+ public:
+  explicit Substeps(Scene& scene) : scene_(scene) {}
+
+  // Before the host moves its grains, when it has their velocities and loads of the end of the last step.
+  void begin();
+  // After it has moved them: where they came from, and the motion of those that do not follow forces.
+  void find_ways();
+  // To the end of sub-step Scene::substep. The last one leaves the place before it in the state, for the host to find the motion.
+  void move_grains();
+  // The first half of the kick that free grains have by the loads of this sub-step.
+  void kick_grains();
+
+ private:
+  // Of a grain in a step of the host.
+  struct Way {
+    double from[3], length[3], start[6], end[6];  // the latter are velocities
+    // At the share t of the time of the step.
+    double place(int d, double time, double t) const;
+    double velocity(int d, double time, double t) const;
+  };
+
+  Scene& scene_;
+  std::vector<Way> ways_;  // of each grain
+};
+
+}  // namespace mpdem
+
+#endif

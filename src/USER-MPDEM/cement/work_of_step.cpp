@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "work_of_step.h"
+
+#include <array>
+
+#include "point_sums.h"
+
+namespace mpdem {
+
+double WorkOfStep::energy_of(const Bond& b) const {
+  PointSums points;
+  points.add(b.points, *scene_.law, true);
+  double energy = points.elastic + b.added.energy(b.grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
+  b.links.add_spring_energy(b.grid, scene_.grains.side_of(b), energy);
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) {
+      const double v = b.grid.velocity[3 * i + d];
+      energy += 0.5 * b.grid.mass[i] * v * (v + scene_.dt_last * b.grid.acceleration[3 * i + d]);
+    }
+  }
+  return energy;
+}
+
+double WorkOfStep::kinetic_energy(const Bond& b, double later) {
+  const Grid& grid = b.grid;
+  double twice[3] = {};  // of each component: their sums do not wait for each other
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) {
+      const double v = grid.velocity[3 * i + d] + later * grid.acceleration[3 * i + d];
+      twice[d] += grid.mass[i] * v * v;
+    }
+  }
+  return 0.5 * (twice[0] + twice[1] + twice[2]);
+}
+
+EnergyBooks::StepWork WorkOfStep::over_step(const Power& power) const {
+  return {scene_.dt_last * power.after(0.5 * scene_.dt_last), scene_.dt_last * power.stored};
+}
+
+Power WorkOfStep::of_dampers(int first_body) const {
+  Power power;
+  if (!scene_.penalty || (scene_.penalty->damping == 0.0 && scene_.options.relax == 0.0)) return power;
+  for (const Bond& b : scene_.bonds.awake()) {
+    if (b.body < first_body) continue;
+    power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
+    if (scene_.options.relax > 0.0) power.add(b.relaxation.power(b.grid, scene_.grains.side_of(b)));
+  }
+  return power;
+}
+
+Power WorkOfStep::of_rubbing() const {
+  Power power;
+  if (!scene_.faces_touch()) return power;
+  for (const Bond& b : scene_.bonds.awake()) power.add(b.faces.power(b.grid));
+  return power;
+}
+
+double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& velocity) const {
+  const std::array<double, 3> g = scene_.gravity_of(b);
+  if ((g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0) || velocity.empty()) return 0.0;
+  double power = 0.0;
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power += b.grid.mass[i] / scene_.options.mass_scale * g[d] * velocity[3 * i + d];
+  }
+  return power;
+}
+
+double WorkOfStep::half_kick(const Bond& b, const std::vector<double>& jump) const {
+  if (jump.empty()) return 0.0;
+  double power[3] = {};  // of each component: their sums do not wait for each other
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int d = 0; d < 3; ++d) power[d] += b.grid.mass[i] * b.grid.acceleration[3 * i + d] * jump[3 * i + d];
+  }
+  return -0.5 * scene_.dt_last * (power[0] + power[1] + power[2] + b.added.power(b.grid, scene_.grains.side_of(b), jump));
+}
+
+EnergyBooks::StepWork WorkOfStep::of_inertial_forces(int first_body) const {
+  EnergyBooks::StepWork work;
+  for (const Bond& b : scene_.bonds.awake()) {
+    if (b.body < first_body || scene_.options.mass_order == 1) continue;
+    const Grid& grid = b.grid;
+    double before = 0.0, later = 0.0;
+    for (int i = 0; i < grid.size(); ++i) {
+      if (!grid.halo.counts_here()[i]) continue;
+      for (int n = 3 * i; n < 3 * i + 3; ++n) {
+        before += grid.inertial_force[n] * grid.velocity[n];
+        later += grid.inertial_force[n] * grid.acceleration[n];
+      }
+    }
+    work.before += scene_.dt_last * before;
+    work.now += scene_.dt_last * before + 0.5 * scene_.dt_last * scene_.dt_last * later;
+  }
+  return work;
+}
+
+EnergyBooks::StepWork WorkOfStep::of_loads(int first_body) const {
+  const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
+  EnergyBooks::StepWork work = scene_.penalty ? scene_.grains.work(scene_.dt_last, first_body) : EnergyBooks::StepWork();
+  for (const Bond& b : scene_.bonds.awake()) {
+    if (b.body < first_body) continue;
+    double before = scene_.dt_last * gravity_power(b, b.grid.velocity), later = gravity_power(b, b.grid.acceleration);
+    if (pushed) {
+      before += scene_.dt_last * b.impulse.power(b.grid, b.grid.velocity);
+      later += b.impulse.power(b.grid, b.grid.acceleration);
+    }
+    work.now += before + 0.5 * scene_.dt_last * scene_.dt_last * later;
+    work.before += before;
+  }
+  const EnergyBooks::StepWork of_condensed = condensed_.work(scene_.grains, scene_.bonds, scene_.weight().data(), scene_.dt_last, first_body);
+  work.now += of_condensed.now;
+  work.before += of_condensed.before;
+  return work;
+}
+
+}  // namespace mpdem
