@@ -124,7 +124,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
     if (!b.closed && !was) continue;
     const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
     const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
-    const vmask slips = lanes(static_cast<std::uint8_t>(b.closed & was)) & (size > (1.0 + 1e-9) * bears);  // not again by rounding
+    const vmask slips = lanes(was) & (size > (1.0 + 1e-9) * bears);  // not again by rounding; all of it where a place opens, which bears nothing
     const vd share = select(slips, 1.0 - bears / size, vd{});  // of e, by which it slips
     for (int i = 0; i < 3; ++i) {
       const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
@@ -133,7 +133,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
     }
     // the slip happened between the last step and this
     const vd rubs = select(size > (1.0 - 1e-9) * bears, bears, size);
-    rubbed += sum_lanes(of(b.closed, 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
+    rubbed += sum_lanes(of(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
     b.rubs = of(b.closed, rubs);
     for (int l = 0; l < kLanes; ++l) {
       if (!((b.closed | was) >> l & 1)) continue;

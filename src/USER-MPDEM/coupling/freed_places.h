@@ -7,7 +7,8 @@
 //
 //   gap      g = |q| - r                          p = kn <-g>, the pressure
 //   stick    e = d - (d.n) n, d = q - R s         s: where the place would be without friction's force, in the frame of the grain
-//   slip     |kt e| <= mu p; else s moves along e until it is so, which takes the energy A mu p |slip|
+//   slip     |kt e| <= mu p; else s moves along e until it is so, which takes the energy A mu p |slip|,
+//            all along e in the step in which the gap opens
 //   force    f = A (p n - kt e) on the cement, -f and -q x f on the grain
 //
 // A place is opened where its link lets go, with s = R^T q when it closes. As long as the point of the link holds, it follows the foot of the
