@@ -139,8 +139,8 @@ void Cement::let_go(Bond& b) {
   if (b.failed.empty()) return;
   b.mass.forget();
   b.impulse.forget();
-  b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   sort_links(b);
+  b.links.let_go(b.points, b.failed, b.grid, grains_.side_of(b), advance_.released);
   if (touches()) open_places(b, b.failed, {});
   if (options_.unilateral) {
     const double before = b.closing.energy(b.points, b.grid);

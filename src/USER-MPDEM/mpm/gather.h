@@ -16,8 +16,10 @@ namespace mpdem {
 template <class Type, int Joined>
 inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
   using W = Weights<Type, Joined>;
-  Mat3<vd> G{};
-  for (int i = 0; i < W::kI; ++i) {
+  Mat3<vd> G;
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // each for itself, else they lie in memory from the start
+  const auto add_plane = [&](int i) __attribute__((always_inline)) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < W::kJ; ++j) {
       const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
@@ -37,6 +39,13 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
       G.a[c][1] += s.w[0][i] * B[c];
       G.a[c][2] += s.w[0][i] * C[c];
     }
+  };
+  // Blocks of cells in a row have six such functions, which would fill the cache of instructions if their loops were unrolled.
+  if constexpr (Joined == kOneCell) {
+#pragma GCC unroll 4
+    for (int i = 0; i < W::kI; ++i) add_plane(i);
+  } else {
+    for (int i = 0; i < W::kI; ++i) add_plane(i);
   }
   return G;
 }
