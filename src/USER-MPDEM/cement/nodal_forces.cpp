@@ -19,8 +19,8 @@ void NodalForces::let_go(Bond& b) {
   if (b.failed.empty()) return;
   b.mass.forget();
   b.impulse.forget();
-  b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), pass_.released);
   b.sort_links();
+  b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), pass_.released);
   if (scene_.touches()) open_places(scene_, b, b.failed, {});
   if (scene_.options.unilateral) {
     const double before = b.closing.energy(b.points, b.grid);

@@ -38,7 +38,6 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
-    b.laid_out_blocks = b.points.blocks.size();
   }
   return found;
 }

@@ -410,16 +410,19 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
 }
 
 void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released) {
-  if (failed.empty() || blocks_.empty()) return;
+  std::vector<int> of_failed;  // ascending; most points have none
+  for (int slot : failed) {
+    const auto [first, end] = of_slot(points.links, slot);
+    for (auto k = first; k != end; ++k) of_failed.push_back(static_cast<int>(k - points.links.begin()));
+  }
+  if (of_failed.empty() || blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
       const std::uint8_t attached = holding_[i].attached;
       std::uint8_t freed = 0;
-      for (int l = 0; l < kLanes; ++l) {
-        const bool loses = (attached >> l & 1) && std::binary_search(failed.begin(), failed.end(), points.links[b.link[l]].slot);
-        if (loses) freed |= static_cast<std::uint8_t>(1u << l);
-      }
+      for (int l = 0; l < kLanes; ++l)
+        if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l])) freed |= static_cast<std::uint8_t>(1u << l);
       if (freed) release(i, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
     }
   });

@@ -99,7 +99,7 @@ class PenaltyLinks {
   // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
-  // Frees the links of points that failed (slots, ascending), and adds the energy they gave up to `released`. With a law that keeps
+  // Frees the links of points that failed (slots, ascending; links of the store ascend in slot), and adds the energy they gave up to `released`. With a law that keeps
   // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it.
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);

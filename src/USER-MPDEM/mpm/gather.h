@@ -12,14 +12,14 @@
 
 namespace mpdem {
 
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d, and with kValue out[c] = sum_I nodal_Ic N_I.
-template <bool kValue, class Type, int Joined>
-inline Mat3<vd> gather_gradient_and(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, vd* out) {
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
+template <class Type, int Joined>
+inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
   using W = Weights<Type, Joined>;
-  Mat3<vd> G{};
-  if constexpr (kValue)
-    for (int c = 0; c < 3; ++c) out[c] = vd{};
-  for (int i = 0; i < W::kI; ++i) {
+  Mat3<vd> G;
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // each for itself, else they lie in memory from the start
+  const auto add_plane = [&](int i) __attribute__((always_inline)) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < W::kJ; ++j) {
       const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
@@ -35,22 +35,19 @@ inline Mat3<vd> gather_gradient_and(const double* __restrict nodal, const int* c
       }
     }
     for (int c = 0; c < 3; ++c) {
-      if constexpr (kValue) out[c] += s.w[0][i] * A[c];
       G.a[c][0] += s.dw[0][i] * A[c];
       G.a[c][1] += s.w[0][i] * B[c];
       G.a[c][2] += s.w[0][i] * C[c];
     }
+  };
+  // Blocks of cells in a row have six such functions, which would fill the cache of instructions if their loops were unrolled.
+  if constexpr (Joined == kOneCell) {
+#pragma GCC unroll 4
+    for (int i = 0; i < W::kI; ++i) add_plane(i);
+  } else {
+    for (int i = 0; i < W::kI; ++i) add_plane(i);
   }
   return G;
-}
-
-template <class Type, int Joined>
-inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
-  return gather_gradient_and<false>(nodal, column, s, nullptr);
-}
-template <class Type, int Joined>
-inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, vd* out) {
-  return gather_gradient_and<true>(nodal, column, s, out);
 }
 
 // out[c] = sum_I nodal_Ic N_I
@@ -88,6 +85,38 @@ inline vd gather_scalar(const double* __restrict nodal, const int* column, const
     sum += s.w[0][i] * A;
   }
   return sum;
+}
+
+// Both at once.
+template <class Type, int Joined>
+inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s,
+                                          vd* out) {
+  using W = Weights<Type, Joined>;
+  Mat3<vd> G{};
+  for (int c = 0; c < 3; ++c) out[c] = vd{};
+  for (int i = 0; i < W::kI; ++i) {
+    vd A[3]{}, B[3]{}, C[3]{};
+    for (int j = 0; j < W::kJ; ++j) {
+      const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
+      for (int c = 0; c < 3; ++c) {
+        vd a = p[c] * s.w[2][0], b = p[c] * s.dw[2][0];
+        for (int k = 1; k < W::kK; ++k) {
+          a += p[3 * k + c] * s.w[2][k];
+          b += p[3 * k + c] * s.dw[2][k];
+        }
+        A[c] += s.w[1][j] * a;
+        B[c] += s.dw[1][j] * a;
+        C[c] += s.w[1][j] * b;
+      }
+    }
+    for (int c = 0; c < 3; ++c) {
+      out[c] += s.w[0][i] * A[c];
+      G.a[c][0] += s.dw[0][i] * A[c];
+      G.a[c][1] += s.w[0][i] * B[c];
+      G.a[c][2] += s.w[0][i] * C[c];
+    }
+  }
+  return G;
 }
 
 }  // namespace mpdem
