@@ -13,7 +13,7 @@
 #include "cement/contacts.h"
 #include "mpi_ranks.h"
 #include "parallel/agree.h"
-#include "parallel/gather_all.h"
+#include "parallel/gather_ranks.h"
 
 namespace mpdem {
 namespace {

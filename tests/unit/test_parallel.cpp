@@ -15,6 +15,8 @@
 #include "cement.h"
 #include "coupling/grain_sides.h"
 #include "mpi_ranks.h"
+#include "parallel/agree.h"
+#include "parallel/gather_ranks.h"
 #include "parallel/halo_sum.h"
 #include "parallel/memory_limit.h"
 #include "parallel/rendezvous.h"
@@ -492,6 +494,24 @@ TEST(RotationOf, Quaternion) {
     for (int i = 0; i < 9; ++i) worst.add(std::fabs(m.a[i / 3][i % 3] - R(i / 3, i % 3)));
   }
   expect_within(worst, 1e-14, "matrix");
+}
+
+// Rank r has r numbers, and the second of three none.
+TEST(GatherRanks, InTheOrderOfTheRanks) {
+  std::vector<double> expected;
+  const auto of_rank = [](int r) { return r == 1 ? std::vector<double>() : std::vector<double>(r + 1, 10.0 * r); };
+  for (int r = 0; r < ranks(); ++r)
+    for (double v : of_rank(r)) expected.push_back(v);
+  EXPECT_EQ(mpdem::gather_all(MPI_COMM_WORLD, of_rank(rank())), expected);
+  EXPECT_EQ(gather_on_first(MPI_COMM_WORLD, of_rank(rank())), rank() == 0 ? expected : std::vector<double>());
+}
+
+TEST(GatherRanks, UnionOfNumbers) {
+  EXPECT_TRUE(union_of_ranks(MPI_COMM_WORLD, {}).empty());
+  std::vector<int> expected{7};
+  for (int r = 0; r < ranks(); ++r) expected.push_back(20 + r);
+  EXPECT_EQ(union_of_ranks(MPI_COMM_WORLD, {20 + rank(), 7}), expected);
+  EXPECT_EQ(union_of_ranks(MPI_COMM_WORLD, rank() == ranks() - 1 ? std::vector<int>{5, 3} : std::vector<int>()), (std::vector<int>{3, 5}));
 }
 
 }  // namespace

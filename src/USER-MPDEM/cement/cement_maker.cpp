@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "../parallel/agree.h"
-#include "../parallel/gather_all.h"
+#include "../parallel/gather_ranks.h"
 
 namespace mpdem {
 

@@ -9,7 +9,7 @@
 
 #include "../numerics/cross_matrix.h"
 #include "../numerics/text_of.h"
-#include "../parallel/gather_all.h"
+#include "../parallel/gather_ranks.h"
 #include "cement_maker.h"
 
 namespace mpdem {

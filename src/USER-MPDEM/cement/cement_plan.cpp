@@ -9,7 +9,7 @@
 #include "../geometry/bond_axes.h"
 #include "../geometry/composite.h"
 #include "../parallel/agree.h"
-#include "../parallel/gather_all.h"
+#include "../parallel/gather_ranks.h"
 #include "../parallel/ranks.h"
 
 namespace mpdem {

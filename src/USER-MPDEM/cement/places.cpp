@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-#include "../parallel/gather_all.h"
+#include "../parallel/gather_ranks.h"
 #include "../parallel/ranks.h"
 
 namespace mpdem {

@@ -6,28 +6,12 @@
 #include <map>
 
 #include "../parallel/agree.h"
-#include "../parallel/ranks.h"
+#include "../parallel/gather_ranks.h"
 #include "cement.h"
 
 namespace mpdem {
 
 namespace {
-
-// Numbers of all ranks on rank 0.
-std::vector<double> gather(MPI_Comm comm, const std::vector<double>& mine) {
-  int ranks, me, n = static_cast<int>(mine.size());
-  MPI_Comm_size(comm, &ranks);
-  MPI_Comm_rank(comm, &me);
-  std::vector<int> counts(ranks), at(ranks, 0);
-  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-  std::vector<double> all;
-  if (me == 0) {
-    for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
-    all.resize(at.back() + counts.back());
-  }
-  MPI_Gatherv(mine.data(), n, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
-  return all;
-}
 
 void check_restored(const CementHead& head, const CementOptions& o) {
   const auto edge = [](bool t) { return t ? "tied" : "free"; };
@@ -65,7 +49,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   for (const auto& row : divisions_.splits.rows_to_keep(scene_.comm))
     for (const NodeCopies::Entry& e : row.second)
       append(CopyRow{body_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
-  const std::vector<double> copies = gather(scene_.comm, mine_of_copies);
+  const std::vector<double> copies = gather_on_first(scene_.comm, mine_of_copies);
   head.split = scene_.options.split;
   head.unilateral = scene_.options.unilateral;
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);

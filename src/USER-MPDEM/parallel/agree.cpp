@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "gather_ranks.h"
+
 namespace mpdem {
 
 std::string first_text(MPI_Comm comm, const std::string& text) {
@@ -27,16 +29,11 @@ void throw_if_any(MPI_Comm comm, const std::string& text) {
 }
 
 std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine) {
-  int count = static_cast<int>(mine.size()), all;
-  MPI_Allreduce(&count, &all, 1, MPI_INT, MPI_SUM, comm);
-  std::vector<int> numbers(all);
-  if (all == 0) return numbers;
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
-  std::vector<int> counts(ranks), at(ranks, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
-  MPI_Allgatherv(mine.data(), count, MPI_INT, numbers.data(), counts.data(), at.data(), MPI_INT, comm);
+  const int some = !mine.empty();
+  int any;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);  // mostly no rank has any
+  if (!any) return {};
+  std::vector<int> numbers = gather_all(comm, mine);
   std::sort(numbers.begin(), numbers.end());
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   return numbers;

@@ -10,6 +10,8 @@
 
 #include <vector>
 
+#include "gather_ranks.h"
+
 namespace mpdem {
 
 template <class T>
@@ -21,24 +23,17 @@ struct Received {
 template <class T>
 Received<T> all_to_all(MPI_Comm comm, const std::vector<std::vector<T>>& out) {
   const int ranks = static_cast<int>(out.size());
-  std::vector<int> send(ranks), send_at(ranks, 0), recv(ranks), recv_at(ranks, 0);
+  std::vector<int> send(ranks), recv(ranks);
   for (int r = 0; r < ranks; ++r) send[r] = static_cast<int>(out[r].size());
   MPI_Alltoall(send.data(), 1, MPI_INT, recv.data(), 1, MPI_INT, comm);
-  for (int r = 1; r < ranks; ++r) {
-    send_at[r] = send_at[r - 1] + send[r - 1];
-    recv_at[r] = recv_at[r - 1] + recv[r - 1];
-  }
+  const std::vector<int> send_at = starts_of(send), recv_at = starts_of(recv);
   std::vector<T> flat;
   for (const auto& v : out) flat.insert(flat.end(), v.begin(), v.end());
   Received<T> in;
   in.count = recv;
   in.data.resize(recv_at.back() + recv.back());
-  MPI_Datatype type;
-  MPI_Type_contiguous(sizeof(T), MPI_BYTE, &type);
-  MPI_Type_commit(&type);
-  MPI_Alltoallv(flat.data(), send.data(), send_at.data(), type, in.data.data(), recv.data(), recv_at.data(),
-                type, comm);
-  MPI_Type_free(&type);
+  const TypeOf<T> type;
+  MPI_Alltoallv(flat.data(), send.data(), send_at.data(), type, in.data.data(), recv.data(), recv_at.data(), type, comm);
   return in;
 }
 

@@ -12,7 +12,7 @@
 
 #include "../cement/contacts.h"
 #include "../geometry/frame_along.h"
-#include "../parallel/gather_all.h"
+#include "../parallel/gather_ranks.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
 #include "comm.h"

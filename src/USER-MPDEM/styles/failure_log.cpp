@@ -8,6 +8,7 @@
 
 #include "../geometry/shape.h"
 #include "../mpm/point_state.h"
+#include "../parallel/gather_ranks.h"
 
 namespace mpdem {
 
@@ -50,7 +51,7 @@ void FailureLog::add(const Bond& bond, const Body& body, bool skins, long step, 
   const PointStore& points = bond.points;
   for (int slot : bond.failed) {
     Event e = event_at(bond, body, slot);
-    e.step = static_cast<double>(step);
+    e.step = step;
     e.time = time;
     // of two links that of the nearer grain
     double place[3];
@@ -58,7 +59,7 @@ void FailureLog::add(const Bond& bond, const Body& body, bool skins, long step, 
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
     for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const Link& k, int s) { return k.slot < s; });
          !skins && k != points.links.end() && k->slot == slot; ++k)
-      if (e.grain == 0.0 || k->grain == nearer) e.grain = k->grain;
+      if (e.grain == 0 || k->grain == nearer) e.grain = k->grain;
     events_.push_back(e);
   }
 }
@@ -68,7 +69,7 @@ void FailureLog::add_links(const Bond& bond, const Body& body, long step, double
   for (int link : bond.link_step.let_go) {
     const Link& k = bond.points.links[link];
     Event e = event_at(bond, body, k.slot);
-    e.step = static_cast<double>(step);
+    e.step = step;
     e.time = time;
     e.grain = k.grain;
     events_.push_back(e);
@@ -83,26 +84,14 @@ std::string FailureLog::open(MPI_Comm comm, bool continued) {
 }
 
 std::string FailureLog::write(MPI_Comm comm) {
-  int ranks, me;
-  MPI_Comm_size(comm, &ranks);
-  MPI_Comm_rank(comm, &me);
-  constexpr int kWidth = sizeof(Event) / sizeof(double);
-  int mine = kWidth * static_cast<int>(events_.size());
-  std::vector<int> counts(ranks), at(ranks, 0);
-  MPI_Gather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
-  std::vector<Event> all;
-  if (me == 0) {
-    for (int r = 1; r < ranks; ++r) at[r] = at[r - 1] + counts[r - 1];
-    all.resize((at.back() + counts.back()) / kWidth);
-  }
-  MPI_Gatherv(events_.data(), mine, MPI_DOUBLE, all.data(), counts.data(), at.data(), MPI_DOUBLE, 0, comm);
+  std::vector<Event> all = gather_on_first(comm, events_);
   events_.clear();
-  std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) { 
+  std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) {
     return std::tie(a.step, a.point, a.grain) < std::tie(b.step, b.point, b.grain);
   });
   std::string rows;
   for (const Event& e : all)
-    append(rows, "%.0f,%.10g,%.0f,%.0f,%.0f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,
+    append(rows, "%ld,%.10g,%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,
            e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2], e.direction[0], e.direction[1], e.direction[2],
            e.grain > 0 ? "debonding" : "internal");
   return rows.empty() ? "" : file_.write(rows);

@@ -36,9 +36,11 @@ class FailureLog {
   std::string write(MPI_Comm comm);
 
  private:
-  // Doubles throughout for MPI.
   struct Event {
-    double step, time, point, bond, grain, r, theta, z, damage[3], direction[3];
+    long step;
+    double time;
+    int point, bond, grain;  // grain 0: no link let go
+    double r, theta, z, damage[3], direction[3];
   };
   // Of the point at this slot, but for its grain.
   static Event event_at(const Bond& bond, const Body& body, int slot);
