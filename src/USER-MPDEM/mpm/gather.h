@@ -12,6 +12,10 @@
 
 namespace mpdem {
 
+// The node of a column that needs no products where the others have them: weights sum to one, and gradients, or the first moments in their place, to
+// zero.
+constexpr int kLeftOut = 1;
+
 // G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
 template <class Type, int Joined>
 inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {
@@ -24,10 +28,13 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
     for (int j = 0; j < W::kJ; ++j) {
       const double* p = nodal + 3 * static_cast<long>(column[W::kJ * i + j]);
       for (int c = 0; c < 3; ++c) {
-        vd a = p[c] * s.w[2][0], b = p[c] * s.dw[2][0];
-        for (int k = 1; k < W::kK; ++k) {
-          a += p[3 * k + c] * s.w[2][k];
-          b += p[3 * k + c] * s.dw[2][k];
+        const vd one = splat(p[3 * kLeftOut + c]);
+        vd a = one, b{};
+        for (int k = 0; k < W::kK; ++k) {
+          if (k == kLeftOut) continue;
+          const vd d = p[3 * k + c] - one;
+          a += d * s.w[2][k];
+          b = k == 0 ? d * s.dw[2][k] : b + d * s.dw[2][k];
         }
         A[c] += s.w[1][j] * a;
         B[c] += s.dw[1][j] * a;

@@ -120,7 +120,10 @@ inline void for_each_cell(std::uint8_t which, const int* column, F f) {
     if (n >= 4) {
       f(std::integral_constant<int, 4>(), l);
       l += 4;
-    } else if (n >= 2) {
+    } else if (n == 3) {
+      f(std::integral_constant<int, 3>(), l);
+      l += 3;
+    } else if (n == 2) {
       f(std::integral_constant<int, 2>(), l);
       l += 2;
     } else {

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "../numerics/tensor3.h"
-#include "basis.h"
+#include "gather.h"
 
 namespace mpdem {
 
@@ -97,6 +97,7 @@ template <class Type, int Joined>
 inline void scatter_gradient(double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, const Mat3<vd>& T) {
   using W = Weights<Type, Joined>;
   detail::ColumnSums<W> sums(nodal, column);
+#pragma GCC unroll 5
   for (int i = 0; i < W::kI; ++i) {
     vd A[3], B[3], C[3];
     for (int c = 0; c < 3; ++c) {
@@ -104,12 +105,19 @@ inline void scatter_gradient(double* __restrict nodal, const int* column, const 
       B[c] = T.a[c][1] * s.w[0][i];
       C[c] = T.a[c][2] * s.w[0][i];
     }
+#pragma GCC unroll 5
     for (int j = 0; j < W::kJ; ++j) {
       vd values[detail::ColumnSums<W>::kPadded]{};
       for (int c = 0; c < 3; ++c) {
         const vd a = A[c] * s.w[1][j] + B[c] * s.dw[1][j];
         const vd b = C[c] * s.w[1][j];
-        for (int k = 0; k < W::kK; ++k) values[3 * k + c] = a * s.w[2][k] + b * s.dw[2][k];
+        vd rest = a;  // what a column takes is a, so the node left out takes what the others leave
+        for (int k = 0; k < W::kK; ++k) {
+          if (k == kLeftOut) continue;
+          values[3 * k + c] = a * s.w[2][k] + b * s.dw[2][k];
+          rest -= values[3 * k + c];
+        }
+        values[3 * kLeftOut + c] = rest;
       }
       sums.add(W::kJ * i + j, values);
     }
