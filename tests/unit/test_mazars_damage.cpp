@@ -154,6 +154,25 @@ TEST(Mazars, BoundIsNeverBelowTheDrive) {
   }
 }
 
+// The curves by which the crack of `nonlocal` takes its energy, from the formula: with x = -ln(1 - d) the compliance is e^x, the threshold
+// kappa/kappa0, and dx/dkappa = d'/(1 - d). The slope is that of a difference over 1e-4.
+TEST(Mazars, SofteningCurveIsThatOfTheFormula) {
+  const std::optional<SofteningCurve> curve = mazars().softening_curve();
+  ASSERT_TRUE(curve);
+  test::Worst value, slope;
+  for (const double over : {1.0, 1.001, 1.5, 3.0, 10.0}) {
+    const double kappa = over * kStart, kept = 1.0 - formula(kappa, kAt), x = -std::log(kept);
+    const double rate = (1.0 - kAt) * kStart / (kappa * kappa) + kAt * kBt * std::exp(-kBt * (kappa - kStart));
+    const SofteningCurve::Value c = curve->compliance(x), k = curve->threshold(x);
+    value.add(c.value - x, std::to_string(over));
+    value.add(c.slope - 1.0, std::to_string(over));
+    value.add(k.value - std::log(over), std::to_string(over));
+    slope.add(k.slope / (kept / (rate * kappa)) - 1.0, std::to_string(over));
+  }
+  expect_within(value, 1e-12, "values");
+  expect_within(slope, 2e-4, "slope of the threshold");
+}
+
 TEST(Mazars, StateFromATensor) {
   const MazarsDamage law = mazars();
   double state[6] = {};
