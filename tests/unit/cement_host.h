@@ -243,6 +243,13 @@ class RowOfGrains : public CementHost {
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm_);
     return all;
   }
+  // Slots and tags.
+  template <class F>
+  static void for_points(const Bond& bond, F f) {
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
+      for (int l = 0; l < kLanes; ++l)
+        if (bond.points.meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l, bond.points.tags[b][l]);
+  }
   // Of all ranks, ascending.
   std::vector<std::array<int, 2>> all_failed() const {
     std::vector<double> mine;
@@ -433,12 +440,6 @@ class RowOfGrains : public CementHost {
       const int tag = 1000 + row * 100000 + static_cast<int>(n);
       slot_[tag] = bonds.add(r, tag);
     }
-  }
-  template <class F>
-  static void for_points(const Bond& bond, F f) {
-    for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
-      for (int l = 0; l < kLanes; ++l)
-        if (bond.points.meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l, bond.points.tags[b][l]);
   }
   // As an exchange of atoms does: points leave one by one and come in an order of their own.
   void hand_over() {

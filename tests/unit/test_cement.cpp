@@ -156,6 +156,34 @@ INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, fals
                            return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") + (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
+// With central differences the velocity at a step is the way from the step before to that after it, over twice the time.
+TEST(Report, VelocityOfPointsIsThatOfTheirWay) {
+  Row r;
+  r.B0 = 0.0;
+  r.speed = 0.2;
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.setup();
+  host.run(150);
+  std::vector<Report::PointMotionNow> motion[3];  // of one step after the other
+  for (int n = 0; n < 3; ++n) {
+    host.step();
+    for (const Bond& b : host.bonds) host.cement->report().motion_of_points(b, motion[n]);
+  }
+  test::Worst worst;
+  double fastest = 0.0;
+  for (const Bond& b : host.bonds)
+    host.for_points(b, [&](int slot, int tag) {
+      const int block = slot / kLanes, lane = slot % kLanes;
+      for (int d = 0; d < 3; ++d) {
+        const double v = motion[1][block].v[d][lane], way = motion[2][block].u[d][lane] - motion[0][block].u[d][lane];
+        worst.add(v - way / (2.0 * host.dt), std::to_string(tag));
+        fastest = std::max(fastest, std::fabs(v));
+      }
+    });
+  EXPECT_GT(host.sum(fastest), 0.1);
+  test::expect_within(worst, 1e-9, "velocity of points, m/s");
+}
+
 TEST(StepTimer, CpuTimeIsWithoutWaiting) {
   StepTimer timer;
   timer.clear();
