@@ -31,7 +31,7 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 SOURCE = "src/USER-MPDEM"
 EQUIVALENT = HERE / "equivalent.json"
-FOLDERS, LEAST, TOTAL = 7, 8, 60
+LEAST, TOTAL = 8, 80
 
 
 def say(text, keep=True):

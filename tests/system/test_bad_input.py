@@ -266,6 +266,13 @@ def test_the_unchanged_script_runs(tmp_path):
     assert not warnings(result)
 
 
+def test_thin_film(tmp_path):
+    result = launch(edit(GOOD, "inner 1e-3", "inner 5e-4"), tmp_path, 2)
+    assert result.status == 0 and not result.errors(), result.output[-2000:]
+    thin = [line for line in result.output.splitlines() if "thin at its inner rim" in line]
+    assert len(thin) == 1 and all(w in thin[0] for w in ("WARNING", "pair 1 2", "less than two spacings", "use 'inner auto'")), thin
+
+
 def warnings(result):
     return [line for line in result.output.splitlines() if "WARNING" in line and "thin at its inner rim" not in line]
 

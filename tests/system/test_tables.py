@@ -54,6 +54,11 @@ def test_run_in_parts(tmp_path, whole):
     assert same(tables(tmp_path), whole)
 
 
+def test_first_row_of_steps_that_begin_at_one(tmp_path):
+    run(HEAD + "reset_timestep 1\n" + edit(FIXES, "csv 7", "csv 1") + LEAVING + MOTION + "run 5\n", tmp_path)
+    assert steps(tables(tmp_path)["bond.csv"]) == [1, 2, 3, 4, 5, 6]
+
+
 @pytest.mark.parametrize("at", [300, 301, 350])
 def test_restart(tmp_path, whole, at):
     """The file is of a step with a row, or of one without; steps that the first run made beyond it do not stay."""

@@ -169,6 +169,38 @@ TEST(NodeCopies, CrackWithATip) {
   EXPECT_EQ(split, (std::set<int>{-1, 0, 1, 2}));
 }
 
+// A failed point between two sides of as many points goes with that whose middle is nearer, along each axis and in either sense.
+TEST(NodeCopies, FailedPointGoesWithTheNearerMiddle) {
+  const int far[3][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}}, near[3][3] = {{0, 0, 4}, {1, 0, 4}, {0, 1, 4}};
+  const auto point = [](const int* cell, int axis, bool mirrored, int tag) {
+    CopyPoint p{};
+    p.tag = tag;
+    p.volume = 1.0;
+    for (int d = 0; d < 3; ++d) {
+      const int c = d == 2 && mirrored ? 4 - cell[d] : cell[d], to = (d + axis) % 3;
+      p.cell[to] = c;
+      p.base[to] = c / 2 - 1;
+      p.at[to] = 0.75 + 0.5 * (c % 2);
+    }
+    return p;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool mirrored : {false, true}) {
+      const int between[3] = {0, 0, 3};
+      std::vector<CopyPoint> points;
+      for (const auto& cell : far) points.push_back(point(cell, axis, mirrored, static_cast<int>(points.size()) + 1));
+      for (const auto& cell : near) points.push_back(point(cell, axis, mirrored, static_cast<int>(points.size()) + 1));
+      points.push_back(point(between, axis, mirrored, 7));
+      Pieces pieces(points);
+      pieces.fail({7});
+      const Place node{1, 1, 1};  // in the support of all
+      const std::map<int, int> part = pieces.parts();
+      const auto copy = [&](int tag) { return pieces.copies.canonical(part.at(tag), node); };
+      EXPECT_NE(copy(1), copy(4));
+      EXPECT_EQ(copy(7), copy(4)) << axis << ' ' << mirrored;
+    }
+}
+
 TEST(NodeCopies, AnyFailuresInAnyOrder) {
   for (unsigned seed : {1u, 2u, 3u}) {
     std::mt19937 random(seed);
