@@ -96,7 +96,7 @@ class RowOfGrains : public CementHost {
       for (bool& f : grain.free) f = free;
       GrainState& s = states_[grain.tag];
       std::copy(grain.x, grain.x + 3, s.x);
-      s.placed = true;
+      s.place_known = true;
       own_.push_back(grain);
     }
     init();

@@ -138,7 +138,7 @@ void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
     watch_jump(grain);
-    g.seen = true;
+    g.velocities_known = true;
   }
 }
 
@@ -151,7 +151,7 @@ void BondedGrains::keep_velocities(double dt_last) {
 
 void BondedGrains::watch_late_loads(bool after) {
   for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) g.state->late[d] = after ? g.state->late[d] + g.force[d] : -g.force[d];
+    for (int d = 0; d < 6; ++d) g.state->late_load[d] = after ? g.state->late_load[d] + g.force[d] : -g.force[d];
 }
 
 void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed) {
@@ -159,7 +159,7 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads l
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
     for (int d = 0; d < 6; ++d)
-      load_[n][d] = loads == Loads::all ? grains[n].force[d] + g.late[d] : loads == Loads::spread ? g.held()[d] : 0.0;
+      load_[n][d] = loads == Loads::all ? grains[n].force[d] + g.late_load[d] : loads == Loads::spread ? g.held()[d] : 0.0;
   }
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
@@ -177,7 +177,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) {
       const Grain& grain = grains[g];
-      load_[g][d] = n * (grain.force[d] + grain.state->late[d] - grain.spread(d, n)) - grain.state->held()[d];
+      load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread(d, n)) - grain.state->held()[d];
     }
   const std::vector<GrainSide> kept(sides.sides);
   std::vector<double> total;  // accelerations of the grains
@@ -365,7 +365,7 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
 void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books) {
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
-    for (int d = 0; d < 6 && !g.seen; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
+    for (int d = 0; d < 6 && !g.velocities_known; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
   }
   if (any_added_mass) {
     std::vector<Six> jump(owned_.size());
@@ -394,8 +394,8 @@ void BondedGrains::go_back_half_a_step(const Bonds& bonds, double dt_last) {
     std::copy(grains[n].acceleration, grains[n].acceleration + 6, found[n].begin());
     for (int k : grains[n].sides) rates[k] = found[n];
     GrainState& g = *grains[n].state;
-    if (g.seen) continue;
-    g.seen = true;
+    if (g.velocities_known) continue;
+    g.velocities_known = true;
     for (int d = 0; d < 6; ++d) g.v[d] -= 0.5 * dt_last * found[n][d];
   }
   distribute(bonds);

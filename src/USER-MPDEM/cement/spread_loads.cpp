@@ -39,7 +39,7 @@ void BondedGrains::start_spreading(int n) {
     GrainState& s = *g.state;
     if (n > 1 && !s.spread) {
       for (int d = 0; d < 6; ++d) {
-        s.mean[d] = s.mean[6 + d] = s.mean[12 + d] = s.between[d] = g.force[d] + s.late[d];
+        s.mean[d] = s.mean[6 + d] = s.mean[12 + d] = s.between[d] = g.force[d] + s.late_load[d];
         s.off[d] = 0.0;
       }
       s.off_squared = 0.0;
@@ -53,7 +53,7 @@ void BondedGrains::spread_loads(int n) {
     GrainState& s = *g.state;
     double load[6], before[6];
     for (int d = 0; d < 6; ++d) {
-      load[d] = g.force[d] + s.late[d];
+      load[d] = g.force[d] + s.late_load[d];
       before[d] = s.held()[d];
     }
     const double weight = weight_of_last(load, g.radius, s);

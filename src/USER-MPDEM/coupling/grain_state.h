@@ -12,16 +12,16 @@ namespace mpdem {
 
 struct GrainState {
   double q[4] = {1.0, 0.0, 0.0, 0.0};     // orientation
-  bool seen = false;                      // a run began, so the velocities below are known
+  bool velocities_known = false;          // those below, since a run began
   double v[6] = {0, 0, 0, 0, 0, 0};       // velocities with which it came to the present position
   double before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
   double jump[6] = {0, 0, 0, 0, 0, 0};    // the part of the change that was a jump
   double ended[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
   double a[3] = {0, 0, 0};                // acceleration that is expected of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement
-  bool placed = false;                    // x is known, since cement was made or forces were computed
+  bool place_known = false;               // x, since cement was made or forces were computed
   double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
-  double late[6] = {0, 0, 0, 0, 0, 0};    // force and torque that fixes after fix mpm added in the last step
+  double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
   // With sub-steps, see cement/spread_loads.cpp: the loads of the host are spread, the means that they are spread by, each of the one before, how far loads
   // are off on the average and on the average of squares, and what is spread at the end of the step.
   bool spread = false;
@@ -36,16 +36,16 @@ struct GrainState {
   template <class Self, class Visitor>
   static constexpr void describe(Self& g, Visitor& visit) {
     visit.rotation("the orientation of a bonded grain", g.q);
-    visit("'has been seen' of a bonded grain", g.seen);
+    visit("'velocities are known' of a bonded grain", g.velocities_known);
     visit("the velocity of a bonded grain", g.v, kFinite);
     visit("the earlier velocity of a bonded grain", g.before, kFinite);
     visit("the jump of velocity of a bonded grain", g.jump, kFinite);
     visit("the last velocity of a bonded grain", g.ended, kFinite);
     visit("the acceleration of a bonded grain", g.a, kFinite);
     visit("the load of a bonded grain", g.load, kFinite);
-    visit("'has a place' of a bonded grain", g.placed);
+    visit("'place is known' of a bonded grain", g.place_known);
     visit("the place of a bonded grain", g.x, kFinite);
-    visit("the late load of a bonded grain", g.late, kFinite);
+    visit("the late load of a bonded grain", g.late_load, kFinite);
     visit("'loads are spread' of a bonded grain", g.spread);
     if (visit.present(g.spread)) {
       visit("the mean load of a bonded grain", g.mean, kFinite);

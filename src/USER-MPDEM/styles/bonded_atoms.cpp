@@ -115,8 +115,8 @@ void BondedAtoms::expect_gravity(BondedGrains& grains, const Fix* fix) const {
     gravity->get_gravity(g);
     for (std::size_t n = 0; n < atoms_.size(); ++n) {
       const int i = atoms_[n];
-      if (grains.grains[n].state->seen || !(lmp_->atom->mask[i] & gravity->groupbit)) continue;
-      for (int d = 0; d < 3; ++d) grains.grains[n].state->late[d] += lmp_->atom->rmass[i] * g[d];
+      if (grains.grains[n].state->velocities_known || !(lmp_->atom->mask[i] & gravity->groupbit)) continue;
+      for (int d = 0; d < 3; ++d) grains.grains[n].state->late_load[d] += lmp_->atom->rmass[i] * g[d];
     }
   }
 }
@@ -168,7 +168,7 @@ void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
     const auto bonded = radius.find(atom.tag[i]);
     if (!g || bonded == radius.end()) continue;
     trouble = changed_radius(i, bonded->second);
-    if (!trouble.empty() || !g->placed) continue;
+    if (!trouble.empty() || !g->place_known) continue;
     double x[3], moved[3];
     lmp_->domain->unmap(atom.x[i], atom.image[i], x);
     bool far = false;
@@ -179,7 +179,7 @@ void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
       far = far || std::fabs(moved[d]) > 1e-9 * cell + rounding;
     }
     if (far)
-      trouble = text_of(who_, "a command moved bonded grain ", atom.tag[i], " by ", length(moved), g->seen
+      trouble = text_of(who_, "a command moved bonded grain ", atom.tag[i], " by ", length(moved), g->velocities_known
                         ? " since the last run" : " since its cement was made", ", which its cement does not follow; use 'displace_atoms', "
                         "'set' and 'change_box' before create_cement, and move bonded grains by a fix or a velocity");
   }
@@ -202,8 +202,8 @@ void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double 
       g.x[d] = grain.x[d];
     }
     const double expected = dt * std::max(length(atom.v[i]), length(g.v));
-    const bool known = g.placed;
-    g.placed = true;
+    const bool known = g.place_known;
+    g.place_known = true;
     if (known && trouble_.empty() && length(jump) > 2.0 * expected + 1e-5 * cell)
       trouble_ = text_of(who_, "bonded grain ", atom.tag[i], " jumped by ", length(grain.moved), " in step ", update.ntimestep,
                          ", its velocity takes it ", expected, " at most; formulas of 'fix move' in step*dt jump "

@@ -128,8 +128,8 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
       AtomVecMpdem::GrainState& state = *avec->grain(i);
       std::copy(state.q, state.q + 4, g.q);
       // Other cement of the grain knows it where it was.
-      if (!state.placed) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
-      state.placed = true;
+      if (!state.place_known) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
+      state.place_known = true;
     }
     mine.push_back(g);
   }
