@@ -8,7 +8,7 @@ from scenes import CONTACT, NEIGHBOURS, RADIUS, cement, host, pull, run, thermo
 
 CELL, EVERY = 4e-4, 4
 LAYOUTS = {n: [(a, b, n // a // b) for a in range(1, n + 1) for b in range(1, n + 1) if n % (a * b) == 0] for n in (2, 4, 8)}
-SHORT = [(1, 1, 2), (2, 2, 1), (2, 2, 2), (8, 1, 1)]  # the last leaves ranks without cement, and without anything
+SHORT = [(1, 1, 2), (2, 2, 2), (8, 1, 1)]  # the last leaves ranks without cement, and without anything
 ALL = sum(LAYOUTS.values(), [])
 # name: (words of fix mpm, steps, of which seven tenths pull the bond in two)
 SETTINGS = {"default": ("quasistatic 1 0.5", 1500), "updated": ("kinematics updated", 1500), "linear": ("basis linear quasistatic 1 0.5", 1500)}

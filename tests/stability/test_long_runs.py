@@ -66,7 +66,7 @@ def turning(rate, ramp):
     return text
 
 
-@pytest.mark.parametrize("words", ["", "basis linear", "basis cubic"])
+@pytest.mark.parametrize("words", ["", pytest.param("basis linear", marks=pytest.mark.long), "basis cubic"])
 def test_rotation(words, tmp_path, figures, long):
     """A bond pulled until it is damaged turns as a whole, ten times; stress, damage and energy stay."""
     revolutions = 10 if long else 0.25

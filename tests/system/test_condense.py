@@ -162,7 +162,7 @@ def cycles(word, most, steps, count=1):
 AGAIN = ["f_bond[9]", AWAKE, "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[8]", "f_cem[12]", "f_cem[10]"]
 
 
-@pytest.mark.parametrize("cracks", ["bonds", "split"])
+@pytest.mark.parametrize("cracks", ["bonds", pytest.param("split", marks=pytest.mark.long)])
 def test_condensed_again(cracks, tmp_path, figures):
     """Corners are damaged, the load goes back, and the bond is condensed with its damage until the load comes again."""
     steps, onset = 5000, 83.3  # force at the threshold
@@ -195,7 +195,7 @@ def test_restart_of_one_condensed_again(tmp_path):
         assert whole[name][-rows:] == pytest.approx(again[name], rel=1e-9, abs=1e-9 * np.abs(whole[name]).max()), name
 
 
-@pytest.mark.parametrize("cracks", ["bonds", "split"])
+@pytest.mark.parametrize("cracks", [pytest.param("bonds", marks=pytest.mark.long), "split"])
 def test_momentum_of_one_condensed_again(cracks, tmp_path, figures):
     """Free grains swing apart, their bond wakes, is damaged, and is condensed again."""
     text = BREAKING + cement(2e-4, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 condense yes cracks {cracks}")

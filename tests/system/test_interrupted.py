@@ -20,7 +20,7 @@ MOVING = pull(4.0, 4e-6)
 BEGIN = pair(1e-4) + FIXES + MOVING + "thermo 50\nthermo_modify flush yes\n"
 WHOLE = BEGIN + f"run {STEPS} upto\n"
 # The same, not done before a signal has come through mpirun.
-SLOWED = edit(WHOLE, "thermo 50\n", "dump slow all custom 1 /dev/null id type mass x y z vx vy vz fx fy fz\nthermo 50\n")
+SLOWED = edit(WHOLE, "thermo 50\n", "dump slow all custom 4 /dev/null id type mass x y z vx vy vz fx fy fz\nthermo 50\n")
 
 
 def continued(file, **options):

@@ -116,7 +116,7 @@ def test_quasistatic(tmp_path, figures):
     cement that softens fails at a force that falls with the speed of the pull, however slow."""
     def peak(words, dt):
         steps = 200 * round(4e-5 / dt / 200)
-        script = pair(CELL / 2, cement="inner 1e-3 outer 1.5e-3") + edit(cement(CELL, dt, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 viscosity 5e-6"),
+        script = pair(CELL / 2, cement="inner 1e-3 outer 1.3e-3") + edit(cement(CELL, dt, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 viscosity 5e-6"),
                                        "mpm cell 0.0002", f"mpm cell 0.0002 {words}")
         script += pull(0.5, 3.2e-5) + thermo(steps // 200, ["f_bond", "f_bond[21]", "f_cem[5]", "f_cem[6]"]) + f"run {steps}\n"
         t = run(script, tmp_path / (words.replace(" ", "_") or "plain")).table()
