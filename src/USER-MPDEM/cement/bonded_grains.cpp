@@ -129,12 +129,12 @@ void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
     GrainState& g = *grain.state;
     for (int d = 0; d < 6; ++d) {
       const bool free = grain.free[d];
-      g.before[d] = g.v[d];
+      g.v_before[d] = g.v[d];
       g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
-      const double change = g.v[d] - g.before[d];
+      const double change = g.v[d] - g.v_before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
       // in the second half of the last step, beyond what was expected
-      if (!free) books.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.ended[d] - g.before[d])));
+      if (!free) books.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.v_end[d] - g.v_before[d])));
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
     watch_jump(grain);
@@ -145,7 +145,7 @@ void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
 void BondedGrains::keep_velocities(double dt_last) {
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
-    for (int d = 0; d < 6; ++d) g.ended[d] = grain.free[d] ? grain.velocity[d] : g.v[d] + (d < 3 ? 0.5 * dt_last * g.a[d] : 0.0);
+    for (int d = 0; d < 6; ++d) g.v_end[d] = grain.free[d] ? grain.velocity[d] : g.v[d] + (d < 3 ? 0.5 * dt_last * g.a[d] : 0.0);
   }
 }
 
@@ -241,7 +241,7 @@ void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* con
       const double load = condensed->load(n, d) + condensed->inertial_load(n, d), of_jump = condensed->jump_load(n, d);
       g.force[d] += load + of_jump;
       g.state->load[d] += load;
-      of_jumps += of_jump * 0.5 * (g.state->before[d] + g.state->v[d]);
+      of_jumps += of_jump * 0.5 * (g.state->v_before[d] + g.state->v[d]);
     }
     books.do_work(-dt * of_jumps);
   }
@@ -293,7 +293,7 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
     double power = 0.0;
     for (int d = 0; d < 6; ++d) {
       grain.force[d] += of_jump[d] + of_transfer[d];
-      power += of_jump[d] * 0.5 * (g.before[d] + g.v[d]) + of_transfer[d] * g.v[d];
+      power += of_jump[d] * 0.5 * (g.v_before[d] + g.v[d]) + of_transfer[d] * g.v[d];
     }
     books.do_work(-dt * power);
   }
@@ -321,7 +321,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     const GrainSide& s = sides.sides[o.at];
     const Grain& grain = grains[o.grain];
     const Six load = in_box(s, s.force, s.torque);
-    for (int d = 0; d < 6; ++d) books.do_work(-load[d] * 0.5 * (grain.state->ended[d] + grain.velocity[d]));
+    for (int d = 0; d < 6; ++d) books.do_work(-load[d] * 0.5 * (grain.state->v_end[d] + grain.velocity[d]));
   }
 }
 
@@ -331,7 +331,7 @@ bool BondedGrains::find_commands(MPI_Comm comm, CondensedPack* condensed) {
   for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) {
       const Grain& grain = grains[n];
-      const double change = grain.free[d] ? grain.velocity[d] - grain.state->ended[d] : 0.0;
+      const double change = grain.free[d] ? grain.velocity[d] - grain.state->v_end[d] : 0.0;
       of_grains[n][d] = change;
       for (int k : grain.sides) jump[k][d] = change;
       some = some || change != 0.0;
@@ -359,19 +359,19 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
   }
   for (const Grain& grain : grains)
     for (int d = 0; d < 6; ++d)
-      if (grain.free[d]) books.do_work(-0.5 * dt_last * grain.state->load[d] * (grain.velocity[d] - grain.state->ended[d]));
+      if (grain.free[d]) books.do_work(-0.5 * dt_last * grain.state->load[d] * (grain.velocity[d] - grain.state->v_end[d]));
 }
 
 void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books) {
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
-    for (int d = 0; d < 6 && !g.velocities_known; ++d) g.v[d] = g.before[d] = g.ended[d] = grain.velocity[d];
+    for (int d = 0; d < 6 && !g.velocities_known; ++d) g.v[d] = g.v_before[d] = g.v_end[d] = grain.velocity[d];
   }
   if (any_added_mass) {
     std::vector<Six> jump(owned_.size());
     for (std::size_t k = 0; k < owned_.size(); ++k) {
-      const double* ended = grains[owned_[k].grain].state->ended;
-      std::copy(ended, ended + 6, jump[k].begin());
+      const double* v_end = grains[owned_[k].grain].state->v_end;
+      std::copy(v_end, v_end + 6, jump[k].begin());
     }
     std::vector<Six> before(grains.size());
     for (std::size_t n = 0; n < before.size(); ++n) std::copy(grains[n].velocity, grains[n].velocity + 6, before[n].begin());
@@ -382,7 +382,7 @@ void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body,
       for (int d = 0; d < 6; ++d) {
         const double change = grains[n].velocity[d] - before[n][d];
         grains[n].state->v[d] += change;
-        grains[n].state->ended[d] += change;
+        grains[n].state->v_end[d] += change;
       }
   }
   distribute(bonds);
@@ -413,7 +413,7 @@ EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
     for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
     const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {
-      power.now -= f[d] * g.ended[d];
+      power.now -= f[d] * g.v_end[d];
       power.before -= f[d] * g.v[d];
     }
   }
@@ -427,7 +427,7 @@ EnergyBooks::StepWork BondedGrains::work_of(const CondensedPack& condensed, doub
     for (int d = 0; d < 6; ++d) {
       // the weight is no work of the grain on the cement, but work of gravity
       const double f = condensed.load(n, d) - condensed.weight(n, d) + condensed.inertial_load(n, d);
-      power.now -= f * g.ended[d];
+      power.now -= f * g.v_end[d];
       power.before -= f * g.v[d];
     }
   }
@@ -445,10 +445,10 @@ void BondedGrains::watch_jump(const Grain& grain) {
   const GrainState& g = *grain.state;
   double change[6] = {};
   for (int d = 0; d < 6; ++d)
-    if (!grain.free[d]) change[d] = g.v[d] - g.before[d];
+    if (!grain.free[d]) change[d] = g.v[d] - g.v_before[d];
   const double r = grain.radius;
   const double jump = length(change) + r * length(change + 3);
-  const double fastest = std::max(length(g.v) + r * length(g.v + 3), length(g.before) + r * length(g.before + 3));
+  const double fastest = std::max(length(g.v) + r * length(g.v + 3), length(g.v_before) + r * length(g.v_before + 3));
   if (jump > jump_limit_ && jump > 0.5 * fastest) worst_jump_ = {grain.tag, jump, step_};
 }
 

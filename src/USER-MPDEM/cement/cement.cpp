@@ -151,7 +151,7 @@ void Cement::start_bodies() {
   condensed_.resume(scene_.grains, scene_.weight().data());
   for (int row = scene_.bodies_started; row < rows; ++row) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
-    mine += e.elastic + e.kept;
+    mine += e.elastic + e.discrete_kinetic;
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, scene_.comm);
   scene_.books.start(energy, work_.of_loads(scene_.bodies_started), work_.of_inertial_forces(scene_.bodies_started), damped_ahead);

@@ -253,7 +253,7 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
                                   after = motion.velocity(side.data(), 2.0 * half);
   e.elastic = motion.energy(model);
   e.kinetic = 0.5 * now.dot(model.M * now);
-  e.kept = 0.5 * before.dot(model.M * after);
+  e.discrete_kinetic = 0.5 * before.dot(model.M * after);
   const CondensedMotion::Vector12 p = model.M * now;
   const auto in_box = [&side](const Vector3& v) { return CondensedMotion::vector(turned(side[0].axes, v.data()).data()); };
   const Vector3 P = in_box(motion.axes() * (p.segment<3>(0) + p.segment<3>(6)));
@@ -269,7 +269,7 @@ CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double hal
     const Energies e = energies_of(m.body, bonds, half);
     sum.elastic += e.elastic;
     sum.kinetic += e.kinetic;
-    sum.kept += e.kept;
+    sum.discrete_kinetic += e.discrete_kinetic;
     for (int d = 0; d < 3; ++d) {
       sum.momentum[d] += e.momentum[d];
       sum.angular_momentum[d] += e.angular_momentum[d];
@@ -309,7 +309,7 @@ EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bon
       if (!g) continue;
       const std::array<double, 6> f = in_box(s, s.force, s.torque);
       for (int d = 0; d < 6; ++d) {
-        work.now -= dt_last * f[d] * g->state->ended[d];
+        work.now -= dt_last * f[d] * g->state->v_end[d];
         work.before -= dt_last * f[d] * g->state->v[d];
       }
     }

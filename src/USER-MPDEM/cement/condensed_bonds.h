@@ -64,7 +64,7 @@ class CondensedBonds {
   CondensedPack* pack() { return any() ? &pack_ : nullptr; }
 
   struct Energies {
-    double elastic = 0, kinetic = 0, kept = 0;  // kept: the kinetic energy of central differences
+    double elastic = 0, kinetic = 0, discrete_kinetic = 0;  // the last: that which central differences keep
     double momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};  // the latter about the origin of the box
   };
   // Of those that this rank tells. half: half a step.

@@ -79,7 +79,7 @@ void Condensing::wake() {
   std::vector<GrainSide> sides;
   for (int row : rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
-    given_up += e.elastic + e.kept;
+    given_up += e.elastic + e.discrete_kinetic;
     condensed_.wake(scene_.comm, row, scene_.bonds.find(row), scene_.bonds, weight.data(), scene_.dt_last, *scene_.law);
     if (!condensed_.has(row)) continue;
     const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, scene_.bonds, weight.data());
@@ -152,7 +152,7 @@ void Condensing::condense_again() {
   condensed_.resume(scene_.grains, scene_.weight().data());
   for (int row : rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
-    given_up -= e.elastic + e.kept;
+    given_up -= e.elastic + e.discrete_kinetic;
   }
   scene_.books.damp(given_up);
 }

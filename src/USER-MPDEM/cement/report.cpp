@@ -23,11 +23,11 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 
 // What nodes that count on this rank tell: kinetic energy, that which central differences keep, momenta about the origin of the box.
 struct NodeSums {
-  double kinetic = 0, kept = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
+  double kinetic = 0, discrete_kinetic = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
   void add(const CondensedBonds::Energies& of_condensed) {
     kinetic += of_condensed.kinetic;
-    kept += of_condensed.kept;
+    discrete_kinetic += of_condensed.discrete_kinetic;
     for (int d = 0; d < 3; ++d) {
       momentum[d] += of_condensed.momentum[d];
       angular_momentum[d] += of_condensed.angular_momentum[d];
@@ -49,7 +49,7 @@ struct NodeSums {
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
         kinetic += 0.5 * mass * now[d] * now[d];
-        kept += 0.5 * mass * (now[d] - kick[d]) * (now[d] + kick[d]);
+        discrete_kinetic += 0.5 * mass * (now[d] - kick[d]) * (now[d] + kick[d]);
         momentum[d] += mass * v[d];
         angular_momentum[d] += mass * (x[e] * v[g] - x[g] * v[e]);
       }
@@ -89,7 +89,7 @@ CementTotals Report::totals(double reach_of_box) const {
   count_separated(cracks_, t);
   if (!scene_.laid_out) return t;
   // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
-  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kKept, kP, kL = kP + 3, kDissipated = kL + 3,
+  enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kRubbed, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
@@ -113,13 +113,13 @@ CementTotals Report::totals(double reach_of_box) const {
     bond.places.add_energy(bond.grid, side, sum[kCoupling]);
     sum[kElastic] += bond.closing.energy(bond.points, bond.grid);
     sum[kCoupling] += inertial;
-    sum[kKept] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
+    sum[kDiscreteKinetic] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
   }
   for (int row : condensed_.rows_without_points(scene_.bonds)) add_condensed(row);
   sum[kCoupling] += condensed.elastic;
   of_nodes.add(condensed);
   sum[kKinetic] = of_nodes.kinetic;
-  sum[kKept] += of_nodes.kept;
+  sum[kDiscreteKinetic] += of_nodes.discrete_kinetic;
   std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kP]);
   std::copy(of_nodes.angular_momentum, of_nodes.angular_momentum + 3, &sum[kL]);
   sum[kPoints] = of_points.points;
@@ -134,7 +134,7 @@ CementTotals Report::totals(double reach_of_box) const {
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
-  sum[kKept] -= inertial;
+  sum[kDiscreteKinetic] -= inertial;
   global_sum(sum, scene_.comm);
   global_max(most, scene_.comm);
 
@@ -153,7 +153,7 @@ CementTotals Report::totals(double reach_of_box) const {
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
-  const double kept = spent - t.kinetic + sum[kKept];
+  const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
   const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
   const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
   t.imbalance = scale > rounding ? (t.external_work + scene_.books.start_energy() - kept) / scale : 0.0;

@@ -14,9 +14,9 @@ struct GrainState {
   double q[4] = {1.0, 0.0, 0.0, 0.0};     // orientation
   bool velocities_known = false;          // those below, since a run began
   double v[6] = {0, 0, 0, 0, 0, 0};       // velocities with which it came to the present position
-  double before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
+  double v_before[6] = {0, 0, 0, 0, 0, 0};  // those of the step before
   double jump[6] = {0, 0, 0, 0, 0, 0};    // the part of the change that was a jump
-  double ended[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
+  double v_end[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
   double a[3] = {0, 0, 0};                // acceleration that is expected of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement
   bool place_known = false;               // x, since cement was made or forces were computed
@@ -38,9 +38,9 @@ struct GrainState {
     visit.rotation("the orientation of a bonded grain", g.q);
     visit("'velocities are known' of a bonded grain", g.velocities_known);
     visit("the velocity of a bonded grain", g.v, kFinite);
-    visit("the earlier velocity of a bonded grain", g.before, kFinite);
+    visit("the earlier velocity of a bonded grain", g.v_before, kFinite);
     visit("the jump of velocity of a bonded grain", g.jump, kFinite);
-    visit("the last velocity of a bonded grain", g.ended, kFinite);
+    visit("the last velocity of a bonded grain", g.v_end, kFinite);
     visit("the acceleration of a bonded grain", g.a, kFinite);
     visit("the load of a bonded grain", g.load, kFinite);
     visit("'place is known' of a bonded grain", g.place_known);

@@ -50,9 +50,8 @@ inline vd inverse_root_next_to_one(vd square) {
   return 1.0 + e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)));
 }
 
-// Frame after the Cayley rotation of axial vector v: q <- (1, v/2)/|.| q
-inline Frame spin(const Frame& q, vd vx, vd vy, vd vz) {
-  const Frame p = turned(q, vx, vy, vz);
+// Frame after the Cayley rotation of axial vector v: (1, v/2)/|.| q, from p = turned(q, v).
+inline Frame spun(const Frame& p, vd vx, vd vy, vd vz) {
   // Normalising p itself keeps |q| = 1 over any number of steps; without spin q keeps its bits.
   const vd square = square_of(p);
   const vd r = all_next_to_one(square) ? inverse_root_next_to_one(square) : 1.0 / sqrt(square);
@@ -82,11 +81,12 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   const vd wx = 0.5 * (G.a[2][1] - G.a[1][2]);
   const vd wy = 0.5 * (G.a[0][2] - G.a[2][0]);
   const vd wz = 0.5 * (G.a[1][0] - G.a[0][1]);
-  const Frame half = turned(q, 0.5 * wx, 0.5 * wy, 0.5 * wz);
-  const vd square = square_of(half);
-  const vd two = all_next_to_one(square) ? 2.0 * inverse_next_to_one(square) : 2.0 / square;
-  strain = strain + rotate_back(rotation_matrix(half, two), de);
-  q = spin(q, wx, wy, wz);
+  // (1, w/4) q, the frame half-way, is the mean of q and p = (1, w/2) q. The length of q is 1, and p - q is perpendicular to q.
+  const Frame p = turned(q, wx, wy, wz), twice_half{q.w + p.w, q.x + p.x, q.y + p.y, q.z + p.z};
+  const vd square = 0.25 * (3.0 + square_of(p));
+  const vd two = all_next_to_one(square) ? 0.5 * inverse_next_to_one(square) : 0.5 / square;
+  strain = strain + rotate_back(rotation_matrix(twice_half, two), de);
+  q = spun(p, wx, wy, wz);
 }
 
 }  // namespace mpdem
