@@ -33,7 +33,8 @@ def test_references_are_of_this_solver():
             assert abs(value - stored["value"]) < 3 * uncertainty + 1e-8 * value, f"{name}, {load}: {value} +- {uncertainty}"
 
 
-@pytest.mark.parametrize("name, load", [(name, load) for name in ACROSS for load in CASES[name]["stiffness"]])
+@pytest.mark.parametrize("name, load", [pytest.param(name, load, marks=[pytest.mark.long] if load in ("shear", "torsion") and "meniscus" not in name else [])
+                                        for name in ACROSS for load in CASES[name]["stiffness"]])
 def test_eight_cells_across(name, load, tmp_path, figures):
     error = measure_case(tmp_path, CASES[name], load, ACROSS[name] / 8) / CASES[name]["stiffness"][load]["value"] - 1
     figures.note(f"{name}, {load}: signed error of the stiffness", f"{error:+.4f}")

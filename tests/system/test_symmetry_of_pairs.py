@@ -102,7 +102,8 @@ def test_points_in_the_middle(tmp_path, figures):
 
 
 # The axis of the box nearest to each, of equally near ones the first: that of the pair which is the same.
-@pytest.mark.parametrize("n, nearest", [((1, 2, 3), (0, 0, 1)), ((1, 1, 1), (1, 0, 0)), ((-3, 1, 2), (-1, 0, 0)), ((0.3, -1, 0), (0, -1, 0))],
+@pytest.mark.parametrize("n, nearest", [pytest.param((1, 2, 3), (0, 0, 1), marks=pytest.mark.long), ((1, 1, 1), (1, 0, 0)), ((-3, 1, 2), (-1, 0, 0)),
+                                        pytest.param((0.3, -1, 0), (0, -1, 0), marks=pytest.mark.long)],
                          ids=["123", "111", "-312", "in a plane"])
 def test_any_direction(n, nearest, tmp_path, figures):
     """Forces, shares and sums of a skew pair, with gravity across it, are those of one along an axis, turned."""
