@@ -18,6 +18,7 @@
 #include "parallel/agree.h"
 #include "parallel/gather_ranks.h"
 #include "parallel/halo_sum.h"
+#include "parallel/huge_pages.h"
 #include "parallel/memory_limit.h"
 #include "parallel/rendezvous.h"
 
@@ -462,6 +463,25 @@ TEST_F(Ranks, GrainSides) {
 }
 
 // All ranks of a machine together have no more than the machine, and one that the user limits sets the limit of all.
+// Memory of malloc, in pieces as small as those of bonds, keeps what it holds, and can be freed and taken again.
+TEST(HugePages, ChangeNothing) {
+  constexpr std::size_t kPieces = 400, kNumbers = 8000;
+  std::vector<std::vector<double>> pieces;
+  const auto value = [](std::size_t i, std::size_t k) { return 1e4 * static_cast<double>(i) + static_cast<double>(k); };
+  for (std::size_t i = 0; i < kPieces; ++i) {
+    pieces.emplace_back(kNumbers);
+    for (std::size_t k = 0; k < kNumbers; ++k) pieces[i][k] = value(i, k);
+  }
+  for (int round = 0; round < 2; ++round) {
+    gather_into_huge_pages();
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < kPieces; ++i)
+      for (std::size_t k = 0; k < pieces[i].size(); ++k) wrong += pieces[i][k] != value(i, k);
+    EXPECT_EQ(wrong, 0u);
+    for (std::size_t i = 0; i < kPieces; i += 2) pieces[i] = {};
+  }
+}
+
 TEST(MemoryLimit, IsThatOfTheMachineOrOfTheUser) {
   const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   rlimit given;

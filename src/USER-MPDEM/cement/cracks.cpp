@@ -88,36 +88,63 @@ double count_broken(const PointStore& points) {
 
 std::size_t place_of(const std::vector<int>& rows, int row) { return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(); }
 
+// Bonds as a whole, each on one rank.
 struct WholeBonds {
-  Received<Sent> sent;
-  std::vector<std::vector<CrackPoint>> points;  // of each of the rows asked for, in the order in which they are sent; empty elsewhere
+  struct Source {
+    int rank, slot;
+  };
+  // Of each of the rows asked for: its points and where they are; empty on other ranks.
+  std::vector<std::vector<CrackPoint>> points;
+  std::vector<std::vector<Source>> sources;
 };
 
-// Sends each of these bonds, ascending, to one rank, as a whole. Collective.
+// Calls f(slot, point) for the points of a bond on this rank.
+template <class F>
+void for_each_crack_point(const Bond& bond, const Body& body, bool split, F f) {
+  const PointStore& points = bond.points;
+  double axis[3];
+  direction_of_centres(body, axis);
+  std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
+  for (const Link& k : points.links) ++first_link[k.slot + 1];
+  for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+  const std::vector<vd> damage = largest_damages(points);
+  for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
+    for (int l = 0; l < kLanes; ++l)
+      if (points.meta[b].occupied >> l & 1) f(kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, split));
+}
+
+// Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent: copies of them would be as
+// dear as the look at the bond, in memory that a big scene has not in the cache.
 WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, bool split) {
-  const int ranks = ranks_of(comm);
+  const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<std::vector<Sent>> out(ranks);
-  for (int row : rows) {
-    const Bond* here = bonds.find(row);
-    if (!here) continue;
-    const Bond& bond = *here;
-    const PointStore& points = bond.points;
-    const Body& body = bonds.body(bond);
-    double axis[3];
-    direction_of_centres(body, axis);
-    std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
-    for (const Link& k : points.links) ++first_link[k.slot + 1];
-    for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
-    const std::vector<vd> damage = largest_damages(points);
-    for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
-      for (int l = 0; l < kLanes; ++l)
-        if (points.meta[b].occupied >> l & 1)
-          out[bond.body % ranks].push_back({bond.body, kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, split)});
-  }
   WholeBonds whole;
-  whole.sent = all_to_all(comm, out);
   whole.points.resize(rows.size());
-  for (const Sent& s : whole.sent.data) whole.points[place_of(rows, s.body)].push_back(s.point);
+  whole.sources.resize(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Bond* bond = bonds.find(rows[n]);
+    if (!bond) continue;
+    const int to = bond->body % ranks;
+    if (to == me && !bond->cut_by_ranks()) {
+      whole.points[n].reserve(kLanes * bond->points.blocks.size());
+      whole.sources[n].reserve(kLanes * bond->points.blocks.size());
+      for_each_crack_point(*bond, bonds.body(*bond), split, [&](int slot, const CrackPoint& p) {
+        whole.points[n].push_back(p);
+        whole.sources[n].push_back({me, slot});
+      });
+    } else {
+      for_each_crack_point(*bond, bonds.body(*bond), split, [&](int slot, const CrackPoint& p) { out[to].push_back({bond->body, slot, p}); });
+    }
+  }
+  const Received<Sent> sent = all_to_all(comm, out);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < sent.count[rank]; ++i, ++n) {
+      const Sent& s = sent.data[n];
+      const std::size_t place = place_of(rows, s.body);
+      whole.points[place].push_back(s.point);
+      whole.sources[place].push_back({rank, s.slot});
+    }
   return whole;
 }
 
@@ -220,22 +247,18 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
       if (!whole.points[k].empty() && separations[k].separated && !states_[looked_at[k]].separation.separated)
         for (std::size_t i = 0; i < whole.points[k].size(); ++i)
           found.pieces[looked_at[k]].push_back({whole.points[k][i].tag, separations[k].between[i] ? kBetween : separations[k].part[i]});
-  std::vector<std::size_t> at(looked_at.size(), 0);
-  std::size_t n = 0;
-  for (int rank = 0; rank < ranks; ++rank)
-    for (int i = 0; i < whole.sent.count[rank]; ++i, ++n) {
-      const Sent& s = whole.sent.data[n];
-      const std::size_t place = place_of(looked_at, s.body), k = at[place]++;
-      const Separation& of_bond = separations[place];
-      const int part = of_bond.part[k];
-      double* row = &result[kRow * place];
-      const int holds = of_bond.separated ? of_bond.holds[k] : s.point.holds;
-      if (holds != s.point.holds) {
-        held[rank].push_back({s.body, s.slot, holds});
+  for (std::size_t n = 0; n < looked_at.size(); ++n)
+    for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
+      const CrackPoint& point = whole.points[n][k];
+      const WholeBonds::Source& at = whole.sources[n][k];
+      const int part = separations[n].part[k], holds = separations[n].separated ? separations[n].holds[k] : point.holds;
+      double* row = &result[kRow * n];
+      if (holds != point.holds) {
+        held[at.rank].push_back({looked_at[n], at.slot, holds});
         row[5] = 1.0;
       }
-      if (part == s.point.part || options.updated || options.split) continue;  // `updated` fragments may meet again, so they share their nodes
-      back[rank].push_back({s.body, s.slot, part});
+      if (part == point.part || options.updated || options.split) continue;  // `updated` fragments may meet again, so they share their nodes
+      back[at.rank].push_back({looked_at[n], at.slot, part});
       row[4] = 1.0;
     }
   const std::vector<Returned> changed = all_to_all(comm, back).data;

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../parallel/huge_pages.h"
 #include "../parallel/memory_limit.h"
 #include "arguments.h"
 #include "atom.h"
@@ -275,6 +276,7 @@ void FixMpm::setup(int) {
   report_->added_mass(*cement_, *avec_);
   report_->forget();
   fill_atoms();
+  mpdem::gather_into_huge_pages();
 }
 
 // Commands may have changed velocities since the end of the last step.
