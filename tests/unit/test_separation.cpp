@@ -98,31 +98,41 @@ TEST(Separation, PathOfIntactPoints) {
   EXPECT_TRUE(separate(points, kFace).path.empty());
 }
 
-// Random fields of few values of damage and many, with parts or sheets: no path has less damage than the one that is named, and
-// there is none where the bond is separated.
+// Random fields of few values of damage and many, with parts or sheets: no path over points and links has less damage than the
+// one that is named, and there is none where the bond is separated.
 TEST(Separation, ThePathIsThatOfTheLeastDamage) {
   test::Random random(977);
   const JoinedNodes joined = test::random_joined();
   int separated = 0, held = 0;
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
-    test::make_random(points, random, random.uniform(0.0, 0.75), n % 3 == 0 ? 4 : 100, n % 4);
+    const int values = n % 3 == 0 ? 4 : 100;
+    test::make_random(points, random, random.uniform(0.0, 0.75), values, n % 4);
+    for (CrackPoint& p : points)
+      for (float& d : p.link_damage) d = static_cast<float>(0.9 * random.index(values) / values);
     const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace, joined, test::kRandomSupport); };
     const Separation s = look(points);
     EXPECT_EQ(s.path.empty(), s.separated);
     ++(s.separated ? separated : held);
     if (s.separated) continue;
-    float most = 0.0f;
+    float most = 0.0f, link[2] = {1.0f, 1.0f};
     for (const CrackPoint& p : points)
       if (std::binary_search(s.path.begin(), s.path.end(), p.tag)) {
         EXPECT_FALSE(p.failed);
         most = std::max(most, p.damage);
+        for (int g = 0; g < 2; ++g)
+          if (p.attached[g]) link[g] = std::min(link[g], p.link_damage[g]);
       }
+    most = std::max({most, link[0], link[1]});
     std::vector<CrackPoint> worse = points, better = points;
-    for (CrackPoint& p : worse)
+    for (CrackPoint& p : worse) {
+      for (int g = 0; g < 2; ++g) p.attached[g] = p.attached[g] && p.link_damage[g] < most;
       if (p.damage >= most) fail(p);
-    for (CrackPoint& p : better)
+    }
+    for (CrackPoint& p : better) {
+      for (int g = 0; g < 2; ++g) p.attached[g] = p.attached[g] && p.link_damage[g] <= most;
       if (p.damage > most) fail(p);
+    }
     EXPECT_TRUE(look(worse).separated);
     EXPECT_FALSE(look(better).separated);
   }

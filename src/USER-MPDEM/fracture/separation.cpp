@@ -54,45 +54,51 @@ void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool ac
 // Share of a point that goes with what holds to the first grain.
 double share_of_first(int held) { return held == 1 ? 1.0 : held == 2 ? 0.0 : 0.5; }
 
-// Least damage up to which points have to be passed to come from the first grain to the second over intact points
-// of a part (Dijkstra's search with the largest damage for the length of a path), if there is a way.
+// Damage of what holds a point to grain g, of its own and of its links.
+float damage_at_grain(const CrackPoint& p, int g) { return std::max(p.damage, p.link_damage[g]); }
+
+// Least damage up to which links and points have to be passed to come from the first grain to the second over intact
+// points of a part (Dijkstra's search with the largest damage for the length of a path), if there is a way.
 std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<CrackPoint>& points) {
   using Ahead = std::pair<float, int>;
   std::priority_queue<Ahead, std::vector<Ahead>, std::greater<Ahead>> front;
   std::vector<char> seen(points.size(), 0);
-  const auto see = [&](int i) {
-    seen[i] = 1;
-    front.emplace(points[i].damage, i);
-  };
+  const int second_grain = static_cast<int>(points.size());
+  // A point beside the first grain may be reached over its links or, at less damage, over its neighbours.
   for (int i : near.order())
-    if (!points[i].failed && points[i].attached[0]) see(i);
+    if (!points[i].failed && points[i].attached[0]) front.emplace(damage_at_grain(points[i], 0), i);
   float most = 0.0f;
   while (!front.empty()) {
     const int i = front.top().second;
     most = std::max(most, front.top().first);
     front.pop();
-    if (points[i].attached[1]) return most;
+    if (i == second_grain) return most;
+    seen[i] = 1;
+    if (points[i].attached[1]) front.emplace(damage_at_grain(points[i], 1), second_grain);
     for (int f = 0; f < 6; ++f) {
       const int j = near.of(i)[f];
-      if (j >= 0 && !seen[j] && points[j].part == points[i].part && near.bridged(i, f)) see(j);
+      if (j < 0 || seen[j] || points[j].part != points[i].part || !near.bridged(i, f)) continue;
+      seen[j] = 1;
+      front.emplace(points[j].damage, j);
     }
   }
   return std::nullopt;
 }
 
-// Shortest way from the first grain to the second over intact points of a part with at most this damage.
+// Shortest way from the first grain to the second over links and intact points of a part with at most this damage.
 std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>& points, float damage) {
   const auto passable = [&](int i) { return !points[i].failed && points[i].damage <= damage; };
+  const auto reaches = [&](int i, int g) { return points[i].attached[g] && points[i].link_damage[g] <= damage; };
   constexpr int kUnseen = -2, kStart = -1;
   std::vector<int> from(points.size(), kUnseen), queue, path;
   for (int i : near.order())
-    if (passable(i) && points[i].attached[0]) {
+    if (passable(i) && reaches(i, 0)) {
       from[i] = kStart;
       queue.push_back(i);
     }
   for (std::size_t k = 0; k < queue.size(); ++k) {
     const int i = queue[k];
-    if (points[i].attached[1]) {
+    if (reaches(i, 1)) {
       for (int j = i; j != kStart; j = from[j]) {
         path.push_back(points[j].tag);
         for (int f = 0; f < 6 && from[j] != kStart; ++f)

@@ -15,7 +15,8 @@
 //   line of centres.
 // Which of the grains is the first does not matter but for what is told of either.
 // While a path of intact points leads from grain to grain the bond holds. The one that is named is one whose most
-// damaged point is the least damaged, since it is expected to hold longest: so there is seldom reason to look again.
+// damaged point or link is the least damaged, since it is expected to hold longest: so there is seldom reason to look
+// again.
 // Serial, on all points of one body; the result does not depend on their order.
 #ifndef MPDEM_SEPARATION_H
 #define MPDEM_SEPARATION_H
