@@ -69,18 +69,17 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   // the product does not wait for the division
   const Mat3<vd> c = cofactor(mid);
   const vd inverse = 1.0 / (mid.a[0][0] * c.a[0][0] + mid.a[0][1] * c.a[0][1] + mid.a[0][2] * c.a[0][2]);
-  Mat3<vd> G = product(dF, transpose(c));
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) G.a[i][j] *= inverse;
-  const Sym3<vd> de{G.a[0][0],
-                    G.a[1][1],
-                    G.a[2][2],
-                    0.5 * (G.a[1][2] + G.a[2][1]),
-                    0.5 * (G.a[0][2] + G.a[2][0]),
-                    0.5 * (G.a[0][1] + G.a[1][0])};
-  const vd wx = 0.5 * (G.a[2][1] - G.a[1][2]);
-  const vd wy = 0.5 * (G.a[0][2] - G.a[2][0]);
-  const vd wz = 0.5 * (G.a[1][0] - G.a[0][1]);
+  const Mat3<vd> G = product(dF, transpose(c));  // over `inverse`
+  const vd half = 0.5 * inverse;
+  const Sym3<vd> de{inverse * G.a[0][0],
+                    inverse * G.a[1][1],
+                    inverse * G.a[2][2],
+                    half * (G.a[1][2] + G.a[2][1]),
+                    half * (G.a[0][2] + G.a[2][0]),
+                    half * (G.a[0][1] + G.a[1][0])};
+  const vd wx = half * (G.a[2][1] - G.a[1][2]);
+  const vd wy = half * (G.a[0][2] - G.a[2][0]);
+  const vd wz = half * (G.a[1][0] - G.a[0][1]);
   // (1, w/4) q, the frame half-way, is the mean of q and p = (1, w/2) q. The length of q is 1, and p - q is perpendicular to q.
   const Frame p = turned(q, wx, wy, wz), twice_half{q.w + p.w, q.x + p.x, q.y + p.y, q.z + p.z};
   const vd square = 0.25 * (3.0 + square_of(p));

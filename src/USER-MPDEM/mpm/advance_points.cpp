@@ -49,7 +49,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
   const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
-    with_weights<Type>(p, m, inverse_h,
+    with_gradient_weights<Type>(p, m, inverse_h,
                        [&](const auto& s) { scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume)); });
   };
   const int blocks = static_cast<int>(points.blocks.size());
@@ -59,7 +59,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     if (skips(b)) continue;
     const BlockMeta& m = points.meta[b];
     clock.start();
-    with_weights<Type>(points.blocks[b], m, inverse_h,
+    with_gradient_weights<Type>(points.blocks[b], m, inverse_h,
                        [&](const auto& s) { advance_block(points, b, s, velocity, force, dt, stress_at_end, clock); });
     if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
   }
@@ -74,7 +74,7 @@ void add_force(const PointStore& points, Grid& grid, const L& law) {
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied) continue;
     const PointBlock& p = points.blocks[b];
-    with_weights<Type>(p, m, inverse_h, [&](const auto& s) {
+    with_gradient_weights<Type>(p, m, inverse_h, [&](const auto& s) {
       scatter_gradient(grid.force.data(), m.column, s, weighted_piola(p.F, p.q, stress_of(points, b, law), p.volume));
     });
   }

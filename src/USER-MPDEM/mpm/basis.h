@@ -84,6 +84,10 @@ inline bool may_join_cells(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kMayJoinCells; });
 }
 
+// The node of a column that needs no products where the others have them: weights sum to one, and gradients, or the first moments in their place, to
+// zero.
+constexpr int kLeftOut = 1;
+
 // 1-D factors of weights and gradients for the eight points of a block.
 template <class Type, int Joined = kOneCell>
 struct Weights {

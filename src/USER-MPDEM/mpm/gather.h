@@ -12,10 +12,6 @@
 
 namespace mpdem {
 
-// The node of a column that needs no products where the others have them: weights sum to one, and gradients, or the first moments in their place, to
-// zero.
-constexpr int kLeftOut = 1;
-
 // G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
 template <class Type, int Joined>
 inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s) {

@@ -114,6 +114,7 @@ void PointStore::fill_lanes(int b, const Family& family, const PointStore& from,
     new_slot[kLanes * family.from[l] + l] = kLanes * b + l;
   }
   find_damaged(b);
+  find_lattice(b);
 }
 
 void PointStore::find_damaged(int b) {

@@ -28,6 +28,7 @@
 #include "../material/law.h"
 #include "../numerics/tensor3.h"
 #include "basis.h"
+#include "columns.h"
 #include "point_record.h"
 
 namespace mpdem {
@@ -57,6 +58,7 @@ struct BlockMeta {
   std::uint8_t holds[2] = {0, 0};  // to which grains, when the bond was last looked at since it came apart, see fracture/separation.h; both before
   std::uint8_t linked = 0;  // had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // is in that cell of the row
+  Lattice lattice = Lattice::none;  // what its points, and empty lanes with them, are in
   bool damaged = false;     // some lane has a state of the law that is not 0
 };
 
@@ -100,6 +102,16 @@ decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inve
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
+// The same for gather_gradient and scatter_gradient alone, of which points of a lattice need less.
+template <class Type, class F>
+decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
+  if constexpr (Type::kSupport == 3) {
+    if (m.lattice == Lattice::box) return f(ColumnWeights<Type, Lattice::box>(p.X, m.base, inverse_h));
+    if (m.lattice == Lattice::columns) return f(ColumnWeights<Type, Lattice::columns>(p.X, m.base, inverse_h));
+  }
+  return with_weights<Type>(p, m, inverse_h, std::forward<F>(f));
+}
+
 // Those of a slot, of links or places that ascend in slot.
 template <class List>
 auto of_slot(List& list, int slot) {
@@ -127,8 +139,8 @@ class PointStore {
   // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
   // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
   // new_part: of the points of these slots, ascending, that go to another part.
-  // stay: points do not change cells. What is left of two or three cells in a row, and fits in a block, shares one then. Such a block
-  // has a third or two thirds more nodes, but it is one for two or three. And the parts change neither blocks nor lanes: a block whose points are of several
+  // stay: points do not change cells. Those of one cell that are in columns of a lattice take the lanes of columns.h.
+  // What is left of two or three cells in a row, and fits in a block, shares one then. Such a block has a third or two thirds more nodes, but it is one for two or three. And the parts change neither blocks nor lanes: a block whose points are of several
   // parts is a family. Its home has the points of the first part. Each other part has a copy, with each point in the lane that is its
   // own at home. Blocks of a family have only the cells in which their points are. Copies stand behind all homes, in the order home, part.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool stay = false);
@@ -251,6 +263,8 @@ class PointStore {
   void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot, double cell,
                   Basis basis);
   void find_damaged(int b);
+  // BlockMeta::lattice, and places of empty lanes that fit.
+  void find_lattice(int b);
   void reserve_like(const PointStore& other, std::size_t blocks);
   void add_record(int slot, const PointRecord& r, int tag);
   void set(int slot, const PointRecord& r, int tag);

@@ -17,13 +17,13 @@ namespace mpdem {
 
 // tau F^-T scaled by -V, for the Kirchhoff stress s in the material frame q.
 inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>& s, vd volume) {
-  const Sym3<vd> g = rotate(rotation_matrix(q), s);
+  const Sym3<vd> t = rotate(rotation_matrix(q), s);
   const Mat3<vd> cof = cofactor(F);
   const vd J = F.a[0][0] * cof.a[0][0] + F.a[0][1] * cof.a[0][1] + F.a[0][2] * cof.a[0][2];
-  const vd scale = -volume / J;
+  const Sym3<vd> g = (-volume / J) * t;
   Mat3<vd> T;
   for (int j = 0; j < 3; ++j) {
-    const vd a = scale * cof.a[0][j], b = scale * cof.a[1][j], c = scale * cof.a[2][j];
+    const vd a = cof.a[0][j], b = cof.a[1][j], c = cof.a[2][j];
     T.a[0][j] = g.xx * a + g.xy * b + g.xz * c;
     T.a[1][j] = g.xy * a + g.yy * b + g.yz * c;
     T.a[2][j] = g.xz * a + g.yz * b + g.zz * c;

@@ -27,7 +27,7 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, cons
     const BlockMeta& m = points.meta[b];
     if (m.failed == m.occupied && !which.failed_hold) continue;
     const PointBlock& p = points.blocks[b];
-    with_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
+    with_gradient_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
       const Sym3<vd> strain = small_strain(p, m, s, x);
       Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
       if (which.failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
@@ -82,7 +82,7 @@ std::vector<Sym3<vd>> strain_by(const PointStore& points, const Grid& grid, cons
   std::vector<Sym3<vd>> strain(points.blocks.size());
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < strain.size(); ++b)
-      with_weights<decltype(type)>(points.blocks[b], points.meta[b], 1.0 / grid.h,
+      with_gradient_weights<decltype(type)>(points.blocks[b], points.meta[b], 1.0 / grid.h,
                                    [&](const auto& s) { strain[b] = small_strain(points.blocks[b], points.meta[b], s, x); });
   });
   return strain;

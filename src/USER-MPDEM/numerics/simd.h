@@ -56,7 +56,7 @@ inline double sum_lanes(vd a) {
 }
 
 // Lane l of the result is the sum of the lanes of a[l]: three stages of pairwise adds.
-inline vd sum_lanes_of_8(const vd* a) {
+__attribute__((always_inline)) inline vd sum_lanes_of_8(const vd* a) {
   vd s[4];
   for (int p = 0; p < 4; ++p)
     s[p] = __builtin_shufflevector(a[2 * p], a[2 * p + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
