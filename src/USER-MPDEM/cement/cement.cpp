@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "../mpm/point_state.h"
+#include "../numerics/flush_denormals.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
 #include "pattern_layouts.h"
@@ -175,6 +176,7 @@ void Cement::take_substeps() {
 }
 
 void Cement::advance() {
+  const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
   // grains: how they came here
   grains.find_rates(scene_.now.dt, scene_.dt_last, scene_.books);

@@ -13,6 +13,7 @@
 //   State                 these numbers for eight points: kFields times a vd
 //   words()               the words after its name, see LawWord; the constructor takes their values
 //   square_bound(stress, strain)       upper bound of Yeq^2 of undamaged points, without eigenvalues
+//   rough_bound(stress, strain)        upper bound of that, in few operations: most points go no further
 //   threshold()           B of undamaged points that touch no grain
 //   interface()           factor on B of points that touch a grain
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity

@@ -96,6 +96,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   }
 
   static vd square_bound(const Sym3<vd>&, const Sym3<vd>& strain) { return contract(strain, strain); }
+  static vd rough_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) { return square_bound(stress, strain); }
 
   static vd undamaged_drive(const Sym3<vd>& strain) { return equivalent(strain); }
   LawDrive drive(const Sym3<vd>& strain, State s) const { return {equivalent(strain), max(s.kappa, splat(kappa0_))}; }

@@ -60,6 +60,9 @@ struct TensorDamage::Place {
   Evaluation state;
   Sym3<vd> D, drive;
   vd Yeq, excess;  // excess: Yeq - B
+
+  Place(const TensorDamage& law, const Sym3<vd>& strain, const Sym3<vd>& damage)
+      : state(law.evaluate(strain, damage)), D(damage), drive(state.Y), Yeq(law.drive_by(drive)) {}
 };
 
 // Where the search ended.
@@ -74,9 +77,7 @@ struct TensorDamage::Found {
 
 TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
   ++s.evaluations;
-  Place x{evaluate(s.strain, D), D, {}, {}, {}};
-  x.drive = x.state.Y;
-  x.Yeq = drive_by(x.drive);
+  Place x(*this, s.strain, D);
   x.excess = x.Yeq - s.B_scale * threshold(D);
   return x;
 }
@@ -217,11 +218,9 @@ vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
 TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
                                           Sym3<vd>& damage, vmask active, vd strength,
                                           double growth) const {
-  Place x{evaluate(strain, damage), damage, {}, {}, {}};
+  Place x(*this, strain, damage);
   Search s{strain, damage, strength / max(tension_weight(x.state.stress_e), splat(1e-300)), 1};
   const vd B = s.B_scale * threshold(damage);
-  x.drive = x.state.Y;
-  x.Yeq = drive_by(x.drive);
   x.excess = x.Yeq - B;
 
   Update u;

@@ -174,13 +174,11 @@ void TensorDamage::state_from_tensor(const double* D, double* state) const {
 }
 
 TensorDamage::Evaluation TensorDamage::evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  Evaluation s{EffectiveStrain<vd>(damage), {}, {}, {}, {}, {}};
-  s.strain_A = s.effective.amplified(strain);
-  s.stress_e = elasticity().stress(s.effective.reduced(s.strain_A));
-  s.stress_A = s.effective.amplified(s.stress_e);
-  s.stress = s.effective.reduced(s.stress_A);
-  s.Y = sym_product_transposed(s.stress_A, s.strain_A);
-  return s;
+  const EffectiveStrain<vd> effective(damage);
+  const Mat3<vd> strain_A = effective.amplified(strain);
+  const Sym3<vd> stress_e = elasticity().stress(effective.reduced(strain_A));
+  const Mat3<vd> stress_A = effective.amplified(stress_e);
+  return {effective, strain_A, stress_A, stress_e, effective.reduced(stress_A), sym_product_transposed(stress_A, strain_A)};
 }
 
 Sym3<vd> TensorDamage::slope(const Evaluation& s, const Sym3<vd>& N) const {

@@ -102,6 +102,11 @@ class TensorDamage final : public LawOf<TensorDamage> {
     const Sym3<vd> Y = sym_product(stress, strain);
     return 0.5 * contract(Y, Y);
   }
+  // |sym(a b)| <= |a| |b|, and rounding.
+  static vd rough_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) {
+    constexpr double kHalf = 0.5 * (1.0 + 1e-12);
+    return kHalf * contract(stress, stress) * contract(strain, strain);
+  }
 
   vd undamaged_drive(const Sym3<vd>& strain) const;
 

@@ -74,11 +74,6 @@ inline vmask lanes(std::uint8_t bits) {
   const vmask bit{1, 2, 4, 8, 16, 32, 64, 128};
   return (bit & static_cast<std::int64_t>(bits)) != 0;
 }
-inline std::uint8_t bits(vmask m) {
-  unsigned r = 0;
-  for (int l = 0; l < kLanes; ++l) r |= (m[l] ? 1u : 0u) << l;
-  return static_cast<std::uint8_t>(r);
-}
 
 // Nodes of a block along d, whose basis has so many in one cell.
 inline int nodes_along(const BlockMeta& m, int d, int support) { return support + reach_along(m.joined, d); }

@@ -75,9 +75,9 @@ class PointStress {
       if (m.damaged || always_) return damaged(b, strain_start, stress);
       stress = law_.elasticity().stress(p.strain);
       const double B = m.linked ? weakest_ : B_;
-      const vd square = L::square_bound(stress, p.strain);
-      if (!nonlocal_) return !any(square > B * B) || damaged(b, strain_start, stress);
-      look_how_near(square, lanes(m.occupied));
+      const vd rough = L::rough_bound(stress, p.strain);
+      if (!nonlocal_) return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, stress);
+      if (!result_.near_threshold && any(rough > square_near_)) look_how_near(L::square_bound(stress, p.strain), lanes(m.occupied));
       if (any(average(b) > (m.linked ? root_weakest_ : root_B_))) return damaged(b, strain_start, stress);
     }
     return true;

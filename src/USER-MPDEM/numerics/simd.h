@@ -4,12 +4,16 @@
 // Eight doubles as one value. A block of material points is eight points of one
 // cell, one point a lane, so every kernel below is written once, on `vd`, and the
 // compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
-// four SSE2 operations). GCC and Clang vector extensions: no intrinsics.
+// four SSE2 operations). GCC and Clang vector extensions, and no intrinsics but for bits(), which compilers do not find by themselves.
 #ifndef MPDEM_SIMD_H
 #define MPDEM_SIMD_H
 
 #include <cmath>
 #include <cstdint>
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
 
 namespace mpdem {
 
@@ -24,11 +28,21 @@ inline vmask splat_mask(bool a) { return vmask{} - static_cast<std::int64_t>(a);
 
 inline vd select(vmask m, vd a, vd b) { return m ? a : b; }
 
-inline bool any(vmask m) {
-  std::int64_t r = 0;
-  for (int l = 0; l < kLanes; ++l) r |= m[l];
-  return r != 0;
+// A bit for each lane, the first in the lowest.
+inline std::uint8_t bits(vmask m) {
+#if defined(__AVX512DQ__)
+  return _mm512_movepi64_mask(reinterpret_cast<__m512i>(m));
+#elif defined(__AVX__)
+  const __m256d low = reinterpret_cast<__m256d>(__builtin_shufflevector(m, m, 0, 1, 2, 3));
+  const __m256d high = reinterpret_cast<__m256d>(__builtin_shufflevector(m, m, 4, 5, 6, 7));
+  return static_cast<std::uint8_t>(_mm256_movemask_pd(low) | _mm256_movemask_pd(high) << 4);
+#else
+  unsigned r = 0;
+  for (int l = 0; l < kLanes; ++l) r |= (m[l] ? 1u : 0u) << l;
+  return static_cast<std::uint8_t>(r);
+#endif
 }
+inline bool any(vmask m) { return bits(m) != 0; }
 
 inline vd sqrt(vd a) {
   vd r;
