@@ -2,7 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Rates on one core, see doc/performance.md:
-//   step/<kinematics>/<basis>/<transfer>/<elastic|damaging>   the full step of a cube of 110 592
+//   step/<kinematics>/<basis>/<transfer>/<elastic|damaging>   the full step of a cube of 110 592, points anywhere in their cells
+//   lattice/<elastic|damaging>                                the default step of that cube with its points in a lattice
 //   size/<points>                                             the default step by number of points
 //   scalar/total/quadratic/none/elastic                       the yardstick of scalar_step.h
 //   machine/triad, machine/multiply_add                       what the core can do
@@ -37,16 +38,20 @@ TensorDamage cement() {
   return TensorDamage(VtiElasticity(VtiConstants{50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}), p);
 }
 
-// One point anywhere in each eighth of a cell.
-std::vector<Point> stratified_cube(int cells) {
+// One point in each eighth of a cell, anywhere or in its middle.
+enum class Places { anywhere, lattice };
+std::vector<Point> cube_of_points(int cells, Places places) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const auto within = [&] { return places == Places::lattice ? 0.5 : uniform(random); };
   std::vector<Point> X;
   const int n = 2 * cells;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
-      for (int k = 0; k < n; ++k)
-        X.push_back({0.5 * kCell * (i + uniform(random)), 0.5 * kCell * (j + uniform(random)), 0.5 * kCell * (k + uniform(random))});
+      for (int k = 0; k < n; ++k) {
+        const double x = i + within(), y = j + within(), z = k + within();
+        X.push_back({0.5 * kCell * x, 0.5 * kCell * y, 0.5 * kCell * z});
+      }
   return X;
 }
 
@@ -55,8 +60,8 @@ struct Cube {
   int points;
   bool damaging;
 
-  Cube(const Method& m, int cells, bool damaging)
-      : s(m, kCell, stratified_cube(cells), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity), points(8 * cells * cells * cells),
+  Cube(const Method& m, int cells, bool damaging, Places places = Places::anywhere)
+      : s(m, kCell, cube_of_points(cells, places), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity), points(8 * cells * cells * cells),
         damaging(damaging) {
     s.start(kStep, [&](const Point&) { return kVelocity; });
     if (damaging) strain_tenth(0.1 * cells * kCell);
@@ -102,13 +107,13 @@ struct Cube {
 };
 
 // The last cube is kept: Google Benchmark calls several times to find out how long to run.
-Cube& cube(const Method& m, int cells, bool damaging) {
+Cube& cube(const Method& m, int cells, bool damaging, Places places) {
   static std::unique_ptr<Cube> last;
   static std::string what;
-  const std::string wanted = m.name() + (damaging ? "d" : "e") + std::to_string(cells);
+  const std::string wanted = m.name() + (damaging ? "d" : "e") + (places == Places::lattice ? "l" : "a") + std::to_string(cells);
   if (what != wanted) {
     last.reset();
-    last = std::make_unique<Cube>(m, cells, damaging);
+    last = std::make_unique<Cube>(m, cells, damaging, places);
     what = wanted;
   }
   return *last;
@@ -118,10 +123,12 @@ benchmark::Counter rate(double each, const benchmark::State& state) {
   return benchmark::Counter(each * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
-// Flops of a point of the default step in a lattice, a multiply-add counting two, read off the kernels of columns.h and the rest:
-// weights 36, gather 9 * 9 + 3 * 26 + 2 * 6 + 20 + 24 and 9 for the step, strain and frame 319 + 9, stress and bound of damage 66,
-// Piola stress 193, scatter 4 + 2 * 2 * 12 + 3 * 2 + 6 * 12 + 9 * 10, nodes 2. Lanes that are not used count as well.
-constexpr double kFlops = 36 + 215 + 9 + 328 + 66 + 193 + 220 + 2;
+// Flops of a point of the default step, a multiply-add counting two, read off the kernels. Everywhere: 9 for the step of the gradient, strain and
+// frame 319 + 9, stress 17, its rough bound 26, Piola stress 193, nodes 2. Anywhere in a cell: weights 54, gather 459, scatter 351 + 71 for the sums
+// over lanes. In a lattice (columns.h): weights 36, gather 9 * 9 + 3 * 26 + 2 * 6 + 20 + 24, scatter 4 + 2 * 2 * 12 + 3 * 2 + 6 * 12 + 9 * 10; lanes that
+// are not used count as well.
+constexpr double kFlopsEverywhere = 9 + 328 + 17 + 26 + 193 + 2;
+constexpr double flops(Places places) { return kFlopsEverywhere + (places == Places::lattice ? 36 + 215 + 220 : 54 + 459 + 422); }
 
 // Bytes between memory and core: all of the block read, F, frame and strain written, the
 // block's meta data, and 280 bytes a node in the drift, the pass and the acceleration.
@@ -129,8 +136,8 @@ double bytes_moved(const Cube& c) {
   return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid().size() / c.points;
 }
 
-void full_step(benchmark::State& state, const Method& m, int cells, bool damaging) {
-  Cube& c = cube(m, cells, damaging);
+void full_step(benchmark::State& state, const Method& m, int cells, bool damaging, Places places = Places::anywhere) {
+  Cube& c = cube(m, cells, damaging, places);
   long crossings = 0;
   for (auto _ : state) {
     c.step();
@@ -146,7 +153,7 @@ void full_step(benchmark::State& state, const Method& m, int cells, bool damagin
   state.counters["crossing"] = static_cast<double>(crossings) / steps / c.points;
   if (damaging) state.counters["growing"] = c.growing();
   if (!damaging && m.name() == "total/quadratic/none") {
-    state.counters["flop/s"] = rate(kFlops * c.points, state);
+    state.counters["flop/s"] = rate(flops(places) * c.points, state);
     state.counters["bytes/s"] = rate(bytes_moved(c) * c.points, state);
   }
 }
@@ -211,6 +218,8 @@ std::vector<std::string> register_all() {
     for (bool damaging : {false, true})
       add("step/" + m.name() + (damaging ? "/damaging" : "/elastic"),
           [=](benchmark::State& s) { full_step(s, m, 24, damaging); });
+  for (bool damaging : {false, true})
+    add(damaging ? "lattice/damaging" : "lattice/elastic", [=](benchmark::State& s) { full_step(s, Method(), 24, damaging, Places::lattice); });
   for (int cells : {11, 23, 50, 79})
     add("size/" + std::to_string(8 * cells * cells * cells), [=](benchmark::State& s) { full_step(s, Method(), cells, false); });
   return names;
