@@ -20,7 +20,7 @@ namespace mpdem {
 namespace {
 
 // The root is found when the next change of D would be smaller than this.
-constexpr double kTolerance = 1e-11;
+constexpr double kTolerance = 2e-11;
 constexpr int kMostSteps = 8;
 // Two values nearer than this give no slope.
 constexpr double kLeastSecant = 1e-10;
@@ -158,12 +158,11 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
   return lanes & ~done;
 }
 
-// First Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached: in constant factors
+// First Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached at `limit`: in constant factors
 // from a millionth of the range, in small ones from `start` where that is given; then Newton's method within
 // the bracket, with bisection where it leaves that. Returns the lanes that stay above the
 // surface: they get the end of the range.
-vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const {
-  const vd limit = largest_growth(s.damage, N);
+vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const {
   const vd factor = select(start > 0.0, splat(kNearMarch), splat(std::pow(10.0, 6.0 / kMarchSteps)));
   vd low{}, high = limit, delta = limit;
   vmask open = lanes, missing = splat_mask(false);
@@ -198,16 +197,26 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vmask lan
 vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const {
   const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
   const vd along = contract(G, N);
-  const vmask unsure = near_root(s, x.excess, along, N, lanes, found);
+  vmask unsure = near_root(s, x.excess, along, N, lanes, found);
   if (!any(unsure)) return splat_mask(false);
-  return first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), unsure, found);
+  const vd limit = largest_growth(s.damage, N);
+  vmask failed = splat_mask(false);
+  if (p_.exponent >= 0.0) {
+    // Where there is one root at most, one look at the end of the range tells whether it lies before.
+    const Place end = look_at(s, s.damage + limit * N);
+    failed = unsure & (along < 0.0) & (end.excess > 0.0);
+    found.take(failed, end);
+    unsure &= ~failed;
+  }
+  if (!any(unsure)) return failed;
+  return failed | first_root(s, N, select(along < 0.0, -0.5 * x.excess / along, vd{}), limit, unsure, found);
 }
 
 vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
   vmask failed = splat_mask(false);
   Sym3<vd> N = unit(found.drive);
   for (int k = 0; k < kMostDirections && any(lanes); ++k) {
-    failed |= first_root(s, N, vd{}, lanes, found);
+    failed |= first_root(s, N, vd{}, largest_growth(s.damage, N), lanes, found);
     const Sym3<vd> there = unit(found.drive), change = there - N;
     lanes &= ~failed & (contract(change, change) > kSameDirection * kSameDirection);
     N = there;

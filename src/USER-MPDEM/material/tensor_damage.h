@@ -161,7 +161,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
   vmask small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const;
   vmask jump(Search& s, vmask lanes, Found& found) const;
   vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
-  vmask first_root(Search& s, const Sym3<vd>& N, vd start, vmask lanes, Found& found) const;
+  vmask first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const;
 
   DamageParameters p_;
   bool crack_energy_set_ = false;
