@@ -13,8 +13,8 @@ SEAL = 40
 FIX_HEAD, FIX_BOND, NODE = 38, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
-        "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51}
-BOND_NUMBERS = 52
+        "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51, "home": 52}
+BOND_NUMBERS = 53
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "time": 18, "coupling": 21, "kn": 22, "law": 25, "bonds": 33,
        "nodes": 34, "copies": 37}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
@@ -124,7 +124,7 @@ def test_unchanged(tmp_path, files):
     ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
     ("bond", "first", -7.0, "first grain is -7"), ("bond", "first", 0.5, "first grain is 0.5"), ("bond", "second", 1.0, "from 2"), ("bond", "second", NAN, "second grain"),
     ("bond", "orientation", 7.0, "orientation"), ("bond", "turn", 7.0, "axes"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
-    ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"), ("bond", "pattern", 7.0, "pattern"), ("bond", "pattern", -1.0, "pattern"), ("bond", "wants points", 0.5, "points' is 0.5"),
+    ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"), ("bond", "pattern", 7.0, "pattern"), ("bond", "pattern", -1.0, "pattern"), ("bond", "wants points", 0.5, "points' is 0.5"), ("bond", "home", -1.0, "rank that has its points"), ("bond", "home", 0.5, "rank that has its points"),
     ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
     ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),

@@ -35,6 +35,7 @@ struct CementOptions {
   bool condense = false;                 // bonds whose damage is far from its threshold, see cement/condensed_bonds.h
   double wake = 0.8;                     // share of the threshold that ends that
   int subcycle = 1;                      // sub-steps in a step of the host, 0: as many as the cement needs
+  bool balance = false;                  // bonds go to ranks that have less work, see cement/work_shares.h
   int check_every = 100;                 // steps
   double most_bytes = std::numeric_limits<double>::infinity();  // of the grids of a rank
 

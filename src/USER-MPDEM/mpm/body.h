@@ -44,6 +44,7 @@ struct Body {
   int points = 0;
   int pattern = 0;       // of a bond whose points are not made yet, counted from 1, see point_pattern.h
   bool wants_points = false;  // they are to be made before the next step
+  int home = 0;          // the rank that has its points, counted from 1, 0: that of their places, see cement/work_shares.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -73,6 +74,7 @@ struct Body {
     visit("its number of points", b.points, from(1.0, kLargestInt));
     visit("its pattern", b.pattern, kCount);
     visit("'wants points'", b.wants_points);
+    visit("the rank that has its points", b.home, kCount);
   }
 };
 

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../parallel/all_to_all.h"
 #include "../version.h"
 #include "arguments.h"
 #include "atom.h"
@@ -139,8 +140,41 @@ int AtomVecMpdem::size_of_state(int i) const {
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
+// Between runs LIGGGHTS may have handed all points of a bond to another rank, and the nodes wait for the next layout. Their rows go to one that has points.
+void AtomVecMpdem::send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const {
+  std::vector<int> lost;
+  for (const auto& b : of_bonds) {
+    const mpdem::Bond* here = bonds.find(b.first);
+    const auto has_points = [](const mpdem::BlockMeta& m) { return m.occupied != 0; };
+    if (!b.second.empty() && !(here && std::any_of(here->points.meta.begin(), here->points.meta.end(), has_points))) lost.push_back(b.first);
+  }
+  const std::vector<int> of_all = mpdem::gather_all(world, lost);
+  if (of_all.empty()) return;
+  std::vector<int> to(of_all.size(), comm->nprocs);
+  for (std::size_t n = 0; n < of_all.size(); ++n)
+    for (int i = 0; i < atom->nlocal && to[n] != comm->me; ++i)
+      if (is_point(i) && bond[i] == of_all[n]) to[n] = comm->me;
+  MPI_Allreduce(MPI_IN_PLACE, to.data(), static_cast<int>(to.size()), MPI_INT, MPI_MIN, world);
+  std::vector<std::vector<double>> sent(comm->nprocs);
+  for (std::size_t n = 0; n < of_all.size(); ++n) {
+    if (to[n] == comm->nprocs || !std::binary_search(lost.begin(), lost.end(), of_all[n])) continue;
+    std::vector<double>& rows = of_bonds[of_all[n]];
+    sent[to[n]].insert(sent[to[n]].end(), rows.begin(), rows.end());
+    rows.clear();
+  }
+  const std::vector<double> came = mpdem::all_to_all(world, sent).data;
+  mpdem::RecordReader in(came.data(), came.data() + came.size());
+  for (std::size_t at = 0; at < came.size(); at += kNumbersOfRow) {
+    mpdem::NodeRow row;
+    in.read(row);
+    std::vector<double>& rows = of_bonds[row.body];
+    rows.insert(rows.end(), came.begin() + at, came.begin() + at + kNumbersOfRow);
+  }
+}
+
 void AtomVecMpdem::write_with_points(std::map<int, std::vector<double>> of_bonds) {
   rows_.clear();
+  send_rows_to_points(of_bonds);
   for (auto& b : of_bonds)
     if (!b.second.empty()) rows_[b.first].rows = std::move(b.second);
   for (int i = 0; i < atom->nlocal; ++i) {

@@ -58,7 +58,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // body, how many bodies, how many patterns of points, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   // Bodies follow, the bytes again, the number of numbers of the patterns, these, and the bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 19, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
+  static constexpr int kRestartVersion = 20, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
   static inline bool restart_is_sealed = false;
 
   // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow a row. They are dealt out to the points evenly, so
@@ -91,6 +91,7 @@ class AtomVecMpdem : public AtomVecSphere {
   };
   std::map<int, RowsOfBond> rows_;  // for the next restart file
   int pack_rows(int i, double* buf);
+  void send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const;
   void drop_grains_that_left();
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);

@@ -159,6 +159,33 @@ void check_axis(LAMMPS* lmp, const std::string& who, const std::vector<Body>& ta
   }
 }
 
+std::vector<double> motion_shown(LAMMPS* lmp, const AtomVecMpdem& avec) {
+  const Atom& atom = *lmp->atom;
+  std::vector<double> shown;
+  for (int i = 0; i < atom.nlocal; ++i)
+    if (avec.is_point(i))
+      for (int d = 0; d < 3; ++d) {
+        shown.push_back(atom.x[i][d]);
+        shown.push_back(atom.v[i][d]);
+      }
+  return shown;
+}
+
+void check_points_left_alone(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, const std::vector<double>& shown, double way, double change) {
+  const Atom& atom = *lmp->atom;
+  const std::vector<double> now = motion_shown(lmp, avec);
+  std::string trouble;
+  std::size_t at = 0;
+  for (int i = 0; i < atom.nlocal && trouble.empty(); ++i) {
+    if (!avec.is_point(i)) continue;
+    for (int d = 0; d < 3; ++d, at += 2)
+      if (trouble.empty() && (std::fabs(shown[at] - now[at]) > way || std::fabs(shown[at + 1] - now[at + 1]) > change))
+        trouble = text_of(who, "a command changed position or velocity of material point ", atom.tag[i],
+                          " after the cement was set in motion; do so before the first run");
+  }
+  stop_if_any(lmp, trouble);
+}
+
 // Before their first run points are where create_cement put them, and their grid with them.
 void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, double cell, int started) {
   std::string trouble;

@@ -31,6 +31,12 @@ CementPoints check_scene(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const L
 void check_box(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table);
 void check_cell(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell);
 void check_axis(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o);
+// Positions and velocities of the points, as atoms show them.
+std::vector<double> motion_shown(LAMMPS_NS::LAMMPS* lmp, const LAMMPS_NS::AtomVecMpdem& avec);
+// The state is in the points; atoms only show it, and a command that moved them in between would be without effect. Collective. shown: before the
+// state was shown again; way, change: of place and of velocity that are rounding.
+void check_points_left_alone(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, const std::vector<double>& shown,
+                             double way, double change);
 // started: bodies of the table that moved before.
 void check_created_positions(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, double cell, int started);
 void count_points(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, LAMMPS_NS::bigint expected);

@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "skip", "check", "events"};
+                                            "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "balance", "skip", "check", "events"};
 
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
@@ -249,6 +249,8 @@ CementWords take_cement_words(Arguments& args) {
         o.wake = args.number("condense ... wake");
         if (!(o.wake > 0.0 && o.wake <= 1.0)) args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
       }
+    } else if (key == "balance") {
+      o.balance = args.yes_no(key);
     } else if (key == "check") {
       o.check_every = args.integer(key, 1);
     } else {

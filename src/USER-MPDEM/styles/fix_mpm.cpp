@@ -41,7 +41,7 @@ constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, f
 constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
 }  // namespace
 
-FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp) {
+FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp), ranks_(lmp) {
   time_integrate = 1;
   restart_global = 1;
   force_reneighbor = 1;  // where next_reneighbor says so
@@ -95,6 +95,8 @@ void FixMpm::init() {
   guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
   mpdem::check_cell(lmp, who(), table, o.cell);
   check_host_recipe(lmp, who(), *avec_);
+  const std::string trouble = ranks_.take(o.balance);
+  if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravity_ = mpdem::find_gravity(lmp, this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points and what LIGGGHTS has come on top
@@ -229,30 +231,17 @@ void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::Eigenv
 void FixMpm::setup_pre_exchange() {
   atoms_.check_stayed(*avec_, cell());
   mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
-  if (!cement_->built()) return;
-  // The state is in the points; atoms only show it, and a command that moved them in
-  // between would be without effect.
-  std::vector<double> shown;
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i))
-      for (int d = 0; d < 3; ++d) {
-        shown.push_back(atom->x[i][d]);
-        shown.push_back(atom->v[i][d]);
-      }
-  fill_atoms();
-  std::string trouble;
-  std::size_t at = 0;
-  const double speed = law().elasticity().fastest_wave(cement_->density());
-  for (int i = 0; i < atom->nlocal; ++i)
-    if (avec_->is_point(i))
-      for (int d = 0; d < 3; ++d) {
-        const bool moved = std::fabs(shown[at] - atom->x[i][d]) > 1e-9 * cell() || std::fabs(shown[at + 1] - atom->v[i][d]) > 1e-9 * speed;
-        at += 2;
-        if (moved && trouble.empty())
-          trouble = text_of(who(), "a command changed position or velocity of material point ", atom->tag[i],
-                            " after the cement was set in motion; do so before the first run");
-      }
-  mpdem::stop_if_any(lmp, trouble);
+  if (cement_->built()) {
+    const std::vector<double> shown = mpdem::motion_shown(lmp, *avec_);
+    fill_atoms();
+    mpdem::check_points_left_alone(lmp, who(), *avec_, shown, 1e-9 * cell(), 1e-9 * law().elasticity().fastest_wave(cement_->density()));
+  }
+  show_homes();
+}
+
+// Before LIGGGHTS exchanges atoms, when it has their true places.
+void FixMpm::show_homes() {
+  if (ranks_.show_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
 }
 
 void FixMpm::setup_pre_neighbor() {
@@ -263,6 +252,7 @@ void FixMpm::setup_pre_neighbor() {
 
 void FixMpm::setup(int) {
   hidden_.start(this);
+  ranks_.start_run();
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, points_expected_); });
   write_events();
@@ -316,12 +306,14 @@ void FixMpm::pre_exchange() {
   // they take the places of ghosts; LIGGGHTS calls the fix that keeps the history of contacts by these before all others
   const std::vector<int> rows = cement_->rows_that_want_points();
   if (!rows.empty()) make_points(rows);
+  show_homes();
 }
 
 void FixMpm::pre_neighbor() {
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_exchanged(); });
+  if (ranks_.any_homes(*avec_)) fill_atoms();  // their true places
 }
 
 void FixMpm::post_force(int) {
@@ -347,6 +339,10 @@ void FixMpm::end_of_step() {
   if (check_due) write_events();
   if (check_due || output_due) check_state();
   if (output_due) fill_atoms();
+  if (check_due && ranks_.is_uneven(*avec_)) {
+    if (!output_due) fill_atoms();
+    if (ranks_.find_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
+  }
   if (first) coupling_.remember(cement_->penalty() ? &*cement_->penalty() : nullptr);
   cement_->timer().stop();
 }
@@ -357,6 +353,7 @@ void FixMpm::post_run() {
   write_events();
   report_->modes(*cement_);
   report_->times(*cement_, points_expected_);
+  ranks_.tell(who(), *avec_);
 }
 
 // Velocities lie half an old step behind; the next step takes up the new one.

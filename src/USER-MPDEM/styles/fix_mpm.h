@@ -27,6 +27,7 @@ FixStyle(mpm,FixMpm)
 #include "failure_log.h"
 #include "fix.h"
 #include "hidden_points.h"
+#include "point_ranks.h"
 
 namespace LAMMPS_NS {
 
@@ -104,6 +105,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
   void tell_substeps();
   void fill_atoms();
+  void show_homes();
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
@@ -116,6 +118,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::FailureLog failures_;
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
+  mpdem::PointRanks ranks_;
   class FixGravity* gravity_ = nullptr;  // that acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step

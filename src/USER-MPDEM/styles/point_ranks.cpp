@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "point_ranks.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+
+#include "../numerics/text_of.h"
+#include "../parallel/gather_ranks.h"
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "update.h"
+
+namespace mpdem {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// A condensed bond takes the time of so many points.
+constexpr double kWorkOfCondensed = 4.0;
+
+int step_towards(int from, int to) { return from + std::clamp(to - from, -1, 1); }
+
+}  // namespace
+
+PointRanks::PointRanks(LAMMPS* lmp) : Pointers(lmp) {}
+
+std::string PointRanks::take(bool balance) {
+  balance_ = balance;
+  if (!balance) return "";
+  if (domain->triclinic) return "'balance yes' is for boxes with right angles; use 'balance no'";
+  constexpr int kShrinks = 2;
+  for (int d = 0; d < 3; ++d)
+    if (domain->boundary[d][0] >= kShrinks || domain->boundary[d][1] >= kShrinks)
+      return text_of("'balance yes' is for a box whose sides stay, but that along ", "xyz"[d], " follows the atoms; use 'boundary' with f or p, or 'balance no'");
+  return "";
+}
+
+void PointRanks::find_bricks() {
+  Brick mine;
+  for (int d = 0; d < 3; ++d) {
+    mine.place[d] = comm->myloc[d];
+    mine.low[d] = domain->sublo[d];
+    mine.high[d] = domain->subhi[d];
+    edges_[d].assign(comm->procgrid[d] + 1, 0.0);
+  }
+  bricks_.clear();
+  for (const Brick& b : gather_all(world, std::vector<Brick>{mine})) {
+    bricks_.push_back(b.place);
+    for (int d = 0; d < 3; ++d) {
+      edges_[d][b.place[d]] = b.low[d];
+      edges_[d][b.place[d] + 1] = b.high[d];
+    }
+  }
+}
+
+int PointRanks::brick_along(int d, double x) const {
+  const std::vector<double>& edges = edges_[d];
+  const int at = static_cast<int>(std::upper_bound(edges.begin(), edges.end(), x) - edges.begin()) - 1;
+  return std::clamp(at, 0, static_cast<int>(edges.size()) - 2);
+}
+
+double PointRanks::middle(int d, int brick) const { return 0.5 * (edges_[d][brick] + edges_[d][brick + 1]); }
+
+bool PointRanks::any_homes(const AtomVecMpdem& avec) const {
+  return std::any_of(avec.bonds.table.begin(), avec.bonds.table.end(), [](const Body& b) { return b.home > 0; });
+}
+
+bool PointRanks::show_homes(AtomVecMpdem& avec) {
+  std::vector<Body>& table = avec.bonds.table;
+  if (update->whichflag == 0) return false;  // no run
+  if (!balance_)
+    for (Body& b : table) b.home = 0;
+  if (!any_homes(avec)) return false;
+  find_bricks();
+  const auto place_of = [&](int i) {
+    BrickPlace p;
+    for (int d = 0; d < 3; ++d) p[d] = brick_along(d, atom->x[i][d]);
+    return p;
+  };
+  std::vector<int> strayed;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!avec.is_point(i) || table[avec.bond[i]].home == 0) continue;
+    const int home = table[avec.bond[i]].home - 1;
+    const BrickPlace p = place_of(i);
+    if (home >= comm->nprocs || !is_beside(bricks_[home], p, p)) strayed.push_back(avec.bond[i]);
+  }
+  std::sort(strayed.begin(), strayed.end());
+  strayed.erase(std::unique(strayed.begin(), strayed.end()), strayed.end());
+  for (int row : gather_all(world, strayed)) table[row].home = 0;
+  int mine = 0, any;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!avec.is_point(i)) continue;
+    const int home = table[avec.bond[i]].home;
+    const BrickPlace to = home > 0 ? bricks_[home - 1] : place_of(i);
+    BrickPlace next;
+    for (int d = 0; d < 3; ++d) next[d] = step_towards(comm->myloc[d], to[d]);
+    mine = mine || next != to;
+    if (home == 0 && next == to) continue;  // by its place
+    for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
+  }
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  return any != 0;
+}
+
+// Bonds that are awake and whole on this rank, with the bricks in which they lie.
+std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) const {
+  std::map<int, MovableBond> found;
+  for (const Bond& b : avec.bonds.awake())
+    if (!b.cut_by_ranks()) found[b.body] = {b.body, comm->me, static_cast<double>(avec.bonds.body(b).points), {}, {-1, -1, -1}};
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const auto at = avec.is_point(i) ? found.find(avec.bond[i]) : found.end();
+    if (at == found.end()) continue;
+    MovableBond& b = at->second;
+    const bool first = b.high[0] < 0;
+    for (int d = 0; d < 3; ++d) {
+      const int brick = brick_along(d, atom->x[i][d]);
+      b.low[d] = first ? brick : std::min(b.low[d], brick);
+      b.high[d] = first ? brick : std::max(b.high[d], brick);
+    }
+  }
+  std::vector<MovableBond> bonds;
+  for (const auto& b : found)
+    if (b.second.high[0] >= 0) bonds.push_back(b.second);
+  return bonds;
+}
+
+bool PointRanks::is_uneven(const AtomVecMpdem& avec) {
+  if (!balance_ || comm->nprocs == 1) return false;
+  double mine = 0.0;
+  for (const Bond& b : avec.bonds) {
+    if (!avec.bonds.is_awake(b)) mine += kWorkOfCondensed;
+    else for (const BlockMeta& m : b.points.meta) mine += __builtin_popcount(m.occupied);
+  }
+  work_ = gather_all(world, std::vector<double>{mine});
+  last_ = mpdem::unevenness(work_);
+  worst_ = std::max(worst_, last_);
+  return last_ > kUneven;
+}
+
+bool PointRanks::find_homes(AtomVecMpdem& avec) {
+  find_bricks();
+  const std::vector<BondMove> moves = even_out(bricks_, gather_all(world, movable_bonds(avec)), work_);
+  for (const BondMove& m : moves) avec.bonds.table[m.row].home = m.rank + 1;
+  return !moves.empty();
+}
+
+void PointRanks::tell(const std::string& who, const AtomVecMpdem& avec) const {
+  if (!balance_ || comm->nprocs == 1 || comm->me != 0) return;
+  const std::vector<Body>& table = avec.bonds.table;
+  const auto given = std::count_if(table.begin(), table.end(), [](const Body& b) { return b.home > 0; });
+  for (FILE* f : {screen, logfile})
+    if (f) std::fprintf(f, "%s", text_of(who, "balance: the rank with most work has ", last_, " of the mean, ", worst_, " at most in this run; ranks were given ", given, " bonds\n").c_str());
+}
+
+}  // namespace mpdem
