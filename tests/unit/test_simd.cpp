@@ -4,6 +4,7 @@
 
 #include "lanes.h"
 #include "mpm/point_store.h"
+#include "numerics/flush_denormals.h"
 
 namespace mpdem {
 namespace {
@@ -51,6 +52,18 @@ TEST(Simd, MasksAndBitsAgree) {
   EXPECT_TRUE(any(splat_mask(true)));
   EXPECT_FALSE(any(splat_mask(false)));
 }
+
+#if defined(__SSE2__)
+TEST(Simd, TinyNumbersAreZeroWhileFlushed) {
+  volatile double tiny = 1e-300, factor = 1e-10;
+  {
+    const FlushDenormals flush;
+    EXPECT_EQ(tiny * factor, 0.0);
+    EXPECT_EQ(tiny * 1e-5, 1e-305);
+  }
+  EXPECT_GT(tiny * factor, 0.0);
+}
+#endif
 
 }  // namespace
 }  // namespace mpdem
