@@ -81,16 +81,19 @@ def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
     figures.below(f"{ranks} ranks {processors} {words}: loads up to the first failure, over the largest force", max(of_force, of_moment / RADIUS) / largest, 1e-9)
 
 
-def test_restart(tmp_path):
-    """A run that goes on from a file written between two runs, where LIGGGHTS hands points back to the ranks of their places, is the run itself to the bit; on one rank it has the same events."""
-    run(beads() + cement("balance yes") + "run 200\nwrite_restart half.restart\nrun 200\n", tmp_path, 2)
+@pytest.mark.parametrize("runs", ["run 200\nwrite_restart half.200\nrun 200\n", 'run 400 every 200 "write_restart half.*"\n',
+                                  "run 200\nset group grains density 2500\nwrite_restart half.200\nrun 200\n"])
+def test_restart(runs, tmp_path):
+    """A run that goes on from a file written between two runs, within one, or after a command that hands points back to the ranks of their places, is the
+    run itself to the bit; on one rank it has the same events."""
+    run(beads() + cement("balance yes") + runs, tmp_path, 2)
     head, whole = table(tmp_path)
     _, events = table(tmp_path, "events.csv")
     assert any(int(e[0]) > 200 for e in events)
     for ranks in (2, 1):
         folder = tmp_path / f"on_{ranks}"
         folder.mkdir()
-        out = run(host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.restart\n" + NEIGHBOURS + cement("balance yes") + "run 200\n", folder, ranks).output
+        out = run(host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.200\n" + NEIGHBOURS + cement("balance yes") + "run 200\n", folder, ranks).output
         if ranks == 1:
             assert [(e[0], e[2]) for e in events if int(e[0]) > 200] == [(e[0], e[2]) for e in table(folder, "events.csv")[1] if int(e[0]) > 200]
             continue

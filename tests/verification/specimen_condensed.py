@@ -6,7 +6,8 @@
 
 Runs tools/specimen.py with `condense no`, and compares with it: `condense yes`, other `wake`; and what tells the noise of a brittle specimen: `condense no`
 with half the step, and with a plate that is faster by a millionth and by a thousandth. For each it prints the largest difference of the stress, over the peak, up to
-the first broken bond, the peak and the tenth broken bond, and which of the first ten broken bonds are the same. Goes on where it was stopped.
+the first bond, the peak and the tenth bond, and which of the first ten bonds are the same: of those that gave way, whose load fell below half of the
+largest that they had as points failed; and of those that are separated, to which last bridges of a few points may belong long after. Goes on where it was stopped.
 """
 import argparse
 import os
@@ -35,18 +36,39 @@ RUNS = {
 }
 
 
-def first_broken(bonds, curve):
-    """(time, bond) of the first bonds that are separated in the table, in its order."""
+def time_of(step, curve):
+    return float(np.interp(step, curve.table["step"], curve.table["time"]))
+
+
+def first_bonds(bonds, curve, met):
+    """(time, bond) of the first bonds for which met(row), a flag a bond, is true at a step of the table, in its order."""
     found, seen = [], set()
     for step in sorted(bonds):
         row = bonds[step]
-        for b in row["bond"][row["separated"] > 0]:
+        for b in row["bond"][met(row)]:
             if int(b) not in seen:
                 seen.add(int(b))
-                found.append((float(np.interp(step, curve.table["step"], curve.table["time"])), int(b)))
+                found.append((time_of(step, curve), int(b)))
         if len(found) >= BROKEN:
             break
     return found[:BROKEN]
+
+
+def first_separated(bonds, curve):
+    return first_bonds(bonds, curve, lambda row: row["separated"] > 0)
+
+
+def first_to_give_way(bonds, curve):
+    """The same of bonds whose load, while points have failed, is below half of the largest that they had."""
+    largest = {}
+
+    def gave_way(row):
+        load = np.sqrt(sum(row[f"f{d}1"]**2 for d in "xyz"))
+        for b, f in zip(row["bond"], load):
+            largest[b] = max(largest.get(b, 0.0), f)
+        return (row["failed"] > 0) & (load < 0.5 * np.array([largest[b] for b in row["bond"]]))
+
+    return first_bonds(bonds, curve, gave_way)
 
 
 def swaps(order, reference):
@@ -56,19 +78,19 @@ def swaps(order, reference):
     return max((max(times[:i + 1]) - t for i, t in enumerate(times)), default=0.0)
 
 
-def told(name, run, reference):
+def told(name, what, run, reference):
     (a, mine), (b, theirs) = run, reference
     off = np.abs(np.interp(b.table["time"], a.table["time"], a.stress) - b.stress) / b.stress[b.peak]
     end = min(a.table["time"][-1], b.table["time"][-1])
     if not mine or not theirs:
-        print(f"{name}: no bond is broken; set a larger `beyond`")
+        print(f"{name}: no bond {what}; set a larger `beyond`")
         return
     until = [min(mine[0][0], theirs[0][0]), b.table["time"][b.peak], min(mine[-1][0], theirs[-1][0], end)]
     parts = ", ".join(f"{100 * off[b.table['time'] <= t].max():.2g}" for t in until)
     same = len({n for _, n in mine} & {n for _, n in theirs})
     order = next((i for i, (x, y) in enumerate(zip(mine, theirs)) if x[1] != y[1]), len(theirs))
-    print(f"{name}: peak {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):+.2g} %; stress up to the first broken bond, the peak, the last of the first broken bonds: off by at most "
-          f"{parts} % of the peak; of the first {len(theirs)} broken bonds {same} the same, in the same order the first {order}, "
+    print(f"{name}: peak {100 * (a.stress[a.peak] / b.stress[b.peak] - 1):+.2g} %; stress up to the first bond that {what}, the peak, the last of the first such bonds: off by "
+          f"at most {parts} % of the peak; of the first {len(theirs)} {same} the same, in the same order the first {order}, "
           f"others within {1e6 * swaps(mine, theirs):.2g} us of {1e6 * theirs[-1][0]:.0f}")
 
 
@@ -96,11 +118,13 @@ def main():
                         *WORDS, *(w for k, v in settings.items() for w in ("--set", f"{k}={v}"))], check=True, stdout=subprocess.DEVNULL)
         folder = os.path.join(out, f"compression_{label}")
         curve = specimen.Curve(folder, "compression", 0.0)
-        found[name] = curve, first_broken(specimen.bonds_at(folder), curve)
-        if name != "resolved":
-            told(name, found[name], found["resolved"])
-    for name, (_, order) in found.items():
-        print(f"{name}: (us, bond) {[(round(1e6 * t), b) for t, b in order]}")
+        bonds = specimen.bonds_at(folder)
+        found[name] = {"gave way": (curve, first_to_give_way(bonds, curve)), "is separated": (curve, first_separated(bonds, curve))}
+        for what in found[name] if name != "resolved" else ():
+            told(name, what, found[name][what], found["resolved"][what])
+    for name, lists in found.items():
+        for what, (_, order) in lists.items():
+            print(f"{name}, {what}: (us, bond) {[(round(1e6 * t), b) for t, b in order]}")
 
 
 if __name__ == "__main__":

@@ -202,7 +202,7 @@ vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Pl
   const vd limit = largest_growth(s.damage, N);
   vmask failed = splat_mask(false);
   if (p_.exponent >= 0.0) {
-    // Where there is one root at most, one look at the end of the range tells whether it lies before.
+    // Next to the surface there is one root at most (kNearSurface), so one look at the end of the range tells whether it lies before.
     const Place end = look_at(s, s.damage + limit * N);
     failed = unsure & (along < 0.0) & (end.excess > 0.0);
     found.take(failed, end);

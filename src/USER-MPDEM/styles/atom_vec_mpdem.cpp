@@ -150,10 +150,11 @@ void AtomVecMpdem::send_rows_to_points(std::map<int, std::vector<double>>& of_bo
   }
   const std::vector<int> of_all = mpdem::gather_all(world, lost);
   if (of_all.empty()) return;
-  std::vector<int> to(of_all.size(), comm->nprocs);
-  for (std::size_t n = 0; n < of_all.size(); ++n)
-    for (int i = 0; i < atom->nlocal && to[n] != comm->me; ++i)
-      if (is_point(i) && bond[i] == of_all[n]) to[n] = comm->me;
+  std::vector<char> has(bonds.table.size(), 0);
+  for (int i = 0; i < atom->nlocal; ++i)
+    if (is_point(i)) has[bond[i]] = 1;
+  std::vector<int> to(of_all.size());
+  for (std::size_t n = 0; n < of_all.size(); ++n) to[n] = has[of_all[n]] ? comm->me : comm->nprocs;
   MPI_Allreduce(MPI_IN_PLACE, to.data(), static_cast<int>(to.size()), MPI_INT, MPI_MIN, world);
   std::vector<std::vector<double>> sent(comm->nprocs);
   for (std::size_t n = 0; n < of_all.size(); ++n) {

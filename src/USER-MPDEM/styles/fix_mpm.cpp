@@ -236,12 +236,12 @@ void FixMpm::setup_pre_exchange() {
     fill_atoms();
     mpdem::check_points_left_alone(lmp, who(), *avec_, shown, 1e-9 * cell(), 1e-9 * law().elasticity().fastest_wave(cement_->density()));
   }
-  show_homes();
+  show_homes(update->setupflag != 0);
 }
 
-// Before LIGGGHTS exchanges atoms, when it has their true places.
-void FixMpm::show_homes() {
-  if (ranks_.show_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
+// Before LIGGGHTS exchanges atoms, when it has their true places; for a run, or for write_restart.
+void FixMpm::show_homes(bool for_run) {
+  if (ranks_.show_homes(*avec_, for_run)) next_reneighbor = update->ntimestep + 1;
 }
 
 void FixMpm::setup_pre_neighbor() {
@@ -252,7 +252,7 @@ void FixMpm::setup_pre_neighbor() {
 
 void FixMpm::setup(int) {
   hidden_.start(this);
-  ranks_.start_run();
+  ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, points_expected_); });
   write_events();
@@ -306,14 +306,14 @@ void FixMpm::pre_exchange() {
   // they take the places of ghosts; LIGGGHTS calls the fix that keeps the history of contacts by these before all others
   const std::vector<int> rows = cement_->rows_that_want_points();
   if (!rows.empty()) make_points(rows);
-  show_homes();
+  show_homes(true);
 }
 
 void FixMpm::pre_neighbor() {
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_exchanged(); });
-  if (ranks_.any_homes(*avec_)) fill_atoms();  // their true places
+  if (ranks_.shows_homes()) fill_atoms();
 }
 
 void FixMpm::post_force(int) {
@@ -450,6 +450,7 @@ void FixMpm::fill_atoms() {
                               " = ", x[d], ", box ", domain->boxlo[d], " to ", domain->boxhi[d], "); ", atoms_.flight(i, cell()));
       }
   }
+  ranks_.true_places_shown();
   mpdem::stop_if_any(lmp, trouble);
 }
 

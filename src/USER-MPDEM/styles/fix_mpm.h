@@ -105,7 +105,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
   void tell_substeps();
   void fill_atoms();
-  void show_homes();
+  void show_homes(bool for_run);
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();

@@ -18,6 +18,7 @@ namespace LAMMPS_NS {
 using mpdem::text_of;
 
 void FixMpm::write_restart(FILE* fp) {
+  if (ranks_.shows_homes()) fill_atoms();
   if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
   write_events();                       // a run that goes on from the file does not tell of them again
   mpdem::CementHead head;

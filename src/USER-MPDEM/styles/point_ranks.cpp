@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 
 #include "../numerics/text_of.h"
@@ -13,7 +14,8 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
-#include "update.h"
+#include "modify.h"
+#include "private_access.h"
 
 namespace mpdem {
 
@@ -24,7 +26,12 @@ namespace {
 // A condensed bond takes the time of so many points.
 constexpr double kWorkOfCondensed = 4.0;
 
-int step_towards(int from, int to) { return from + std::clamp(to - from, -1, 1); }
+// The next of n bricks on the shorter way, which may lead across the ends of a periodic box.
+int step_towards(int from, int to, int n, bool periodic) {
+  int way = to - from;
+  if (periodic && 2 * std::abs(way) > n) way = -way;
+  return (from + std::clamp(way, -1, 1) + n) % n;
+}
 
 }  // namespace
 
@@ -71,48 +78,64 @@ bool PointRanks::any_homes(const AtomVecMpdem& avec) const {
   return std::any_of(avec.bonds.table.begin(), avec.bonds.table.end(), [](const Body& b) { return b.home > 0; });
 }
 
-bool PointRanks::show_homes(AtomVecMpdem& avec) {
+void PointRanks::start_run(const Fix* fix) {
+  last_ = worst_ = 1.0;
+  if (balance_) exchange_last(modify, fix);
+}
+
+bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
   std::vector<Body>& table = avec.bonds.table;
-  if (update->whichflag == 0) return false;  // no run
-  if (!balance_)
-    for (Body& b : table) b.home = 0;
-  if (!any_homes(avec)) return false;
+  if (!any_homes(avec) && !on_the_way_) return false;
   find_bricks();
   const auto place_of = [&](int i) {
     BrickPlace p;
     for (int d = 0; d < 3; ++d) p[d] = brick_along(d, atom->x[i][d]);
     return p;
   };
-  std::vector<int> strayed;
-  for (int i = 0; i < atom->nlocal; ++i) {
-    if (!avec.is_point(i) || table[avec.bond[i]].home == 0) continue;
-    const int home = table[avec.bond[i]].home - 1;
-    const BrickPlace p = place_of(i);
-    if (home >= comm->nprocs || !is_beside(bricks_[home], p, p)) strayed.push_back(avec.bond[i]);
+  if (for_run) {
+    std::vector<int> strayed;
+    for (int i = 0; i < atom->nlocal; ++i) {
+      if (!avec.is_point(i) || table[avec.bond[i]].home == 0) continue;
+      const int home = table[avec.bond[i]].home - 1;
+      const BrickPlace p = place_of(i);
+      if (home >= comm->nprocs || !is_beside(bricks_[home], p, p)) strayed.push_back(avec.bond[i]);
+    }
+    std::sort(strayed.begin(), strayed.end());
+    strayed.erase(std::unique(strayed.begin(), strayed.end()), strayed.end());
+    for (int row : gather_all(world, strayed)) table[row].home = 0;
+    if (!balance_)
+      for (Body& b : table) b.home = 0;
   }
-  std::sort(strayed.begin(), strayed.end());
-  strayed.erase(std::unique(strayed.begin(), strayed.end()), strayed.end());
-  for (int row : gather_all(world, strayed)) table[row].home = 0;
-  int mine = 0, any;
+  enum { kShown, kOnTheWay, kFlags };
+  int mine[kFlags] = {}, any[kFlags];
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec.is_point(i)) continue;
-    const int home = table[avec.bond[i]].home;
-    const BrickPlace to = home > 0 ? bricks_[home - 1] : place_of(i);
-    BrickPlace next;
-    for (int d = 0; d < 3; ++d) next[d] = step_towards(comm->myloc[d], to[d]);
-    mine = mine || next != to;
-    if (home == 0 && next == to) continue;  // by its place
+    const Body& body = table[avec.bond[i]];
+    BrickPlace here, next;
+    for (int d = 0; d < 3; ++d) here[d] = next[d] = comm->myloc[d];
+    BrickPlace to = here;
+    if (for_run) {
+      to = body.home > 0 ? bricks_[body.home - 1] : place_of(i);
+      for (int d = 0; d < 3; ++d) next[d] = step_towards(here[d], to[d], comm->procgrid[d], domain->periodicity[d] != 0);
+    } else if (avec.slot[i] >= kLanes * static_cast<int>(avec.bonds.find(avec.bond[i])->laid_out_blocks)) {
+      continue;  // its true place could not be shown again
+    }
+    mine[kOnTheWay] |= next != to;
+    if (body.home == 0 && next == to) continue;  // by its place
+    mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
-  return any != 0;
+  MPI_Allreduce(mine, any, kFlags, MPI_INT, MPI_MAX, world);
+  shows_homes_ = any[kShown] != 0;
+  if (for_run) on_the_way_ = any[kOnTheWay] != 0;
+  return any[kOnTheWay] != 0;
 }
 
 // Bonds that are awake and whole on this rank, with the bricks in which they lie.
 std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) const {
   std::map<int, MovableBond> found;
   for (const Bond& b : avec.bonds.awake())
-    if (!b.cut_by_ranks()) found[b.body] = {b.body, comm->me, static_cast<double>(avec.bonds.body(b).points), {}, {-1, -1, -1}};
+    if (!b.cut_by_ranks() && b.points.size() == avec.bonds.body(b).points) found[b.body] = {b.body, comm->me, static_cast<double>(avec.bonds.body(b).points), {}, {-1, -1, -1}};
   for (int i = 0; i < atom->nlocal; ++i) {
     const auto at = avec.is_point(i) ? found.find(avec.bond[i]) : found.end();
     if (at == found.end()) continue;
@@ -150,12 +173,16 @@ bool PointRanks::find_homes(AtomVecMpdem& avec) {
   return !moves.empty();
 }
 
-void PointRanks::tell(const std::string& who, const AtomVecMpdem& avec) const {
-  if (!balance_ || comm->nprocs == 1 || comm->me != 0) return;
+void PointRanks::tell(const std::string& who, const AtomVecMpdem& avec) {
+  if (!balance_ || comm->nprocs == 1) return;
+  is_uneven(avec);
+  if (comm->me != 0) return;
   const std::vector<Body>& table = avec.bonds.table;
   const auto given = std::count_if(table.begin(), table.end(), [](const Body& b) { return b.home > 0; });
   for (FILE* f : {screen, logfile})
-    if (f) std::fprintf(f, "%s", text_of(who, "balance: the rank with most work has ", last_, " of the mean, ", worst_, " at most in this run; ranks were given ", given, " bonds\n").c_str());
+    if (f)
+      std::fprintf(f, "%s", text_of(who, "balance: the rank with most work has ", last_, " of the mean, ", worst_, " at most in this run; ranks were given ", given,
+                                    " bonds\n").c_str());
 }
 
 }  // namespace mpdem

@@ -2,8 +2,9 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // `balance yes` of fix mpm: bonds on ranks beside that of their place (cement/work_shares.h). LIGGGHTS deals atoms out by their place alone. So while
-// it exchanges atoms, points of a bond that has a home (Body::home) show a place in the brick of that rank. Their true places are
-// shown again before anyone looks. All functions are collective.
+// it exchanges atoms, points of a bond that has a home (Body::home) show a place in the brick of that rank. After the exchange of a step, and
+// before a restart file is written, fix mpm shows their true places again; at the start of a run in its setup(). All functions are collective, but for
+// those of one line.
 #ifndef MPDEM_POINT_RANKS_H
 #define MPDEM_POINT_RANKS_H
 
@@ -12,6 +13,7 @@
 
 #include "../cement/work_shares.h"
 #include "atom_vec_mpdem.h"
+#include "fix.h"
 #include "pointers.h"
 
 namespace mpdem {
@@ -22,25 +24,31 @@ class PointRanks : protected LAMMPS_NS::Pointers {
 
   // Whether it is wanted; answers what speaks against it, empty if nothing does.
   std::string take(bool balance);
-  // Before an exchange, with their true places shown: bonds of which these ranks are not beside their places any more have no home from here on. Then points that are to go to
-  // another rank show a place there, or in a brick on the way: LIGGGHTS hands atoms to neighbours only. Are some not there after this exchange? For a
-  // command between runs, write_restart for one, points go back to the ranks of their places, since nobody would show these again.
-  bool show_homes(LAMMPS_NS::AtomVecMpdem& avec);
-  bool any_homes(const LAMMPS_NS::AtomVecMpdem& avec) const;
+  // Of a run: fix acts after all others before an exchange, so that these see true places.
+  void start_run(const LAMMPS_NS::Fix* fix);
+
+  // Before an exchange, with their true places shown. for_run: the exchange is that of a run, whose layout follows; then bonds of which their
+  // ranks are not beside their places any more have no home from here on, and points that are to go to another rank show a place there, or in a brick on
+  // the way: LIGGGHTS hands atoms to neighbours only. Answers whether some will not be there after this exchange. Other exchanges, that of write_restart
+  // for one, leave points where their nodes are.
+  bool show_homes(LAMMPS_NS::AtomVecMpdem& avec, bool for_run);
+  // Do some points show other places than their true ones? The same on all ranks.
+  bool shows_homes() const { return shows_homes_; }
+  void true_places_shown() { shows_homes_ = false; }
+
   // Is the work of the ranks so uneven that bonds should move?
   bool is_uneven(const LAMMPS_NS::AtomVecMpdem& avec);
   // After that, with their true places shown: gives homes to bonds; true if there are new ones.
   bool find_homes(LAMMPS_NS::AtomVecMpdem& avec);
-
-  void start_run() { last_ = worst_ = 1.0; }
-  // At the end of a run: the largest work of a rank over the mean when it was last looked at, and the most in this run.
-  void tell(const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec) const;
+  // At the end of a run: the largest work of a rank over the mean, now and at most in this run.
+  void tell(const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec);
 
  private:
   struct Brick {
     BrickPlace place;
     double low[3], high[3];
   };
+  bool any_homes(const LAMMPS_NS::AtomVecMpdem& avec) const;
   void find_bricks();
   int brick_along(int d, double x) const;  // that has this coordinate
   double middle(int d, int brick) const;
@@ -50,6 +58,7 @@ class PointRanks : protected LAMMPS_NS::Pointers {
   std::vector<double> edges_[3];    // of bricks along each direction, ascending
   std::vector<double> work_;        // of each rank, in points that are awake
   bool balance_ = false;
+  bool shows_homes_ = false, on_the_way_ = false;  // the latter: points that an exchange did not bring where they belong
   double last_ = 1.0, worst_ = 1.0;  // largest work over the mean
 };
 

@@ -34,6 +34,7 @@ struct Expose {
 
 MPDEM_EXPOSE(Modify, FixStyles*, fix_map)
 MPDEM_EXPOSE(Modify, ComputeStyles*, compute_map)
+MPDEM_EXPOSE(Modify, int*, list_pre_exchange)
 MPDEM_EXPOSE(Modify, int*, list_initial_integrate)
 MPDEM_EXPOSE(Modify, int*, list_pre_final_integrate)
 MPDEM_EXPOSE(Modify, int*, list_final_integrate)
@@ -92,14 +93,19 @@ SetForceMembers members_of(const FixSetForce* f) {
 
 const char* formula_of(Variable* variables, int place) { return (variables->*pointer(Variable_data()))[place][0]; }
 
-void act_last(Modify* modify, const Fix* fix) {
-  const auto move = [&](int* list, int count) {
-    const auto at = std::find_if(list, list + count, [&](int i) { return modify->fix[i] == fix; });
-    if (at != list + count) std::rotate(at, at + 1, list + count);
-  };
-  move(modify->*pointer(Modify_list_initial_integrate()), modify->n_initial_integrate);
-  move(modify->*pointer(Modify_list_pre_final_integrate()), modify->n_pre_final_integrate);
-  move(modify->*pointer(Modify_list_final_integrate()), modify->n_final_integrate);
+namespace {
+void move_to_the_end(Modify* modify, const Fix* fix, int* list, int count) {
+  const auto at = std::find_if(list, list + count, [&](int i) { return modify->fix[i] == fix; });
+  if (at != list + count) std::rotate(at, at + 1, list + count);
 }
+}  // namespace
+
+void act_last(Modify* modify, const Fix* fix) {
+  move_to_the_end(modify, fix, modify->*pointer(Modify_list_initial_integrate()), modify->n_initial_integrate);
+  move_to_the_end(modify, fix, modify->*pointer(Modify_list_pre_final_integrate()), modify->n_pre_final_integrate);
+  move_to_the_end(modify, fix, modify->*pointer(Modify_list_final_integrate()), modify->n_final_integrate);
+}
+
+void exchange_last(Modify* modify, const Fix* fix) { move_to_the_end(modify, fix, modify->*pointer(Modify_list_pre_exchange()), modify->n_pre_exchange); }
 
 }  // namespace mpdem

@@ -63,6 +63,8 @@ const char* formula_of(LAMMPS_NS::Variable* variables, int place);
 
 // In the rest of this run the fix is the last to act at the start of a step, before and after velocities are brought to its end.
 void act_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
+// The same of the hook before atoms are exchanged.
+void exchange_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
 
 // Members of fix setforce, by direction.
 struct SetForceMembers {
