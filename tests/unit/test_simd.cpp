@@ -59,7 +59,7 @@ TEST(Simd, TinyNumbersAreZeroWhileFlushed) {
   {
     const FlushDenormals flush;
     EXPECT_EQ(tiny * factor, 0.0);
-    EXPECT_EQ(tiny * 1e-5, 1e-305);
+    EXPECT_GT(tiny * 1e-5, 0.0);
   }
   EXPECT_GT(tiny * factor, 0.0);
 }
