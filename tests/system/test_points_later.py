@@ -41,7 +41,8 @@ def test_through_failure(shape, size, tmp_path, figures):
         size_of = np.abs(now[name]).max()
         before = np.abs(now[name] - later[name])[:wakes[0]].max()
         assert before <= 1e-9 * size_of, (name, before, size_of)
-    figures.below(f"{shape}: force from the waking on, over its peak", np.abs(now["f_bond"] - later["f_bond"]).max() / now["f_bond"].max(), 1e-4)
+    alike = now[AWAKE] == later[AWAKE]  # else the force of the one is that of the static fields yet
+    figures.below(f"{shape}: force from the waking on, over its peak", np.abs(now["f_bond"] - later["f_bond"])[alike].max() / now["f_bond"].max(), 1e-4)
     assert abs(now["f_cem[2]"][-1] - later["f_cem[2]"][-1]) <= 2
 
 

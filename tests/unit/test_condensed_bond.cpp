@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "cement/rigid_pieces.h"
 #include "coupling/condensed_pack.h"
 
 #include "lanes.h"
@@ -152,6 +153,62 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
   const CondensedMotion::Vector12 f = motion.centripetal(rigid, side);
   const Vector3 resultant = f.segment<3>(0) + f.segment<3>(6), expected = w.cross(w.cross(centre));
   EXPECT_LT((resultant - expected).norm(), 1e-12);
+}
+
+// A piece that is rigid with a grain, as a bond between the grain and itself (cement/rigid_pieces.h), after any turn: loads against a sum over its nodes,
+// in the pack and alone.
+TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
+  for (int s = 0; s < 2; ++s) {
+    place(0.9);
+    const Body piece = body_of_piece(body, s);
+    CondensedModel rigid;
+    rigid.middle = model.middle;
+    std::vector<std::pair<double, Vector3>> nodes;
+    for (int n = 0; n < 30; ++n) {
+      nodes.emplace_back(random.uniform(0.5, 1.0), random.vector());
+      rigid.add_node(nodes.back().first, nodes.back().second, Eigen::Matrix<double, 3, 6>::Zero());
+    }
+    EXPECT_EQ(rigid.coupling(), 0.0);
+    GrainState state;
+    std::vector<Grain> grain(1);
+    grain[0].tag = piece.grain[0];
+    grain[0].state = &state;
+    write(state.q, Eigen::Quaterniond(random.frame()));
+    Vector6 rate;
+    for (int d = 0; d < 6; ++d) {
+      state.v[d] = random.uniform(-1, 1);
+      rate[d] = random.uniform(-1, 1);
+      if (d < 3) grain[0].x[d] = random.uniform(-2, 2);
+    }
+    CondensedPack pack;
+    const double bound[6] = {}, gravity[3] = {0.3, -0.2, -9.81};
+    pack.build(MPI_COMM_SELF, {{&rigid, &piece, bound}}, grain);
+    EXPECT_EQ(pack.coupling(), 0.0);
+    pack.distribute(grain);
+    pack.find_loads(gravity);
+    pack.set_accelerations(rate.data());
+    pack.find_inertial_loads();
+
+    const Eigen::Matrix3d turn = Eigen::Quaterniond(state.q[0], state.q[1], state.q[2], state.q[3]).toRotationMatrix() *
+                                 Eigen::Quaterniond(body.orientation[s][0], body.orientation[s][1], body.orientation[s][2], body.orientation[s][3]).conjugate();
+    const Vector3 w = CondensedMotion::vector(state.v + 3);
+    Vector3 force = Vector3::Zero(), moment = force;
+    for (const auto& n : nodes) {
+      const Vector3 r = turn * (n.second - CondensedMotion::vector(body.centre[s]));
+      const Vector3 f = n.first * (Vector3(gravity[0], gravity[1], gravity[2]) - rate.head<3>() - Vector3(rate.tail<3>()).cross(r) - w.cross(w.cross(r)));
+      force += f;
+      moment += r.cross(f);
+    }
+    const auto side = pack.sides(0, piece);
+    const GrainLoads alone = CondensedMotion(rigid, piece, side.data()).all(rigid, side.data(), gravity);
+    double worst = 0.0;
+    for (int d = 0; d < 6; ++d) {
+      const double expected = d < 3 ? force[d] : moment[d - 3];
+      EXPECT_EQ(alone.of[1][d], 0.0);
+      worst = std::max({worst, std::fabs(alone.of[0][d] - expected), std::fabs(pack.load(0, d) + pack.inertial_load(0, d) - expected)});
+    }
+    test::expect_within(worst / force.norm(), 1e-13, "loads of a rigid piece against its nodes");
+  }
 }
 
 // Eleven bonds between five grains, in lanes, against one by one: large and small turns.

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "bonded_grains.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -243,9 +244,51 @@ void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* con
       g.state->load[d] += load;
       of_jumps += of_jump * 0.5 * (g.state->v_before[d] + g.state->v[d]);
     }
-    books.do_work(-dt * of_jumps);
+    if (!taken_back_) books.do_work(-dt * of_jumps);
   }
   react_to_jumps(dt, books);
+}
+
+void BondedGrains::keep_loads() {
+  taken_back_ = false;
+  kept_loads_.resize(grains.size());
+  for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, kept_loads_[n].begin());
+}
+
+void BondedGrains::take_back_loads() {
+  taken_back_ = true;
+  taken_loads_.resize(grains.size());
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    std::copy(kept_loads_[n].begin(), kept_loads_[n].end(), grains[n].force);
+    std::copy(grains[n].state->load, grains[n].state->load + 6, taken_loads_[n].begin());
+  }
+}
+
+void BondedGrains::book_loads_taken_back(double dt_last, EnergyBooks& books) const {
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    const GrainState& g = *grains[n].state;
+    for (int d = 0; d < 6; ++d) books.do_work(-0.5 * dt_last * (taken_loads_[n][d] - g.load[d]) * g.v[d]);
+  }
+}
+
+void BondedGrains::push(const std::vector<Six>& momentum, const CondensedPack& condensed) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    Grain& g = grains[n];
+    Eigen::Matrix<double, 6, 1> of_free;
+    Matrix6 M;
+    for (int i = 0; i < 6; ++i) {
+      of_free[i] = g.free[i] ? momentum[n][i] : 0.0;
+      for (int j = 0; j < 6; ++j) M(i, j) = g.free[i] && g.free[j] ? condensed.mass(static_cast<int>(n))[sym6(i, j)] : 0.0;
+      M(i, i) += i < 3 ? g.mass : g.inertia;
+    }
+    if (of_free.isZero(0.0)) continue;
+    const Eigen::Matrix<double, 6, 1> change = M.ldlt().solve(of_free);
+    for (int d = 0; d < 6; ++d) {
+      g.velocity[d] += change[d];
+      g.state->v[d] += change[d];
+    }
+  }
 }
 
 void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {

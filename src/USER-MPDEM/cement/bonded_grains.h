@@ -95,6 +95,13 @@ class BondedGrains {
   void follow_jumps(Bond& b, double dt, double dt_last);
   // Collective. Forces of the cement on the grains, once those of all bonds are with the sides. condensed: or null.
   void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
+  // Loads without those of the cement, which are to be found anew by another react(). What was booked of the jumps stays. The half step that came
+  // to here had the work of the loads that are taken back, see book_loads_taken_back().
+  void keep_loads();
+  void take_back_loads();
+  void book_loads_taken_back(double dt_last, EnergyBooks& books) const;
+  // Momentum and angular momentum about its centre of each grain, which it and its condensed bonds take up at once, where it is free.
+  void push(const std::vector<Six>& momentum, const CondensedPack& condensed);
   // At the start of a run, and at the end of a step of n sub-steps: what is spread over those of the next one.
   void start_spreading(int n);
   void spread_loads(int n);
@@ -144,6 +151,8 @@ class BondedGrains {
   GrainAccelerations accelerations_, impulses_;
   bool summed_ = false;  // bonds that ranks do not cut
   std::vector<GrainAccelerations::Vector6> load_;
+  std::vector<Six> kept_loads_, taken_loads_;  // of each grain: of the host, of the cement
+  bool taken_back_ = false;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // of velocity
   long step_ = 0;            // steps of this run

@@ -199,12 +199,25 @@ void Cement::advance() {
   kinematics_->account_for_accelerations();
   // loads on the grains
   scene_.timer.start(StepTimer::kCoupling);
+  grains.keep_loads();
   forces_.react();
-  if (scene_.ends_step()) grains.watch_late_loads(false);
   // bonds that wake, and those that are condensed again
-  condensing_.wake();
-  condensing_.condense_again();
+  if (condensing_.change()) find_forces_anew();
+  if (scene_.ends_step()) grains.watch_late_loads(false);
   scene_.timer.stop();
+}
+
+// As at the start of a run.
+void Cement::find_forces_anew() {
+  scene_.grains.take_back_loads();
+  scene_.grains.distribute(scene_.bonds);
+  condensed_.follow(scene_.grains, scene_.weight().data());
+  if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
+  kinematics_->find_internal_force();
+  forces_.find_at_start();
+  forces_.react();
+  scene_.grains.book_loads_taken_back(scene_.dt_last, scene_.books);
+  condensing_.book_changes();
 }
 
 void Cement::end_step() {

@@ -120,6 +120,7 @@ class Cement {
 
  private:
   void advance();
+  void find_forces_anew();
   void start_bodies();
   void restore_bonds(int bodies, RecordReader& in);
 
@@ -133,8 +134,8 @@ class Cement {
   AddedMasses added_{scene_, stable_step_};
   Arrangement arrangement_{scene_, divisions_, restored_nodes_, shared_, added_};
   WorkOfStep work_{scene_, condensed_};
-  Condensing condensing_{scene_, condensed_, divisions_.cracks, arrangement_, shared_, added_, work_};
   Parting parting_{scene_, divisions_, arrangement_, added_};
+  Condensing condensing_{scene_, condensed_, divisions_.cracks, parting_.load_watch(), arrangement_, shared_, added_, work_};
   NodalForces forces_{scene_, shared_, added_, condensed_, divisions_.cracks};
   std::unique_ptr<Kinematics> kinematics_;
   Substeps substeps_{scene_};

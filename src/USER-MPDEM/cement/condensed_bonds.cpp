@@ -13,6 +13,7 @@
 #include "../parallel/ranks.h"
 #include "bond_description.h"
 #include "condensed_fields.h"
+#include "rigid_pieces.h"
 
 namespace mpdem {
 
@@ -33,6 +34,12 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   return hash;
 }
 
+void sum_over_ranks(MPI_Comm comm, CondensedModel& model) {
+  if (comm == MPI_COMM_SELF) return;
+  MPI_Allreduce(MPI_IN_PLACE, model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
+  MPI_Allreduce(MPI_IN_PLACE, model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
+}
+
 }  // namespace
 
 std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most) {
@@ -44,15 +51,13 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   } else {
     s->fields = solve_static(comm, nullptr, most);
   }
-  s->model.K = s->fields.stiffness;
-  s->model.middle = frame_of(body, at.side).middle;
+  CondensedModel& model = s->models.front();
+  model.K = s->fields.stiffness;
+  model.middle = frame_of(body, at.side).middle;
   if (b)
     for (int i = 0; i < b->grid.size(); ++i)
-      if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) s->model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
-  if (comm != MPI_COMM_SELF) {
-    MPI_Allreduce(MPI_IN_PLACE, s->model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
-    MPI_Allreduce(MPI_IN_PLACE, s->model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
-  }
+      if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
+  sum_over_ranks(comm, model);
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
   s->sums.add(b->points, law, false);
@@ -72,7 +77,24 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   return s;
 }
 
-void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia) {
+// Nothing holds them back, and nothing strains them.
+std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split) {
+  auto s = std::make_shared<Solution>();
+  const Eigen::Vector3d middle = frame_of(body, SidesAtCreation(body).side).middle;
+  if (b) {
+    s->grain_of_node = grains_of_nodes(*b, body, split);
+    s->models = models_of_pieces(*b, s->grain_of_node, middle);
+    s->sums.add(b->points, law, false);
+  } else {
+    s->models.assign(2, CondensedModel());
+    for (CondensedModel& m : s->models) m.middle = middle;
+  }
+  for (CondensedModel& m : s->models) sum_over_ranks(comm, m);
+  return s;
+}
+
+void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia,
+                           bool split) {
   struct Known {
     const Bond* bond;
     const Body* body;
@@ -99,6 +121,10 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
     solved_already[n] = before != described_.end() && before->second == hash && solutions_.count(row) > 0;
     described_[row] = hash;
     if (cut[n] || solved_already[n]) continue;
+    if (is_in_pieces(row)) {
+      solutions_[row] = of_pieces(MPI_COMM_SELF, b, bonds.table[row], law, split);
+      continue;
+    }
     const auto range = known.equal_range(hash);
     const auto equal = std::find_if(range.first, range.second, [&](const auto& k) { return described(*k.second.bond, *k.second.body) == mine; });
     if (equal != range.second) {
@@ -120,9 +146,10 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
     if (!cut[n] || solved_already[n]) continue;
-    if (me == 0) ++solved_last_;  // all ranks solve it
+    const Body& body = bonds.table[rows[n]];
+    if (me == 0 && !is_in_pieces(rows[n])) ++solved_last_;  // all ranks solve it
     Bond* b = bonds.find(rows[n]);
-    auto s = solved(comm, b, bonds.table[rows[n]], law);
+    auto s = is_in_pieces(rows[n]) ? of_pieces(comm, b, body, law, split) : solved(comm, b, body, law);
     if (!b) continue;
     solutions_[rows[n]] = std::move(s);
   }
@@ -174,19 +201,23 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
     if (body.pattern > 0 && body.condensed) {
       const bool first = grains.find(body.grain[0]), here = first || grains.find(body.grain[1]);
       const auto p = here ? patterns_.find(body.pattern) : patterns_.end();
-      if (p != patterns_.end()) members_.push_back({row, first, p->second.solution});
+      if (p != patterns_.end()) members_.push_back({row, first, p->second.solution, -1});
       continue;
     }
     if (teller[row] == std::numeric_limits<int>::max()) continue;
     const auto own = solutions_.find(row);
-    if (own != solutions_.end()) {
-      members_.push_back({row, teller[row] == me, own->second});
-      keys.push_back({row, 0, 0, 0});
-      numbers.resize(numbers.size() + CondensedModel::kNumbers);
-      own->second->model.pack(&numbers[numbers.size() - CondensedModel::kNumbers]);
-    } else if (grains.find(body.grain[0]) || grains.find(body.grain[1])) {
-      members_.push_back({row, false, nullptr});
-      wanted.push_back({row, 0, 0, 0});
+    const bool in_pieces = is_in_pieces(row);
+    for (int n = 0; n < (in_pieces ? 2 : 1); ++n) {
+      const int piece = in_pieces ? n : -1;
+      if (own != solutions_.end()) {
+        members_.push_back({row, teller[row] == me, own->second, piece});
+        keys.push_back({row, n, 0, 0});
+        numbers.resize(numbers.size() + CondensedModel::kNumbers);
+        own->second->models[n].pack(&numbers[numbers.size() - CondensedModel::kNumbers]);
+      } else if (grains.find(body.grain[0]) || grains.find(body.grain[1])) {
+        members_.push_back({row, false, nullptr, piece});
+        wanted.push_back({row, n, 0, 0});
+      }
     }
   }
   std::vector<char> found;
@@ -195,7 +226,8 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
   for (Member& m : members_) {
     if (m.solution) continue;
     auto s = std::make_shared<Solution>();
-    s->model.unpack(from);
+    s->models.resize(1 + std::max(m.piece, 0));
+    s->models.back().unpack(from);
     from += CondensedModel::kNumbers;
     m.solution = std::move(s);
   }
@@ -204,7 +236,8 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
 
 void CondensedBonds::pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains) {
   std::vector<CondensedPack::Part> parts;
-  for (const Member& m : members_) parts.push_back({&m.solution->model, &bonds.table[m.body], m.solution->bound});
+  std::vector<Body> pieces(members_.size());
+  for (std::size_t n = 0; n < members_.size(); ++n) parts.push_back({&model_of(n), &body_of(n, bonds, pieces[n]), members_[n].solution->bound});
   pack_.build(comm, parts, grains.grains);
 }
 
@@ -216,6 +249,12 @@ void CondensedBonds::drop(MPI_Comm comm, const std::vector<int>& rows, const Bon
   const auto gone = [&](const Member& m) { return std::binary_search(rows.begin(), rows.end(), m.body); };
   members_.erase(std::remove_if(members_.begin(), members_.end(), gone), members_.end());
   pack_up(comm, bonds, grains);
+}
+
+const Body& CondensedBonds::body_of(std::size_t part, const Bonds& bonds, Body& piece) const {
+  const Member& m = members_[part];
+  if (m.piece < 0) return bonds.table[m.body];
+  return piece = body_of_piece(bonds.table[m.body], m.piece);
 }
 
 const CondensedBonds::Member* CondensedBonds::find(int body) const {
@@ -241,13 +280,23 @@ void CondensedBonds::resume(const BondedGrains& grains, const double* gravity) {
   pack_.find_inertial_loads();
 }
 
-CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bonds, double half) const {
+void CondensedBonds::Energies::add(const Energies& e) {
+  elastic += e.elastic;
+  kinetic += e.kinetic;
+  discrete_kinetic += e.discrete_kinetic;
+  for (int d = 0; d < 3; ++d) {
+    momentum[d] += e.momentum[d];
+    angular_momentum[d] += e.angular_momentum[d];
+  }
+}
+
+CondensedBonds::Energies CondensedBonds::energies_of_part(std::size_t part, const Bonds& bonds, double half) const {
   Energies e;
-  const int part = part_of(body);
-  if (part < 0 || !members_[part].tells) return e;
-  const CondensedModel& model = members_[part].solution->model;
-  const Body& b = bonds.table[body];
-  const auto side = sides_of(part, bonds);
+  if (!members_[part].tells) return e;
+  const CondensedModel& model = model_of(part);
+  Body piece;
+  const Body& b = body_of(part, bonds, piece);
+  const auto side = pack_.sides(static_cast<int>(part), b);
   const CondensedMotion motion(model, b, side.data());
   const CondensedMotion::Vector12 before = motion.velocity(side.data(), 0.0), now = motion.velocity(side.data(), half),
                                   after = motion.velocity(side.data(), 2.0 * half);
@@ -263,18 +312,15 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
   return e;
 }
 
+CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bonds, double half) const {
+  Energies sum;
+  each_part_of(body, [&](std::size_t part) { sum.add(energies_of_part(part, bonds, half)); });
+  return sum;
+}
+
 CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double half) const {
   Energies sum;
-  for (const Member& m : members_) {
-    const Energies e = energies_of(m.body, bonds, half);
-    sum.elastic += e.elastic;
-    sum.kinetic += e.kinetic;
-    sum.discrete_kinetic += e.discrete_kinetic;
-    for (int d = 0; d < 3; ++d) {
-      sum.momentum[d] += e.momentum[d];
-      sum.angular_momentum[d] += e.angular_momentum[d];
-    }
-  }
+  for (std::size_t part = 0; part < members_.size(); ++part) sum.add(energies_of_part(part, bonds, half));
   return sum;
 }
 
@@ -285,13 +331,30 @@ double CondensedBonds::energy_of_points(int body) const {
   return 0.5 * d.dot(members_[part].solution->energy * d);
 }
 
-std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bonds, const double* gravity) const {
-  const int part = part_of(body);
-  auto side = sides_of(part, bonds);
-  const CondensedModel& model = members_[part].solution->model;
-  const GrainLoads loads = CondensedMotion(model, bonds.table[body], side.data()).all(model, side.data(), turned_back(side[0].axes, gravity).data());
-  for (GrainSide& s : side) s.body = body;
+std::array<GrainSide, 2> CondensedBonds::loaded_sides_of_part(std::size_t part, const Bonds& bonds, const double* gravity) const {
+  Body piece;
+  const Body& body = body_of(part, bonds, piece);
+  auto side = pack_.sides(static_cast<int>(part), body);
+  const CondensedModel& model = model_of(part);
+  const GrainLoads loads = CondensedMotion(model, body, side.data()).all(model, side.data(), turned_back(side[0].axes, gravity).data());
+  for (GrainSide& s : side) s.body = members_[part].body;
   loads.add_to(side.data());
+  return side;
+}
+
+// A piece loads the first side of its part.
+std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bonds, const double* gravity) const {
+  std::array<GrainSide, 2> side;
+  each_part_of(body, [&](std::size_t part) {
+    const auto of_part = loaded_sides_of_part(part, bonds, gravity);
+    const int piece = members_[part].piece;
+    if (piece < 0) {
+      side = of_part;
+      return;
+    }
+    side[piece] = of_part[0];
+    side[piece].side = piece;
+  });
   return side;
 }
 
@@ -301,9 +364,10 @@ EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bon
   if (!any()) return {};
   if (first_body == 0) return grains.work_of(pack_, dt_last);
   EnergyBooks::StepWork work;
-  for (const Member& m : members_) {
+  for (std::size_t part = 0; part < members_.size(); ++part) {
+    const Member& m = members_[part];
     if (m.body < first_body) continue;
-    const auto side = loaded_sides(m.body, bonds, gravity);
+    const auto side = loaded_sides_of_part(part, bonds, gravity);
     for (const GrainSide& s : side) {
       const Grain* g = grains.find(s.tag);
       if (!g) continue;
@@ -314,8 +378,9 @@ EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bon
       }
     }
     if (!m.tells) continue;
-    const CondensedModel& model = m.solution->model;
-    const CondensedMotion motion(model, bonds.table[m.body], side.data());
+    const CondensedModel& model = model_of(part);
+    Body piece;
+    const CondensedMotion motion(model, body_of(part, bonds, piece), side.data());
     const CondensedMotion::Vector12 weight = model.M * motion.uniform(turned_back(side[0].axes, gravity).data()), q = motion.velocity(side.data(), 0.0);
     const double before = dt_last * q.dot(weight);
     work.before += before;
@@ -329,9 +394,11 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
   for (std::size_t part = 0; part < members_.size(); ++part) {
     const Member& m = members_[part];
     if (!m.tells) continue;
-    const auto side = sides_of(static_cast<int>(part), bonds);
-    const CondensedModel& model = m.solution->model;
-    const CondensedMotion motion(model, bonds.table[m.body], side.data());
+    Body piece;
+    const Body& body = body_of(part, bonds, piece);
+    const auto side = pack_.sides(static_cast<int>(part), body);
+    const CondensedModel& model = model_of(part);
+    const CondensedMotion motion(model, body, side.data());
     const CondensedMotion::Vector12 change = motion.of_sides(side[0].jump, side[1].jump);
     work += 0.5 * (motion.velocity(side.data(), dt_last) + change).dot(model.M * change);
   }
@@ -341,7 +408,7 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
 std::vector<int> CondensedBonds::rows_told() const {
   std::vector<int> rows;
   for (const Member& m : members_)
-    if (m.tells) rows.push_back(m.body);
+    if (m.tells && m.piece <= 0) rows.push_back(m.body);
   return rows;
 }
 
@@ -399,7 +466,7 @@ std::size_t CondensedBonds::memory_usage() const {
 }
 
 int CondensedBonds::count() const {
-  return static_cast<int>(std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.tells; }));
+  return static_cast<int>(std::count_if(members_.begin(), members_.end(), [](const Member& m) { return m.tells && m.piece <= 0; }));
 }
 
 }  // namespace mpdem

@@ -7,6 +7,8 @@
 //
 // Bonds of equal shape in the same axes share one solution. Loads of a bond are told by one rank, the first that has points of it.
 //
+// A bond that came apart is condensed as a rigid piece on each grain (rigid_pieces.h), and does not wake.
+//
 // Bonds whose points are not made yet (mpm/point_pattern.h) share one bond, laid out, on each rank that has grains of them. It is looked at in the place of each
 // of them. One that has to wake asks for its points first. Its loads are told by the rank that has its first grain.
 #ifndef MPDEM_CONDENSED_BONDS_H
@@ -14,6 +16,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -24,6 +27,7 @@
 #include "../coupling/condensed_pack.h"
 #include "bond.h"
 #include "bonded_grains.h"
+#include "load_watch.h"
 #include "options.h"
 #include "point_sums.h"
 #include "static_bond.h"
@@ -34,7 +38,14 @@ class CondensedBonds {
  public:
   // Collective. Solves those of the rows whose table says that they are condensed, which were laid out at rest, but for those that are solved already
   // and did not change. They have no loads before bind(). links, inertia: what the solutions hang on beside the bonds.
-  void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia);
+  // split: CementOptions::split.
+  void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia, bool split);
+  // Of a row that is condensed: as pieces, since it came apart? The same on all ranks. Before solve().
+  void set_in_pieces(int row, bool yes) {
+    if (yes) in_pieces_.insert(row);
+    else in_pieces_.erase(row);
+  }
+  bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // by this rank
   // A laid-out bond that stands for those of a pattern, and the body of one of them.
   struct OfPattern {
@@ -66,6 +77,7 @@ class CondensedBonds {
   struct Energies {
     double elastic = 0, kinetic = 0, discrete_kinetic = 0;  // the last: that which central differences keep
     double momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};  // the latter about the origin of the box
+    void add(const Energies& e);
   };
   // Of those that this rank tells. half: half a step.
   Energies energies(const Bonds& bonds, double half) const;
@@ -98,8 +110,13 @@ class CondensedBonds {
   // Would a bond that is awake and whole on this rank be the same if it were condensed again, within kChange of force and energy at its
   // threshold? side: its first, with the loads of the step. energy: that of its nodes, points and links. root: that of its largest drive.
   bool fits(const Bond& awake, const Body& body, const GrainSide* side, double energy, double root, const double* gravity, double dt_last, const Law& law);
-  // What its nodes have of momentum beyond that of the condensed bond with the velocities of the sides, as loads over the step.
-  GrainLoads rest_of_momentum(const Bond& awake, const Body& body, const GrainSide* side, double dt) const;
+  // The same of a bond that came apart: does what holds move with its grains, within kChange of the largest load that the bond had and of the energy with that?
+  bool pieces_rest(Bond& awake, const Body& body, const GrainSide* side, double energy, const LoadWatch::Largest& largest, const double* gravity,
+                   double dt_last, const Law& law, bool split);
+  // Momentum of both sides of one that fits, as its nodes have it, and as the condensed bond has it with the motion of these sides. The latter once it
+  // is solved. As loads. half: half a step, by which stored velocities lie behind.
+  GrainLoads momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side, double half) const;
+  GrainLoads momentum_as_condensed(int row, const Body& body, const GrainSide* side, double half) const;
   void forget_candidate(int body) { candidates_.erase(body); }
 
   // Collective. They are condensed no more.
@@ -111,7 +128,8 @@ class CondensedBonds {
  private:
   struct Solution {
     StaticBond fields;
-    CondensedModel model;
+    std::vector<CondensedModel> models = std::vector<CondensedModel>(1);  // one of the bond, or one of each piece
+    std::vector<signed char> grain_of_node;                               // of the latter, on ranks that have nodes of it
     double bound[6] = {};  // of the root of the drive by each motion, see find_strain_bounds() of mpm/field_drive.h
     PointSums sums;
     Matrix6 energy = Matrix6::Zero();  // of the points: d.energy d/2
@@ -120,18 +138,30 @@ class CondensedBonds {
     int body;
     bool tells;
     std::shared_ptr<const Solution> solution;  // without fields if this rank has no points of it
+    int piece = -1;                            // the grain that this piece goes with
     double looked_at[6] = {};                  // the relative motion when its points were looked at last
     double margin = 0.0;                       // how much the bound may change until the next time
   };
+  const CondensedModel& model_of(std::size_t part) const { return members_[part].solution->models[std::max(members_[part].piece, 0)]; }
+  // As the pack has it: the row of the table, or `piece`, which becomes the body of a piece.
+  const Body& body_of(std::size_t part, const Bonds& bonds, Body& piece) const;
   const Member* find(int body) const;
+  static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split);
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
   double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
   void show_strain(Bond& bond, int part) const;
 
   void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;
   void pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
-  int part_of(int body) const;  // -1: none
-  std::array<GrainSide, 2> sides_of(int part, const Bonds& bonds) const { return pack_.sides(part, bonds.table[members_[part].body]); }
+  int part_of(int body) const;  // the first, of two pieces; -1: none
+  template <class F>
+  void each_part_of(int body, F f) const {
+    const int first = part_of(body);
+    for (std::size_t part = static_cast<std::size_t>(first); first >= 0 && part < members_.size() && members_[part].body == body; ++part) f(part);
+  }
+  Energies energies_of_part(std::size_t part, const Bonds& bonds, double half) const;
+  std::array<GrainSide, 2> loaded_sides_of_part(std::size_t part, const Bonds& bonds, const double* gravity) const;
+  NodeMotion nodes_of_pieces(const Bond& bond, const Body& body, double later) const;
 
   struct PatternSolution {
     OfPattern of;
@@ -142,6 +172,7 @@ class CondensedBonds {
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // of bonds with points here
   std::map<int, std::size_t> described_;                      // hash of what they were solved for
   int solved_last_ = 0;
+  std::set<int> in_pieces_;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {
     bool tried = false;

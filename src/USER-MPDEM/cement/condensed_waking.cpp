@@ -9,8 +9,10 @@
 #include "../mpm/advance_points.h"
 #include "../mpm/field_drive.h"
 #include "../parallel/agree.h"
+#include "bond_description.h"
 #include "condensed_bonds.h"
 #include "condensed_fields.h"
+#include "rigid_pieces.h"
 
 namespace mpdem {
 
@@ -26,10 +28,11 @@ constexpr int kMostStepsOfCandidate = 1000;  // of the iteration; intact bonds t
 CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body& body, double later) const {
   const int part = part_of(bond.body);
   const Member& m = members_[part];
+  if (m.piece >= 0) return nodes_of_pieces(bond, body, later);
   const auto sides = pack_.sides(part, body);
   const GrainSide* side = sides.data();
-  const CondensedMotion motion(m.solution->model, body, side);
-  const Vector3& middle = m.solution->model.middle;
+  const CondensedMotion motion(model_of(part), body, side);
+  const Vector3& middle = model_of(part).middle;
   const CondensedMotion::Vector12 v = motion.velocity(side, later), a = motion.rate(side);
   const CondensedMotion::Vector6 d = motion.relative(), half = 0.5 * d;
   const Matrix3& Q = motion.axes();
@@ -55,13 +58,40 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body
   return n;
 }
 
+CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, const Body& body, double later) const {
+  const std::size_t first = part_of(bond.body);
+  NodeMotion n;
+  for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
+  for (int s = 0; s < 2; ++s) {
+    const Body piece = body_of_piece(body, s);
+    const auto side = pack_.sides(static_cast<int>(first) + s, piece);
+    const CondensedModel& model = model_of(first + s);
+    const CondensedMotion motion(model, piece, side.data());
+    const CondensedMotion::Vector12 v = motion.velocity(side.data(), later), a = motion.rate(side.data());
+    const Matrix3& Q = motion.axes();
+    const Vector3 w = motion.turning(side.data());
+    for (int i = 0; i < bond.grid.size(); ++i) {
+      if (members_[first].solution->grain_of_node[i] != s) continue;
+      const Vector3 X = place_of(bond.grid, i), Y = X - model.middle;
+      const Vector3 of_node[3] = {motion.middle() + Q * Y - X, Q * (v.head<3>() + Vector3(v.segment<3>(3)).cross(Y)),
+                                  Q * (a.head<3>() + Vector3(a.segment<3>(3)).cross(Y) + w.cross(w.cross(Y)))};
+      for (int d = 0; d < 3; ++d) {
+        n.displacement[3 * i + d] = of_node[0][d];
+        n.velocity[3 * i + d] = of_node[1][d];
+        n.acceleration[3 * i + d] = of_node[2][d];
+      }
+    }
+  }
+  return n;
+}
+
 void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_of(bond.body)); }
 
 void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};
-    for (int j = 0; j < 6; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
+    for (int j = 0; j < 6 && m.piece < 0; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
     bond.points.blocks[b].strain = e;
   }
 }
@@ -77,7 +107,7 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
     grid.velocity.swap(n.velocity);
     grid.acceleration.swap(n.acceleration);
     const int part = part_of(body);
-    const Matrix3 Q = CondensedMotion(members_[part].solution->model, row, sides_of(part, bonds).data()).axes();
+    const Matrix3 Q = CondensedMotion(model_of(part), row, pack_.sides(part, row).data()).axes();
     double turn[3][3];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
@@ -139,7 +169,7 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
     }
   }
   if (!c.solution) return false;
-  const CondensedModel& model = c.solution->model;
+  const CondensedModel& model = c.solution->models.front();
   const Eigen::LLT<Matrix6> K(model.K);
   if (K.info() != Eigen::Success || root == 0.0) return false;
   const CondensedMotion motion(model, body, side);
@@ -159,24 +189,57 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
   return true;
 }
 
-GrainLoads CondensedBonds::rest_of_momentum(const Bond& awake, const Body& body, const GrainSide* side, double dt) const {
+bool CondensedBonds::pieces_rest(Bond& awake, const Body& body, const GrainSide* side, double energy, const LoadWatch::Largest& largest, const double* gravity,
+                                 double dt_last, const Law& law, bool split) {
+  if (loose_points(awake.points) >= kLeastLoose) return false;
+  // Dust bears no load, and may be in flight.
+  const std::vector<signed char> holding = grains_that_hold_nodes(awake);
+  energy -= energy_of_dust(awake, holding, law, dt_last);
+  const std::vector<CondensedModel> models = models_of_pieces(awake, holding, frame_of(body, SidesAtCreation(body).side).middle);
+  const double radius = LoadWatch::radius_of(body);
+  double force = 0.0;
+  for (int s = 0; s < 2; ++s) {
+    const CondensedModel& model = models[s];
+    const Body piece = body_of_piece(body, s);
+    const auto both = sides_of_piece(side[s]);
+    const CondensedMotion motion(model, piece, both.data());
+    const CondensedMotion::Vector12 before = motion.velocity(both.data(), 0.0), after = motion.velocity(both.data(), dt_last);
+    energy -= 0.5 * before.dot(model.M * after);
+    const GrainLoads loads = motion.all(model, both.data(), turned_back(side->axes, gravity).data());
+    double other[2][6] = {};
+    for (int d = 0; d < 3; ++d) {
+      other[0][d] = side[s].force[d] - loads.of[0][d];
+      other[0][3 + d] = side[s].torque[d] - loads.of[0][3 + d];
+    }
+    const CondensedMotion::Vector6 f = motion.generalized(other[0], other[1]).head<6>();
+    force = std::max(force, std::hypot(f.head<3>().norm(), f.tail<3>().norm() / radius));
+  }
+  if (std::fabs(energy) > kChange * 0.5 * largest.load * largest.motion || force > kChange * largest.load) return false;
+  candidates_[awake.body].solution = of_pieces(MPI_COMM_SELF, &awake, body, law, split);
+  return true;
+}
+
+GrainLoads CondensedBonds::momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side, double half) const {
   const Solution& s = *candidates_.at(awake.body).solution;
-  const CondensedMotion motion(s.model, body, side);
+  if (!s.grain_of_node.empty()) return momentum_of_pieces(awake, s.grain_of_node, s.models, body, side, half);
+  const CondensedMotion motion(s.models.front(), body, side);
   const Grid& grid = awake.grid;
-  CondensedMotion::Vector12 rest = -(s.model.M * motion.velocity(side, 0.0));
+  CondensedMotion::Vector12 sum = CondensedMotion::Vector12::Zero();
   for (int i = 0; i < grid.size(); ++i) {
     if (!(grid.mass[i] > 0.0)) continue;
-    const Vector3 p = grid.mass[i] * (motion.axes().transpose() * CondensedMotion::vector(&grid.velocity[3 * i]));
-    const Vector3 place = place_of(grid, i) + CondensedMotion::vector(&grid.displacement[3 * i]);
-    const Vector3 Y = motion.axes().transpose() * (place - motion.middle());
-    const Eigen::Matrix<double, 3, 6> u = fields_at(s.fields, i);
-    CondensedMotion::Vector6 rigid;
-    rigid << p, Y.cross(p);
-    const CondensedMotion::Vector6 of_second = u.transpose() * p;
-    rest.head<6>() += rigid - of_second;
-    rest.tail<6>() += of_second;
+    const CondensedMotion::Vector6 of_node = momentum_of_node(grid, i, motion, half);
+    const CondensedMotion::Vector6 of_second = fields_at(s.fields, i).transpose() * of_node.head<3>();
+    sum.head<6>() += of_node - of_second;
+    sum.tail<6>() += of_second;
   }
-  return motion.loads(rest / dt);
+  return motion.loads(sum);
+}
+
+GrainLoads CondensedBonds::momentum_as_condensed(int row, const Body& body, const GrainSide* side, double half) const {
+  const std::vector<CondensedModel>& models = solutions_.at(row)->models;
+  if (models.size() == 2) return momentum_of_rigid_pieces(models, body, side, half);
+  const CondensedMotion motion(models.front(), body, side);
+  return motion.loads(models.front().M * motion.velocity(side, half));
 }
 
 }  // namespace mpdem

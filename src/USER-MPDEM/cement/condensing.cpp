@@ -8,6 +8,7 @@
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "pattern_layouts.h"
+#include "rigid_pieces.h"
 
 namespace mpdem {
 
@@ -33,21 +34,38 @@ void Condensing::bind() {
 
 void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   if (!scene_.options.condense || !scene_.penalty) return;
-  std::vector<int> apart;
-  for (int row : rows)
-    if (scene_.bonds.table[row].condensed && cracks_.size() > static_cast<std::size_t>(row) && cracks_.separated(row)) apart.push_back(row);
-  for (int row : apart) scene_.bonds.table[row].condensed = false;
+  mark_pieces(rows);
+  const std::vector<int> loose = rows_with_loose_pieces(rows);
+  for (int row : loose) scene_.bonds.table[row].condensed = false;
   scene_.bonds.awake_changed();
   take_patterns(at_start);
-  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia);
-  if (!apart.empty()) {
+  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  if (!loose.empty()) {
     bind();
     shared_.bind();
-    added_.refresh(apart);
+    added_.refresh(loose);
     return;
   }
   condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
   condensed_.follow(scene_.grains, scene_.weight().data());
+}
+
+void Condensing::mark_pieces(const std::vector<int>& rows) {
+  for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds.table[row].condensed && cracks_.separated(row));
+}
+
+// Collective. Of bonds in pieces.
+std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows) const {
+  std::vector<int> in_pieces, loose;
+  for (int row : rows)
+    if (condensed_.is_in_pieces(row)) in_pieces.push_back(row);
+  std::vector<int> points(in_pieces.size(), 0);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (const Bond* b = scene_.bonds.find(in_pieces[n])) points[n] = loose_points(b->points);
+  if (!points.empty()) MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_INT, MPI_SUM, scene_.comm);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (points[n] >= kLeastLoose) loose.push_back(in_pieces[n]);
+  return loose;
 }
 
 // Bonds that stand for those of the patterns that this rank has grains of. Grains may have come from other ranks.
@@ -70,16 +88,35 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   return others;
 }
 
+bool Condensing::change() {
+  woken_ = again_ = Change();
+  if (!scene_.options.condense || !scene_.penalty) return false;
+  wake();
+  condense_again();
+  return !woken_.rows.empty() || !again_.rows.empty();
+}
+
+void Condensing::book_changes() {
+  for (int row : woken_.rows)
+    if (const Bond* b = scene_.bonds.find(row)) woken_.energy -= work_.energy_of(*b);
+  scene_.books.release(woken_.energy);
+  for (int row : again_.rows) {
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
+    again_.energy -= e.elastic + e.discrete_kinetic;
+  }
+  scene_.books.damp(again_.energy);
+}
+
 void Condensing::wake() {
   if (!condensed_.any()) return;
   const std::vector<int> rows = ask_for_points(scene_.agreed_rows(condensed_.due(scene_.bonds, scene_.options, *scene_.law)));
   if (rows.empty()) return;
   const std::array<double, 3> weight = scene_.weight();
-  double given_up = 0.0;
+  woken_.rows = rows;
   std::vector<GrainSide> sides;
   for (int row : rows) {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
-    given_up += e.elastic + e.discrete_kinetic;
+    woken_.energy += e.elastic + e.discrete_kinetic;
     condensed_.wake(scene_.comm, row, scene_.bonds.find(row), scene_.bonds, weight.data(), scene_.dt_last, *scene_.law);
     if (!condensed_.has(row)) continue;
     const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, scene_.bonds, weight.data());
@@ -98,63 +135,76 @@ void Condensing::wake() {
     b->near_threshold = scene_.options.skip.nonlocal && is_near_threshold(b->points, *scene_.law);
   }
   added_.refresh(rows);
-  for (int row : rows)
-    if (const Bond* b = scene_.bonds.find(row)) given_up -= work_.energy_of(*b);
-  scene_.books.release(given_up);
+}
+
+bool Condensing::rests(Bond& b) {
+  constexpr double kBelow = 0.95;  // so that it does not wake at once
+  const Body& body = scene_.bonds.body(b);
+  if (b.cut_by_ranks() || b.points.size() != body.points) return false;
+  const GrainSide* side = scene_.grains.side_of(b);
+  if (cracks_.separated(b.body))
+    return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law,
+                                  scene_.options.split);
+  const double root = largest_root_of_drive(b.points, *scene_.law, false);
+  if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
+  return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
 
 // Collective. Bonds that may be condensed again.
 std::vector<int> Condensing::rows_that_rest() {
-  constexpr double kBelow = 0.95;  // so that it does not wake at once
-  const double wakes = root_of_share(*scene_.law, scene_.options.wake);
   std::vector<int> mine;
-  for (Bond& b : scene_.bonds.awake()) {
-    const Body& body = scene_.bonds.body(b);
-    if (cracks_.separated(b.body) || b.cut_by_ranks() || b.points.size() != body.points) continue;
-    const double root = largest_root_of_drive(b.points, *scene_.law, false);
-    if (root >= kBelow * wakes) continue;
-    if (condensed_.fits(b, body, scene_.grains.side_of(b), work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law)) mine.push_back(b.body);
-  }
+  for (Bond& b : scene_.bonds.awake())
+    if (rests(b)) mine.push_back(b.body);
   return scene_.agreed_rows(mine);
 }
 
 void Condensing::condense_again() {
-  if (!scene_.options.condense || !scene_.penalty || scene_.now.number % scene_.options.check_every != 0) return;
-  const std::vector<int> rows = rows_that_rest();
+  if (scene_.now.number % scene_.options.check_every != 0) return;
+  BondedGrains& grains = scene_.grains;
+  const std::vector<int> rows = again_.rows = rows_that_rest();
   if (rows.empty()) return;
-  double given_up = 0.0;
-  std::vector<double> rest(6 * scene_.grains.sides.sides.size(), 0.0);  // of the momentum, which the grains take up in this step
+  const double half = 0.5 * scene_.dt_last;
+  std::vector<double> rest(6 * grains.sides.sides.size(), 0.0);  // of the momentum, which the grains take up
+  struct OfRow {
+    int row, at;
+    GrainSide side[2];
+  };
+  std::vector<OfRow> here;
+  const auto add_to_rest = [&](const OfRow& o, const GrainLoads& momentum, double sign) {
+    for (int s = 0; s < 2; ++s) {
+      const std::array<double, 6> of_side = in_box(o.side[s], momentum.of[s], momentum.of[s] + 3);
+      for (int d = 0; d < 6; ++d) rest[6 * (o.at + s) + d] += sign * of_side[d];
+    }
+  };
+  for (int row : rows) scene_.bonds.table[row].condensed = true;
+  mark_pieces(rows);
   for (int row : rows) {
-    scene_.bonds.table[row].condensed = true;
     Bond* b = scene_.bonds.find(row);
     if (!b) continue;
-    given_up += work_.energy_of(*b);
-    const GrainSide* side = scene_.grains.side_of(*b);
-    const GrainLoads loads = condensed_.rest_of_momentum(*b, scene_.bonds.table[row], side, scene_.now.dt);
-    for (int s = 0; s < 2; ++s) {
-      const std::array<double, 6> of_side = in_box(side[s], loads.of[s], loads.of[s] + 3);
-      std::copy(of_side.begin(), of_side.end(), &rest[6 * (b->side + s)]);
-    }
+    again_.energy += work_.energy_of(*b);
+    const GrainSide* side = grains.side_of(*b);
+    here.push_back({row, b->side, {side[0], side[1]}});
+    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds.table[row], side, half), 1.0);
     condensed_.forget_candidate(row);
     go_back_to_creation(b->points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration}) std::fill(values->begin(), values->end(), 0.0);
     b->near_threshold = false;
   }
-  scene_.grains.sides.sum(rest.data(), 6);
-  for (const BondedGrains::OwnedSide& o : scene_.grains.owned())
-    for (int d = 0; d < 6; ++d) scene_.grains.grains[o.grain].force[d] += rest[6 * o.at + d];
+  const std::vector<BondedGrains::OwnedSide> owned = grains.owned();
+  GrainSides sides = grains.sides;
   scene_.bonds.awake_changed();
   arrangement_.lay_out(rows, {}, {});
-  scene_.grains.wake(scene_.comm, scene_.bonds, scene_.inertia, {});
+  grains.wake(scene_.comm, scene_.bonds, scene_.inertia, {});
   added_.refresh(rows);
-  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia);
-  condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
-  condensed_.resume(scene_.grains, scene_.weight().data());
-  for (int row : rows) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
-    given_up -= e.elastic + e.discrete_kinetic;
-  }
-  scene_.books.damp(given_up);
+  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds.table[o.row], o.side, half), -1.0);
+  sides.sum(rest.data(), 6);
+  std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});
+  for (const BondedGrains::OwnedSide& o : owned)
+    for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
+  condensed_.bind(scene_.comm, scene_.bonds, grains);
+  condensed_.follow(grains, scene_.weight().data());
+  grains.push(momentum, *condensed_.pack());
 }
 
 }  // namespace mpdem

@@ -12,6 +12,7 @@
 #include "arrangement.h"
 #include "condensed_bonds.h"
 #include "cracks.h"
+#include "load_watch.h"
 #include "scene.h"
 #include "shared_nodes.h"
 #include "work_of_step.h"
@@ -20,9 +21,9 @@ namespace mpdem {
 
 class Condensing {
  public:
-  Condensing(Scene& scene, CondensedBonds& condensed, const Cracks& cracks, Arrangement& arrangement, SharedNodes& shared, AddedMasses& added,
-             const WorkOfStep& work)
-      : scene_(scene), condensed_(condensed), cracks_(cracks), arrangement_(arrangement), shared_(shared), added_(added), work_(work) {}
+  Condensing(Scene& scene, CondensedBonds& condensed, const Cracks& cracks, const LoadWatch& load_watch, Arrangement& arrangement, SharedNodes& shared,
+             AddedMasses& added, const WorkOfStep& work)
+      : scene_(scene), condensed_(condensed), cracks_(cracks), load_watch_(load_watch), arrangement_(arrangement), shared_(shared), added_(added), work_(work) {}
 
   // Before the layout of a run: bonds that no step has moved yet. Throws BadState if the words of the script are others than those of the steps before.
   void choose();
@@ -30,29 +31,41 @@ class Condensing {
   void bind();
   // After that, with the links of the run: those of these bonds that are to be condensed.
   void condense(const std::vector<int>& rows, bool at_start);
-  // At the end of the forces of a step: bonds near their threshold are resolved from the next drift on.
-  void wake();
-  // After a check: bonds that are awake, whole on a rank, and far from their threshold again, where force and energy hardly change by it: their waves have
-  // gone. They keep their damage, and have the stiffness of the present.
-  void condense_again();
+  // At the end of the forces of a step. Bonds near their threshold are resolved. After a check, bonds that are awake, whole on a rank, and far from
+  // their threshold again are condensed, where force and energy hardly change by it: their waves have gone. They keep their damage, and have the stiffness
+  // of the present. So are bonds that came apart and whose pieces rest with their grains. True if something changed: then the forces of
+  // the step are to be found anew, as at the start of a run, so that a run in parts is the run as a whole, and book_changes() is to be called.
+  bool change();
+  void book_changes();
 
   // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
   const std::vector<int>& rows_that_want_points() const { return rows_that_want_points_; }
   void points_were_made() { rows_that_want_points_.clear(); }
 
  private:
+  void wake();
+  void condense_again();
   void take_patterns(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
   std::vector<int> rows_that_rest();
+  bool rests(Bond& b);
+  void mark_pieces(const std::vector<int>& rows);
+  std::vector<int> rows_with_loose_pieces(const std::vector<int>& rows) const;
 
   Scene& scene_;
   CondensedBonds& condensed_;
   const Cracks& cracks_;
+  const LoadWatch& load_watch_;
   Arrangement& arrangement_;
   SharedNodes& shared_;
   AddedMasses& added_;
   const WorkOfStep& work_;
   std::vector<int> rows_that_want_points_;
+  struct Change {
+    std::vector<int> rows;
+    double energy = 0.0;  // that they had before, on this rank
+  };
+  Change woken_, again_;  // of this step
 };
 
 }  // namespace mpdem

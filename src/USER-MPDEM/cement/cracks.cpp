@@ -202,7 +202,7 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
   if (debris) {
     for (std::size_t row = 0; row < bonds.table.size(); ++row)
-      if (states_[row].separation.separated) rows.push_back(static_cast<int>(row));
+      if (states_[row].separation.separated && !bonds.table[row].condensed) rows.push_back(static_cast<int>(row));
   }
   std::sort(rows.begin(), rows.end());
   std::vector<double> now(rows.size(), 0.0);

@@ -13,9 +13,6 @@ namespace {
 
 Three<double> three(const double* x) { return {{x[0], x[1], x[2]}}; }
 
-// Of the area of cement at the grains, as that of a disc.
-double radius_of(const Body& body) { return std::sqrt(0.5 * (body.attached_area[0] + body.attached_area[1]) / M_PI); }
-
 // side: the first of the two.
 RelativeMotion<double> motion_of(const Body& body, const GrainSide* side) {
   Mat3<double> turn[2];
@@ -37,6 +34,9 @@ double size_of(const double* six, double unit) {
 }
 
 }  // namespace
+
+// Of the area of cement at the grains, as that of a disc.
+double LoadWatch::radius_of(const Body& body) { return std::sqrt(0.5 * (body.attached_area[0] + body.attached_area[1]) / M_PI); }
 
 void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, double dt) {
   for (const BondedGrains::OwnedSide& o : grains.owned()) {

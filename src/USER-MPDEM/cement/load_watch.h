@@ -35,6 +35,7 @@ class LoadWatch {
   static constexpr double kGone = 0.01;  // of the largest load
   static constexpr int kSums = 13;       // time; load and motion times time
   using Sums = std::array<double, kSums>;
+  static double radius_of(const Body& body);  // l
 
   // Of a row of the table, the same on all ranks.
   struct Largest {

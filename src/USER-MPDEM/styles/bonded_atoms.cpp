@@ -95,6 +95,13 @@ void BondedAtoms::write_motion(const BondedGrains& grains) const {
   }
 }
 
+void BondedAtoms::write_pushes(const BondedGrains& grains) const {
+  Atom& atom = *lmp_->atom;
+  for (std::size_t n = 0; n < atoms_.size(); ++n)
+    for (int d = 0; d < 6; ++d)
+      if (grains.grains[n].free[d]) (d < 3 ? atom.v[atoms_[n]][d] : atom.omega[atoms_[n]][d - 3]) = grains.grains[n].velocity[d];
+}
+
 void BondedAtoms::write_velocities(const BondedGrains& grains) const {
   Atom& atom = *lmp_->atom;
   for (std::size_t n = 0; n < atoms_.size(); ++n)

@@ -30,6 +30,7 @@ class BondedAtoms {
   void read_places(BondedGrains& grains) const;
   void write_motion(const BondedGrains& grains) const;
   void write_velocities(const BondedGrains& grains) const;
+  void write_pushes(const BondedGrains& grains) const;  // the same where grains are free
   // Gravity by fixes that come later in the step than `fix`, for grains that start: they feel it in the first step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;
 

@@ -323,6 +323,7 @@ void FixMpm::post_force(int) {
   guarded([this] { cement_->step(); });
   if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;
   atoms_.write_forces(cement_->grains());
+  atoms_.write_pushes(cement_->grains());
 }
 
 void FixMpm::end_of_step() {

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "rigid_pieces.h"
+
+#include <algorithm>
+
+#include "../material/laws.h"
+#include "../mpm/point_state.h"
+#include "condensed_fields.h"
+
+namespace mpdem {
+
+Body body_of_piece(const Body& body, int s) {
+  Body piece(body);
+  const int other = 1 - s;
+  piece.grain[other] = body.grain[s];
+  piece.radius[other] = body.radius[s];
+  std::copy(body.centre[s], body.centre[s] + 3, piece.centre[other]);
+  std::copy(body.orientation[s], body.orientation[s] + 4, piece.orientation[other]);
+  std::copy(body.shift[s], body.shift[s] + 3, piece.shift[other]);
+  return piece;
+}
+
+std::array<GrainSide, 2> sides_of_piece(const GrainSide& side) { return {side, side}; }
+
+namespace {
+int loose_lanes(const BlockMeta& m) { return m.occupied & ~m.failed & ~m.holds[0] & ~m.holds[1]; }
+}  // namespace
+
+int loose_points(const PointStore& points) {
+  int count = 0;
+  for (const BlockMeta& m : points.meta) count += __builtin_popcount(loose_lanes(m));
+  return count;
+}
+
+double energy_of_dust(const Bond& bond, const std::vector<signed char>& holding, const Law& of_any_kind, double dt_last) {
+  double energy = 0.0;
+  with_law(of_any_kind, [&](const auto& law) {
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
+      const int loose = loose_lanes(bond.points.meta[b]);
+      if (loose == 0) continue;
+      const PointBlock& p = bond.points.blocks[b];
+      energy += sum_lanes(0.5 * select(lanes(loose), p.volume, vd{}) * contract(stress_of(bond.points, static_cast<int>(b), law), p.strain));
+    }
+  });
+  const Grid& grid = bond.grid;
+  for (int i = 0; i < grid.size(); ++i)
+    for (int n = 3 * i; n < 3 * i + 3 && holding[i] < 0; ++n) energy += 0.5 * grid.mass[i] * grid.velocity[n] * (grid.velocity[n] + dt_last * grid.acceleration[n]);
+  return energy;
+}
+
+std::vector<signed char> grains_that_hold_nodes(Bond& bond) {
+  std::vector<signed char> grain;
+  for (char held : nodes_held(bond.points, bond.grid)) grain.push_back(static_cast<signed char>(held == 1 || held == 2 ? held - 1 : -1));
+  return grain;
+}
+
+// Dust goes by its part: piece 0 stays with the first grain, piece 1 with the second (mpm/body.h). That of other parts, and of nodes that split, whose
+// parts are other ones, goes with the nearer grain.
+std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split) {
+  std::vector<signed char> grain = grains_that_hold_nodes(bond);
+  for (std::size_t i = 0; i < grain.size(); ++i) {
+    if (grain[i] >= 0) continue;
+    const int piece = piece_of(part_of_field(bond.grid.keys[i].field()));
+    const Eigen::Vector3d X = place_of(bond.grid, static_cast<int>(i));
+    grain[i] = static_cast<signed char>(!split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X.data())));
+  }
+  return grain;
+}
+
+std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const Eigen::Vector3d& middle) {
+  std::vector<CondensedModel> models(2);
+  for (CondensedModel& m : models) m.middle = middle;
+  const Eigen::Matrix<double, 3, 6> at_rest = Eigen::Matrix<double, 3, 6>::Zero();
+  const Grid& grid = bond.grid;
+  for (int i = 0; i < grid.size(); ++i)
+    if (grid.mass[i] > 0.0 && grid.halo.counts_here()[i] && grain_of_node[i] >= 0) models[grain_of_node[i]].add_node(grid.mass[i], place_of(grid, i), at_rest);
+  return models;
+}
+
+Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion, double half) {
+  using Vector3 = Eigen::Vector3d;
+  const Vector3 v = CondensedMotion::vector(&grid.velocity[3 * node]) + half * CondensedMotion::vector(&grid.acceleration[3 * node]);
+  const Vector3 p = grid.mass[node] * (motion.axes().transpose() * v);
+  const Vector3 place = place_of(grid, node) + CondensedMotion::vector(&grid.displacement[3 * node]);
+  Eigen::Matrix<double, 6, 1> of_node;
+  of_node << p, Vector3(motion.axes().transpose() * (place - motion.middle())).cross(p);
+  return of_node;
+}
+
+namespace {
+
+// f(s, motion): the twelve numbers of piece s.
+template <class F>
+GrainLoads loads_of_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, F f) {
+  GrainLoads loads;
+  for (int s = 0; s < 2; ++s) {
+    const Body piece = body_of_piece(body, s);
+    const auto both = sides_of_piece(side[s]);
+    const CondensedMotion motion(models[s], piece, both.data());
+    const GrainLoads of_piece = motion.loads(f(s, motion, both));
+    std::copy(of_piece.of[0], of_piece.of[0] + 6, loads.of[s]);
+  }
+  return loads;
+}
+
+}  // namespace
+
+GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models, const Body& body,
+                              const GrainSide* side, double half) {
+  return loads_of_pieces(models, body, side, [&](int s, const CondensedMotion& motion, const std::array<GrainSide, 2>&) {
+    CondensedMotion::Vector12 sum = CondensedMotion::Vector12::Zero();
+    for (int i = 0; i < bond.grid.size(); ++i)
+      if (bond.grid.mass[i] > 0.0 && grain_of_node[i] == s) sum.head<6>() += momentum_of_node(bond.grid, i, motion, half);
+    return sum;
+  });
+}
+
+GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, double half) {
+  return loads_of_pieces(models, body, side, [&](int s, const CondensedMotion& motion, const std::array<GrainSide, 2>& both) {
+    return CondensedMotion::Vector12(models[s].M * motion.velocity(both.data(), half));
+  });
+}
+
+}  // namespace mpdem

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A bond that came apart and is condensed: what holds to a grain is a rigid piece of it. It has the mass, the weight and the inertia of its nodes, no
+// force else, for any motion of the two grains. It is a condensed bond (coupling/condensed_bond.h) between its grain and the same grain once more,
+//
+//   d = 0,   K = 0,   q = (w_0, omega_0, w_0, omega_0),   M_00 = sum m P^T P,   all other blocks zero,
+//
+// so loads, masses, energy and ranks are those of the other condensed bonds.
+//
+// Dust, points that failed and crumbs of fewer than kLeastLoose points (fracture/separation.h) which hold to no grain, goes with the piece whose nodes it
+// has, or the nearer one. A bond with a larger loose piece stays as it is: that piece follows no grain.
+#ifndef MPDEM_RIGID_PIECES_H
+#define MPDEM_RIGID_PIECES_H
+
+#include <array>
+#include <vector>
+
+#include "../coupling/condensed_bond.h"
+#include "../fracture/separation.h"
+#include "../material/law.h"
+#include "bond.h"
+
+namespace mpdem {
+
+// The body as its piece on grain s sees it: both grains are that one.
+Body body_of_piece(const Body& body, int s);
+// Both sides of it.
+std::array<GrainSide, 2> sides_of_piece(const GrainSide& side);
+
+// Points of this rank that hold but to no grain. The bond came apart.
+int loose_points(const PointStore& points);
+
+// The energy of dust: that of its motion, of nodes that are -1 here, and of the strain of crumbs.
+double energy_of_dust(const Bond& bond, const std::vector<signed char>& holding, const Law& law, double dt_last);
+
+// The grain, 0 or 1, that each node holds to; -1 of dust. Collective for the ranks that share the nodes.
+std::vector<signed char> grains_that_hold_nodes(Bond& bond);
+// The grain, 0 or 1, that each node of a bond that came apart goes with. split: nodes split where material parts, CementOptions::split. Collective for
+// the ranks that share its nodes.
+std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split);
+
+// The models of both pieces, by the nodes that count on this rank and have a grain. middle: of the contact at the creation.
+std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const Eigen::Vector3d& middle);
+
+// Momentum of a node and its angular momentum about where the grains have the middle, in the axes of `motion`. half: half a step, by which stored velocities
+// lie behind.
+Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion, double half);
+// Momentum of both pieces, as loads on the sides of the body: that of their nodes, and that of the models with the motion of the sides.
+GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models, const Body& body,
+                              const GrainSide* side, double half);
+GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, double half);
+
+}  // namespace mpdem
+
+#endif
