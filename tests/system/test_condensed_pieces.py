@@ -45,9 +45,9 @@ def test_at_rest(name, tmp_path, figures):
     """Jumps of force and energy, and where points are in the end, against the resolved bond."""
     tables, points, failed = {}, {}, {}
     for word in ("yes", "no"):
-        quantities = point_quantities(["failed"]) + dump(12000, ["x", "y", "z", "vx", "vy", "vz", "c_failed"])
-        result = run(broken(word, **CASES[name]) + quantities + thermo(1, COLUMNS) + "run 12000\n", tmp_path / word)
-        p = result.points(12000)
+        quantities = point_quantities(["failed"]) + dump(8000, ["x", "y", "z", "vx", "vy", "vz", "c_failed"])
+        result = run(broken(word, **CASES[name]) + quantities + thermo(1, COLUMNS) + "run 8000\n", tmp_path / word)
+        p = result.points(8000)
         tables[word], failed[word] = result.table(), p["c_failed"]
         points[word] = np.array([[p[d] for d in "xyz"], [p[f"v{d}"] for d in "xyz"]])
     t, r = tables["yes"], tables["no"]
@@ -87,9 +87,9 @@ def test_flight(tmp_path, figures):
     tables, points = {}, {}
     for word in ("yes", "no"):
         columns = MOMENTUM_COLUMNS + [AWAKE, SEPARATED] + [f"f_cem[{n}]" for n in (2, 5, 6, 7, 8, 12)]
-        quantities = point_quantities(["failed"]) + dump(100000, ["x", "y", "z", "c_failed"])
-        result = run(free(word) + quantities + MOMENTA + thermo(50, columns) + "run 100000\n", tmp_path / word)
-        tables[word], points[word] = result.table(), result.points(100000)
+        quantities = point_quantities(["failed"]) + dump(60000, ["x", "y", "z", "c_failed"])
+        result = run(free(word) + quantities + MOMENTA + thermo(50, columns) + "run 60000\n", tmp_path / word)
+        tables[word], points[word] = result.table(), result.points(60000)
     t = tables["yes"]
     when(t)
     P = np.array([t[c] for c in MOMENTUM_COLUMNS])

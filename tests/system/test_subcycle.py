@@ -110,6 +110,40 @@ def test_auto(tmp_path, figures):
     assert f"subcycle auto: {n:.0f} sub-steps" in result.output
 
 
+@pytest.mark.parametrize("ratio, n", [(0.1, 1), (0.1, 3), (1, 2), (100, 5)])
+def test_free_pairs(ratio, n, tmp_path, figures):
+    """Grains lighter and heavier than their cement, in sub-steps of 0.9 of its limit. Links to both grains share nodes here and add 4500 times the mass of the
+    cement to light grains, whose accelerations take thousands of sweeps. More: tests/verification/subcycle_free_pairs.py."""
+    sys.path.insert(0, str(ROOT / "tests" / "verification"))
+    from subcycle_free_pairs import limits, swings
+    density, sub, _ = limits(tmp_path, ratio)
+    last, largest = swings(tmp_path / "run", density, n, 0.9 * sub, 2000)
+    figures.below(f"grains of {ratio} times the mass of the cement, {n} sub-steps: energy of the last tenth over the first, less 1", abs(last - 1), 0.02)
+    figures.below(f"grains of {ratio} times the mass of the cement, {n} sub-steps: largest energy over the first, less 1", largest - 1, 0.1)
+
+
+def test_check_of_the_step(tmp_path, figures):
+    """fix check/timestep/mpm with sub-steps: grains on their bonds limit the step, too. That of a free pair against its stiffness, as the command tells it."""
+    text = edit(flying(1, word=12), "timestep     1.6e-08", "timestep     4e-7").replace(CONTACT, "") + "bond_stiffness k.csv\nfix ts all check/timestep/mpm 5 cem 0.9\n"
+    result = run(text + thermo(5, ["f_ts[1]", "f_ts[2]"]) + "run 5\n", tmp_path)
+    names, row = (line.split(",") for line in (tmp_path / "k.csv").read_text().splitlines())
+    K = np.array([[float(row[names.index(f"k{min(i, j)}{max(i, j)}")]) for j in range(1, 7)] for i in range(1, 7)])
+    # motions of both grains about their centres to that of the middle, as symmetric as the pair is
+    arm, mass = 5e-3, 250 * 4 / 3 * np.pi * 5e-3**3
+    x, y = (np.array([[0, -z, 0], [z, 0, 0], [0, 0, 0]]) for z in (arm, -arm))  # omega x (0, 0, z) is [-z e_y, z e_x]
+    to = [np.block([[sign * np.eye(3), sign * m.T], [np.zeros((3, 3)), sign * np.eye(3)]]) for sign, m in ((-1, x), (1, y))]
+    H = np.hstack(to)
+    M = np.diag(2 * (3 * [mass] + 3 * [0.4 * mass * 25e-6]))
+    largest = np.linalg.eigvals(np.linalg.solve(M, H.T @ K @ H)).real.max()
+    t = result.table()
+    short = 1 - t["f_ts[2]"][0] / (2 / largest**0.5)  # of both grains together it is a bound
+    assert short > -1e-6, short
+    figures.below("limit of a free pair, below 2 over its largest frequency by", short, 0.015)
+    assert t["f_ts[1]"][0] == pytest.approx(4e-7 / t["f_ts[2]"][0])
+    warned = [line for line in result.output.splitlines() if "check/timestep/mpm" in line and "of grains on their bonds" in line]
+    assert len(warned) >= 1, result.output[-2000:]
+
+
 def test_example(tmp_path, figures):
     """Loose beads around a pair that is lifted, free to fall, in contact: as in short steps."""
     script = (ROOT / "examples" / "two_clocks" / "in.two_clocks").read_text()

@@ -14,7 +14,7 @@ namespace {
 
 // Of the energy that is kept, not of the momentum. Condensed bonds have a small share of it.
 constexpr double kPrecision = 1e-10, kPrecisionOfCondensed = 1e-8;
-constexpr int kMostSweeps = 200;
+constexpr int kMostSweeps = 20000;  // where links of both grains share nodes, and grains are far lighter than the mass that these links add
 
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;

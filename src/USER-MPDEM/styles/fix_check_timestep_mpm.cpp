@@ -2,6 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "fix_check_timestep_mpm.h"
 
+#include <algorithm>
+
 #include "arguments.h"
 #include "comm.h"
 #include "error.h"
@@ -35,16 +37,21 @@ void FixCheckTimestepMpm::init() {
                                  "before and name its ID here"));
 }
 
-void FixCheckTimestepMpm::setup(int) { check(); }
+// Damage softens bonds, so what is stable at the start of a run stays so.
+void FixCheckTimestepMpm::setup(int) {
+  of_grains_ = cement_->stable_step(true);
+  check();
+}
 void FixCheckTimestepMpm::end_of_step() { check(); }
 
 void FixCheckTimestepMpm::check() {
-  limit_ = cement_->stable_step();
+  const double of_cement = cement_->stable_step();
+  limit_ = std::min(of_cement, of_grains_);
   share_ = limit_ > 0.0 ? update->dt / limit_ : 0.0;
   if (!(share_ > fraction_)) return;
   const std::string text =
       text_of("fix check/timestep/mpm (id ", id, "): time step ", update->dt, " is ", share_, " of the stable step ", limit_,
-              " at step ", update->ntimestep, ", more than ", fraction_, "; use 'timestep ", fraction_ * limit_, "' or less");
+              limit_ < of_cement ? " of grains on their bonds at step " : " at step ", update->ntimestep, ", more than ", fraction_, "; use 'timestep ", fraction_ * limit_, "' or less");
   if (stop_) mpdem::stop_all(lmp, text);
   if (comm->me == 0) error->warning("fix check/timestep/mpm", 0, text.c_str());
 }

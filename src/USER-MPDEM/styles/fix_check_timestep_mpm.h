@@ -34,6 +34,7 @@ class FixCheckTimestepMpm : public Fix {
   double fraction_ = 0.0;
   bool stop_ = false;
   double limit_ = 0.0, share_ = 0.0;
+  double of_grains_ = 0.0;  // the limit of this run by grains on their bonds
 };
 
 }  // namespace LAMMPS_NS

@@ -362,9 +362,9 @@ void FixMpm::reset_dt() {
   guarded([this] { cement_->refresh_added_mass(); });
 }
 
-double FixMpm::stable_step() {
+double FixMpm::stable_step(bool of_grains) {
   double step = 0.0;
-  guarded([&] { step = substeps() * cement_->stable_step().find(); });
+  guarded([&] { step = !of_grains ? substeps() * cement_->stable_step().find() : is_coupled() && substeps() > 1 ? cement_->grains_step() : INFINITY; });
   return step;
 }
 

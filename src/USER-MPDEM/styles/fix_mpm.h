@@ -83,7 +83,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   // Slots of the atoms, which fall behind while points change cells; before they are read.
   void sync_slots() { cement_->sync_slots(); }
   // Collective. Of LIGGGHTS, with as many sub-steps as now.
-  double stable_step();
+  double stable_step(bool of_grains = false);
   // Of the cement in a step of LIGGGHTS.
   int substeps() const;
   // Collective, after init() of all fixes; needs a coupling. A run need not have begun.
