@@ -101,6 +101,26 @@ def test_restart(runs, tmp_path):
         assert [row for row in whole if int(row[head.index("step")]) > 200] == [row for row in table(folder)[1] if int(row[head.index("step")]) > 200]
 
 
+def most_atoms(output):
+    return float(re.findall(r"Nlocal: +\S+ ave (\S+) max", output)[-1])
+
+
+@pytest.mark.parametrize("boundary", ["f f f", "f f p"])
+def test_four_bricks_in_a_row(boundary, tmp_path):
+    """Bonds go to the brick beside theirs, with a periodic side of the box too, and come back where a run gives balance up."""
+    text = beads(boundary=boundary, processors="1 1 4")
+    plain = run(text + cement("balance no") + "run 400\n", tmp_path / "no", 4)
+    balanced = run(text + cement("balance yes") + "run 200\nwrite_restart half.200\nrun 200\n", tmp_path / "yes", 4)
+    assert most_atoms(balanced.output) < 0.7 * most_atoms(plain.output)
+    of_plain, of_balanced = ([(e[0], e[2]) for e in table(tmp_path / name, "events.csv")[1]] for name in ("no", "yes"))
+    assert len(of_plain) > 100 and of_plain == of_balanced
+    folder = tmp_path / "given_up"
+    folder.mkdir()
+    out = run(host(boundary=boundary, processors="1 1 4") + "read_restart ../yes/half.200\n" + NEIGHBOURS + cement("balance no") + "run 200\n", folder, 4).output
+    assert most_atoms(out) == most_atoms(plain.output), "points are with the ranks of their places"
+    assert [(e[0], e[2]) for e in table(folder, "events.csv")[1] if int(e[0]) > 200] == [e for e in of_plain if int(e[0]) > 200]
+
+
 @pytest.mark.parametrize("words, boundary, message", [
     ("balance maybe", "f f f", "'balance maybe'"),
     ("balance yes", "f f s", "along z follows the atoms; use 'boundary' with f or p, or 'balance no'")])
