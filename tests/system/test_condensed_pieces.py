@@ -170,3 +170,25 @@ def test_fall(substeps, tmp_path, figures):
         gained = (t[name] - t[name][0])[1:] / (mass * 20000 * share * since[1:])
         figures.below(f"{substeps} sub-steps: {name} gained over weight times time, less 1", np.abs(gained - 1)[len(gained) // 4:].max(), 2e-5)
     figures.below(f"{substeps} sub-steps: energy imbalance", np.abs(t["f_cem[12]"]).max(), 3e-3)
+
+
+def test_halves_on_two_ranks(tmp_path, figures):
+    """A bond that broke through its waist is condensed on one rank, and its halves go apart over the cut between ranks: momentum stays, and so does the energy."""
+    columns = MOMENTUM_COLUMNS + [AWAKE, SEPARATED, "f_cem[5]", "f_cem[12]"]
+    found = {}
+    for ranks, grid in ((1, "* * *"), (2, "1 1 2")):
+        motion = FREE.replace("1500", "0").replace("100*z", "60*z")
+        # the cut is above the bond, which both halves pass at different times
+        text = edit(broken("yes", motion=motion.replace("+60*z", "+5+60*z"), shape="hourglass", gap=1.2e-3, cement="outer 1.6e-3 waist 0.6", half_box=(0.02, 0.02, 0.02)),
+                    "processors   * * *", f"processors   {grid}")
+        text = edit(text, "-0.02 0.02 -0.02 0.02 -0.02 0.02 units", "-0.02 0.02 -0.02 0.02 -0.02 0.0236 units")
+        found[ranks] = run(text + MOMENTA + thermo(10, columns) + "run 24000\n", tmp_path / str(ranks), ranks)
+    assert int(re.search(r"^Nlocal: +\S+ ave \S+ max (\d+) min", found[2].output, re.M)[1]) > 200, "both ranks have points at the end"
+    one = found.pop(1).table()
+    when(one)
+    for ranks, result in found.items():
+        t = result.table()
+        assert (t[AWAKE] == one[AWAKE]).all() and (t[SEPARATED] == one[SEPARATED]).all()
+        P = np.array([t[c] for c in MOMENTUM_COLUMNS])
+        figures.below(f"{ranks} ranks: drift of momentum", np.abs(P - P[:, :1]).max(axis=1)[:3].max() / np.linalg.norm(P[:3, 0]), 1e-7)
+        figures.below(f"{ranks} ranks: kinetic energy of the cement against one rank", np.abs(t["f_cem[5]"] / one["f_cem[5]"] - 1).max(), 1e-6)

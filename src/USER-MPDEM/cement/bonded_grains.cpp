@@ -271,24 +271,42 @@ void BondedGrains::book_loads_taken_back(double dt_last, EnergyBooks& books) con
   }
 }
 
-void BondedGrains::push(const std::vector<Six>& momentum, const CondensedPack& condensed) {
+// Bonds carry a part of it on to their other grain: (m + M_ss) dv_s + sum M_st dv_t = p_s by block Jacobi.
+void BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  constexpr int kSweeps = 40;
+  int mine = 0, any;
+  for (const Six& p : momentum) mine = mine || std::any_of(p.begin(), p.end(), [](double x) { return x != 0.0; });
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
+  if (!any) return;
+  std::vector<Eigen::LDLT<Matrix6>> inertia;
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    Grain& g = grains[n];
-    Eigen::Matrix<double, 6, 1> of_free;
+    const Grain& g = grains[n];
     Matrix6 M;
     for (int i = 0; i < 6; ++i) {
-      of_free[i] = g.free[i] ? momentum[n][i] : 0.0;
       for (int j = 0; j < 6; ++j) M(i, j) = g.free[i] && g.free[j] ? condensed.mass(static_cast<int>(n))[sym6(i, j)] : 0.0;
       M(i, i) += i < 3 ? g.mass : g.inertia;
     }
-    if (of_free.isZero(0.0)) continue;
-    const Eigen::Matrix<double, 6, 1> change = M.ldlt().solve(of_free);
-    for (int d = 0; d < 6; ++d) {
-      g.velocity[d] += change[d];
-      g.state->v[d] += change[d];
+    inertia.emplace_back(M);
+  }
+  std::vector<double> change(6 * grains.size(), 0.0), carried;
+  for (int k = 0; k < kSweeps; ++k) {
+    condensed.set_accelerations(change.data());
+    carried.assign(change.size(), 0.0);
+    condensed.take_coupling(carried.data());
+    for (std::size_t n = 0; n < grains.size(); ++n) {
+      Vector6 of_free;
+      for (int d = 0; d < 6; ++d) of_free[d] = grains[n].free[d] ? momentum[n][d] + carried[6 * n + d] : 0.0;
+      const Vector6 found = inertia[n].solve(of_free);
+      std::copy(found.data(), found.data() + 6, &change[6 * n]);
     }
   }
+  for (std::size_t n = 0; n < grains.size(); ++n)
+    for (int d = 0; d < 6; ++d) {
+      grains[n].velocity[d] += change[6 * n + d];
+      grains[n].state->v[d] += change[6 * n + d];
+    }
 }
 
 void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {

@@ -12,6 +12,7 @@
 
 #include <mpi.h>
 
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -92,6 +93,14 @@ class Cement {
   EigenvalueEstimate eigenvalue_of_new_layout();
   std::vector<StiffnessOfBond> stiffness_of_bonds();
   double grains_step() { return stable_step_.of_grains(stiffness_of_bonds()); }
+  // The same to be watched: no limit where a bond is nearly apart and has no static stiffness to go by.
+  double grains_step_if_known() {
+    try {
+      return grains_step();
+    } catch (const BadState&) {
+      return std::numeric_limits<double>::infinity();
+    }
+  }
 
   // A run: start, then steps, each with its end.
   void take_up_commands();  // before the first step

@@ -114,7 +114,8 @@ void CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& 
       described_.erase(row);
       continue;
     }
-    cut[n] = b->cut_by_ranks();
+    // Halves of one that came apart share no nodes, and may be on two ranks.
+    cut[n] = b->cut_by_ranks() || b->points.size() != bonds.table[row].points;
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
     const auto before = described_.find(row);

@@ -141,6 +141,10 @@ bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
   const Body& body = scene_.bonds.body(b);
   if (b.cut_by_ranks() || b.points.size() != body.points) return false;
+  // looks that are to come, which condensed bonds do not get
+  const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
+  if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
+  if (cracks_.separated(b.body) && !cracks_.has_seen(b)) return false;
   const GrainSide* side = scene_.grains.side_of(b);
   if (cracks_.separated(b.body))
     return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law,
@@ -159,7 +163,7 @@ std::vector<int> Condensing::rows_that_rest() {
 }
 
 void Condensing::condense_again() {
-  if (scene_.now.number % scene_.options.check_every != 0) return;
+  if (!scene_.ends_step() || scene_.now.number % scene_.options.check_every != 0) return;
   BondedGrains& grains = scene_.grains;
   const std::vector<int> rows = again_.rows = rows_that_rest();
   if (rows.empty()) return;
@@ -204,7 +208,7 @@ void Condensing::condense_again() {
     for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
   condensed_.bind(scene_.comm, scene_.bonds, grains);
   condensed_.follow(grains, scene_.weight().data());
-  grains.push(momentum, *condensed_.pack());
+  grains.push(scene_.comm, momentum, *condensed_.pack());
 }
 
 }  // namespace mpdem

@@ -192,6 +192,8 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), states_[row].separation.separated);
 }
 
+bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].failed_seen; }
+
 // Whose path is cut, and where something broke since. Debris is looked for in all: it may be in any bond that came apart.
 std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
   std::vector<int> rows = union_of_ranks(comm, cut_);

@@ -33,6 +33,8 @@ class Cracks {
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
   std::size_t size() const { return states_.size(); }
+  // Has nothing failed or let go since the last look at this bond, which is whole on this rank and came apart?
+  bool has_seen(const Bond& bond) const;
   bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
   // Separated, or carries nothing any more; then separation has the surface of a crack through what is left, until the bond is separated.
   bool broken(std::size_t row) const { return separated(row) || (row < states_.size() && states_[row].broken_at > 0); }

@@ -8,8 +8,8 @@
 //
 // so loads, masses, energy and ranks are those of the other condensed bonds.
 //
-// Dust, points that failed and crumbs of fewer than kLeastLoose points (fracture/separation.h) which hold to no grain, goes with the piece whose nodes it
-// has, or the nearer one. A bond with a larger loose piece stays as it is: that piece follows no grain.
+// Dust, points that failed and points that hold to no grain, goes with the piece whose nodes it has, or the nearer one. A bond with kLeastLoose
+// (fracture/separation.h) or more points that hold to no grain stays as it is: a loose piece follows none.
 #ifndef MPDEM_RIGID_PIECES_H
 #define MPDEM_RIGID_PIECES_H
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "arguments.h"
+#include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "error.h"
 #include "fix_mpm.h"
@@ -37,9 +38,11 @@ void FixCheckTimestepMpm::init() {
                                  "before and name its ID here"));
 }
 
-// Damage softens bonds, so what is stable at the start of a run stays so.
+// Damage softens bonds, so what was stable once stays so, until there are others.
 void FixCheckTimestepMpm::setup(int) {
-  of_grains_ = cement_->stable_step(true);
+  const std::size_t bonds = cement_->cement()->bonds.table.size();
+  if (bonds != bonds_) of_grains_ = cement_->stable_step(true);
+  bonds_ = bonds;
   check();
 }
 void FixCheckTimestepMpm::end_of_step() { check(); }

@@ -34,7 +34,8 @@ class FixCheckTimestepMpm : public Fix {
   double fraction_ = 0.0;
   bool stop_ = false;
   double limit_ = 0.0, share_ = 0.0;
-  double of_grains_ = 0.0;  // the limit of this run by grains on their bonds
+  double of_grains_ = 0.0;  // the limit by grains on their bonds, when there were so many
+  std::size_t bonds_ = 0;
 };
 
 }  // namespace LAMMPS_NS

@@ -364,7 +364,7 @@ void FixMpm::reset_dt() {
 
 double FixMpm::stable_step(bool of_grains) {
   double step = 0.0;
-  guarded([&] { step = !of_grains ? substeps() * cement_->stable_step().find() : is_coupled() && substeps() > 1 ? cement_->grains_step() : INFINITY; });
+  guarded([&] { step = !of_grains ? substeps() * cement_->stable_step().find() : is_coupled() && substeps() > 1 ? cement_->grains_step_if_known() : INFINITY; });
   return step;
 }
 
