@@ -40,7 +40,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if n in ("off a grain, sheared", "through a waist") else n for n in CASES])
 def test_at_rest(name, tmp_path, figures):
     """Jumps of force and energy, and where points are in the end, against the resolved bond."""
     tables, points, failed = {}, {}, {}
@@ -140,16 +140,16 @@ def test_over_the_cuts_of_ranks(tmp_path, figures):
     """Pieces that were condensed on one rank turn into the bricks of others, are cut by ranks, and give their grains the same loads as on one rank."""
     quantities = point_quantities(["failed"]) + dump(40000, ["x", "y", "z", "vx", "vy", "vz"])
     found = {}
-    for ranks, grid in ((1, "* * *"), (4, "2 1 2")):
-        text = edit(edit(free("yes"), "processors   * * *", f"processors   {grid}"), "-0.02 0.02 -0.02 0.02 -0.02 0.02 units", "-0.02 0.0236 -0.02 0.02 -0.0236 0.02 units")
+    for ranks, grid in ((1, "* * *"), (2, "2 1 1")):
+        text = edit(edit(free("yes"), "processors   * * *", f"processors   {grid}"), "-0.02 0.02 -0.02 0.02 -0.02 0.02 units", "-0.02 0.0236 -0.02 0.02 -0.02 0.02 units")
         result = run(text + quantities + MOMENTA + thermo(10, STATE) + "run 40000\n", tmp_path / str(ranks), ranks)
         found[ranks] = result.table(), result.points(40000), result.output
-    (one, points, _), (four, others, output) = found[1], found[4]
+    (one, points, _), (two, others, output) = found[1], found[2]
     when(one)
-    assert (one[AWAKE] == four[AWAKE]).all() and (one["f_cem[2]"] == four["f_cem[2]"]).all()
-    assert int(re.search(r"^Nlocal: +\S+ ave (\d+) max", output, re.M)[1]) < 600, "pieces on two ranks at the end"
-    figures.below("momenta on four ranks against one", max(np.abs(one[c] - four[c]).max() / np.abs(one[c]).max() for c in MOMENTUM_COLUMNS), 1e-6)
-    figures.below("points on four ranks against one, over a cell", max(np.abs(points[d] - others[d]).max() for d in "xyz") / 4e-4, 1e-6)
+    assert (one[AWAKE] == two[AWAKE]).all() and (one["f_cem[2]"] == two["f_cem[2]"]).all()
+    assert int(re.search(r"^Nlocal: +\S+ ave (\d+) max", output, re.M)[1]) < 940, "pieces on two ranks at the end"
+    figures.below("momenta on two ranks against one", max(np.abs(one[c] - two[c]).max() / np.abs(one[c]).max() for c in MOMENTUM_COLUMNS), 1e-6)
+    figures.below("points on two ranks against one, over a cell", max(np.abs(points[d] - others[d]).max() for d in "xyz") / 4e-4, 1e-6)
     figures.below("their velocities, m/s", max(np.abs(points[d] - others[d]).max() for d in ("vx", "vy", "vz")), 1e-6)
 
 
