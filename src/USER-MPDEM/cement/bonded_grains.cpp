@@ -2,7 +2,6 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "bonded_grains.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -271,41 +270,21 @@ void BondedGrains::book_loads_taken_back(double dt_last, EnergyBooks& books) con
   }
 }
 
-// Bonds carry a part of it on to their other grain: (m + M_ss) dv_s + sum M_st dv_t = p_s by block Jacobi.
+// Bonds carry a part of it on to their other grain.
 void BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  constexpr int kSweeps = 40;
-  int mine = 0, any;
-  for (const Six& p : momentum) mine = mine || std::any_of(p.begin(), p.end(), [](double x) { return x != 0.0; });
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
-  if (!any) return;
-  std::vector<Eigen::LDLT<Matrix6>> inertia;
+  load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    const Grain& g = grains[n];
-    Matrix6 M;
-    for (int i = 0; i < 6; ++i) {
-      for (int j = 0; j < 6; ++j) M(i, j) = g.free[i] && g.free[j] ? condensed.mass(static_cast<int>(n))[sym6(i, j)] : 0.0;
-      M(i, i) += i < 3 ? g.mass : g.inertia;
-    }
-    inertia.emplace_back(M);
+    std::fill(grains[n].acceleration, grains[n].acceleration + 6, 0.0);
+    for (int d = 0; d < 6; ++d) load_[n][d] = momentum[n][d];
   }
-  std::vector<double> change(6 * grains.size(), 0.0), carried;
-  for (int k = 0; k < kSweeps; ++k) {
-    condensed.set_accelerations(change.data());
-    carried.assign(change.size(), 0.0);
-    condensed.take_coupling(carried.data());
-    for (std::size_t n = 0; n < grains.size(); ++n) {
-      Vector6 of_free;
-      for (int d = 0; d < 6; ++d) of_free[d] = grains[n].free[d] ? momentum[n][d] + carried[6 * n + d] : 0.0;
-      const Vector6 found = inertia[n].solve(of_free);
-      std::copy(found.data(), found.data() + 6, &change[6 * n]);
-    }
-  }
-  for (std::size_t n = 0; n < grains.size(); ++n)
+  sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
+  condensed.set_accelerations(std::vector<double>(6 * grains.size(), 0.0).data());
+  impulses_.find_impulse(comm, std::vector<SideMoments>(sides.sides.size()), grains, load_, sides, &condensed);
+  for (Grain& g : grains)
     for (int d = 0; d < 6; ++d) {
-      grains[n].velocity[d] += change[6 * n + d];
-      grains[n].state->v[d] += change[6 * n + d];
+      if (!g.free[d]) continue;
+      g.velocity[d] += g.acceleration[d];
+      g.state->v[d] += g.acceleration[d];
     }
 }
 

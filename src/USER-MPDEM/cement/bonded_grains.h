@@ -100,8 +100,8 @@ class BondedGrains {
   void keep_loads();
   void take_back_loads();
   void book_loads_taken_back(double dt_last, EnergyBooks& books) const;
-  // Collective. Momentum and angular momentum about its centre of each grain, which it and its condensed bonds take up at once, where it is free. Leaves the
-  // accelerations of these undefined.
+  // Collective. Momentum and angular momentum about its centre of each grain, which it and its condensed bonds take up at once, where it is free.
+  // Accelerations are then those of this impulse, until distribute().
   void push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed);
   // At the start of a run, and at the end of a step of n sub-steps: what is spread over those of the next one.
   void start_spreading(int n);

@@ -113,9 +113,9 @@ class CondensedBonds {
   // The same of a bond that came apart: does what holds move with its grains, within kChange of the largest load that the bond had and of the energy with that?
   bool pieces_rest(Bond& awake, const Body& body, const GrainSide* side, double energy, const LoadWatch::Largest& largest, const double* gravity,
                    double dt_last, const Law& law, bool split);
-  // Momentum of both sides of one that fits, as its nodes have it, and as the condensed bond has it with the motion of these sides. The latter once it
-  // is solved. As loads. half: half a step, by which stored velocities lie behind.
-  GrainLoads momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side, double half) const;
+  // Momentum of both sides of one that fits, half a step behind, as its nodes have it, and as the condensed bond has it with the motion of these sides. The
+  // latter once it is solved. As loads. half: half a step.
+  GrainLoads momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side) const;
   GrainLoads momentum_as_condensed(int row, const Body& body, const GrainSide* side, double half) const;
   void forget_candidate(int body) { candidates_.erase(body); }
 

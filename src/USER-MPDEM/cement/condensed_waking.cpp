@@ -219,15 +219,15 @@ bool CondensedBonds::pieces_rest(Bond& awake, const Body& body, const GrainSide*
   return true;
 }
 
-GrainLoads CondensedBonds::momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side, double half) const {
+GrainLoads CondensedBonds::momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side) const {
   const Solution& s = *candidates_.at(awake.body).solution;
-  if (!s.grain_of_node.empty()) return momentum_of_pieces(awake, s.grain_of_node, s.models, body, side, half);
+  if (!s.grain_of_node.empty()) return momentum_of_pieces(awake, s.grain_of_node, s.models, body, side);
   const CondensedMotion motion(s.models.front(), body, side);
   const Grid& grid = awake.grid;
   CondensedMotion::Vector12 sum = CondensedMotion::Vector12::Zero();
   for (int i = 0; i < grid.size(); ++i) {
     if (!(grid.mass[i] > 0.0)) continue;
-    const CondensedMotion::Vector6 of_node = momentum_of_node(grid, i, motion, half);
+    const CondensedMotion::Vector6 of_node = momentum_of_node(grid, i, motion);
     const CondensedMotion::Vector6 of_second = fields_at(s.fields, i).transpose() * of_node.head<3>();
     sum.head<6>() += of_node - of_second;
     sum.tail<6>() += of_second;
@@ -239,7 +239,7 @@ GrainLoads CondensedBonds::momentum_as_condensed(int row, const Body& body, cons
   const std::vector<CondensedModel>& models = solutions_.at(row)->models;
   if (models.size() == 2) return momentum_of_rigid_pieces(models, body, side, half);
   const CondensedMotion motion(models.front(), body, side);
-  return motion.loads(models.front().M * motion.velocity(side, half));
+  return motion.loads(motion.momentum_before(models.front(), side, half));
 }
 
 }  // namespace mpdem

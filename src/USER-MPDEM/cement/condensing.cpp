@@ -188,7 +188,7 @@ void Condensing::condense_again() {
     again_.energy += work_.energy_of(*b);
     const GrainSide* side = grains.side_of(*b);
     here.push_back({row, b->side, {side[0], side[1]}});
-    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds.table[row], side, half), 1.0);
+    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds.table[row], side), 1.0);
     condensed_.forget_candidate(row);
     go_back_to_creation(b->points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration}) std::fill(values->begin(), values->end(), 0.0);

@@ -78,10 +78,9 @@ std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector
   return models;
 }
 
-Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion, double half) {
+Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion) {
   using Vector3 = Eigen::Vector3d;
-  const Vector3 v = CondensedMotion::vector(&grid.velocity[3 * node]) + half * CondensedMotion::vector(&grid.acceleration[3 * node]);
-  const Vector3 p = grid.mass[node] * (motion.axes().transpose() * v);
+  const Vector3 p = grid.mass[node] * (motion.axes().transpose() * CondensedMotion::vector(&grid.velocity[3 * node]));
   const Vector3 place = place_of(grid, node) + CondensedMotion::vector(&grid.displacement[3 * node]);
   Eigen::Matrix<double, 6, 1> of_node;
   of_node << p, Vector3(motion.axes().transpose() * (place - motion.middle())).cross(p);
@@ -107,18 +106,18 @@ GrainLoads loads_of_pieces(const std::vector<CondensedModel>& models, const Body
 }  // namespace
 
 GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models, const Body& body,
-                              const GrainSide* side, double half) {
+                              const GrainSide* side) {
   return loads_of_pieces(models, body, side, [&](int s, const CondensedMotion& motion, const std::array<GrainSide, 2>&) {
     CondensedMotion::Vector12 sum = CondensedMotion::Vector12::Zero();
     for (int i = 0; i < bond.grid.size(); ++i)
-      if (bond.grid.mass[i] > 0.0 && grain_of_node[i] == s) sum.head<6>() += momentum_of_node(bond.grid, i, motion, half);
+      if (bond.grid.mass[i] > 0.0 && grain_of_node[i] == s) sum.head<6>() += momentum_of_node(bond.grid, i, motion);
     return sum;
   });
 }
 
 GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, double half) {
   return loads_of_pieces(models, body, side, [&](int s, const CondensedMotion& motion, const std::array<GrainSide, 2>& both) {
-    return CondensedMotion::Vector12(models[s].M * motion.velocity(both.data(), half));
+    return motion.momentum_before(models[s], both.data(), half);
   });
 }
 

@@ -43,12 +43,11 @@ std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool spli
 // The models of both pieces, by the nodes that count on this rank and have a grain. middle: of the contact at the creation.
 std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const Eigen::Vector3d& middle);
 
-// Momentum of a node and its angular momentum about where the grains have the middle, in the axes of `motion`. half: half a step, by which stored velocities
-// lie behind.
-Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion, double half);
-// Momentum of both pieces, as loads on the sides of the body: that of their nodes, and that of the models with the motion of the sides.
+// Momentum of a node and its angular momentum about where the grains have the middle, by its stored velocity and in the axes of `motion`.
+Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion);
+// Momentum of both pieces half a step behind, as loads on the sides of the body: that of their nodes, and that of the models with the motion of the sides.
 GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models, const Body& body,
-                              const GrainSide* side, double half);
+                              const GrainSide* side);
 GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, double half);
 
 }  // namespace mpdem

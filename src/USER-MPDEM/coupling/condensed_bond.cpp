@@ -135,6 +135,14 @@ CondensedMotion::Vector12 CondensedMotion::rate(const GrainSide* side) const {
   return of_sides(a[0], a[1]);
 }
 
+// Places have moved on since: what they turned by since then is centripetal, and is not in the momentum of that time.
+CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const GrainSide* side, double half) const {
+  GrainSide turning_alone[2] = {side[0], side[1]};
+  for (GrainSide& s : turning_alone)
+    for (int d = 0; d < 3; ++d) s.a[d] = s.alpha[d] = 0.0;
+  return model.M * (velocity(side, 0.0) - half * rate(turning_alone)) - half * centripetal(model, side);
+}
+
 CondensedMotion::Vector12 CondensedMotion::uniform(const double* g) const {
   const Vector3 of_axes = Q_.transpose() * vector(g);
   Vector12 q = Vector12::Zero();

@@ -82,6 +82,8 @@ class CondensedMotion {
   Vector12 generalized(const double* first, const double* second) const;
   // What the centripetal acceleration of nodes beyond that of the p_s asks for.
   Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
+  // M q of half a step before, while the sides have velocities of that time but places of now.
+  Vector12 momentum_before(const CondensedModel& model, const GrainSide* side, double half) const;
   // All loads on the grains while the sides have these velocities and accelerations: elastic, of inertia and of weight.
   GrainLoads all(const CondensedModel& model, const GrainSide* side, const double* gravity) const;
 
