@@ -61,6 +61,21 @@ TEST(Weights, CellOfAPoint) {
     for (int i = 0; i < 6; ++i) EXPECT_EQ(support_base(X[i] * kH, kInverse, shift[b]), base[b][i]);
 }
 
+// Whoever asks for the cell of a point on a face of cells has to get the same one, however the compiler arranges the arithmetic there.
+TEST(Weights, CellOfAPointOnAFaceIsThatOfARoundedProduct) {
+  test::Random random(7);
+  int contracted = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const double h = random.uniform(1e-5, 1e-3), inverse_h = 1.0 / h;
+    const int cell = static_cast<int>(random.uniform(-60.0, 60.0));
+    const double X = (cell + 0.5) * h;
+    volatile double product = X * inverse_h;
+    ASSERT_EQ(support_base(X, inverse_h, 0.5), static_cast<int>(std::floor(product - 0.5))) << "X " << X << ", h " << h;
+    contracted += std::floor(std::fma(X, inverse_h, -0.5)) != std::floor(product - 0.5);
+  }
+  EXPECT_GT(contracted, 100);  // so that the numbers tell the two apart
+}
+
 TYPED_TEST(Transfers, PartitionOfUnityAndLinearReproduction) {
   test::Random random(71);
   test::Worst unity, linear, unity_slope, linear_slope, negative;
