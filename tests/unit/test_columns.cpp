@@ -57,7 +57,7 @@ Mat3<vd> any_tensor(const BlockMeta& m) {
   return T;
 }
 
-// Gradients and forces are those of points anywhere, to rounding.
+// Gradients, values and forces are those of points anywhere, to rounding.
 void expect_same_as_anywhere(const PointStore& store, Lattice lattice) {
   ASSERT_EQ(store.blocks.size(), 1u);
   const PointBlock& p = store.blocks[0];
@@ -66,6 +66,7 @@ void expect_same_as_anywhere(const PointStore& store, Lattice lattice) {
   const Weights<QuadraticBspline> everywhere(p.X, m.base, 1.0 / kColumnCell);
   const Nodes nodes;
   const Mat3<vd> G = gather_gradient(nodes.value.data(), nodes.column, everywhere), T = any_tensor(m);
+  const vd value = gather_scalar(nodes.value.data(), nodes.column, everywhere);
   std::vector<double> force = nodes.value;
   scatter_gradient(force.data(), nodes.column, everywhere, T);
   with_gradient_weights<QuadraticBspline>(p, m, 1.0 / kColumnCell, [&](const auto& s) {
@@ -76,6 +77,11 @@ void expect_same_as_anywhere(const PointStore& store, Lattice lattice) {
           if (!(m.occupied >> l & 1)) continue;
           EXPECT_NEAR(same.a[i][j][l], G.a[i][j][l], 1e-14 / kColumnCell) << i << j << ' ' << l;
         }
+    const vd same_value = gather_scalar(nodes.value.data(), nodes.column, s);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(m.occupied >> l & 1)) continue;
+      EXPECT_NEAR(same_value[l], value[l], 1e-14) << l;
+    }
     std::vector<double> other = nodes.value;
     scatter_gradient(other.data(), nodes.column, s, T);
     for (std::size_t n = 0; n < force.size(); ++n) EXPECT_NEAR(other[n], force[n], 4e-14 / kColumnCell) << n;

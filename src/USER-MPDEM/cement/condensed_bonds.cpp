@@ -429,7 +429,7 @@ double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& opti
     for (int k = 0; k < sweeps.count; ++k)
       b.average.sweep(b.points, b.grid, k == sweeps.count - 1 ? sweeps.last_weight : 1.0, k == sweeps.count - 1);
   }
-  return largest_root_of_drive(b.points, law, averaged);
+  return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
 }
 
 // The bound is by norms and some times the root itself. So the points are looked at when it says that they might be due, and again when a change

@@ -143,7 +143,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
     grid.velocity = static_displacement(comm, &parts, grid.force);
     AdvanceOptions options;
     options.nonlocal = true;  // without averages no damage grows
-    bond->points.average.clear();
+    grid.drive_average.clear();
     AdvanceResult result;
     grid.clear_force();
     advance_points(bond->points, 0, static_cast<int>(bond->points.blocks.size()), grid, law, 1.0, options, result);

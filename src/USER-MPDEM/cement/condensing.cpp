@@ -149,7 +149,7 @@ bool Condensing::rests(Bond& b) {
   if (cracks_.separated(b.body))
     return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law,
                                   scene_.options.split);
-  const double root = largest_root_of_drive(b.points, *scene_.law, false);
+  const double root = largest_root_of_drive(b.points, *scene_.law, nullptr);
   if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
   return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }

@@ -34,14 +34,14 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {
-      if (!std::binary_search(cut.begin(), cut.end(), &b)) b.points.average.clear();
+      if (!std::binary_search(cut.begin(), cut.end(), &b)) b.grid.drive_average.clear();
       continue;
     }
     if (!b.near_threshold) {
-      b.points.average.clear();
+      b.grid.drive_average.clear();
       continue;
     }
-    b.average.start(b.points, b.grid, *scene.law);
+    b.average.start(b.points, b.grid, *scene.law, !scene.options.updated);
     for (int k = 0; k < sweeps.count; ++k) b.average.sweep(b.points, b.grid, weight(k), k == sweeps.count - 1);
   }
   if (cut.empty()) return;

@@ -9,7 +9,7 @@
 
 namespace mpdem {
 
-// Collective. Leaves the averages with the points, for the pass over them; nothing without nonlocal damage. any_bond_is_cut: by ranks, on any rank.
+// Collective. Leaves the averages with the grids, for the pass over the points; nothing without nonlocal damage. any_bond_is_cut: by ranks, on any rank.
 void average_drives(Scene& scene, bool any_bond_is_cut);
 
 }  // namespace mpdem

@@ -15,11 +15,11 @@ constexpr int kAhead = 2;  // blocks: about as long as memory takes to answer
 
 // Of one block, with its weights s: strain at the end of the step, and the force if the stress does not wait.
 template <class L, class W>
-inline void advance_block(PointStore& points, int b, const W& s, const double* velocity, double* force, double dt, PointStress<L>& stress_at_end,
+inline void advance_block(PointStore& points, int b, const W& s, const Grid& grid, double* force, double dt, PointStress<L>& stress_at_end,
                           PassClock& clock) {
   const BlockMeta& m = points.meta[b];
   PointBlock& p = points.blocks[b];
-  Mat3<vd> dF = gather_gradient(velocity, m.column, s);
+  Mat3<vd> dF = gather_gradient(grid.velocity.data(), m.column, s);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) dF.a[i][j] *= dt;
   clock.gathered();
@@ -31,7 +31,7 @@ inline void advance_block(PointStore& points, int b, const W& s, const double* v
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];
   Sym3<vd> stress;
-  const bool known = stress_at_end(b, strain_start, stress);
+  const bool known = stress_at_end(b, strain_start, [&] { return average_at(grid, m, s); }, stress);
   clock.stressed();
   if (!known) return;
   scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
@@ -42,7 +42,6 @@ template <class Type, class L>
 void advance(PointStore& points, int first, int last, Grid& grid, const L& law, double dt,
              const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
-  const double* velocity = grid.velocity.data();
   double* force = grid.force.data();
   PointStress<L> stress_at_end(points, law, dt, options, result);
   PassClock clock(result.ticks);
@@ -60,7 +59,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     const BlockMeta& m = points.meta[b];
     clock.start();
     with_gradient_weights<Type>(points.blocks[b], m, inverse_h,
-                       [&](const auto& s) { advance_block(points, b, s, velocity, force, dt, stress_at_end, clock); });
+                       [&](const auto& s) { advance_block(points, b, s, grid, force, dt, stress_at_end, clock); });
     if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
   }
   stress_at_end.settle(clock, scatter_waiting);

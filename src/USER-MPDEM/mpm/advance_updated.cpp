@@ -184,7 +184,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
     if (m.failed) dL = keep(lanes(m.failed), Mat3<vd>{}, dL);
     advance_strain(unit(), dL, p.q, p.strain);
     Sym3<vd> stress;
-    const bool known = stress_at_end(b, strain_start, stress);
+    const bool known = stress_at_end(b, strain_start, [&] { return average_at(grid, m, s); }, stress);
     clock.stressed();
 
     const vmask here = lanes(m.occupied);

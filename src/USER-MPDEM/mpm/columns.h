@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Gradients at the points of a block that stand in columns, and forces of their stress, see gather.h and scatter.h. Lanes 2n
+// Gradients and values at the points of a block that stand in columns, and forces of their stress, see gather.h and scatter.h. Lanes 2n
 // and 2n + 1 are column n, its lower and its upper point. All lower points are at one height, and all upper ones, as in a lattice
 // with two points a cell in each direction. If the columns are the corners of a rectangle, too, with n = 2a + b, the points are
 // those of a box. Weights are then two numbers for each node and direction, or four across columns that stand anywhere. Lanes are
@@ -130,6 +130,21 @@ __attribute__((noinline)) inline Mat3<vd> gather_gradient(const double* __restri
   Mat3<vd> G;
   for (int d = 0; d < 3; ++d) detail::by_component(U[d], G.a[0][d], G.a[1][d], G.a[2][d]);
   return G;
+}
+
+// Scalar field: out = sum_I nodal_I N_I
+template <class Type, Lattice kLattice>
+inline vd gather_scalar(const double* __restrict nodal, const int* column, const ColumnWeights<Type, kLattice>& s) {
+  vd sum{};
+  for (int i = 0; i < 3; ++i) {
+    vd A{};
+    for (int j = 0; j < 3; ++j) {
+      const double* p = nodal + column[3 * i + j];
+      A += __builtin_shufflevector(s.across[j], s.across[j], 4, 4, 5, 5, 6, 6, 7, 7) * (p[0] * s.w[0] + p[1] * s.w[1] + p[2] * s.w[2]);
+    }
+    sum += __builtin_shufflevector(s.across[i], s.across[i], 0, 0, 1, 1, 2, 2, 3, 3) * A;
+  }
+  return sum;
 }
 
 // nodal_Ic += sum over the points of T.a[c][d] dN_I/dX_d

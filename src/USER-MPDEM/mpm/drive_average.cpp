@@ -37,58 +37,62 @@ bool is_near_threshold(const PointStore& points, const Law& law) {
   });
 }
 
-void DriveAverage::start(PointStore& points, const Grid& grid, const Law& law) {
-  const std::size_t blocks = points.blocks.size();
-  points.average.resize(blocks);
-  volume_.assign(grid.size(), 0.0);
+namespace {
+
+int count_holding(const PointStore& points) {
+  int count = 0;
+  for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.occupied & ~m.failed);
+  return count;
+}
+
+}  // namespace
+
+void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand) {
+  const int holding = count_holding(points);
+  const bool find_volumes = !volumes_stand || grid.drive_average.empty() || holding != holding_;
+  holding_ = holding;
+  if (find_volumes) volume_.assign(grid.size(), 0.0);
   sum_.assign(grid.size(), 0.0);
-  mean_.resize(grid.size());
   const double inverse_h = 1.0 / grid.h;
   with_law(law, [&](const auto& l) {
     using L [[maybe_unused]] = std::decay_t<decltype(l)>;
     with_basis(grid.basis, [&](auto type) {
-      for (std::size_t b = 0; b < blocks; ++b) {
+      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
         const PointBlock& p = points.blocks[b];
         const BlockMeta& m = points.meta[b];
-        points.average[b] = vd{};
         if (m.failed == m.occupied) continue;
-        const vmask active = lanes(m.occupied & ~m.failed);
-        if constexpr (L::kFields > 0) points.average[b] = select(active, root_of_norm(l, p.strain), vd{});
-        const vd V = select(active, p.volume, vd{});
+        const vd V = select(lanes(m.occupied & ~m.failed), p.volume, vd{});
+        vd root{};
+        if constexpr (L::kFields > 0) root = select(lanes(m.occupied & ~m.failed), root_of_norm(l, p.strain), vd{});
         with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
-          scatter_scalar(volume_.data(), m.column, s, V);
-          scatter_scalar(sum_.data(), m.column, s, V * points.average[b]);
+          if (find_volumes) scatter_scalar(volume_.data(), m.column, s, V);
+          scatter_scalar(sum_.data(), m.column, s, V * root);
         });
       }
     });
   });
-  grid.ties.give_to_heirs(volume_.data(), 1);
+  if (find_volumes) grid.ties.give_to_heirs(volume_.data(), 1);
   grid.ties.give_to_heirs(sum_.data(), 1);
+  grid.drive_average.assign(grid.size(), 0.0);
 }
 
-void DriveAverage::find_means(const EdgeTies& ties) {
-  for (std::size_t i = 0; i < sum_.size(); ++i) mean_[i] = volume_[i] > 0.0 ? sum_[i] / volume_[i] : 0.0;
-  ties.take_of_heirs(mean_.data(), 1);
-}
-
-void DriveAverage::sweep(PointStore& points, const Grid& grid, double weight, bool last) {
-  find_means(grid.ties);
-  if (!last) std::fill(sum_.begin(), sum_.end(), 0.0);
+void DriveAverage::sweep(const PointStore& points, Grid& grid, double weight, bool last) {
+  std::vector<double>& mean = grid.drive_average;
+  for (std::size_t i = 0; i < sum_.size(); ++i) mean[i] = (1.0 - weight) * mean[i] + (volume_[i] > 0.0 ? weight * sum_[i] / volume_[i] : 0.0);
+  grid.ties.take_of_heirs(mean.data(), 1);
+  if (last) return;
+  std::fill(sum_.begin(), sum_.end(), 0.0);
   const double inverse_h = 1.0 / grid.h;
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
       if (m.failed == m.occupied) continue;
-      const vmask active = lanes(m.occupied & ~m.failed);
-      vd& f = points.average[b];
-      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
-        f = select(active, (1.0 - weight) * f + weight * gather_scalar(mean_.data(), m.column, s), vd{});
-        if (!last) scatter_scalar(sum_.data(), m.column, s, p.volume * f);
-      });
+      const vd V = select(lanes(m.occupied & ~m.failed), p.volume, vd{});
+      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { scatter_scalar(sum_.data(), m.column, s, V * gather_scalar(mean.data(), m.column, s)); });
     }
   });
-  if (!last) grid.ties.give_to_heirs(sum_.data(), 1);
+  grid.ties.give_to_heirs(sum_.data(), 1);
 }
 
 }  // namespace mpdem

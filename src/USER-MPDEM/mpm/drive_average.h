@@ -26,6 +26,7 @@
 
 #include <vector>
 
+#include "gather.h"
 #include "grid.h"
 #include "point_store.h"
 
@@ -46,21 +47,30 @@ AverageSweeps sweeps_for(double length, double cell, Basis basis);
 // Has a point that kNearThreshold share of a drive? By an upper bound of it.
 bool is_near_threshold(const PointStore& points, const Law& law);
 
+// Of the points of a block with weights s. 0 without an average: nothing grows.
+template <class W>
+vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
+  return grid.drive_average.empty() ? vd{} : gather_scalar(grid.drive_average.data(), m.column, s);
+}
+
 // One bond. The average of points that are on other ranks, too, needs the sums of the nodes over the ranks: after start() of
 // volumes() and sums(), after every sweep() but the last of sums().
 class DriveAverage {
  public:
-  // Leaves the norm itself in points.average, sweep() what it has become.
-  void start(PointStore& points, const Grid& grid, const Law& law);
-  void sweep(PointStore& points, const Grid& grid, double weight, bool last);
+  // Takes the roots of the norms to the nodes. volumes_stand: no point has gone to another place since the last start; those of the nodes are found anew
+  // only if a point failed since, or the nodes changed.
+  void start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand = false);
+  // Leaves what its interpolation gives to the points in grid.drive_average: a node holds it for all points about it, so only between sweeps is it
+  // taken to the points and back. The weight of all but the last is 1.
+  void sweep(const PointStore& points, Grid& grid, double weight, bool last);
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
-  std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double); }
+  std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity()) * sizeof(double); }
 
  private:
-  void find_means(const EdgeTies& ties);
-  std::vector<double> volume_, sum_, mean_;  // of the nodes
+  std::vector<double> volume_, sum_;  // of the nodes
+  int holding_ = -1;                  // points that volume_ is of
 };
 
 }  // namespace mpdem

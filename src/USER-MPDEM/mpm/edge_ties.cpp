@@ -452,21 +452,29 @@ void EdgeTies::pull_back_sizes(double* values) const {
 }
 
 void EdgeTies::give_to_heirs(double* values, int width) const {
-  for (std::size_t t = 0; t < size(); ++t)
-    for (int c = 0; c < width; ++c) {
-      double& v = values[width * slave_[t] + c];
-      heirs_.for_each(t, [&](int node, double share) { values[width * node + c] += share * v; });
-      v = 0.0;
-    }
+  slave_.with([&](const auto* slaves) {
+    heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+      double* slave = values + width * static_cast<long>(slaves[row]);
+      for (int n = 0; n < length; ++n) {
+        double* heir = values + width * static_cast<long>(node[n]);
+        for (int c = 0; c < width; ++c) heir[c] += share[n] * slave[c];
+      }
+      std::fill(slave, slave + width, 0.0);
+    });
+  });
 }
 
 void EdgeTies::take_of_heirs(double* values, int width) const {
-  for (std::size_t t = 0; t < size(); ++t)
-    for (int c = 0; c < width; ++c) {
-      double sum = 0.0;
-      heirs_.for_each(t, [&](int node, double share) { sum += share * values[width * node + c]; });
-      values[width * slave_[t] + c] = sum;
-    }
+  slave_.with([&](const auto* slaves) {
+    heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+      double* slave = values + width * static_cast<long>(slaves[row]);
+      for (int c = 0; c < width; ++c) {
+        double sum = 0.0;
+        for (int n = 0; n < length; ++n) sum += share[n] * values[width * static_cast<long>(node[n]) + c];
+        slave[c] = sum;
+      }
+    });
+  });
 }
 
 void EdgeTies::extend(double* values) const {

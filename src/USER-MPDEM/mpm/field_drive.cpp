@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "../material/laws.h"
+#include "drive_average.h"
 #include "gather.h"
 #include "point_state.h"
 #include "strain_norm.h"
@@ -76,7 +77,7 @@ void find_strain_bounds(const PointStore& points, const std::array<std::vector<S
   });
 }
 
-double largest_root_of_drive(const PointStore& points, const Law& law, bool averaged) {
+double largest_root_of_drive(const PointStore& points, const Law& law, const Grid* averages) {
   double most = 0.0;
   with_law(law, [&](const auto& l) {
     using L = std::decay_t<decltype(l)>;
@@ -86,8 +87,12 @@ double largest_root_of_drive(const PointStore& points, const Law& law, bool aver
         const vmask active = lanes(m.occupied & ~m.failed);
         const Sym3<vd>& strain = points.blocks[b].strain;
         vd share;
-        if (averaged) {
-          share = drive_factor<L>(points.average[b]) / (l.lowest_threshold() * strength_of(m, l));
+        if (averages) {
+          vd average{};
+          with_basis(averages->basis, [&](auto type) {
+            with_weights<decltype(type)>(points.blocks[b], m, 1.0 / averages->h, [&](const auto& s) { average = average_at(*averages, m, s); });
+          });
+          share = drive_factor<L>(average) / (l.lowest_threshold() * strength_of(m, l));
         } else if (m.damaged) {
           const LawDrive drive = l.drive(strain, state_of<L>(points, static_cast<int>(b)));
           share = drive.Yeq / (drive.B * strength_of(m, l));
@@ -154,7 +159,6 @@ void go_back_to_creation(PointStore& points) {
     }
     p.strain = Sym3<vd>{};
   }
-  points.average.clear();
 }
 
 }  // namespace mpdem

@@ -26,8 +26,8 @@ void find_strain_bounds(const PointStore& points, const std::array<std::vector<S
 // where b bounds the root, of degree 1 the root by c.
 double margin_of_root(const Law& law, double b, double root, double most);
 
-// The largest root of the points with the strain that they have. averaged: points.average has the averages over a length.
-double largest_root_of_drive(const PointStore& points, const Law& law, bool averaged);
+// The largest root of the points with the strain that they have. averages: a grid that has those of the drive over a length, if they count.
+double largest_root_of_drive(const PointStore& points, const Law& law, const Grid* averages);
 
 // Deformation and frames by the displacement of the nodes, which is that of a turn Q and small beyond it. The strain is given already.
 // Before, the points are as they were made.

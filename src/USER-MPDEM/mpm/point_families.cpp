@@ -171,7 +171,6 @@ PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of
   for (FreedPlace& p : places) p.slot = new_slot[p.slot];
   done.link_place = sort_links();
   std::stable_sort(places.begin(), places.end(), [](const FreedPlace& a, const FreedPlace& b) { return a.slot < b.slot; });
-  average.clear();
   return done;
 }
 

@@ -124,8 +124,6 @@ class PointStore {
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
   std::vector<FreedPlace> places;  // ascending in slot and grain
-  // Of the root of the norm of strain, 0 where points have failed, see drive_average.h. Empty while nothing is averaged.
-  std::vector<vd> average;
 
   // Appends a point and returns its slot.
   int add(const PointRecord& r, int tag);
@@ -217,7 +215,6 @@ class PointStore {
     f(s.tags);
     f(s.links);
     f(s.places);
-    f(s.average);
   }
   // Those with so many entries a block.
   template <class Self, class F>

@@ -65,20 +65,22 @@ class PointStress {
   }
 
   // Stress of block b in its material frame, zero in failed lanes; false: the block waits for
-  // settle(). strain_start is that before the step.
-  bool operator()(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
+  // settle(). strain_start is that before the step, average() that of the drive.
+  template <class Average>
+  bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     if constexpr (L::kFields == 0) {
       stress = law_.elasticity().stress(p.strain);
     } else {
       const BlockMeta& m = points_.meta[b];
-      if (m.damaged || always_) return damaged(b, strain_start, stress);
+      if (m.damaged || always_) return damaged(b, strain_start, nonlocal_ ? average() : vd{}, stress);
       stress = law_.elasticity().stress(p.strain);
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
-      if (!nonlocal_) return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, stress);
+      if (!nonlocal_) return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, vd{}, stress);
       if (!result_.near_threshold && any(rough > square_near_)) look_how_near(L::square_bound(stress, p.strain), lanes(m.occupied));
-      if (any(average(b) > (m.linked ? root_weakest_ : root_B_))) return damaged(b, strain_start, stress);
+      const vd of_drive = average();
+      if (any(lanes(m.occupied) & (of_drive > (m.linked ? root_weakest_ : root_B_)))) return damaged(b, strain_start, of_drive, stress);
     }
     return true;
   }
@@ -102,7 +104,8 @@ class PointStress {
   using State = typename L::State;
   static constexpr int kVectors = kMost / kLanes + 1;
 
-  __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, Sym3<vd>& stress) {
+  // average: of the drive, where it is nonlocal.
+  __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
@@ -111,7 +114,7 @@ class PointStress {
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
       look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active);
-      const vd a = drive_factor<L>(average(b) / max(root_of_norm(law_, p.strain), splat(1e-100)));
+      const vd a = drive_factor<L>(average / max(root_of_norm(law_, p.strain), splat(1e-100)));
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
     const vd threshold = strength * t.least_threshold;
@@ -124,10 +127,6 @@ class PointStress {
     return false;
   }
 
-  // 0 without an average: nothing grows.
-  vd average(int b) const {
-    return static_cast<std::size_t>(b) < points_.average.size() ? points_.average[b] : vd{};
-  }
   void look_how_near(vd square, vmask active) {
     if (!result_.near_threshold) result_.near_threshold = any(active & (square > square_near_));
   }
