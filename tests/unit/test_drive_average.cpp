@@ -143,6 +143,19 @@ TEST(DriveAverage, EndsAtAWideCrack) {
   expect_within(worst, 1e-13, "what comes across");
 }
 
+// The length may be the cell but for rounding (cement_words.cpp), and cubic splines need one sweep there.
+TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
+  test::Random random(306);
+  for (double ratio : {1.0 - 5e-7, 1.0, 1.0 + 5e-7}) {
+    Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), Basis::cubic);
+    set_roots(c, [](int, int) { return 3.0; });
+    average(c, sweeps_for(ratio * kCell, kCell, Basis::cubic));
+    test::Worst worst;
+    c.for_points([&](int b, int l) { worst.add(std::fabs(average_of(c, b, l) - 3.0)); });
+    expect_within(worst, 1e-13, "average of a constant");
+  }
+}
+
 // Volumes of the nodes that stand are those that are found anew: after points failed, and after nodes changed.
 TEST(DriveAverage, VolumesThatStand) {
   test::Random random(305);

@@ -18,6 +18,7 @@ AverageSweeps sweeps_for(double length, double cell, Basis basis) {
   // a weight of next to nothing is rounding
   const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
   const double rest = sweeps - whole;
+  if (whole == 0) return {1, 1.0};  // L is the cell but for rounding
   return rest > 1e-6 * sweeps ? AverageSweeps{whole + 1, rest} : AverageSweeps{whole, 1.0};
 }
 
@@ -61,9 +62,10 @@ void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, b
         const PointBlock& p = points.blocks[b];
         const BlockMeta& m = points.meta[b];
         if (m.failed == m.occupied) continue;
-        const vd V = select(lanes(m.occupied & ~m.failed), p.volume, vd{});
+        const vmask active = lanes(m.occupied & ~m.failed);
+        const vd V = select(active, p.volume, vd{});
         vd root{};
-        if constexpr (L::kFields > 0) root = select(lanes(m.occupied & ~m.failed), root_of_norm(l, p.strain), vd{});
+        if constexpr (L::kFields > 0) root = select(active, root_of_norm(l, p.strain), vd{});
         with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
           if (find_volumes) scatter_scalar(volume_.data(), m.column, s, V);
           scatter_scalar(sum_.data(), m.column, s, V * root);

@@ -37,7 +37,7 @@ constexpr double kMostAmplification = 100.0;
 // strain is above the largest.
 constexpr double kNearThreshold = 0.9;
 
-// How often to sweep for the length L, and with what weight the last time.
+// How often to sweep for the length L, and with what weight the last time. A single sweep is whole: a part of it would need the roots at the points.
 struct AverageSweeps {
   int count = 0;
   double last_weight = 1.0;  // in (0, 1]
@@ -57,11 +57,11 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 // volumes() and sums(), after every sweep() but the last of sums().
 class DriveAverage {
  public:
-  // Takes the roots of the norms to the nodes. volumes_stand: no point has gone to another place since the last start; those of the nodes are found anew
-  // only if a point failed since, or the nodes changed.
+  // Takes the roots of the norms to the nodes. volumes_stand: points are where they were in the last start. The volumes of the nodes are found anew then
+  // only if a point has failed since, or the nodes have changed.
   void start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand = false);
-  // Leaves what its interpolation gives to the points in grid.drive_average: a node holds it for all points about it, so only between sweeps is it
-  // taken to the points and back. The weight of all but the last is 1.
+  // Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps it is taken to the points and back. After the last one
+  // the pass over the points interpolates it, whose weights are there already. The weight of all sweeps but the last is 1.
   void sweep(const PointStore& points, Grid& grid, double weight, bool last);
 
   double* volumes() { return volume_.data(); }
