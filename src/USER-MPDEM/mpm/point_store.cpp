@@ -99,7 +99,7 @@ void PointStore::set_state_fields(int fields) {
   if (!state_.empty() && fields != state_fields_) {
     std::vector<vd> next(fields * blocks.size());
     for (std::size_t b = 0; b < blocks.size(); ++b)
-      std::copy_n(&state_[state_fields_ * b], std::min(fields, state_fields_), &next[fields * b]);
+      std::copy_n(state_.data() + state_fields_ * b, std::min(fields, state_fields_), next.data() + fields * b);
     state_.swap(next);
   }
   state_fields_ = fields;
