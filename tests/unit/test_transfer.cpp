@@ -62,21 +62,42 @@ TEST(Weights, CellOfAPoint) {
 }
 
 // By itself: beside the same product a compiler would have no reason to contract it.
-__attribute__((noinline)) int quadratic_base(double X, double inverse_h) { return support_base(X, inverse_h, 0.5); }
+__attribute__((noinline)) int one_base(double X, double inverse_h) { return support_base(X, inverse_h, 0.5); }
+
+// As in penalty_links.cpp: of a lane, in all directions, which a compiler does at once.
+struct ThreeDirections {
+  vd X[3];
+  double inverse_h;
+};
+__attribute__((noinline)) void three_bases(const ThreeDirections& p, int l, Basis basis, int* base) {
+  for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d][l], p.inverse_h, cell_shift(basis));
+}
 
 // Whoever asks for the cell of a point on a face of cells has to get the same one, however the compiler arranges the arithmetic there.
-TEST(Weights, CellOfAPointOnAFaceIsThatOfARoundedProduct) {
+TEST(Weights, CellOfAPointOnAFaceIsTheSameEverywhere) {
   test::Random random(7);
   int contracted = 0;
   for (int n = 0; n < 20000; ++n) {
     const double h = random.uniform(1e-5, 1e-3), inverse_h = 1.0 / h;
     const int cell = static_cast<int>(random.uniform(-60.0, 60.0));
     const double X = (cell + 0.5) * h;
+    volatile double in_halves = X * (2.0 * inverse_h);
+    const int expected = static_cast<int>(std::floor(0.5L * (static_cast<long double>(in_halves) - 1.0L)));
+    ASSERT_EQ(one_base(X, inverse_h), expected) << "X " << X << ", h " << h;
+    const ThreeDirections p{{splat(X), splat(X), splat(X)}, inverse_h};
+    int base[3];
+    three_bases(p, n % kLanes, Basis::quadratic, base);
+    for (int d = 0; d < 3; ++d) ASSERT_EQ(base[d], expected) << "X " << X << ", h " << h;
     volatile double product = X * inverse_h;
-    ASSERT_EQ(quadratic_base(X, inverse_h), static_cast<int>(std::floor(product - 0.5))) << "X " << X << ", h " << h;
     contracted += std::floor(std::fma(X, inverse_h, -0.5)) != std::floor(product - 0.5);
   }
   EXPECT_GT(contracted, 100);  // so that the numbers tell the two apart
+}
+
+// A base of one half shift, of none and of one cell.
+TEST(Weights, CellsOfTheBases) {
+  for (double X : {-2.6, -2.4, -0.6, -0.4, 0.4, 0.6, 2.4, 2.6})
+    for (double shift : {0.0, 0.5, 1.0}) EXPECT_EQ(support_base(X * 0.25, 4.0, shift), static_cast<int>(std::floor(X - shift))) << X << ", shift " << shift;
 }
 
 TYPED_TEST(Transfers, PartitionOfUnityAndLinearReproduction) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "../mpm/lane_by_lane.h"
 #include "free_weights.h"
@@ -242,7 +243,7 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
       if (now == parts_[kLanes * n + l]) continue;
       parts_.own()[kLanes * n + l] = now;
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
-      grid.find_columns(field_of(body_, now), base, columns(n, l));
+      if (!grid.find_columns(field_of(body_, now), base, columns(n, l))) throw std::logic_error("a link to nodes that the grid does not have");
     }
 }
 

@@ -85,7 +85,8 @@ class PenaltyLinks {
   void move_to_present(PointStore& points, const Grid& grid) const;
   // After PointStore::sort_links().
   void renumber(const std::vector<int>& new_place);
-  // Points went to other parts, and nodes to other places, see Grid::add_nodes().
+  // Points went to other parts, and nodes to other places, see Grid::add_nodes(). Throws std::logic_error if the nodes of a link are
+  // not there.
   void follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place);
 
   // What the present positions, dt after those of before, do to the state of the traction law, in the links of the store too. Positions that

@@ -70,19 +70,11 @@ inline double cell_middle(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kMiddle; });
 }
 
-// A value as IEEE arithmetic rounds it, which no compiler contracts with what follows.
-inline double rounded(double x) {
-#if defined(__clang__)
-  return __arithmetic_fence(x);
-#else
-  return __builtin_assoc_barrier(x);
-#endif
-}
-
-// First node of the support, shift = cell_shift(basis). Points may lie on faces of cells, so the product is rounded before the shift is taken
-// off: a compiler that contracts the two here and not there would give a point one cell in its block and another in the copies of nodes.
+// First node of the support, shift = cell_shift(basis), in half cells. Points may lie on faces of cells. All who ask have to get the same
+// cell of such a point, or it has one cell in its block and another in a link. So the shift is taken off as a whole number: X/h - 1/2
+// would be rounded once where a compiler contracts the two, which depends on what stands around it, and twice elsewhere.
 inline int support_base(double X, double inverse_h, double shift) {
-  return static_cast<int>(std::floor(rounded(X * inverse_h) - shift));
+  return (static_cast<int>(std::floor(X * (2.0 * inverse_h))) - static_cast<int>(2.0 * shift)) >> 1;
 }
 
 // Blocks of points of cells in a row: its direction d, and how far ahead its last cell is, `reach`, as d + 3 (reach - 1). They have as many

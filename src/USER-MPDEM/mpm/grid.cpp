@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <stdexcept>
 
 #include "scatter.h"
 
@@ -332,7 +333,8 @@ void Grid::find_columns(BlockMeta& m) const {
   for (int i = 0; i < nodes_i; ++i)
     for (int j = 0; j < nodes_j; ++j) {
       const int at[3] = {m.base[0] + i, m.base[1] + j, m.base[2]};
-      m.column[nodes_j * i + j] = base_node(field_of(m.body, m.part), at);
+      const int node = m.column[nodes_j * i + j] = base_node(field_of(m.body, m.part), at);
+      if (node < 0) throw std::logic_error("a block of points at nodes that the grid does not have");
     }
 }
 

@@ -91,7 +91,7 @@ class Grid {
   std::vector<int> add_nodes(const std::vector<Key>& more);
   // Nodes take over the motion that others have, which may be among them. Nodes that are not there are left out.
   void take_over_motion(const std::map<Key, Key>& source);
-  // Columns of a block whose nodes are all there.
+  // Columns of a block. Throws std::logic_error if the grid does not have its nodes.
   void find_columns(BlockMeta& m) const;
   // Of a grid that no other rank shares: ties of these nodes (ascending) are these now. Answers whether one is no longer tied as an edge as
   // it was. Call lump_mass() then.
