@@ -32,6 +32,8 @@ inline std::vector<CrackPoint> column(int width = kWidth, int height = kHeight) 
         p.attached[1] = k == height - 1;
         for (int s = 0; s < 2; ++s) p.link_area[s] = p.attached[s] ? kLinkArea : 0.0;
         p.nearer = k >= height / 2;
+        p.above[0] = k + 0.5f;
+        p.above[1] = height - k - 0.5f;
         all.push_back(p);
       }
   return all;
@@ -51,6 +53,7 @@ inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
     std::swap(p.attached[0], p.attached[1]);
     std::swap(p.link_area[0], p.link_area[1]);
     std::swap(p.link_damage[0], p.link_damage[1]);
+    std::swap(p.above[0], p.above[1]);
     p.nearer = 1 - p.nearer;
   }
   return points;

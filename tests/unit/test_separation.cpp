@@ -65,6 +65,32 @@ TEST(Separation, SkinsOnBothGrains) {
   EXPECT_NEAR(s.inside, kWidth * kWidth * kLinkArea, 1e-12);
 }
 
+// The surface at this height of a column ten cells high, whose cells are as high as wide.
+Separation crack_at(int height, double reach) {
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points)
+    if (level(p) == height) fail(p);
+  return separate(points, kFace, {}, 0, false, 1, reach);
+}
+
+// The failed points of a level are as near to both sides, so half of the surface is at their lower face and half at the upper one: at its
+// number of cells above the first grain, and one more.
+TEST(Separation, ABandThatReachesAGrain) {
+  constexpr double kAll = kWidth * kWidth;
+  const auto expect = [](const Separation& s, double first, double second, double inside) {
+    EXPECT_NEAR(s.at_grain[0], first * kAll, 1e-12);
+    EXPECT_NEAR(s.at_grain[1], second * kAll, 1e-12);
+    EXPECT_NEAR(s.inside, inside * kAll, 1e-12);
+  };
+  expect(crack_at(3, 0.0), 0.0, 0.0, 1.0);
+  expect(crack_at(3, 2.9), 0.0, 0.0, 1.0);
+  expect(crack_at(3, 3.1), 0.5, 0.0, 0.5);
+  expect(crack_at(3, 4.1), 1.0, 0.0, 0.0);
+  expect(crack_at(6, 3.1), 0.0, 0.5, 0.5);   // the upper face is three cells below the second grain
+  expect(crack_at(6, 6.1), 0.25, 0.75, 0.0);  // the lower one is six above the first, too
+  expect(crack_at(3, 20.0), 0.5, 0.5, 0.0);
+}
+
 // The path leads from grain to grain, over faces of intact points, past damage where there is a way.
 TEST(Separation, PathOfIntactPoints) {
   std::vector<CrackPoint> points = column();
@@ -417,8 +443,9 @@ TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
     if (n % 5 == 0)  // a slab between two cracks
       for (CrackPoint& p : points)
         if (level(p) == 2 || level(p) == 8) fail(p);
-    const Separation a = separate(points, kFace, joined, test::kRandomSupport);
-    const Separation b = separate(test::swapped(points), kFace, joined, test::kRandomSupport);
+    const double reach = n % 3;
+    const Separation a = separate(points, kFace, joined, test::kRandomSupport, false, 1, reach);
+    const Separation b = separate(test::swapped(points), kFace, joined, test::kRandomSupport, false, 1, reach);
     EXPECT_EQ(b.separated, a.separated);
     EXPECT_EQ(b.inside, a.inside);
     EXPECT_NEAR(b.debonded_share(), a.debonded_share(), 1e-14);

@@ -63,6 +63,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
   for (int g = 0; g < 2; ++g) {
     p.attached[g] = false;
+    p.above[g] = static_cast<float>(above_grain(body, g, place.X));
     p.link_damage[g] = 0.0f;
     p.link_area[g] = 0.0;
   }
@@ -183,13 +184,14 @@ bool Cracks::some_path_is_cut(MPI_Comm comm) const {
 }
 
 Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
-                           const std::vector<CrackPoint>& points) const {
+                           const std::vector<CrackPoint>& points, bool skins) const {
   double face[3];
   direction_of_centres(body, face);
   for (double& f : face) f = std::fabs(f) * body.spacing * body.spacing;
-  if (options.split)
-    return separate(points, face, {}, 0, states_[row].separation.separated, std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))));
-  return separate(points, face, sheets.joined_nodes(row), support(options.basis), states_[row].separation.separated);
+  const double reach = skins ? 0.0 : options.half_band;
+  const bool again = states_[row].separation.separated;
+  if (options.split) return separate(points, face, {}, 0, again, std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))), reach);
+  return separate(points, face, sheets.joined_nodes(row), support(options.basis), again, 1, reach);
 }
 
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].failed_seen; }
@@ -221,7 +223,7 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   return looked_at;
 }
 
-Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris) {
+Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris) {
   Found found;
   const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
   if (looked_at.empty()) return found;
@@ -238,7 +240,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
     const int r = looked_at[n];
     if (whole.points[n].empty()) continue;
-    Separation& s = separations[n] = look_at(bonds.table[r], r, sheets, options, whole.points[n]);
+    Separation& s = separations[n] = look_at(bonds.table[r], r, sheets, options, whole.points[n], skins);
     for (int tag : s.path)
       for (auto& to : paths) to.push_back({r, tag});
     const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
@@ -318,7 +320,7 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     of_bond[0] = ligament.left();
     of_bond[1] = ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
-      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins));
+      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins), skins);
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
       for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
     }

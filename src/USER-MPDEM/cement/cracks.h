@@ -51,6 +51,7 @@ class Cracks {
   bool some_path_is_cut(MPI_Comm comm) const;
 
   // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and what has come apart already, if debris.
+  // skins: TractionLaw::keeps_skins(). They tell what let go from what broke beside it, so the band of a crack does not count there.
   // The bonds that need a new layout, the same on all ranks, and their new parts on this one.
   struct Found {
     std::vector<int> lay_out;  // ascending
@@ -58,11 +59,11 @@ class Cracks {
     std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
     std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: of bonds that came apart, on the ranks that looked
   };
-  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool debris);
+  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris);
   // Bonds that have ties now and come to a layout without them.
   std::vector<int> untie(const CementOptions& options);
 
-  // Rows of bonds that hold, ascending: the ligament of each, and the separating surface if the ligament failed. skins: TractionLaw::keeps_skins(). Collective.
+  // Rows of bonds that hold, ascending: the ligament of each, and the separating surface if the ligament failed. Collective.
   struct Ahead {
     double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
     Separation surface;              // if the ligament failed
@@ -83,7 +84,7 @@ class Cracks {
   void note(const Bond& bond, int slot);
   std::vector<int> rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris);
   Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
-                     const std::vector<CrackPoint>& points) const;
+                     const std::vector<CrackPoint>& points, bool skins) const;
 
   std::vector<State> states_;
   std::size_t with_path_ = 0;  // rows that were ever to be looked at by this object

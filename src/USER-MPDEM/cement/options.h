@@ -29,6 +29,7 @@ struct CementOptions {
   AdvanceOptions skip;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
   double length = 0.0;                   // that the drive of the damage is averaged over, 0: not at all
+  double half_band = 0.0;                // of a crack with this length, Law::crack_band(); 0: it has none, or one that is not known
   int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
   bool split = false;                    // nodes where material parts, see fracture/node_copies.h
   bool unilateral = false;               // failed points are stiff while their crack is closed, see mpm/closing_points.h

@@ -72,7 +72,7 @@ std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
 
 // Bonds that hold by bridges alone that are narrower than a cell come apart there.
 Cracks::Found Parting::look_at_bonds(bool debris) {
-  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, debris);
+  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, scene_.keeps_skins(), debris);
   if (!scene_.options.split) return found;
   Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds, scene_.options, found.pieces);
   found.parts = std::move(split.parts);

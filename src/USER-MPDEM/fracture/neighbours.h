@@ -27,6 +27,7 @@ struct CrackPoint {
   float link_damage[2];     // of its link to this grain, as far as the traction law knows damage
   int nearer;               // grain, by nearer_side() of body.h
   bool middle;              // of both sheets, in_the_middle() of body.h
+  float above[2];           // distance from the surface of either grain
   int holds = 3;            // PointRecord::holds
 };
 

@@ -185,10 +185,19 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
 // A point that failed and stays on the grains that it is attached to: bits as in Goes::held.
 int skin_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
 
+// A part of the surface between two points counts where the point half way between them lies.
+void count_between(const CrackPoint& a, const CrackPoint& b, double area, double reach, SeparatingSurface& surface) {
+  bool at[2];
+  for (int g = 0; g < 2; ++g) at[g] = 0.5 * (a.above[g] + b.above[g]) < reach;
+  if (!at[0] && !at[1]) surface.inside += area;
+  for (int g = 0; g < 2; ++g)
+    if (at[g]) surface.at_grain[g] += at[1 - g] ? 0.5 * area : area;
+}
+
 // The separating surface; side: of the grains to which pieces and skins are attached, spread to all points. The link of a skin holds: what
 // separates there runs beside the skin, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
-                  const std::vector<Goes>& side, Separation& result) {
+                  const std::vector<Goes>& side, double reach, Separation& result) {
   const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), skin_on);
   const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
   if (!held && loose)  // both grains let go between two looks
@@ -205,7 +214,8 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
     }
     for (int f = 1; f < 6; f += 2) {
       const int j = near.of(static_cast<int>(i))[f];
-      if (j >= 0 && side[j].held != 0) result.inside += face_area[f / 2] * std::fabs(first - share_of_first(side[j].held));
+      if (j >= 0 && side[j].held != 0)
+        count_between(points[i], points[j], face_area[f / 2] * std::fabs(first - share_of_first(side[j].held)), reach, result);
     }
   }
 }
@@ -213,7 +223,7 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
 }  // namespace
 
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again,
-                    int across) {
+                    int across, double reach) {
   const int n = static_cast<int>(points.size());
   const Neighbours near(points, joined, support, across);
   Separation result;
@@ -249,7 +259,7 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
     else if (!again) result.part[i] = part_held(p.nearer, p.part);  // nothing that it could go with can be reached
   }
   grow(near, points, true, side);
-  find_surface(near, points, pieces, face_area, side, result);
+  find_surface(near, points, pieces, face_area, side, reach, result);
   return result;
 }
 

@@ -10,7 +10,9 @@
 //   step leads, they go with the grain whose surface is nearer (nearer_side() of body.h);
 // * the separating surface lies where the material that goes with the first grain meets the
 //   material that goes with the second: inside the cement, or at a grain where that grain's
-//   own links are to material of the other. Points as near to either count half to each, whichever part they got. Where neither
+//   own links are to material of the other. What lies inside but lower than `reach` above a grain is at that grain, too: there the band
+//   of damage about a crack reaches the grain, and no cell tells where in its band a crack runs. If that is so at both grains, it is half
+//   at each. Points as near to either count half to each, whichever part they got. Where neither
 //   grain holds to anything but there is a loose piece, it is the surface of both. Its areas are projected on the plane across the
 //   line of centres.
 // Which of the grains is the first does not matter but for what is told of either.
@@ -58,9 +60,10 @@ struct Separation : SeparatingSurface {
 constexpr int kLeastLoose = 64;
 
 // face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
-// support: nodes a direction; across: of Neighbours; again: the bond was separated before, so that points have the parts of a separation.
+// support: nodes a direction; across: of Neighbours; again: the bond was separated before, so that points have the parts of a separation;
+// reach: see above, 0 for a crack without a band.
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
-                    bool again = false, int across = 1);
+                    bool again = false, int across = 1, double reach = 0.0);
 
 }  // namespace mpdem
 

@@ -19,9 +19,13 @@ std::string Law::report_of_strength() const {
   return text;
 }
 
-std::string Law::report_of_band(double cell) const {
+std::optional<Localisation> Law::crack_band() const {
   const std::optional<SofteningCurve> curve = softening_curve();
-  const std::optional<Localisation> band = curve ? localise(*curve, cutoff()) : std::nullopt;
+  return curve && length_ > 0.0 ? localise(*curve, cutoff()) : std::nullopt;
+}
+
+std::string Law::report_of_band(double cell) const {
+  const std::optional<Localisation> band = crack_band();
   std::string text = text_of("  nonlocal  length ", length_, ", ", length_ / cell, " cells");
   if (!band) return text + "; the band of a crack is not known for these parameters\n";
   const ImpliedStrength s = implied_strength(elasticity_.constants.Ez);

@@ -102,6 +102,8 @@ class Law {
   void set_length(double length) { length_ = length; }
   // Its curve in uniaxial tension, for the band that a length implies. None if it has none.
   virtual std::optional<SofteningCurve> softening_curve() const { return std::nullopt; }
+  // With a length: the band in which it breaks, if it is known.
+  std::optional<Localisation> crack_band() const;
   // With has_crack_energy(): chooses its softening so that a crack takes the energy G_f with the present length. Throws as
   // set_crack_energy().
   virtual void set_nonlocal_energy(double /* G_f */) {}

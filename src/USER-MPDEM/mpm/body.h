@@ -90,16 +90,15 @@ inline int lattice_cell(const Body& body, int d, double X) {
   return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));
 }
 
-// How much nearer X is to the surface of the first grain than to that of the second.
-inline double nearer_to_first(const Body& body, const double* X) {
-  double distance[2];
-  for (int s = 0; s < 2; ++s) {
-    double r2 = 0.0;
-    for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[s][d]) * (X[d] - body.centre[s][d]);
-    distance[s] = std::sqrt(r2) - body.radius[s];
-  }
-  return distance[1] - distance[0];
+// Distance of X from the surface of that grain.
+inline double above_grain(const Body& body, int side, const double* X) {
+  double r2 = 0.0;
+  for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[side][d]) * (X[d] - body.centre[side][d]);
+  return std::sqrt(r2) - body.radius[side];
 }
+
+// How much nearer X is to the surface of the first grain than to that of the second.
+inline double nearer_to_first(const Body& body, const double* X) { return above_grain(body, 1, X) - above_grain(body, 0, X); }
 
 inline double rounding_of_places(const Body& body) { return 1e-6 * body.spacing; }
 // Whether both surfaces are equally near, up to rounding.

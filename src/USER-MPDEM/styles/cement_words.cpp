@@ -262,6 +262,7 @@ CementWords take_cement_words(Arguments& args) {
   if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
   w.law = make_law(args, damage, constants, softening, o);
+  if (const std::optional<Localisation> band = w.law->crack_band()) o.half_band = 0.5 * band->width * o.length;
   check_together(args, w);
   return w;
 }
