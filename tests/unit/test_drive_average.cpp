@@ -2,7 +2,10 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "mpm/drive_average.h"
 
+#include <map>
+
 #include "cement.h"
+#include "mpm/advance_points.h"
 #include "mpm/strain_norm.h"
 
 namespace mpdem {
@@ -176,6 +179,86 @@ TEST(DriveAverage, VolumesThatStand) {
     average(c, sweeps);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;
   }
+}
+
+// Limits hold what they promise, and no less: while no root has grown by what the largest average lacks of the threshold, no average reaches
+// it, and where all have grown by that it is there. Single points may be far above the threshold.
+TEST(DriveAverage, LimitsOfTheDrive) {
+  test::Random random(307);
+  const double threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
+  for (Basis basis : {Basis::quadratic, Basis::cubic}) {
+    Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), basis);
+    const AverageSweeps sweeps = sweeps_for(1.7 * kCell, kCell, basis);
+    std::map<int, double> roots;
+    for (int slot : c.slots) roots[slot] = threshold * (random.index(50) == 0 ? 1.3 : random.uniform(0.3, 0.8));
+    const auto set = [&](auto grown) { set_roots(c, [&](int b, int l) { return roots.count(kLanes * b + l) ? roots[kLanes * b + l] + grown() : 0.0; }); };
+    set([] { return 0.0; });
+    average(c, sweeps);
+    const double lacking = threshold - DriveAverage::largest(c.points, c.grid);
+    ASSERT_GT(lacking, 0.05 * threshold);
+    DriveAverage::find_limits(c.points, c.grid, kLaw, threshold - lacking);
+    ASSERT_EQ(c.grid.drive_limit.size(), c.points.blocks.size());
+    EXPECT_TRUE(c.grid.drive_average.empty());
+    const auto largest_over_limit = [&] {
+      double most = 0.0;
+      c.for_points([&](int b, int l) {
+        const Sym3<vd>& strain = c.points.blocks[b].strain;
+        most = std::max(most, TensorDamage::square_bound(kLaw.elasticity().stress(strain), strain)[l] / c.grid.drive_limit[b][l]);
+      });
+      return most;
+    };
+    const auto largest_average = [&] {
+      average(c, sweeps);
+      return DriveAverage::largest(c.points, c.grid);
+    };
+    for (const auto& [part, reaches] : {std::pair(0.999, false), std::pair(1.001, true)}) {
+      set([&, part = part] { return part * lacking; });
+      EXPECT_EQ(largest_over_limit() > 1.0, reaches);
+      EXPECT_EQ(largest_average() > threshold, reaches);
+    }
+    set([&] { return random.uniform(-2.0, 0.999) * lacking; });
+    EXPECT_LT(largest_over_limit(), 1.0);
+    EXPECT_LT(largest_average(), threshold);
+  }
+}
+
+TEST(DriveAverage, NoLimitsAtTheThresholdOrWithDamage) {
+  test::Random random(308);
+  Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
+  const double threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
+  const AverageSweeps sweeps = sweeps_for(kCell, kCell, Basis::quadratic);
+  for (double share : {0.9, 1.1}) {
+    set_roots(c, [&](int, int) { return share * threshold; });
+    average(c, sweeps);
+    DriveAverage::find_limits(c.points, c.grid, kLaw, DriveAverage::largest(c.points, c.grid));
+    EXPECT_EQ(c.grid.drive_limit.empty(), share > 1.0);
+    EXPECT_EQ(c.grid.drive_average.empty(), share < 1.0);
+  }
+  c.points.meta[c.slots.back() / kLanes].damaged = true;
+  set_roots(c, [&](int, int) { return 0.9 * threshold; });
+  average(c, sweeps);
+  EXPECT_GT(DriveAverage::largest(c.points, c.grid), 1e300);
+}
+
+// The pass tells when a point is above its limit, whatever it is to the threshold.
+TEST(DriveAverage, ThePassComparesWithTheLimits) {
+  test::Random random(309);
+  Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
+  const double threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
+  AdvanceOptions options;
+  options.nonlocal = true;
+  const auto is_near = [&] {
+    AdvanceResult result;
+    advance_points(c.points, 0, static_cast<int>(c.points.blocks.size()), c.grid, kLaw, 1e-9, options, result);  // at rest
+    return result.near_threshold;
+  };
+  set_roots(c, [&](int, int) { return 0.99 * threshold; });
+  EXPECT_TRUE(is_near());
+  c.grid.drive_limit.assign(c.points.blocks.size(), splat(kLaw.threshold() * kLaw.threshold()));
+  EXPECT_FALSE(is_near());
+  const int slot = c.slots[c.slots.size() / 3];
+  c.grid.drive_limit[slot / kLanes][slot % kLanes] *= 0.5;
+  EXPECT_TRUE(is_near());
 }
 
 TEST(DriveAverage, NearWhereSomePointIs) {

@@ -8,17 +8,17 @@ namespace mpdem {
 
 namespace {
 
-// Those of cut bonds, which all their ranks average together.
-std::vector<Bond*> cut_bonds_near_threshold(const Scene& scene) {
+// Those of cut bonds, which all their ranks average together. Ascending, the same on all ranks.
+std::vector<int> cut_rows_near_threshold(const Scene& scene) {
   std::vector<int> mine;
   for (const Bond& b : scene.bonds.awake())
     if (b.cut_by_ranks() && b.near_threshold) mine.push_back(b.body);
-  std::vector<Bond*> near;
-  for (int row : scene.agreed_rows(mine)) {
-    Bond* b = scene.bonds.find(row);
-    if (b && b->cut_by_ranks()) near.push_back(b);
-  }
-  return near;
+  return scene.agreed_rows(mine);
+}
+
+Bond* cut_bond(const Scene& scene, int row) {
+  Bond* b = scene.bonds.find(row);
+  return b && b->cut_by_ranks() ? b : nullptr;
 }
 
 }  // namespace
@@ -28,13 +28,13 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
   scene.timer.start(StepTimer::kPoints);
   const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
   const auto weight = [&sweeps](int k) { return k == sweeps.count - 1 ? sweeps.last_weight : 1.0; };
-  std::vector<Bond*> cut;
-  if (any_bond_is_cut) cut = cut_bonds_near_threshold(scene);
+  std::vector<int> rows;
+  if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
   for (Bond& b : scene.bonds.awake()) {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {
-      if (!std::binary_search(cut.begin(), cut.end(), &b)) b.grid.drive_average.clear();
+      if (!std::binary_search(rows.begin(), rows.end(), b.body)) b.grid.drive_average.clear();
       continue;
     }
     if (!b.near_threshold) {
@@ -43,8 +43,12 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
     }
     b.average.start(b.points, b.grid, *scene.law, !scene.options.updated);
     for (int k = 0; k < sweeps.count; ++k) b.average.sweep(b.points, b.grid, weight(k), k == sweeps.count - 1);
+    if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
   }
-  if (cut.empty()) return;
+  if (rows.empty()) return;
+  std::vector<Bond*> cut;
+  for (int row : rows)
+    if (Bond* b = cut_bond(scene, row)) cut.push_back(b);
   std::vector<HaloSum*> halos;
   for (Bond* b : cut) halos.push_back(&b->grid.halo);
   HaloSums shared;
@@ -64,6 +68,13 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
     for (Bond* b : cut) b->average.sweep(b->points, b->grid, weight(k), last);
     if (!last) sum(&DriveAverage::sums);
   }
+  if (scene.options.updated) return;
+  std::vector<double> largest(rows.size(), 0.0);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const Bond* b = cut_bond(scene, rows[n])) largest[n] = DriveAverage::largest(b->points, b->grid);
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, scene.comm);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (Bond* b = cut_bond(scene, rows[n])) DriveAverage::find_limits(b->points, b->grid, *scene.law, largest[n]);
 }
 
 }  // namespace mpdem

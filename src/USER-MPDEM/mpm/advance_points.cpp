@@ -43,7 +43,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
              const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   double* force = grid.force.data();
-  PointStress<L> stress_at_end(points, law, dt, options, result);
+  PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
   PassClock clock(result.ticks);
   const auto scatter_waiting = [&](int b, const Sym3<vd>& stress) {
     const PointBlock& p = points.blocks[b];

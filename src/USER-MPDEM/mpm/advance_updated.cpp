@@ -144,7 +144,7 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
                        const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   const double* velocity = grid.velocity.data();
-  PointStress<L> stress_at_end(points, law, dt, options, result);
+  PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
   PassClock clock(result.ticks);
   // The lanes that stayed in their cell, of the blocks that wait.
   std::uint8_t stayed[PointStress<L>::kMost];

@@ -2,7 +2,9 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "drive_average.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "../material/laws.h"
 #include "gather.h"
@@ -95,6 +97,30 @@ void DriveAverage::sweep(const PointStore& points, Grid& grid, double weight, bo
     }
   });
   grid.ties.give_to_heirs(sum_.data(), 1);
+}
+
+double DriveAverage::largest(const PointStore& points, const Grid& grid) {
+  if (std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.damaged; })) return std::numeric_limits<double>::infinity();
+  return *std::max_element(grid.drive_average.begin(), grid.drive_average.end());
+}
+
+void DriveAverage::find_limits(const PointStore& points, Grid& grid, const Law& law, double largest) {
+  constexpr double kRounding = 1e-9;
+  grid.drive_limit.clear();
+  with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0) {
+      const double threshold = root_of_drive<L>(splat(l.lowest_threshold() * std::min(1.0, l.interface())))[0];
+      const double lacking = (1.0 - kRounding) * threshold - largest;
+      if (!(lacking > 0.0)) return;
+      grid.drive_limit.reserve(points.blocks.size());
+      for (const PointBlock& p : points.blocks) {
+        const vd drive = drive_factor<L>(root_of_norm(l, p.strain) + lacking);
+        grid.drive_limit.push_back(drive * drive);
+      }
+      grid.drive_average.clear();
+    }
+  });
 }
 
 }  // namespace mpdem

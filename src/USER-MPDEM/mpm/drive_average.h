@@ -34,7 +34,7 @@ namespace mpdem {
 
 constexpr double kMostAmplification = 100.0;
 // A bond is averaged while the undamaged material would have this share of the lowest threshold at some point: no average of the
-// strain is above the largest.
+// strain is above the largest. Once it has been averaged, find_limits() knows better.
 constexpr double kNearThreshold = 0.9;
 
 // How often to sweep for the length L, and with what weight the last time. A single sweep is whole: a part of it would need the roots at the points.
@@ -63,6 +63,14 @@ class DriveAverage {
   // Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps it is taken to the points and back. After the last one
   // the pass over the points interpolates it, whose weights are there already. The weight of all sweeps but the last is 1.
   void sweep(const PointStore& points, Grid& grid, double weight, bool last);
+
+  // An average is a mean of the roots of points with weights that are not negative: it grows by no more than the root grows that grows most. So
+  // there is nothing to average until some root has grown by what the largest average lacks of the threshold. Sets grid.drive_limit to the drives
+  // of that, and takes the averages away, if the largest is below the threshold. Else the points have no limits.
+  // After the sweeps, with the strain that was averaged; `largest` of the averages of all ranks.
+  static void find_limits(const PointStore& points, Grid& grid, const Law& law, double largest);
+  // The largest average of these points; infinite if some have damage, which grows under any average.
+  static double largest(const PointStore& points, const Grid& grid);
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }

@@ -176,7 +176,7 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   mass.own().assign(n, 0.0);
   force.assign(3 * n, 0.0);
   momentum.clear();
-  drive_average.clear();
+  forget_averages();
   ties.clear();
   any_ties_ = false;
   tie_factor_.clear();
@@ -293,7 +293,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   }
   all.insert(all.end(), more.begin() + n, more.end());
   if (more.empty()) return place;
-  drive_average.clear();
+  forget_averages();
   keys.swap(all);
   for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
   spread(mass.own(), 1, place, keys.size(), 0.0);
@@ -340,7 +340,7 @@ void Grid::find_columns(BlockMeta& m) const {
 
 bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted) {
   tie_factor_.clear();
-  drive_average.clear();
+  forget_averages();
   const bool freed = ties.exchange(nodes, wanted, keys);
   any_ties_ = any_ties_ || !ties.empty();
   return freed;
@@ -348,7 +348,7 @@ bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& w
 
 void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
   ties.bind(wanted, keys, !halo.shares_any());
-  drive_average.clear();
+  forget_averages();
   any_ties_ = any;
 }
 
@@ -452,6 +452,7 @@ std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
          mass.memory_usage() + sizeof(double) * (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
                            tie_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
+         sizeof(vd) * drive_limit.capacity() +
          ties.memory_usage();
 }
 

@@ -53,6 +53,9 @@ class Grid {
   std::vector<double> given_volume;
   // Interpolated, the average of the root of the norm of strain, see drive_average.h. Empty while nothing is averaged, and after the nodes or ties change.
   std::vector<double> drive_average;
+  // Of the points, block by block: while no square_bound() of the law is above it, no average reaches the threshold. Empty: not known, and after
+  // the nodes or ties change. See DriveAverage::find_limits().
+  std::vector<vd> drive_limit;
 
   int size() const { return static_cast<int>(keys.size()); }
 
@@ -142,6 +145,10 @@ class Grid {
   HaloSum halo;
 
  private:
+  void forget_averages() {
+    drive_average.clear();
+    drive_limit.clear();
+  }
   friend void build_grids(MPI_Comm, double, int, double, std::vector<GridRequest>&);
   double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);

@@ -51,8 +51,9 @@ class PointStress {
  public:
   static constexpr int kMost = 8 * kLanes;  // blocks that can wait
 
-  PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, AdvanceResult& result)
-      : points_(points), law_(law), result_(result), always_(!options.skip_undamaged), nonlocal_(options.nonlocal) {
+  // limit: Grid::drive_limit.
+  PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit, AdvanceResult& result)
+      : points_(points), law_(law), result_(result), limit_(limit.empty() ? nullptr : limit.data()), always_(!options.skip_undamaged), nonlocal_(options.nonlocal) {
     if constexpr (L::kFields > 0) {
       B_ = law.threshold();
       weakest_ = B_ * std::min(1.0, law.interface());
@@ -78,7 +79,10 @@ class PointStress {
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
       if (!nonlocal_) return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, vd{}, stress);
-      if (!result_.near_threshold && any(rough > square_near_)) look_how_near(L::square_bound(stress, p.strain), lanes(m.occupied));
+      if (!result_.near_threshold) {
+        const vd limit = limit_ ? limit_[b] : splat(square_near_);
+        if (any(rough > limit)) look_how_near(L::square_bound(stress, p.strain), lanes(m.occupied), limit);
+      }
       const vd of_drive = average();
       if (any(lanes(m.occupied) & (of_drive > (m.linked ? root_weakest_ : root_B_)))) return damaged(b, strain_start, of_drive, stress);
     }
@@ -113,7 +117,7 @@ class PointStress {
     const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b));
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
-      look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active);
+      look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd a = drive_factor<L>(average / max(root_of_norm(law_, p.strain), splat(1e-100)));
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
@@ -127,8 +131,8 @@ class PointStress {
     return false;
   }
 
-  void look_how_near(vd square, vmask active) {
-    if (!result_.near_threshold) result_.near_threshold = any(active & (square > square_near_));
+  void look_how_near(vd square, vmask active, vd limit) {
+    if (!result_.near_threshold) result_.near_threshold = any(active & (square > limit));
   }
 
   // Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
@@ -176,6 +180,7 @@ class PointStress {
   PointStore& points_;
   const L& law_;
   AdvanceResult& result_;
+  const vd* limit_;  // of the blocks, null: square_near_
   double B_, weakest_, growth_;  // threshold of blocks that touch no grain, and of others
   double square_near_, root_B_, root_weakest_;
   bool always_, nonlocal_;
