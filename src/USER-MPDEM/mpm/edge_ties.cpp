@@ -7,6 +7,7 @@
 #include <cstring>
 #include <map>
 #include <stdexcept>
+#include <type_traits>
 
 #include "body.h"
 
@@ -443,36 +444,63 @@ void EdgeTies::pull_back(double* values) const {
   });
 }
 
-void EdgeTies::pull_back_sizes(double* values) const {
-  for (std::size_t t = 0; t < size(); ++t) {
-    double& v = values[slave_[t]];
-    masters_.for_each(t, [&](int node, double weight) { values[node] += std::fabs(weight) * v; });
-    v = 0.0;
-  }
+void EdgeTies::scale_by_weight_sums(double* values) const {
+  slave_.with([&](const auto* slaves) {
+    masters_.for_each_row(false, [=](int row, int length, const auto*, const double* weight) {
+      double sum = 0.0;
+      for (int n = 0; n < length; ++n) sum += std::fabs(weight[n]);
+      values[slaves[row]] *= sum;
+    });
+  });
 }
 
-void EdgeTies::give_to_heirs(double* values, int width) const {
+void EdgeTies::pull_back_sizes(double* values) const {
   slave_.with([&](const auto* slaves) {
-    heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
-      double* slave = values + width * static_cast<long>(slaves[row]);
-      for (int n = 0; n < length; ++n) {
-        double* heir = values + width * static_cast<long>(node[n]);
-        for (int c = 0; c < width; ++c) heir[c] += share[n] * slave[c];
-      }
-      std::fill(slave, slave + width, 0.0);
+    masters_.for_each_row(false, [=](int row, int length, const auto* node, const double* weight) {
+      double& v = values[slaves[row]];
+      for (int n = 0; n < length; ++n) values[node[n]] += std::fabs(weight[n]) * v;
+      v = 0.0;
+    });
+  });
+}
+
+namespace {
+
+// Calls f with the width as a constant where it is the usual one, so that loops over it are none.
+template <class F>
+void with_width(int width, F f) {
+  if (width == 1) f(std::integral_constant<int, 1>());
+  else f(width);
+}
+
+}  // namespace
+
+void EdgeTies::give_to_heirs(double* values, int width) const {
+  with_width(width, [&](auto w) {
+    slave_.with([&](const auto* slaves) {
+      heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+        double* slave = values + w * static_cast<long>(slaves[row]);
+        for (int n = 0; n < length; ++n) {
+          double* heir = values + w * static_cast<long>(node[n]);
+          for (int c = 0; c < w; ++c) heir[c] += share[n] * slave[c];
+        }
+        std::fill(slave, slave + w, 0.0);
+      });
     });
   });
 }
 
 void EdgeTies::take_of_heirs(double* values, int width) const {
-  slave_.with([&](const auto* slaves) {
-    heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
-      double* slave = values + width * static_cast<long>(slaves[row]);
-      for (int c = 0; c < width; ++c) {
-        double sum = 0.0;
-        for (int n = 0; n < length; ++n) sum += share[n] * values[width * static_cast<long>(node[n]) + c];
-        slave[c] = sum;
-      }
+  with_width(width, [&](auto w) {
+    slave_.with([&](const auto* slaves) {
+      heirs_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+        double* slave = values + w * static_cast<long>(slaves[row]);
+        for (int c = 0; c < w; ++c) {
+          double sum = 0.0;
+          for (int n = 0; n < length; ++n) sum += share[n] * values[w * static_cast<long>(node[n]) + c];
+          slave[c] = sum;
+        }
+      });
     });
   });
 }

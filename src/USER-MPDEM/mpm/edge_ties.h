@@ -86,12 +86,8 @@ class EdgeTies {
     for (std::size_t t = 0; t < size(); ++t) rows[slave_[t]] = static_cast<int>(t);
     return rows;
   }
-  // Sum of the sizes of the weights of a row.
-  double weight_sum(int row) const {
-    double sum = 0.0;
-    for_each_master(row, [&sum](int, double weight) { sum += std::fabs(weight); });
-    return sum;
-  }
+  // Multiplies the value of each slave by the sum of the sizes of its weights.
+  void scale_by_weight_sums(double* values) const;
   // Calls f(node, weight) for the masters of a row.
   template <class F>
   void for_each_master(int row, F f) const {

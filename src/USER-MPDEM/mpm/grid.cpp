@@ -377,8 +377,7 @@ void Grid::lump_mass(const PointStore& points, double density) {
   largest_tie_factor_ = 1.0;
   if (any_ties_) {
     tie_factor_ = mass;
-    for (int i = 0; i < size(); ++i)
-      if (ties.row(i) >= 0) tie_factor_[i] *= ties.weight_sum(ties.row(i));
+    ties.scale_by_weight_sums(tie_factor_.data());
     ties.pull_back_sizes(tie_factor_.data());
   }
   ties.give_to_heirs(mass.data(), 1);
@@ -390,9 +389,10 @@ void Grid::lump_mass(const PointStore& points, double density) {
     if (m < kRounding * density * h * h * h) m = 0.0;
   if (any_ties_) {
     halo.sum(tie_factor_.data(), 1);
+    const std::vector<int> row = ties.row_of_each(size());
     std::size_t kept = 0;
     for (int i = 0; i < size(); ++i) {
-      if (ties.row(i) >= 0) continue;
+      if (row[i] >= 0) continue;
       const double factor = mass[i] > 0.0 ? tie_factor_[i] / mass[i] : 1.0;
       tie_factor_[kept++] = factor;
       largest_tie_factor_ = std::max(largest_tie_factor_, factor);

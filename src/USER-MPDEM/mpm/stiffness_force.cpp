@@ -66,8 +66,7 @@ void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const La
       }
     });
   });
-  for (int i = 0; i < grid.size(); ++i)  // |sum w x|^2 <= sum |w| sum |w| x^2
-    if (grid.ties.row(i) >= 0) own[i] *= grid.ties.weight_sum(grid.ties.row(i));
+  grid.ties.scale_by_weight_sums(own.data());  // |sum w x|^2 <= sum |w| sum |w| x^2
   grid.ties.pull_back_sizes(own.data());
   for (int i = 0; i < grid.size(); ++i) diagonal[i] += own[i];
 }
