@@ -101,7 +101,9 @@ void DriveAverage::sweep(const PointStore& points, Grid& grid, double weight, bo
 
 double DriveAverage::largest(const PointStore& points, const Grid& grid) {
   if (std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.damaged; })) return std::numeric_limits<double>::infinity();
-  return *std::max_element(grid.drive_average.begin(), grid.drive_average.end());
+  double most = 0.0;
+  for (double mean : grid.drive_average) most = std::max(most, mean);
+  return most;
 }
 
 void DriveAverage::find_limits(const PointStore& points, Grid& grid, const Law& law, double largest) {

@@ -466,7 +466,7 @@ void EdgeTies::pull_back_sizes(double* values) const {
 
 namespace {
 
-// Calls f with the width as a constant where it is the usual one, so that loops over it are none.
+// Calls f with the width, which is a constant where it is 1: the compiler then drops the loop over it.
 template <class F>
 void with_width(int width, F f) {
   if (width == 1) f(std::integral_constant<int, 1>());
