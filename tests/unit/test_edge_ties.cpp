@@ -138,6 +138,57 @@ TEST(EdgeTies, KeysComeBack) {
   }
 }
 
+// Some ties go, some come, some change: what there is then is what binding all of it gives, whatever lies beside.
+TEST(EdgeTies, ExchangeIsBinding) {
+  const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
+  Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
+  const std::vector<Key>& keys = c.grid.keys;
+  const std::vector<EdgeTie> all = ties_of(c);
+  test::Random random(7);
+  const auto some = [&](double share) { return random.uniform(0, 1) < share; };
+  std::vector<EdgeTie> now;
+  for (const EdgeTie& t : all)
+    if (some(0.7)) now.push_back(t);
+  EdgeTies ties;
+  ties.bind(now, keys);
+  int freed_in = 0;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<int> nodes;
+    std::vector<EdgeTie> wanted, next;
+    bool freed = false;
+    auto was = now.begin();
+    for (std::size_t i = 0, t = 0; i < keys.size(); ++i) {
+      while (t < all.size() && all[t].slave < keys[i]) ++t;
+      const bool had = was != now.end() && was->slave == keys[i], may = t < all.size() && all[t].slave == keys[i];
+      if (some(round % 2 ? 0.9 : 0.02)) {
+        nodes.push_back(static_cast<int>(i));
+        const bool has = may && some(0.8);
+        if (has) {
+          wanted.push_back(all[t]);
+          if (some(0.2)) wanted.back().masters.front().second += 0.125 * round;
+          if (some(0.2)) wanted.back().heirs.assign(1, wanted.back().heirs.front());
+          next.push_back(wanted.back());
+        }
+        freed = freed || (had && was->masters.size() > 1 && (!has || was->masters != wanted.back().masters || was->heirs.size() != wanted.back().heirs.size()));
+      } else if (had) {
+        next.push_back(*was);
+      }
+      if (had) ++was;
+    }
+    EXPECT_EQ(ties.exchange(nodes, wanted, keys), freed) << round;
+    freed_in += freed;
+    now = next;
+    const std::vector<EdgeTie> found = ties.by_key(keys);
+    ASSERT_EQ(found.size(), now.size()) << round;
+    for (std::size_t t = 0; t < now.size(); ++t) {
+      EXPECT_EQ(found[t].slave, now[t].slave);
+      EXPECT_EQ(found[t].masters, now[t].masters);
+      EXPECT_EQ(found[t].heirs, now[t].heirs);
+    }
+  }
+  EXPECT_GT(freed_in, 10);
+}
+
 // Node by node, from the edge inwards and back, is the same as by the masters.
 TEST(EdgeTies, ChainIsMasters) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };

@@ -138,6 +138,41 @@ TEST(Grid, CarriesTheMotionOver) {
   expect_carried();
 }
 
+// Before the others, between them and behind: those that come are at rest, all others keep what they have.
+TEST(Grid, NodesAreAdded) {
+  test::Random random(113);
+  for (int round = 0; round < 20; ++round) {
+    Cells cells({{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}});
+    Grid grid;
+    std::vector<char> fresh;
+    grid.build(MPI_COMM_SELF, kH, cells.list(), NodeKinematics(), fresh);
+    grid.given_volume.assign(grid.size(), 0.0);
+    for (std::vector<double>* field : {&grid.velocity, &grid.displacement, &grid.acceleration, &grid.force, &grid.mass.own(), &grid.given_volume})
+      for (double& v : *field) v = random.uniform(1, 2);
+    const Grid before = grid;
+    std::set<Key> more;
+    for (int n = 0; n < round; ++n) more.insert({random.index(3), random.index(9) - 3, random.index(7) - 3, random.index(7) - 3});
+    for (const Key& k : before.keys) more.erase(k);
+    const std::vector<int> place = grid.add_nodes({more.begin(), more.end()});
+    ASSERT_EQ(place.size(), before.keys.size());
+    ASSERT_EQ(grid.keys.size(), before.keys.size() + more.size());
+    EXPECT_TRUE(std::is_sorted(grid.keys.begin(), grid.keys.end()));
+    std::vector<int> was(grid.size(), -1);
+    for (int i = 0; i < before.size(); ++i) {
+      EXPECT_EQ(grid.keys[place[i]], before.keys[i]);
+      was[place[i]] = i;
+    }
+    for (int i = 0; i < grid.size(); ++i) {
+      EXPECT_EQ(more.count(grid.keys[i]), was[i] < 0 ? 1u : 0u);
+      EXPECT_EQ(grid.mass[i], was[i] < 0 ? 0.0 : before.mass[was[i]]);
+      EXPECT_EQ(grid.given_volume[i], was[i] < 0 ? -1.0 : before.given_volume[was[i]]);
+      for (int d = 0; d < 3; ++d)
+        for (auto field : {&Grid::velocity, &Grid::displacement, &Grid::acceleration, &Grid::force})
+          EXPECT_EQ((grid.*field)[3 * i + d], was[i] < 0 ? 0.0 : (before.*field)[3 * was[i] + d]);
+    }
+  }
+}
+
 // A field that split off takes the motion of the one it came from, where that had nodes.
 TEST(Grid, NewFieldsInheritTheMotion) {
   test::Random random(117);

@@ -31,17 +31,45 @@ TEST(ShortList, WidensForWhatDoesNotFit) {
   EXPECT_EQ(list.memory_usage(), 20u);
 }
 
-TEST(ShortList, WidensWhereAValueIsSet) {
-  ShortList list;
+// Values go to other places, some of which do not fit.
+TEST(ShortList, WidensWhereAPlaceDoesNotFit) {
+  std::vector<int> place(10);
+  for (int i = 0; i < 10; ++i) place[i] = 10 * i;
+  ShortList list, none;
   for (int v : {1, 2, 3}) list.push_back(v);
-  list.set(0, 9);
-  EXPECT_EQ(all(list), (std::vector<int>{9, 2, 3}));
-  list.set(1, 100000);
-  EXPECT_EQ(all(list), (std::vector<int>{9, 100000, 3}));
-  list.set(1, 4);
-  EXPECT_EQ(all(list), (std::vector<int>{9, 4, 3}));
+  list.renumber(place);
+  none.renumber(place);
+  EXPECT_EQ(all(list), (std::vector<int>{10, 20, 30}));
+  EXPECT_TRUE(none.empty());
+  place.assign(31, 4);
+  place[20] = 100000;
+  list.renumber(place);
+  EXPECT_EQ(all(list), (std::vector<int>{4, 100000, 4}));
+  place.assign(100001, 5);
+  list.renumber(place);
+  EXPECT_EQ(all(list), (std::vector<int>{5, 5, 5}));
   list.resize(4);
-  EXPECT_EQ(all(list), (std::vector<int>{9, 4, 3, 0}));
+  EXPECT_EQ(all(list), (std::vector<int>{5, 5, 5, 0}));
+}
+
+TEST(ShortList, AppendsOfEitherWidthToEither) {
+  ShortList narrow, wide, list;
+  for (int v : {1, 2, 3}) narrow.push_back(v);
+  for (int v : {70000, 1, 2}) wide.push_back(v);
+  list.append(narrow, 1, 1);
+  EXPECT_TRUE(list.empty());
+  list.append(narrow, 1, 3);
+  list.append(wide, 1, 3);
+  list.shrink_to_fit();
+  EXPECT_EQ(all(list), (std::vector<int>{2, 3, 1, 2}));
+  EXPECT_EQ(list.memory_usage(), 8u);
+  list.append(narrow, 0, 2, -1);
+  EXPECT_EQ(all(list), (std::vector<int>{2, 3, 1, 2, 0, 1}));
+  list.append(narrow, 0, 1, 65535);
+  EXPECT_EQ(all(list), (std::vector<int>{2, 3, 1, 2, 0, 1, 65536}));
+  list.append(wide, 0, 2);
+  list.append(narrow, 0, 1);
+  EXPECT_EQ(all(list), (std::vector<int>{2, 3, 1, 2, 0, 1, 65536, 70000, 1, 1}));
 }
 
 // The first of all does not fit.

@@ -9,7 +9,7 @@ namespace mpdem {
 BondMotion motion_of(const Grid& grid, double kick) {
   BondMotion s{};
   for (int i = 0; i < grid.size(); ++i) {
-    if (!grid.halo.counts_here()[i]) continue;
+    if (!grid.halo.counts_here()[i] || grid.mass[i] == 0.0) continue;
     double x[3], v[3];
     for (int d = 0; d < 3; ++d) {
       x[d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d];

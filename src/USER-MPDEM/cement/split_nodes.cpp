@@ -91,19 +91,30 @@ void Splits::find_users(Row& row) const {
   row.users.erase(std::unique(row.users.begin(), row.users.end()), row.users.end());
 }
 
-// Nodes of all parts at the places that split, and edges that were tied to nodes there at the start.
+// Nodes of all parts at the places that split, and edges that were tied to nodes there at the start. Most parts are small, so each is looked
+// through by itself.
 std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::vector<Key>& split) {
   Row& row = rows_[body];
   if (row.users.empty()) find_users(row);
-  std::vector<Field> fields;
-  std::vector<int> nodes;
+  struct OfField {
+    Field field;
+    std::vector<Key>::const_iterator begin, end;
+  };
+  std::vector<OfField> fields;
   for (auto k = grid.keys.begin(); k != grid.keys.end();) {
-    fields.push_back(k->field());
-    k = std::lower_bound(k, grid.keys.end(), Key::before(fields.back() + 1));
+    const auto end = std::lower_bound(k, grid.keys.end(), Key::before(k->field() + 1));
+    fields.push_back({k->field(), k, end});
+    k = end;
   }
+  std::vector<int> nodes;
+  const auto node_in = [&](const OfField& f, const Key& k) {
+    const auto at = std::lower_bound(f.begin, f.end, k);
+    return at != f.end && *at == k ? static_cast<int>(at - grid.keys.begin()) : -1;
+  };
   std::vector<Key> slaves;
   for (const Key& k : split) {
-    for (Field f : fields) nodes.push_back(grid.node_at(k.with_field(f)));
+    for (const OfField& f : fields)
+      if (const int node = node_in(f, k.with_field(f.field)); node >= 0) nodes.push_back(node);
     for (const NodeCopies::Entry& e : *row.copies.row(place_of(k))) {
       const Key first = key_at(body, e.first, place_of(k));
       for (auto u = std::lower_bound(row.users.begin(), row.users.end(), std::make_pair(first, 0)); u != row.users.end() && u->first == first; ++u)
@@ -113,10 +124,11 @@ std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::ve
   std::sort(slaves.begin(), slaves.end());
   slaves.erase(std::unique(slaves.begin(), slaves.end()), slaves.end());
   for (const Key& s : slaves)
-    for (Field f : fields)
-      if (at_start(s.with_field(f)) == s) nodes.push_back(grid.node_at(s.with_field(f)));
+    for (const OfField& f : fields) {
+      const Key k = s.with_field(f.field);
+      if (const int node = node_in(f, k); node >= 0 && at_start(k) == s) nodes.push_back(node);
+    }
   std::sort(nodes.begin(), nodes.end());
-  nodes.erase(nodes.begin(), std::lower_bound(nodes.begin(), nodes.end(), 0));
   return nodes;
 }
 

@@ -16,10 +16,11 @@ void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* sid
   links.add_stiffness(grid, side, s.dt, penalty.data());
   places.add_stiffness(grid, side, penalty.data());
   grid.halo.sum(penalty.data(), 2);
-  std::vector<double> mass(grid.size());
+  std::vector<double> mass(grid.size(), 0.0);
   std::vector<Share> shares;
   for (int i = 0; i < grid.size(); ++i) {
     const double *k = &penalty[2 * i];
+    if (k[0] + k[1] == 0.0) continue;
     const double share = std::min(1.0, s.dt * s.dt * s.lambda * (s.lambda_is_bound ? grid.tie_factor(i) : 1.0) / s.bound);
     mass[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
     if (mass[i] == 0.0) continue;

@@ -152,7 +152,12 @@ bool PenaltyLinks::find_columns(const Grid& grid) {
   std::vector<Grid::Cell> cells;
   add_cells(cells);
   bool all = true;
-  for (const Grid::Cell& c : cells) all = grid.find_columns(c.field, c.base, c.column) && all;
+  const Grid::Cell* last = nullptr;  // links of a cell follow each other
+  for (const Grid::Cell& c : cells) {
+    if (last && last->key() == c.key()) std::copy_n(last->column, columns_of_cell_, c.column);
+    else all = grid.find_columns(c.field, c.base, c.column) && all;
+    last = &c;
+  }
   return all;
 }
 

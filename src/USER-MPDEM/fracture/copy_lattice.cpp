@@ -67,6 +67,11 @@ void CopyLattice::for_each_node(const int* base, F f) const {
       for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
 }
 
+// The same number.
+int CopyLattice::number_of(const Place& node, const Place& base) const {
+  return (S_ * (node[0] - base[0]) + node[1] - base[1]) * S_ + node[2] - base[2];
+}
+
 template <class F>
 void CopyLattice::for_each_point(const Place& node, F f) const {
   for (int i = 0; i < S_; ++i)
@@ -334,15 +339,15 @@ bool CopyLattice::Class::operator<(const Class& o) const {
 
 CopyChange CopyLattice::colour(NodeCopies& copies) {
   std::map<Class, std::vector<int>> classes;  // of the points that changed
+  Class was{{}, -1, {}};                      // points of a class mostly follow each other
   for (const auto& w : wanted_) {
     const CopyPoint& p = points_[w.first];
-    Class c{place(p.base), p.part, {}};
-    for_each_node(p.base, [&](const Place& n, int) {
-      NodeCopies::Entry e = copies.at(p.part, n);
-      const auto other = w.second.find(n);
-      if (other != w.second.end()) e.copy = other->second;
-      c.copy.push_back(e);
-    });
+    if (was.part != p.part || was.base != place(p.base)) {
+      was = {place(p.base), p.part, {}};
+      for_each_node(p.base, [&](const Place& n, int) { was.copy.push_back(copies.at(p.part, n)); });
+    }
+    Class c = was;
+    for (const auto& n : w.second) c.copy[number_of(n.first, c.base)].copy = n.second;
     classes[c].push_back(w.first);
   }
   // rows of their nodes, as the points that did not change have them
@@ -355,20 +360,26 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
   std::vector<char> changes(points_.size(), 0);
   for (const auto& w : wanted_) changes[w.first] = 1;
   for (auto& r : rows) {
+    const NodeCopies::Row* before = copies.row(r.first);
     int last = -1;  // points of a part are mostly next to each other
     for_each_point(r.first, [&](int p) {
       const int part = points_[p].part;
       if (changes[p] || part == last) return;
-      r.second.emplace(part, copies.at(part, r.first));
+      r.second.emplace(part, NodeCopies::entry_of(before, part));
       last = part;
     });
   }
   CopyChange change;
+  std::vector<RowNow*> of_class;  // of each node, null: it is whole
   for (const auto& c : classes) {
-    const int part = free_part(c.first, rows);
-    for_each_node(c.first.base.data(), [&](const Place& n, int at) {
+    of_class.clear();
+    for_each_node(c.first.base.data(), [&](const Place& n, int) {
       const auto row = rows.find(n);
-      if (row != rows.end()) row->second[part] = {part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume};
+      of_class.push_back(row == rows.end() ? nullptr : &row->second);
+    });
+    const int part = free_part(c.first, of_class);
+    for_each_node(c.first.base.data(), [&](const Place& n, int at) {
+      if (of_class[at]) (*of_class[at])[part] = {part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume};
       if (part != c.first.part) change.sources.push_back({n, part, c.first.part});
     });
     if (part == c.first.part) continue;
@@ -392,16 +403,14 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
   return change;
 }
 
-int CopyLattice::free_part(const Class& c, const std::map<Place, RowNow>& rows) const {
+int CopyLattice::free_part(const Class& c, const std::vector<RowNow*>& rows) const {
   const auto fits = [&](int part) {
-    bool all = true;
-    for_each_node(c.base.data(), [&](const Place& n, int at) {
-      const auto row = rows.find(n);
-      if (row == rows.end()) return;
-      const auto e = row->second.find(part);
-      all = all && (e == row->second.end() || e->second.copy == c.copy[at].copy);
-    });
-    return all;
+    for (std::size_t at = 0; at < rows.size(); ++at) {
+      if (!rows[at]) continue;
+      const auto e = rows[at]->find(part);
+      if (e != rows[at]->end() && e->second.copy != c.copy[at].copy) return false;
+    }
+    return true;
   };
   if (fits(c.part)) return c.part;
   int part = 0;

@@ -9,9 +9,9 @@ const NodeCopies::Row* NodeCopies::row(const Place& node) const {
   return row == rows_.end() ? nullptr : &row->second;
 }
 
-NodeCopies::Entry NodeCopies::at(int part, const Place& node) const {
-  if (const Row* r = row(node))
-    for (const Entry& e : *r)
+NodeCopies::Entry NodeCopies::entry_of(const Row* row, int part) {
+  if (row)
+    for (const Entry& e : *row)
       if (e.part == part) return e;
   return {part, 0, 0, 0.0};
 }
@@ -19,7 +19,7 @@ NodeCopies::Entry NodeCopies::at(int part, const Place& node) const {
 int NodeCopies::canonical(int part, const Place& node) const {
   const Row* r = row(node);
   if (!r) return 0;
-  const int mine = at(part, node).copy;
+  const int mine = entry_of(r, part).copy;
   for (const Entry& e : *r)
     if (e.copy == mine) return e.part;
   return part;

@@ -56,7 +56,8 @@ class NodeCopies {
   bool empty() const { return rows_.empty(); }
   const Row* row(const Place& node) const;
   // Entry of a part; of a node that is whole {part, 0, 0, 0}. The part must be known there.
-  Entry at(int part, const Place& node) const;
+  Entry at(int part, const Place& node) const { return entry_of(row(node), part); }
+  static Entry entry_of(const Row* row, int part);
   // Part whose node stands for that of this part.
   int canonical(int part, const Place& node) const;
   // The part whose node stands for the copy `first` of the start; -1 if that has been split since.
@@ -146,6 +147,7 @@ class CopyLattice {
 
   template <class F>
   void for_each_node(const int* base, F f) const;
+  int number_of(const Place& node, const Place& base) const;
   template <class F>
   void for_each_point(const Place& node, F f) const;
   template <class F>
@@ -164,7 +166,7 @@ class CopyLattice {
   bool goes_with(int i, int a, int b) const;
   void grow(const std::vector<int>& group);
   CopyChange colour(NodeCopies& copies);
-  int free_part(const Class& c, const std::map<Place, RowNow>& rows) const;
+  int free_part(const Class& c, const std::vector<RowNow*>& rows) const;
   void find_towards(NodeCopies& copies) const;
 
   std::vector<CopyPoint> points_;  // ascending in cell and tag

@@ -258,6 +258,13 @@ void EdgeTies::Rows::append(const Rows& other, int row) {
   end_row();
 }
 
+void EdgeTies::Rows::append_with_weights(const Rows& other, int first, int end) {
+  const int from = other.first_[first], to = other.first_[end];
+  first_.append(other.first_, first + 1, end + 1, static_cast<int>(node_.size()) - from);
+  node_.append(other.node_, from, to);
+  weights_.append(other.weights_, first, end);
+}
+
 bool EdgeTies::Rows::same_nodes(int row, const Rows& other, int of_other) const {
   bool same = length(row) == other.length(of_other);
   for (int n = 0; same && n < length(row); ++n) same = node_[first_[row] + n] == other.node_[other.first_[of_other] + n];
@@ -269,9 +276,7 @@ bool EdgeTies::Rows::same_weights(int row, const Rows& other, int of_other) cons
   return std::equal(weights, weights + length(row), &other.weight_[other.weights_[of_other]]);
 }
 
-void EdgeTies::Rows::renumber(const std::vector<int>& place) {
-  for (std::size_t n = 0; n < node_.size(); ++n) node_.set(n, place[node_[n]]);
-}
+void EdgeTies::Rows::renumber(const std::vector<int>& place) { node_.renumber(place); }
 
 void EdgeTies::Rows::shrink_to_fit() {
   for (ShortList* v : {&first_, &node_, &weights_}) v->shrink_to_fit();
@@ -358,10 +363,10 @@ void EdgeTies::bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Ke
 }
 
 void EdgeTies::renumber(const std::vector<int>& place) {
-  for (std::size_t t = 0; t < size(); ++t) slave_.set(t, place[slave_[t]]);
+  slave_.renumber(place);
   masters_.renumber(place);
   heirs_.renumber(place);
-  for (std::size_t t = 0; t < chain_slave_.size(); ++t) chain_slave_.set(t, place[chain_slave_[t]]);
+  chain_slave_.renumber(place);
   chain_.renumber(place);
 }
 
@@ -371,24 +376,45 @@ void EdgeTies::append(const EdgeTies& other, int row) {
   heirs_.append(other.heirs_, row);
 }
 
+void EdgeTies::append_with_weights(const EdgeTies& other, int first, int end) {
+  slave_.append(other.slave_, first, end);
+  masters_.append_with_weights(other.masters_, first, end);
+  heirs_.append_with_weights(other.heirs_, first, end);
+}
+
+// Few ties change, so what lies between them goes over at once.
 bool EdgeTies::exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys) {
   EdgeTies fresh, next;
   fresh.bind(wanted, keys);
+  next.masters_.take_weights(masters_);
+  next.heirs_.take_weights(heirs_);
   bool freed = false;
-  std::size_t f = 0;
-  for (std::size_t t = 0; t < size(); ++t) {
-    while (f < fresh.size() && fresh.slave_[f] < slave_[t]) next.append(fresh, static_cast<int>(f++));
-    if (!std::binary_search(nodes.begin(), nodes.end(), slave_[t])) {
-      next.append(*this, static_cast<int>(t));
-      continue;
+  int t = 0, f = 0;  // the next of these ties, and of the fresh ones
+  const auto keep_until = [&](int end) {
+    next.append_with_weights(*this, t, end);
+    t = end;
+  };
+  for (int node : nodes) {
+    while (f < static_cast<int>(fresh.size()) && fresh.slave_[f] < node) {
+      keep_until(rows_before(fresh.slave_[f]));
+      next.append(fresh, f++);
     }
-    const int row = fresh.row(slave_[t]);
-    const bool is_edge = masters_.length(t) > 1;
-    const bool same = row >= 0 && masters_.same_nodes(t, fresh.masters_, row) && masters_.same_weights(t, fresh.masters_, row) &&
-                      heirs_.same_nodes(t, fresh.heirs_, row);
-    freed = freed || (is_edge && !same);
+    keep_until(rows_before(node));
+    const int row = f < static_cast<int>(fresh.size()) && fresh.slave_[f] == node ? f : -1;
+    if (t < static_cast<int>(size()) && slave_[t] == node) {
+      const bool is_edge = masters_.length(t) > 1;
+      const bool same = row >= 0 && masters_.same_nodes(t, fresh.masters_, row) && masters_.same_weights(t, fresh.masters_, row) &&
+                        heirs_.same_nodes(t, fresh.heirs_, row);
+      freed = freed || (is_edge && !same);
+      ++t;
+    }
+    if (row >= 0) next.append(fresh, f++);
   }
-  while (f < fresh.size()) next.append(fresh, static_cast<int>(f++));
+  while (f < static_cast<int>(fresh.size())) {
+    keep_until(rows_before(fresh.slave_[f]));
+    next.append(fresh, f++);
+  }
+  keep_until(static_cast<int>(size()));
   *this = std::move(next);
   return freed;
 }

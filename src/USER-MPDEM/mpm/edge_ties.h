@@ -119,6 +119,10 @@ class EdgeTies {
     }
     void end_row();
     void append(const Rows& other, int row);
+    // To begin with rows of another that keep their weights where they are.
+    void take_weights(const Rows& other) { weight_ = other.weight_; }
+    // Rows [first, end) of one whose weights were taken.
+    void append_with_weights(const Rows& other, int first, int end);
     int length(int row) const { return first_[row + 1] - first_[row]; }
     bool same_nodes(int row, const Rows& other, int of_other) const;
     bool same_weights(int row, const Rows& other, int of_other) const;
@@ -145,6 +149,7 @@ class EdgeTies {
     }
   };
   void append(const EdgeTies& other, int row);
+  void append_with_weights(const EdgeTies& other, int first, int end);
   void bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
   bool is_chained() const { return !chain_slave_.empty(); }
 

@@ -271,12 +271,22 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
 namespace {
 
-// So many numbers a node, of nodes that went to other places.
+// So many numbers a node, of nodes that went to other places, in the same order. Rows of them move at once, the last one first.
 void spread(std::vector<double>& values, int width, const std::vector<int>& place, std::size_t size, double fresh) {
   if (values.empty()) return;
-  std::vector<double> next(width * size, fresh);
-  for (std::size_t i = 0; i < place.size(); ++i) std::copy_n(&values[width * i], width, &next[static_cast<std::size_t>(width) * place[i]]);
-  values.swap(next);
+  values.resize(width * size, fresh);
+  const auto at = [&](std::size_t node) { return values.begin() + static_cast<std::ptrdiff_t>(width * node); };
+  std::size_t end = place.size(), beyond = size;
+  while (end > 0) {
+    std::size_t first = end - 1;
+    while (first > 0 && place[first - 1] == place[first] - 1) --first;
+    const std::size_t to = place[first];
+    if (to != first) std::copy_backward(at(first), at(end), at(to + end - first));
+    std::fill(at(to + end - first), at(beyond), fresh);
+    beyond = to;
+    end = first;
+  }
+  std::fill(at(0), at(beyond), fresh);
 }
 
 }  // namespace

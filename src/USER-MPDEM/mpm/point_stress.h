@@ -117,7 +117,7 @@ class PointStress {
     const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b));
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
-      look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
+      if (!result_.near_threshold) look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd a = drive_factor<L>(average / max(root_of_norm(law_, p.strain), splat(1e-100)));
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
@@ -132,7 +132,7 @@ class PointStress {
   }
 
   void look_how_near(vd square, vmask active, vd limit) {
-    if (!result_.near_threshold) result_.near_threshold = any(active & (square > limit));
+    result_.near_threshold = any(active & (square > limit));
   }
 
   // Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "shared_list.h"
@@ -24,10 +25,6 @@ class ShortList {
     if (wide_.empty() && fits(v)) narrow_.own().push_back(static_cast<Narrow>(v));
     else wide_list().push_back(v);
   }
-  void set(std::size_t i, int v) {
-    if (wide_.empty() && fits(v)) narrow_.own()[i] = static_cast<Narrow>(v);
-    else wide_list()[i] = v;
-  }
   void resize(std::size_t size) {
     if (wide_.empty()) narrow_.own().resize(size);
     else wide_.own().resize(size);
@@ -37,6 +34,33 @@ class ShortList {
   decltype(auto) with(F f) const {
     if (wide_.empty()) return f(narrow_.data());
     return f(wide_.data());
+  }
+  // v becomes place[v].
+  void renumber(const std::vector<int>& place) {
+    int most = 0;
+    with([&](const auto* v) {
+      for (std::size_t i = 0; i < size(); ++i) most = std::max(most, place[v[i]]);
+    });
+    const auto replace_in = [&place](auto& list) {
+      for (auto& v : list) v = static_cast<std::decay_t<decltype(v)>>(place[v]);
+    };
+    if (empty()) return;
+    if (wide_.empty() && fits(most)) replace_in(narrow_.own());
+    else replace_in(wide_list());
+  }
+  // Appends the values [first, end) of another list, each with `more` added.
+  void append(const ShortList& other, std::size_t first, std::size_t end, int more = 0) {
+    other.with([&](const auto* from) {
+      const auto append_to = [&](auto& list) {
+        using Value = typename std::decay_t<decltype(list)>::value_type;
+        const std::size_t old = list.size();
+        list.resize(old + (end - first));
+        std::transform(from + first, from + end, list.begin() + old, [more](int v) { return static_cast<Value>(v + more); });
+      };
+      if (first == end) return;
+      if (wide_.empty() && fits(*std::max_element(from + first, from + end) + more)) append_to(narrow_.own());
+      else append_to(wide_list());
+    });
   }
   void shrink_to_fit() {
     narrow_.own().shrink_to_fit();
