@@ -108,6 +108,7 @@ std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::ve
   }
   std::vector<int> nodes;
   const auto node_in = [&](const OfField& f, const Key& k) {
+    if (k < *f.begin || *(f.end - 1) < k) return -1;
     const auto at = std::lower_bound(f.begin, f.end, k);
     return at != f.end && *at == k ? static_cast<int>(at - grid.keys.begin()) : -1;
   };
@@ -148,6 +149,7 @@ Key Splits::next(const Key& k, int direction) const {
 
 std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
   std::vector<EdgeTie> ties;
+  ties.reserve(keys.size());
   for (const Key& k : keys) {
     EdgeTie t;
     t.slave = k;

@@ -21,7 +21,7 @@ int copy_of(const NodeCopies::Row& row, int part) {
   return 0;
 }
 
-bool same_cell(const CopyPoint& a, const CopyPoint& b) { return std::equal(a.cell, a.cell + 3, b.cell); }
+bool same_cell(const CopyPoint& a, const CopyPoint& b) { return a.cell[0] == b.cell[0] && a.cell[1] == b.cell[1] && a.cell[2] == b.cell[2]; }
 
 bool before(const CopyPoint& a, const CopyPoint& b) {
   const Place x = place(a.cell), y = place(b.cell);
@@ -88,12 +88,15 @@ template <class F>
 void CopyLattice::for_each_neighbour(int i, F f) const {
   const CopyPoint& p = points_[i];
   const int n = static_cast<int>(points_.size());
-  for (int j = i - 1; j >= 0 && same_cell(points_[j], p); --j) f(j);
-  for (int j = i + 1; j < n && same_cell(points_[j], p); ++j) f(j);
+  const auto of_cell = [&](int first, int j) { return j < n && (j == first || (!one_a_cell_ && same_cell(points_[j], points_[first]))); };
+  if (!one_a_cell_) {
+    for (int j = i - 1; j >= 0 && same_cell(points_[j], p); --j) f(j);
+    for (int j = i + 1; of_cell(i, j); ++j) f(j);
+  }
   for (int face = 0; face < 6; ++face) {
     const int first = next_[i][face];
     if (first < 0) continue;
-    for (int j = first; j < n && (j == first || same_cell(points_[j], points_[first])); ++j)
+    for (int j = first; of_cell(first, j); ++j)
       if (connected(p, points_[j], face)) f(j);
   }
 }
