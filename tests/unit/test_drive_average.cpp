@@ -31,8 +31,7 @@ void set_roots(Cement& c, F root) {
 
 void average(Cement& c, const AverageSweeps& s) {
   DriveAverage average;
-  average.start(c.points, c.grid, kLaw);
-  for (int k = 0; k < s.count; ++k) average.sweep(c.points, c.grid, k == s.count - 1 ? s.last_weight : 1.0, k == s.count - 1);
+  average.find(c.points, c.grid, kLaw, s);
 }
 
 double average_of(const Cement& c, int b, int l) {
@@ -173,8 +172,7 @@ TEST(DriveAverage, VolumesThatStand) {
       c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
       ASSERT_GT(c.grid.ties.size(), 10u);
     }
-    kept.start(c.points, c.grid, kLaw, true);
-    for (int k = 0; k < sweeps.count; ++k) kept.sweep(c.points, c.grid, k == sweeps.count - 1 ? sweeps.last_weight : 1.0, k == sweeps.count - 1);
+    kept.find(c.points, c.grid, kLaw, sweeps, true);
     const std::vector<double> of_kept = c.grid.drive_average;
     average(c, sweeps);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;

@@ -423,12 +423,7 @@ double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& opti
   show_strain(b, part);
   // averages of points that other ranks have would need sums over these: without them a bond wakes earlier
   const bool averaged = options.skip.nonlocal && !b.cut_by_ranks();
-  if (averaged) {
-    const AverageSweeps sweeps = sweeps_for(options.length, options.cell, options.basis);
-    b.average.start(b.points, b.grid, law);
-    for (int k = 0; k < sweeps.count; ++k)
-      b.average.sweep(b.points, b.grid, k == sweeps.count - 1 ? sweeps.last_weight : 1.0, k == sweeps.count - 1);
-  }
+  if (averaged) b.average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
   return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
 }
 

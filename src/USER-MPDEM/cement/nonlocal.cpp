@@ -27,7 +27,6 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
   if (!scene.options.skip.nonlocal) return;
   scene.timer.start(StepTimer::kPoints);
   const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
-  const auto weight = [&sweeps](int k) { return k == sweeps.count - 1 ? sweeps.last_weight : 1.0; };
   std::vector<int> rows;
   if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
   for (Bond& b : scene.bonds.awake()) {
@@ -41,8 +40,7 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
       b.grid.drive_average.clear();
       continue;
     }
-    b.average.start(b.points, b.grid, *scene.law, !scene.options.updated);
-    for (int k = 0; k < sweeps.count; ++k) b.average.sweep(b.points, b.grid, weight(k), k == sweeps.count - 1);
+    b.average.find(b.points, b.grid, *scene.law, sweeps, !scene.options.updated);
     if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
   }
   if (rows.empty()) return;
@@ -64,9 +62,8 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
   sum(&DriveAverage::volumes);
   sum(&DriveAverage::sums);
   for (int k = 0; k < sweeps.count; ++k) {
-    const bool last = k == sweeps.count - 1;
-    for (Bond* b : cut) b->average.sweep(b->points, b->grid, weight(k), last);
-    if (!last) sum(&DriveAverage::sums);
+    for (Bond* b : cut) b->average.sweep(b->points, b->grid, sweeps, k);
+    if (!sweeps.is_last(k)) sum(&DriveAverage::sums);
   }
   if (scene.options.updated) return;
   std::vector<double> largest(rows.size(), 0.0);

@@ -80,11 +80,12 @@ void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, b
   grid.drive_average.assign(grid.size(), 0.0);
 }
 
-void DriveAverage::sweep(const PointStore& points, Grid& grid, double weight, bool last) {
+void DriveAverage::sweep(const PointStore& points, Grid& grid, const AverageSweeps& sweeps, int k) {
+  const double weight = sweeps.weight(k);
   std::vector<double>& mean = grid.drive_average;
   for (std::size_t i = 0; i < sum_.size(); ++i) mean[i] = (1.0 - weight) * mean[i] + (volume_[i] > 0.0 ? weight * sum_[i] / volume_[i] : 0.0);
   grid.ties.take_of_heirs(mean.data(), 1);
-  if (last) return;
+  if (sweeps.is_last(k)) return;
   std::fill(sum_.begin(), sum_.end(), 0.0);
   const double inverse_h = 1.0 / grid.h;
   with_basis(grid.basis, [&](auto type) {

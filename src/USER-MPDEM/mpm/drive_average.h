@@ -41,6 +41,8 @@ constexpr double kNearThreshold = 0.9;
 struct AverageSweeps {
   int count = 0;
   double last_weight = 1.0;  // in (0, 1]
+  bool is_last(int k) const { return k == count - 1; }
+  double weight(int k) const { return is_last(k) ? last_weight : 1.0; }
 };
 AverageSweeps sweeps_for(double length, double cell, Basis basis);
 
@@ -53,16 +55,20 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
   return grid.drive_average.empty() ? vd{} : gather_scalar(grid.drive_average.data(), m.column, s);
 }
 
-// One bond. The average of points that are on other ranks, too, needs the sums of the nodes over the ranks: after start() of
-// volumes() and sums(), after every sweep() but the last of sums().
+// One bond. find() is for one whose points are all on this rank. The average of points that are on other ranks, too, needs the sums of the nodes over
+// the ranks: after start() of volumes() and sums(), after every sweep() but the last of sums().
 class DriveAverage {
  public:
+  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool volumes_stand = false) {
+    start(points, grid, law, volumes_stand);
+    for (int k = 0; k < sweeps.count; ++k) sweep(points, grid, sweeps, k);
+  }
   // Takes the roots of the norms to the nodes. volumes_stand: points are where they were in the last start. The volumes of the nodes are found anew then
   // only if a point has failed since, or the nodes have changed.
   void start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand = false);
-  // Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps it is taken to the points and back. After the last one
-  // the pass over the points interpolates it, whose weights are there already. The weight of all sweeps but the last is 1.
-  void sweep(const PointStore& points, Grid& grid, double weight, bool last);
+  // The kth of the sweeps. Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps it is taken to the points and
+  // back. After the last one the pass over the points interpolates it, whose weights are there already.
+  void sweep(const PointStore& points, Grid& grid, const AverageSweeps& sweeps, int k);
 
   // An average is a mean of the roots of points with weights that are not negative: it grows by no more than the root grows that grows most. So
   // there is nothing to average until some root has grown by what the largest average lacks of the threshold. Sets grid.drive_limit to the drives
