@@ -73,6 +73,22 @@ def test_nonlocal_on_ranks(tmp_path, figures):
     figures.below("cracks split and nonlocal, 2 ranks against 1: bond force over the peak", abs(a["f_bond"] - b["f_bond"]).max() / a["f_bond"].max(), 1e-12)
 
 
+@pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
+def test_failed_points_without_nodes(tmp_path, figures, ranks, processors):
+    """Blocks whose points have all failed borrow nodes. With `skip failed no` they have nodes of their own, and go through the pass."""
+    steps = 700
+    found = []
+    for skip in ("yes", "no"):
+        words = f"regularization nonlocal {CELL} skip failed {skip}"
+        found.append(run(pair(CELL / 2, processors=processors, **BOND) + pulled(words) + dump(steps, COLUMNS[1:4]) + f"run {steps}\n", tmp_path / skip, ranks))
+    p, q = (done.points(steps) for done in found)
+    assert found[0].table()["f_bond[18]"][-1] > 500 and found[0].table()["f_bond[22]"][-1] == 1
+    figures.below(f"cracks split, {ranks} ranks: place of points that failed, with and without nodes of their own, over the cell",
+                  max(abs(p[c] - q[c]).max() for c in "xyz") / CELL, 1e-10)
+    figures.below(f"cracks split, {ranks} ranks: bond force with and without nodes of failed points, over the peak",
+                  abs(found[0].table()["f_bond"] - found[1].table()["f_bond"]).max() / found[0].table()["f_bond"].max(), 1e-12)
+
+
 def test_restart(one_rank, tmp_path, figures):
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = run(restarted("middle.restart") + pulled() + dump(BEFORE + AFTER, COLUMNS[1:]) + f"run {AFTER}\n", tmp_path)

@@ -39,16 +39,20 @@ std::vector<CopyPoint> block(int nx, int ny, int nz) {
 class Pieces {
  public:
   explicit Pieces(std::vector<CopyPoint> points) : points_(points), lattice_(std::move(points), Basis::quadratic) {
-    take(lattice_.start(copies));
+    take(lattice_.start(copies), NodeCopies());
     EXPECT_TRUE(copies.empty());
   }
 
   void fail(const std::vector<int>& tags) {
     for (CopyPoint& p : points_) p.failed = p.failed || std::count(tags.begin(), tags.end(), p.tag);
-    take(lattice_.fail(tags, copies));
+    const NodeCopies before(copies);
+    take(lattice_.fail(tags, copies), before);
   }
 
-  void come_apart(const std::vector<CopyLattice::OfPiece>& pieces) { take(lattice_.come_apart(pieces, copies)); }
+  void come_apart(const std::vector<CopyLattice::OfPiece>& pieces) {
+    const NodeCopies before(copies);
+    take(lattice_.come_apart(pieces, copies), before);
+  }
 
   // Of each node the points in its support that hold; which of them share its copy, and which are connected?
   void check() const {
@@ -101,8 +105,31 @@ class Pieces {
   }
 
  private:
-  void take(const CopyChange& change) {
-    for (const CopyChange::Moved& m : change.moved) points_[m.tag - 1].part = m.part;
+  // Nodes that stand for others now, and those of the new parts, take the motion of the node that stood for them. Nodes of other parts than those
+  // that stand may not be there.
+  void take(const CopyChange& change, const NodeCopies& before) {
+    std::map<std::pair<Place, int>, int> source;
+    for (const CopyChange::Source& s : change.sources) {
+      ASSERT_EQ(source.emplace(std::make_pair(s.node, s.part), s.from).first->second, s.from) << "two sources of a node";
+      ASSERT_EQ(before.canonical(s.from, s.node), s.from) << "a source that did not stand for itself";
+    }
+    std::map<int, int> moved;
+    for (const CopyChange::Moved& m : change.moved) moved[m.tag] = m.part;
+    for (CopyPoint& p : points_) {
+      const auto m = moved.find(p.tag);
+      const int part = m == moved.end() ? p.part : m->second;
+      for (int a = 0; a < 27; ++a) {
+        const Place n{p.base[0] + a / 9, p.base[1] + a / 3 % 3, p.base[2] + a % 3};
+        const int stood = before.canonical(p.part, n);
+        for (int to : {copies.canonical(part, n), part}) {
+          if (to == stood || (to == part && part == p.part && copies.canonical(part, n) != part)) continue;
+          const auto s = source.find({n, to});
+          ASSERT_TRUE(s != source.end()) << "a node without a source";
+          ASSERT_EQ(s->second, stood);
+        }
+      }
+      p.part = part;
+    }
   }
 
   std::vector<int> components(const std::vector<int>& members) const {

@@ -4,6 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include "cement/borrowed_nodes.h"
+#include "coupling/cohesive_traction.h"
+#include "coupling/penalty_traction.h"
+#include "mpm/block_nodes.h"
+#include "mpm/gather.h"
+#include "mpm/scatter.h"
+
 namespace mpdem {
 namespace {
 
@@ -33,6 +40,120 @@ TEST(Splits, NodesThatStandForThoseOfABlock) {
             for (int k = 0; k < S + (direction == 2); ++k) expected.push_back({0, 5 + i, 5 + j, 5 + k});
         EXPECT_EQ(splits.nodes_beside(points, 0, S), expected) << static_cast<int>(basis) << " " << direction << " " << join;
       }
+}
+
+CementOptions that_borrow() {
+  CementOptions o;
+  o.split = true;
+  return o;
+}
+
+// Points that failed in part 2 among whole ones: with nodes of their own, of which each stands for itself in part 0 and moves as that does, they have
+// the same place and the same mass.
+TEST(BorrowedNodes, PlaceAndMassAreThoseOfOwnNodes) {
+  constexpr double kCell = 1e-3, kDensity = 2710.0;
+  for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic})
+    for (int direction = 0; direction < 3; ++direction) {
+      PointStore points;
+      for (int n = 0; n < 13; ++n)
+        for (int part : {0, 2}) {
+          PointRecord r;
+          r.part = part;
+          r.volume = 1e-12 * (1 + n);
+          r.failed = part != 0;
+          for (int d = 0; d < 3; ++d) r.X[d] = kCell * (5.0 + cell_middle(basis) + 0.03 * (n % (3 + d)) + (d == direction && n >= 10));
+          points.add(r, 1 + 2 * n + (part != 0));
+        }
+      points.arrange(kCell, basis, {}, true);
+      Splits splits;
+      splits.restore(1, {});  // all nodes are whole
+      const auto grid_of = [&](PointStore& p, bool own) {
+        Grid grid;
+        grid.basis = basis;
+        std::vector<Grid::Cell> cells;
+        for (BlockMeta& m : p.meta)
+          if (own || m.part == 0) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
+        std::vector<char> fresh;
+        grid.build(MPI_COMM_SELF, kCell, cells, {}, fresh, {}, 0, splits.nodes_beside(p, 0, support(basis)));
+        for (int i = 0; i < grid.size(); ++i)
+          for (int d = 0; d < 3; ++d) grid.displacement[3 * i + d] = std::sin(1.0 + grid.keys[i].at(0) + 2.0 * grid.keys[i].at(1) * (1 + d) + 3.0 * grid.keys[i].at(2));
+        grid.tie(splits.ties(grid.keys), true);
+        return grid;
+      };
+      PointStore with_own(points);
+      Grid own = grid_of(with_own, true), lent = grid_of(points, false);
+      const BorrowedNodes rule(that_borrow(), nullptr);
+      rule.find(points, lent, splits);
+      EXPECT_LT(lent.size(), own.size());
+      own.lump_mass(with_own, kDensity);
+      lent.lump_mass(points, kDensity);
+      double whole = 0.0, all = 0.0;
+      for (int i = 0; i < lent.size(); ++i) {
+        EXPECT_NEAR(lent.mass[i], own.mass[own.node_at(lent.keys[i])], 1e-14 * kDensity * 1e-10);
+        whole += lent.mass[i];
+      }
+      for (int n = 0; n < 13; ++n) all += 2.0 * kDensity * 1e-12 * (1 + n);
+      EXPECT_NEAR(whole, all, 1e-13 * all);
+      int borrowing = 0;
+      with_basis(basis, [&](auto type) {
+        for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+          const BlockMeta& m = points.meta[b];
+          ASSERT_EQ(m.borrowed != BlockMeta::kOwn, m.part == 2);
+          borrowing += m.part == 2;
+          with_weights<decltype(type)>(points.blocks[b], m, 1.0 / kCell, [&](const auto& w) {
+            vd u[3], v[3];
+            gather_value(own.displacement.data(), with_own.meta[b].column, w, u);
+            with_values<3>(lent, m, lent.displacement.data(), [&](const double* values, const int* column) { gather_value(values, column, w, v); });
+            for (int d = 0; d < 3; ++d)
+              for (int l = 0; l < kLanes; ++l) EXPECT_EQ(u[d][l], v[d][l]);
+          });
+        }
+      });
+      EXPECT_GT(borrowing, 0);
+      // nodes went elsewhere: lists go along
+      std::vector<int> before;
+      for (const BlockMeta& m : points.meta) for_each_node(lent, m, [&](int i) { before.push_back(i); });
+      const std::vector<Key> keys = lent.keys;
+      const std::vector<int> place = lent.add_nodes({Key{keys.front().field(), keys.front().at(0) - 9, 0, 0}});
+      std::size_t n = 0;
+      for (const BlockMeta& m : points.meta)
+        for_each_node(lent, m, [&](int i) {
+          const int was = before[n++];
+          if (m.borrowed != BlockMeta::kOwn) {
+            EXPECT_EQ(i, place[was]);
+          }
+        });
+    }
+}
+
+// Not points that may be stiff again, touch, hold to a grain, or go through the pass over the points.
+TEST(BorrowedNodes, WhoMayBorrow) {
+  BlockMeta dead;
+  dead.part = 3;
+  dead.occupied = dead.failed = 0x0f;
+  dead.linked = 0x01;
+  const CementOptions o = that_borrow();
+  EXPECT_TRUE(BorrowedNodes(o, nullptr).may_borrow(dead));
+  BlockMeta some = dead, first = dead, none = dead;
+  some.failed = 0x07;
+  first.part = 0;
+  none.occupied = none.failed = 0;
+  for (const BlockMeta& m : {some, first, none}) EXPECT_FALSE(BorrowedNodes(o, nullptr).may_borrow(m));
+  CementOptions unilateral(o), all_points(o), bonds(o);
+  unilateral.unilateral = true;
+  all_points.skip.skip_failed = false;
+  bonds.split = false;
+  for (const CementOptions& other : {unilateral, all_points, bonds}) EXPECT_FALSE(BorrowedNodes(other, nullptr).may_borrow(dead));
+  PenaltyParameters p;
+  p.law = std::make_shared<PenaltyTraction>(TractionStiffness{1e13, 1e13});
+  EXPECT_TRUE(BorrowedNodes(o, &p).may_borrow(dead));
+  p.friction = 0.0;
+  EXPECT_FALSE(BorrowedNodes(o, &p).may_borrow(dead));
+  p.friction = -1.0;
+  p.law = std::make_shared<CohesiveTraction>(TractionStiffness{1e13, 1e13}, LawValues());
+  EXPECT_FALSE(BorrowedNodes(o, &p).may_borrow(dead));
+  dead.linked = 0;
+  EXPECT_TRUE(BorrowedNodes(o, &p).may_borrow(dead));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
+#include "borrowed_nodes.h"
 
 namespace mpdem {
 
@@ -48,9 +49,10 @@ void set_frames(PointStore& points, const Body& body, const CementOptions& optio
   }
 }
 
-std::vector<Grid::Cell> cells_of(BondLayout& l) {
+std::vector<Grid::Cell> cells_of(BondLayout& l, const BorrowedNodes& borrowed) {
   std::vector<Grid::Cell> cells;
-  for (BlockMeta& m : l.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
+  for (BlockMeta& m : l.points.meta)
+    if (!borrowed.may_borrow(m)) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
   l.links.add_cells(cells);
   return cells;
 }
@@ -136,12 +138,13 @@ class LayoutMaker {
 
   // Grids with nodes for all cells and masters; with the motion before, or at rest.
   void build(std::vector<Grid>& grids, const std::vector<std::vector<EdgeTie>>& ties, bool with_motion) {
+    const BorrowedNodes borrowed(rules_.options, rules_.penalty);
     std::vector<GridRequest> wanted(grids.size());
     for (std::size_t n = 0; n < grids.size(); ++n) {
       GridRequest& w = wanted[n];
       grids[n].basis = rules_.options.basis;
       w.grid = &grids[n];
-      w.cells = cells_of(layouts_[n]);
+      w.cells = cells_of(layouts_[n], borrowed);
       if (n < ties.size())
         for (const EdgeTie& t : ties[n]) {
           for (const auto& h : t.heirs) w.extra.push_back(h.first);
@@ -168,6 +171,7 @@ class LayoutMaker {
                              "; use a larger 'cell', more machines",
                              margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
     }
+    for (std::size_t n = 0; n < grids.size() && rules_.splits; ++n) borrowed.find(layouts_[n].points, grids[n], *rules_.splits);
     for (std::size_t n = 0; n < grids.size() && with_motion; ++n) layouts_[n].fresh.swap(wanted[n].fresh);
   }
 

@@ -10,6 +10,7 @@
 
 #include "../mpm/block_nodes.h"
 #include "bond_motion.h"
+#include "borrowed_nodes.h"
 
 namespace mpdem {
 
@@ -110,14 +111,26 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const double kick = scene_.kick();
   const BondMotion before = motion_of(b.grid, kick);
   const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, scene_.options.cell, scene_.options.basis);
-  std::vector<Key> more = divisions_.splits.nodes_of(b.points, moved.blocks, b.body, support(scene_.options.basis));
+  const BorrowedNodes borrowed(scene_.options, scene_.penalty ? &*scene_.penalty : nullptr);
+  std::vector<Key> more = divisions_.splits.standing_at(b.body, parts.split);
+  const auto add = [&more](const std::vector<Key>& nodes) { more.insert(more.end(), nodes.begin(), nodes.end()); };
+  for (int n : moved.blocks) {
+    BlockMeta& m = b.points.meta[n];
+    m.borrowed = BlockMeta::kOwn;  // until they are found anew
+    add(divisions_.splits.standing_for(m, support(scene_.options.basis)));
+    if (!borrowed.may_borrow(m)) add(Splits::nodes_of(m, support(scene_.options.basis)));
+  }
+  std::sort(more.begin(), more.end());
+  more.erase(std::unique(more.begin(), more.end()), more.end());
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
   if (!more.empty())
     for (BlockMeta& m : b.points.meta)
-      for (int& c : m.column) c = place[c];
-  for (int n : moved.blocks) b.grid.find_columns(b.points.meta[n]);
+      if (!borrowed.may_borrow(m))
+        for (int& c : m.column) c = place[c];
+  for (int n : moved.blocks)
+    if (!borrowed.may_borrow(b.points.meta[n])) b.grid.find_columns(b.points.meta[n]);
   b.links.renumber(moved.link_place);
   b.links.follow_parts(b.points, b.grid, place);
 
@@ -127,6 +140,7 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
+  borrowed.find_anew(b.points, b.grid, divisions_.splits, nodes);
   const std::vector<double> volumes = divisions_.splits.volumes(keys);
   for (std::size_t n = 0; n < nodes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "../mpm/block_nodes.h"
 #include "../mpm/gather.h"
 
 namespace mpdem {
@@ -289,8 +290,8 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
     for (std::size_t b = 0; b < bond.laid_out_blocks; ++b) {
       const BlockMeta& m = bond.points.meta[b];
       with_weights<decltype(type)>(bond.points.blocks[b], m, 1.0 / scene_.options.cell, [&](const auto& w) {
-        gather_value(displacement.data(), m.column, w, motion[b].u);
-        gather_value(velocity.data(), m.column, w, motion[b].v);
+        with_values<3>(bond.grid, m, displacement.data(), [&](const double* u, const int* column) { gather_value(u, column, w, motion[b].u); });
+        with_values<3>(bond.grid, m, velocity.data(), [&](const double* v, const int* column) { gather_value(v, column, w, motion[b].v); });
       });
     }
   });

@@ -68,18 +68,24 @@ std::vector<Key> Splits::copies_of(int body) const {
   return nodes;
 }
 
-std::vector<Key> Splits::nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int S) const {
+std::vector<Key> Splits::nodes_of(const BlockMeta& m, int S) {
+  std::vector<Key> nodes;
+  for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(m.body, m.part, p)); });
+  return nodes;
+}
+
+std::vector<Key> Splits::standing_for(const BlockMeta& m, int S) const {
+  std::vector<Key> nodes;
+  const NodeCopies& copies = rows_[m.body].copies;
+  for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(m.body, copies.canonical(m.part, p), p)); });
+  return nodes;
+}
+
+std::vector<Key> Splits::standing_at(int body, const std::vector<Key>& split) const {
   std::vector<Key> nodes;
   const NodeCopies& copies = rows_[body].copies;
-  for (int b : blocks) {
-    const BlockMeta& m = points.meta[b];
-    for_each_node(m, S, [&](const Place& p) {
-      nodes.push_back(key_at(body, m.part, p));
-      nodes.push_back(key_at(body, copies.canonical(m.part, p), p));
-    });
-  }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  for (const Key& k : split)
+    for (const NodeCopies::Entry& e : *copies.row(place_of(k))) nodes.push_back(key_at(body, copies.canonical(e.part, place_of(k)), place_of(k)));
   return nodes;
 }
 

@@ -56,8 +56,11 @@ class Splits {
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes that are copies.
   std::vector<Key> copies_of(int body) const;
-  // Nodes that these blocks use; nodes at the edge are left out.
-  std::vector<Key> nodes_of(const PointStore& points, const std::vector<int>& blocks, int body, int support) const;
+  // Nodes of a block, and those that stand for them, in the order of for_each_node() of mpm/block_nodes.h.
+  static std::vector<Key> nodes_of(const BlockMeta& block, int support);
+  std::vector<Key> standing_for(const BlockMeta& block, int support) const;
+  // Of a bond in which these nodes split: those that stand for copies of these.
+  std::vector<Key> standing_at(int body, const std::vector<Key>& split) const;
   // Nodes of a grid whose ties or masses hang on the copies of these.
   std::vector<int> nodes_touched(const Grid& grid, int body, const std::vector<Key>& split);
   // A node as one of the start: its copy for a part.

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "../mpm/block_nodes.h"
 #include "../mpm/scatter.h"
 
 namespace mpdem {
@@ -61,8 +62,9 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
           for (int l = 0; l < kLanes; ++l) v[l] = n.velocity[3 * (kLanes * b + l) + d];
           rest[d] = scene.inertia * p.volume * (v - (A(0, d) + (A(1, d) * p.X[0] + A(2, d) * p.X[1] + A(3, d) * p.X[2]) / scene.options.cell));
         }
-        with_weights<decltype(type)>(p, points.meta[b], 1.0 / scene.options.cell,
-                                     [&](const auto& w) { scatter_value(momentum.data(), points.meta[b].column, w, rest); });
+        with_weights<decltype(type)>(p, points.meta[b], 1.0 / scene.options.cell, [&](const auto& w) {
+          with_sums<3>(grid, points.meta[b], momentum.data(), [&](double* sums, const int* column) { scatter_value(sums, column, w, rest); });
+        });
       }
     });
     grid.ties.give_to_heirs(momentum.data(), 3);

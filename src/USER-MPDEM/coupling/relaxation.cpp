@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../mpm/block_nodes.h"
+
 namespace mpdem {
 
 namespace {
@@ -17,14 +19,9 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
 
 std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
   std::vector<double> held(2 * grid.size(), 0.0);
-  const int S = support(grid.basis);
-  for (const BlockMeta& m : points.meta) {
-    const int columns = nodes_along(m, 0, S) * nodes_along(m, 1, S), length = nodes_along(m, 2, S);
-    for (int c = 0; c < columns; ++c)
-      for (int k = 0; k < length; ++k)
-        for (int g = 0; g < 2; ++g)
-          if (m.holds[g] & m.occupied) held[2 * (m.column[c] + k) + g] = 1.0;
-  }
+  for (const BlockMeta& m : points.meta)
+    for (int g = 0; g < 2; ++g)
+      if (m.holds[g] & m.occupied) for_each_node(grid, m, [&](int i) { held[2 * i + g] = 1.0; });
   grid.halo.sum(held.data(), 2);
   std::vector<char> bits(grid.size());
   for (int i = 0; i < grid.size(); ++i) bits[i] = static_cast<char>((held[2 * i] > 0.0) + 2 * (held[2 * i + 1] > 0.0));

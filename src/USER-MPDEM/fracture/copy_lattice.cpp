@@ -368,7 +368,7 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     for_each_point(r.first, [&](int p) {
       const int part = points_[p].part;
       if (changes[p] || part == last) return;
-      r.second.emplace(part, NodeCopies::entry_of(before, part));
+      r.second.emplace(part, Now{NodeCopies::entry_of(before, part), part});
       last = part;
     });
   }
@@ -382,8 +382,8 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     });
     const int part = free_part(c.first, of_class);
     for_each_node(c.first.base.data(), [&](const Place& n, int at) {
-      if (of_class[at]) (*of_class[at])[part] = {part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume};
-      if (part != c.first.part) change.sources.push_back({n, part, c.first.part});
+      if (of_class[at]) (*of_class[at])[part] = {{part, c.first.copy[at].copy, c.first.copy[at].first, c.first.copy[at].volume}, c.first.part};
+      if (part != c.first.part) change.sources.push_back({n, part, copies.canonical(c.first.part, n)});
     });
     if (part == c.first.part) continue;
     for (int i : c.second) {
@@ -395,6 +395,9 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     NodeCopies::Row row;
     const auto split = split_now_.find(r.first);
     for (const auto& e : r.second) {
+      const bool stands = std::none_of(row.begin(), row.end(), [&](const NodeCopies::Entry& o) { return o.copy == e.second.copy; });
+      const int stood = stands ? copies.canonical(e.second.was, r.first) : 0;
+      if (stands && stood != e.first) change.sources.push_back({r.first, e.first, stood});
       row.push_back(e.second);
       if (split == split_now_.end()) continue;
       const auto volume = split->second.find(e.second.copy);

@@ -103,7 +103,7 @@ struct CopyChange {
     int tag, part;
   };
   std::vector<Moved> moved;  // points that change their part
-  // Node of a part, and the part whose node its points had there before.
+  // Node of a part, and the part whose node stood for that of its points there before.
   struct Source {
     Place node;
     int part, from;
@@ -142,7 +142,10 @@ class CopyLattice {
     std::vector<NodeCopies::Entry> copy;  // of each node of the support
     bool operator<(const Class& o) const;
   };
-  using RowNow = std::map<int, NodeCopies::Entry>;
+  struct Now : NodeCopies::Entry {
+    int was;  // part of some of its points before
+  };
+  using RowNow = std::map<int, Now>;
   class Around;
 
   template <class F>

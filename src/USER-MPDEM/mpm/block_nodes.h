@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Nodes of a block, of all cells that it has in a row. Most blocks have columns of nodes that are neighbours in memory. Blocks that borrow nodes
+// (BlockMeta::borrowed) have a list of them: what these have is put in columns for the kernels of gather.h and scatter.h, and back.
 #ifndef MPDEM_BLOCK_NODES_H
 #define MPDEM_BLOCK_NODES_H
+
+#include <algorithm>
 
 #include "basis.h"
 #include "grid.h"
@@ -9,12 +14,63 @@
 
 namespace mpdem {
 
-// Calls f(node) for the nodes of a block, of all cells that it has in a row.
+inline int count_of_columns(const BlockMeta& m, int support) { return nodes_along(m, 0, support) * nodes_along(m, 1, support); }
+inline int count_of_nodes(const BlockMeta& m, int support) { return count_of_columns(m, support) * nodes_along(m, 2, support); }
+
+// Calls f(node).
 template <class F>
 void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
-  const int S = support(grid.basis), columns = nodes_along(m, 0, S) * nodes_along(m, 1, S), length = nodes_along(m, 2, S);
+  const int S = support(grid.basis);
+  if (m.borrowed != BlockMeta::kOwn) {
+    const int* list = &grid.borrowed[m.borrowed];
+    std::for_each(list, list + count_of_nodes(m, S), f);
+    return;
+  }
+  const int columns = count_of_columns(m, S), length = nodes_along(m, 2, S);
   for (int c = 0; c < columns; ++c)
     for (int k = 0; k < length; ++k) f(m.column[c] + k);
+}
+
+// Room for what the nodes of a block have, so many numbers each.
+template <int kWidth>
+class BlockColumns {
+ public:
+  BlockColumns(const Grid& grid, const BlockMeta& m)
+      : nodes_(&grid.borrowed[m.borrowed]), count_(count_of_nodes(m, support(grid.basis))) {
+    const int length = nodes_along(m, 2, support(grid.basis));
+    for (int c = 0; c < count_ / length; ++c) column[c] = c * length;
+  }
+  void take(const double* field) {
+    for (int n = 0; n < count_; ++n) std::copy_n(field + kWidth * static_cast<long>(nodes_[n]), kWidth, values + kWidth * n);
+  }
+  void add_to(double* field) const {
+    for (int n = 0; n < count_; ++n)
+      for (int c = 0; c < kWidth; ++c) field[kWidth * static_cast<long>(nodes_[n]) + c] += values[kWidth * n + c];
+  }
+  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] = {};  // and what a kernel reads beyond the last
+  int column[kMostColumns];
+
+ private:
+  const int* nodes_;
+  int count_;
+};
+
+// Calls f(values, columns) with a field of so many numbers a node.
+template <int kWidth, class F>
+void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f) {
+  if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);
+  BlockColumns<kWidth> own(grid, m);
+  own.take(field);
+  f(static_cast<const double*>(own.values), static_cast<const int*>(own.column));
+}
+
+// Calls f(sums, columns), which adds to the sums of a field.
+template <int kWidth, class F>
+void with_sums(const Grid& grid, const BlockMeta& m, double* field, F f) {
+  if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);
+  BlockColumns<kWidth> own(grid, m);
+  f(own.values, static_cast<const int*>(own.column));
+  own.add_to(field);
 }
 
 }  // namespace mpdem

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "consistent_mass.h"
 
+#include "block_nodes.h"
 #include "gather.h"
 #include "scatter.h"
 
@@ -28,9 +29,9 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
       with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
         const vd mass = scale * mass_of(p, m, which, density);
         vd v[3];
-        gather_value(field.data(), m.column, s, v);
+        with_values<3>(grid, m, field.data(), [&](const double* values, const int* column) { gather_value(values, column, s, v); });
         for (int i = 0; i < 3; ++i) v[i] *= mass;
-        scatter_value(out.data(), m.column, s, v);
+        with_sums<3>(grid, m, out.data(), [&](double* sums, const int* column) { scatter_value(sums, column, s, v); });
       });
     }
   });
@@ -43,6 +44,7 @@ void ConsistentMass::find_inertial_force(const PointStore& points, Grid& grid, d
     with_basis(grid.basis, [&](auto type) {
       for (std::size_t b = 0; b < points.blocks.size(); ++b) {
         const BlockMeta& m = points.meta[b];
+        if (m.failed == m.occupied) continue;
         with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h, [&](const auto& s) {
           scatter_scalar(row_sums_.data(), m.column, s, mass_of(points.blocks[b], m, MassOf::unfailed_points, density));
         });

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "block_nodes.h"
 #include "scatter.h"
 
 namespace mpdem {
@@ -310,6 +311,7 @@ std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
   tie_factor_.clear();
   spread(given_volume, 1, place, keys.size(), -1.0);
   ties.renumber(place);
+  for (int& i : borrowed) i = place[i];
   halo.resize(keys.size());
   return place;
 }
@@ -370,7 +372,9 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density, bo
       const BlockMeta& m = points.meta[b];
       vd of_point = density * points.blocks[b].volume;
       if (holding) of_point = select(lanes(m.failed), vd{}, of_point);
-      with_weights<decltype(type)>(points.blocks[b], m, inverse_h, [&](const auto& s) { scatter_scalar(mass.data(), m.column, s, of_point); });
+      with_weights<decltype(type)>(points.blocks[b], m, inverse_h, [&](const auto& s) {
+        with_sums<1>(*this, m, mass.data(), [&](double* sums, const int* column) { scatter_scalar(sums, column, s, of_point); });
+      });
     }
   });
   return mass;
@@ -462,7 +466,7 @@ std::size_t Grid::memory_usage() const {
   return keys.capacity() * sizeof(Key) +
          mass.memory_usage() + sizeof(double) * (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
                            tie_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
-         sizeof(vd) * drive_limit.capacity() +
+         sizeof(vd) * drive_limit.capacity() + sizeof(int) * borrowed.capacity() +
          ties.memory_usage();
 }
 

@@ -51,6 +51,8 @@ class Grid {
   EdgeTies ties;
   // Volume that stands in for the points' at a node, -1 where it is theirs. Empty: it is theirs at all nodes. See fracture/node_copies.h.
   std::vector<double> given_volume;
+  // Nodes of blocks that have none of their own, in the order of for_each_node(), see BlockMeta::borrowed.
+  std::vector<int> borrowed;
   // Interpolated, the average of the root of the norm of strain, see drive_average.h. Empty while nothing is averaged, and after the nodes or ties change.
   std::vector<double> drive_average;
   // Of the points, block by block: while no square_bound() of the law is above it, no average reaches the threshold. Empty: not known, and after

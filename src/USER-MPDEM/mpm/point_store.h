@@ -53,6 +53,8 @@ struct BlockMeta {
   int base[3] = {0, 0, 0};       // cell, see basis.h
   int joined = kOneCell;         // cells in a row, see basis.h and arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
+  static constexpr int kOwn = -1;
+  int borrowed = kOwn;           // where its nodes begin in Grid::borrowed; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
   std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
   std::uint8_t holds[2] = {0, 0};  // to which grains, when the bond was last looked at since it came apart, see fracture/separation.h; both before

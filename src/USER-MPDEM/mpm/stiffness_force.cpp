@@ -57,6 +57,7 @@ void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const La
     with_basis(grid.basis, [&](auto type) {
       for (std::size_t b = 0; b < points.blocks.size(); ++b) {
         const BlockMeta& m = points.meta[b];
+        if (m.failed == m.occupied) continue;
         vd stiffness = most * select(lanes(m.failed), vd{}, points.blocks[b].volume);
         if (m.damaged) {
           const vd left = 1.0 - largest_damage_of(points, static_cast<int>(b), l);

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "borrowed_nodes.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "../mpm/block_nodes.h"
+
+namespace mpdem {
+
+BorrowedNodes::BorrowedNodes(const CementOptions& options, const PenaltyParameters* penalty)
+    : allowed_(options.split && options.skip.skip_failed && !options.unilateral && !(penalty && penalty->friction >= 0.0)),
+      skins_(penalty && penalty->law->keeps_skins()) {}
+
+namespace {
+
+// Into the list of the block.
+void borrow(const BlockMeta& m, Grid& grid, const Splits& splits) {
+  const std::vector<Key> nodes = splits.standing_for(m, support(grid.basis));
+  int* to = &grid.borrowed[m.borrowed];
+  for (const Key& k : nodes) {
+    *to = grid.node_at(k);
+    if (*to++ < 0) throw std::logic_error("points that failed without a node that stands for theirs");
+  }
+}
+
+}  // namespace
+
+void BorrowedNodes::find(PointStore& points, Grid& grid, const Splits& splits) const {
+  grid.borrowed.clear();
+  for (BlockMeta& m : points.meta) m.borrowed = BlockMeta::kOwn;
+  find_anew(points, grid, splits, {});
+}
+
+void BorrowedNodes::find_anew(PointStore& points, Grid& grid, const Splits& splits, const std::vector<int>& nodes) const {
+  if (!allowed_) return;
+  std::vector<char> touched(grid.size(), 0);
+  for (int i : nodes) touched[i] = 1;
+  for (BlockMeta& m : points.meta) {
+    if (!may_borrow(m)) continue;
+    bool anew = m.borrowed == BlockMeta::kOwn;
+    if (anew) {
+      m.borrowed = static_cast<int>(grid.borrowed.size());
+      grid.borrowed.resize(grid.borrowed.size() + count_of_nodes(m, support(grid.basis)));
+    } else {
+      for_each_node(grid, m, [&](int i) { anew = anew || touched[i]; });
+    }
+    if (anew) borrow(m, grid, splits);
+  }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Nodes of blocks whose points have all failed. Such points carry nothing. Where nodes split (fracture/node_copies.h) they are in parts of their own by
+// many, and nodes of their own would be most of the grid of a bond that breaks. So they have none: they borrow the nodes that stand for theirs. These tell
+// where the points are, and have their mass. A block keeps the nodes that it has until the next layout.
+#ifndef MPDEM_CEMENT_BORROWED_NODES_H
+#define MPDEM_CEMENT_BORROWED_NODES_H
+
+#include <vector>
+
+#include "../coupling/penalty_links.h"
+#include "../mpm/grid.h"
+#include "options.h"
+#include "splits.h"
+
+namespace mpdem {
+
+class BorrowedNodes {
+ public:
+  // penalty: null without links. No block borrows where points that failed may carry something again, or touch.
+  BorrowedNodes(const CementOptions& options, const PenaltyParameters* penalty);
+
+  bool may_borrow(const BlockMeta& m) const { return allowed_ && m.part != 0 && m.occupied != 0 && m.failed == m.occupied && !(skins_ && m.linked); }
+  // Of all blocks, on a new grid.
+  void find(PointStore& points, Grid& grid, const Splits& splits) const;
+  // Of those that may borrow and do not yet, and of those that borrowed one of these nodes.
+  void find_anew(PointStore& points, Grid& grid, const Splits& splits, const std::vector<int>& nodes) const;
+
+ private:
+  bool allowed_, skins_;
+};
+
+}  // namespace mpdem
+
+#endif
