@@ -73,20 +73,27 @@ def test_nonlocal_on_ranks(tmp_path, figures):
     figures.below("cracks split and nonlocal, 2 ranks against 1: bond force over the peak", abs(a["f_bond"] - b["f_bond"]).max() / a["f_bond"].max(), 1e-12)
 
 
+MENISCUS = dict(shape="meniscus", cement="neck 1.6e-3 inner 8e-4")
+
+
+@pytest.mark.parametrize("bond, cell, dt, words, speed, steps", [(BOND, CELL, 8e-9, f"{DAMAGE} regularization nonlocal {CELL}", 3.0, 700),
+                                                             (MENISCUS, 2e-4, 1.2e-8, "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6 cracks split", 12.0, 1000)],
+                         ids=["flat", "meniscus"])
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
-def test_failed_points_without_nodes(tmp_path, figures, ranks, processors):
-    """Blocks whose points have all failed borrow nodes. With `skip failed no` they have nodes of their own, and go through the pass."""
-    steps = 700
+def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, speed, steps, ranks, processors):
+    """Blocks whose points have all failed borrow nodes. With `skip failed no` they have nodes of their own, and go through the pass. In the
+    meniscus points that hold join such blocks again."""
     found = []
     for skip in ("yes", "no"):
-        words = f"regularization nonlocal {CELL} skip failed {skip}"
-        found.append(run(pair(CELL / 2, processors=processors, **BOND) + pulled(words) + dump(steps, COLUMNS[1:4]) + f"run {steps}\n", tmp_path / skip, ranks))
+        found.append(run(pair(cell / 2, processors=processors, **bond) + cement(cell, dt, axis="radial", damage=f"{words} skip failed {skip}")
+                         + pull(speed, 2e-6, bond.get("direction", (0, 0, 1))) + OUTPUT + thermo(EVERY, SCALARS) + dump(steps, COLUMNS[1:4])
+                         + f"run {steps}\n", tmp_path / skip, ranks))
     p, q = (done.points(steps) for done in found)
-    assert found[0].table()["f_bond[18]"][-1] > 500 and found[0].table()["f_bond[22]"][-1] == 1
-    figures.below(f"cracks split, {ranks} ranks: place of points that failed, with and without nodes of their own, over the cell",
-                  max(abs(p[c] - q[c]).max() for c in "xyz") / CELL, 1e-10)
-    figures.below(f"cracks split, {ranks} ranks: bond force with and without nodes of failed points, over the peak",
-                  abs(found[0].table()["f_bond"] - found[1].table()["f_bond"]).max() / found[0].table()["f_bond"].max(), 1e-12)
+    t, u = (done.table() for done in found)
+    assert t["f_bond[18]"][-1] > 500 and (t["f_bond[22]"] == u["f_bond[22]"]).all()
+    name = f"cracks split, {bond['shape']}, {ranks} ranks"
+    figures.below(f"{name}: place of points that failed, with and without nodes of their own, over the cell", max(abs(p[c] - q[c]).max() for c in "xyz") / cell, 1e-10)
+    figures.below(f"{name}: bond force with and without nodes of failed points, over the peak", abs(t["f_bond"] - u["f_bond"]).max() / t["f_bond"].max(), 1e-10)
 
 
 def test_restart(one_rank, tmp_path, figures):

@@ -27,6 +27,26 @@ void borrow(const BlockMeta& m, Grid& grid, const Splits& splits) {
 
 }  // namespace
 
+void BorrowedNodes::give_back(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const {
+  std::map<Key, Key> stands;
+  for (const Key& k : more)
+    if (const Key s = splits.standing_for(k); s != k && !source.count(k)) stands.emplace_hint(stands.end(), k, s);
+  grid.take_over_motion(stands);
+}
+
+void BorrowedNodes::give_back(Grid& grid, const Splits& splits, std::vector<char>& fresh) const {
+  std::map<Key, Key> stands;
+  for (int i = 0; i < grid.size(); ++i) {
+    if (!fresh[i]) continue;
+    const Key s = splits.standing_for(grid.keys[i]);
+    const int from = s == grid.keys[i] ? -1 : grid.node_at(s);
+    if (from < 0 || fresh[from]) continue;
+    stands.emplace_hint(stands.end(), grid.keys[i], s);
+    fresh[i] = 0;
+  }
+  grid.take_over_motion(stands);
+}
+
 void BorrowedNodes::find(PointStore& points, Grid& grid, const Splits& splits) const {
   grid.borrowed.clear();
   for (BlockMeta& m : points.meta) m.borrowed = BlockMeta::kOwn;

@@ -7,6 +7,7 @@
 #ifndef MPDEM_CEMENT_BORROWED_NODES_H
 #define MPDEM_CEMENT_BORROWED_NODES_H
 
+#include <map>
 #include <vector>
 
 #include "../coupling/penalty_links.h"
@@ -22,6 +23,11 @@ class BorrowedNodes {
   BorrowedNodes(const CementOptions& options, const PenaltyParameters* penalty);
 
   bool may_borrow(const BlockMeta& m) const { return allowed_ && m.part != 0 && m.occupied != 0 && m.failed == m.occupied && !(skins_ && m.linked); }
+  // Where a point that holds joins a block that borrowed, the block has nodes of its own. Those of the new ones that have no source move as the nodes that
+  // stand for them.
+  void give_back(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const;
+  // The same of nodes that are not known from before.
+  void give_back(Grid& grid, const Splits& splits, std::vector<char>& fresh) const;
   // Of all blocks, on a new grid.
   void find(PointStore& points, Grid& grid, const Splits& splits) const;
   // Of those that may borrow and do not yet, and of those that borrowed one of these nodes.

@@ -172,7 +172,10 @@ class LayoutMaker {
                              margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
     }
     for (std::size_t n = 0; n < grids.size() && rules_.splits; ++n) borrowed.find(layouts_[n].points, grids[n], *rules_.splits);
-    for (std::size_t n = 0; n < grids.size() && with_motion; ++n) layouts_[n].fresh.swap(wanted[n].fresh);
+    for (std::size_t n = 0; n < grids.size() && with_motion; ++n) {
+      layouts_[n].fresh.swap(wanted[n].fresh);
+      if (rules_.splits) borrowed.give_back(grids[n], *rules_.splits, layouts_[n].fresh);
+    }
   }
 
   std::vector<std::vector<EdgeTie>> find(std::vector<Grid>& grids) const {

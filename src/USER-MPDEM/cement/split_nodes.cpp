@@ -74,6 +74,11 @@ std::vector<Key> Splits::nodes_of(const BlockMeta& m, int S) {
   return nodes;
 }
 
+Key Splits::standing_for(const Key& k) const {
+  const int body = body_of(k.field());
+  return key_at(body, rows_[body].copies.canonical(part_of_field(k.field()), place_of(k)), place_of(k));
+}
+
 std::vector<Key> Splits::standing_for(const BlockMeta& m, int S) const {
   std::vector<Key> nodes;
   const NodeCopies& copies = rows_[m.body].copies;

@@ -56,6 +56,8 @@ class Splits {
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes that are copies.
   std::vector<Key> copies_of(int body) const;
+  // The node that stands for this one.
+  Key standing_for(const Key& node) const;
   // Nodes of a block, and those that stand for them, in the order of for_each_node() of mpm/block_nodes.h.
   static std::vector<Key> nodes_of(const BlockMeta& block, int support);
   std::vector<Key> standing_for(const BlockMeta& block, int support) const;
