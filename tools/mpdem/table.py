@@ -80,7 +80,7 @@ class Run:
         words = str(self.extra.get("bonding", "")).split()
         law = {k: number("bonding", v) for k, v in zip(words[1::2], words[2::2]) if k in ("tn", "tt", "Gn", "Gt")}
         opening = max((2 * law[G] / law[t] for G, t in (("Gn", "tn"), ("Gt", "tt")) if G in law and t in law), default=0.0)
-        return 2e-4 + 2 * opening / abs(float(self.extra.get("speed", SPEED)))
+        return 4e-4 + 2 * opening / abs(float(self.extra.get("speed", SPEED)))
 
     def command(self, exe, ranks):
         return runner.command(exe, self.script, ranks, self.arguments)
