@@ -10,8 +10,8 @@ and L/2. Both laws run in turns. Printed is the CPU time of fix mpm a step, over
 * while intact: chunks of steps after the first two in which nothing is damaged;
 * while it fails: chunks from the first with failed points to the last with a tenth of the largest force.
 
-CPU times, since other programs may run beside. The log's rates go into them, see the page of fix mpm. A run ends after `--limit` steps (twice as many with L/2): 900 are
-enough for what an intact bond costs, and take seconds. What fails later is not told then.
+CPU times, since other programs may run beside. The log's rates go into them, see the page of fix mpm. A run ends after `--limit` steps, twice as
+many with L/2. 900 are enough for what an intact bond costs, and take seconds. What it costs to fail is not told then (nan).
 """
 import argparse
 import os

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of blocks whose points have all failed. Such points carry nothing. Where nodes split (fracture/node_copies.h) they are in parts of their own by
-// many, and nodes of their own would be most of the grid of a bond that breaks. So they have none: they borrow the nodes that stand for theirs. These tell
-// where the points are, and have their mass. A block keeps the nodes that it has until the next layout.
+// Nodes of blocks whose points have all failed. Such points carry nothing. Where nodes split (fracture/node_copies.h) many of them are in parts of their
+// own, and the nodes of these parts would be most of the grid of a bond that breaks. So these blocks have no nodes: they borrow those that stand for
+// theirs. Borrowed nodes tell where the points are, and have their mass. Nodes that a block had before its last point failed stay until the next layout.
 #ifndef MPDEM_CEMENT_BORROWED_NODES_H
 #define MPDEM_CEMENT_BORROWED_NODES_H
 
