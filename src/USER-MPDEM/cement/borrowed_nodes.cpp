@@ -55,6 +55,11 @@ void BorrowedNodes::find(PointStore& points, Grid& grid, const Splits& splits) c
 
 void BorrowedNodes::find_anew(PointStore& points, Grid& grid, const Splits& splits, const std::vector<int>& nodes) const {
   if (!allowed_) return;
+  // Blocks whose points went to other parts left their lists.
+  std::size_t used = 0;
+  for (const BlockMeta& m : points.meta)
+    if (may_borrow(m)) used += count_of_nodes(m, support(grid.basis));
+  if (grid.borrowed.size() > 2 * used) return find(points, grid, splits);
   std::vector<char> touched(grid.size(), 0);
   for (int i : nodes) touched[i] = 1;
   for (BlockMeta& m : points.meta) {
