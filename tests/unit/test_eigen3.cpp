@@ -50,9 +50,10 @@ void expect_decomposed(const std::vector<Matrix>& all, double tolerance) {
 }
 
 void expect_positive_part(const std::vector<Matrix>& all, double tolerance) {
-  test::Worst worst;
+  test::Worst worst, squares;
   for_blocks(all, [&](const Sym3<vd>& m, int first, int count) {
     const Sym3<vd> p = positive_part(m);
+    const vd square = square_of_positive_part(m);
     for (int l = 0; l < count; ++l) {
       const Matrix& a = all[first + l];
       const double norm = a.norm() > 0.0 ? a.norm() : 1.0;
@@ -61,9 +62,11 @@ void expect_positive_part(const std::vector<Matrix>& all, double tolerance) {
       where << "eigenvalues " << Eigen::SelfAdjointEigenSolver<Matrix>(a / norm).eigenvalues().transpose() << " of "
             << norm;
       worst.add(test::tensor(p, l) - exact, norm, where.str());
+      if (norm > 1e-140 && norm < 1e140) squares.add(std::fabs(square[l] - exact.squaredNorm()) / (norm * norm), where.str());
     }
   });
   expect_within(worst, tolerance, "positive part");
+  expect_within(squares, tolerance, "square of the positive part");
 }
 
 std::vector<Matrix> random_tensors(std::uint64_t seed, int n) {

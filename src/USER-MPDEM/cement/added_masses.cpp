@@ -45,8 +45,7 @@ void AddedMasses::drop_inert() {
 // A new layout leaves them out, and sums over links go by their blocks, so they go here too: a run in parts is the run as a whole.
 void AddedMasses::drop_inert(Bond& b) const {
   if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
-  b.links = PenaltyLinks(b.points, scene_.bonds.body(b), *scene_.penalty, scene_.options.cell, scene_.inertia, scene_.options.basis);
-  b.links.find_columns(b.grid);
+  b.links.leave_out_dropped(b.points, scene_.bonds.body(b));
 }
 
 double AddedMasses::energy(const std::vector<int>& rows) const {

@@ -15,14 +15,23 @@ BorrowedNodes::BorrowedNodes(const CementOptions& options, const PenaltyParamete
 
 namespace {
 
+int node_for(const Grid& grid, const Key& standing) {
+  const int node = grid.node_at(standing);
+  if (node < 0) throw std::logic_error("points that failed without a node that stands for theirs");
+  return node;
+}
+
 // Into the list of the block.
 void borrow(const BlockMeta& m, Grid& grid, const Splits& splits) {
-  const std::vector<Key> nodes = splits.standing_for(m, support(grid.basis));
   int* to = &grid.borrowed[m.borrowed];
-  for (const Key& k : nodes) {
-    *to = grid.node_at(k);
-    if (*to++ < 0) throw std::logic_error("points that failed without a node that stands for theirs");
-  }
+  for (const Key& k : splits.standing_for(m, support(grid.basis))) *to++ = node_for(grid, k);
+}
+
+// Of those that it has, these nodes anew.
+void borrow_anew(const BlockMeta& m, Grid& grid, const Splits& splits, const std::vector<char>& touched) {
+  int* to = &grid.borrowed[m.borrowed];
+  for (int i = 0, n = count_of_nodes(m, support(grid.basis)); i < n; ++i)
+    if (touched[to[i]]) to[i] = node_for(grid, splits.standing_for(grid.keys[to[i]].with_field(field_of(m.body, m.part))));
 }
 
 }  // namespace
@@ -64,14 +73,13 @@ void BorrowedNodes::find_anew(PointStore& points, Grid& grid, const Splits& spli
   for (int i : nodes) touched[i] = 1;
   for (BlockMeta& m : points.meta) {
     if (!may_borrow(m)) continue;
-    bool anew = m.borrowed == BlockMeta::kOwn;
-    if (anew) {
-      m.borrowed = static_cast<int>(grid.borrowed.size());
-      grid.borrowed.resize(grid.borrowed.size() + count_of_nodes(m, support(grid.basis)));
-    } else {
-      for_each_node(grid, m, [&](int i) { anew = anew || touched[i]; });
+    if (m.borrowed != BlockMeta::kOwn) {
+      borrow_anew(m, grid, splits, touched);
+      continue;
     }
-    if (anew) borrow(m, grid, splits);
+    m.borrowed = static_cast<int>(grid.borrowed.size());
+    grid.borrowed.resize(grid.borrowed.size() + count_of_nodes(m, support(grid.basis)));
+    borrow(m, grid, splits);
   }
 }
 

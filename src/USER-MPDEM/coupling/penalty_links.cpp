@@ -36,7 +36,7 @@ double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) con
 
 PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
                            Basis basis)
-    : p_(parameters), basis_(basis), inverse_h_(1.0 / cell), density_(density), columns_of_cell_(support(basis) * support(basis)) {
+    : p_(parameters), basis_(basis), cell_(cell), inverse_h_(1.0 / cell), density_(density), columns_of_cell_(support(basis) * support(basis)) {
   if (!points.meta.empty()) body_ = points.meta.front().body;
   for (int s = 0; s < 2; ++s) {
     std::copy(body.centre[s], body.centre[s] + 3, centre_[s]);
@@ -202,7 +202,7 @@ bool PenaltyLinks::move_places(PointStore& points) {
 
 bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, const Grid& grid) {
   if (gone_) {
-    *this = PenaltyLinks(points, body, p_, 1.0 / inverse_h_, density_, basis_);
+    *this = PenaltyLinks(points, body, p_, cell_, density_, basis_);
     return find_columns(grid);
   }
   bool all = true;
@@ -453,6 +453,19 @@ bool PenaltyLinks::drop_inertia(PointStore& points) {
       if (link >= 0) points.links[link].inert = false;
   }
   return some;
+}
+
+void PenaltyLinks::leave_out_dropped(const PointStore& points, const Body& body) {
+  PenaltyLinks left(points, body, p_, cell_, density_, basis_);
+  std::vector<const int*> columns_of(points.links.size(), nullptr);
+  for (const LinkBlock& b : blocks_)
+    for (int l = 0; l < kLanes; ++l)
+      if (b.link[l] >= 0) columns_of[b.link[l]] = columns(b) + l * columns_of_cell_;
+  int* to = left.columns_.own().data();
+  for (const LinkBlock& b : left.blocks_)
+    for (int l = 0; l < kLanes; ++l, to += columns_of_cell_)
+      if (b.link[l] >= 0) std::copy_n(columns_of[b.link[l]], columns_of_cell_, to);
+  *this = std::move(left);
 }
 
 void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const {

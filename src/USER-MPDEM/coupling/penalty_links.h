@@ -105,6 +105,8 @@ class PenaltyLinks {
   // Links that let go count for the added mass until drop_inertia() is called.
   void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
   bool drop_inertia(PointStore& points);  // true if some were inert
+  // The blocks that a new layout would have, where points and nodes stay as they are.
+  void leave_out_dropped(const PointStore& points, const Body& body);
   // Row-summed stiffness of this rank's links, and of their dampers at this time step, added to two numbers a node,
   // those of either side. Links that read tied nodes burden the masters.
   void add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const;
@@ -193,7 +195,7 @@ class PenaltyLinks {
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
-  double inverse_h_ = 0, density_ = 0;
+  double cell_ = 0, inverse_h_ = 0, density_ = 0;
   int body_ = 0, columns_of_cell_ = 0;
   bool gone_ = false;               // some links have neither force nor added mass, by the last move_places()
   // What bonds of one shape have alike: blocks, and of their lanes nodes (see Grid) and parts.

@@ -43,6 +43,11 @@ struct PlaceHash {
   }
 };
 
+// Number by number: the library compares arrays as bytes, by a call.
+struct SamePlace {
+  bool operator()(const Place& a, const Place& b) const { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+};
+
 // Of one bond: the nodes that are split.
 class NodeCopies {
  public:
@@ -62,7 +67,7 @@ class NodeCopies {
   int canonical(int part, const Place& node) const;
   // The part whose node stands for the copy `first` of the start; -1 if that has been split since.
   int canonical_of_first(int first, const Place& node) const;
-  using Rows = std::unordered_map<Place, Row, PlaceHash>;
+  using Rows = std::unordered_map<Place, Row, PlaceHash, SamePlace>;
   const Rows& rows() const { return rows_; }
   void set(const Place& node, Row row) { rows_[node] = std::move(row); }
   void forget_rows() { rows_.clear(); }
@@ -176,12 +181,12 @@ class CopyLattice {
   Basis basis_;
   int S_;  // nodes a direction
   Line line_;
-  std::unordered_map<Place, int, PlaceHash> at_;  // first point of a cell of the lattice
+  std::unordered_map<Place, int, PlaceHash, SamePlace> at_;  // first point of a cell of the lattice
   bool one_a_cell_ = true;
   std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
   std::vector<int> by_tag_;               // points
   std::vector<int> by_base_;                                        // points
-  std::unordered_map<Place, std::pair<int, int>, PlaceHash> base_;  // of those with a base: the first, and behind the last
+  std::unordered_map<Place, std::pair<int, int>, PlaceHash, SamePlace> base_;  // of those with a base: the first, and behind the last
   // while nodes are looked at
   std::vector<int> seen_;                       // a point
   const Crevice* crevice_ = nullptr;            // at the start

@@ -233,9 +233,8 @@ vd TensorDamage::least_threshold(const Sym3<vd>& D) const {
 
 vd TensorDamage::undamaged_drive(const Sym3<vd>& strain) const {
   const Sym3<vd> stress = elasticity().stress(strain);
-  Sym3<vd> Y = sym_product(stress, strain);
-  const vd Yeq = drive_by(Y);
-  return tension_weight(stress) * Yeq;
+  const Sym3<vd> Y = sym_product(stress, strain);
+  return tension_weight(stress) * sqrt(0.5 * (p_.monotone ? square_of_positive_part(Y) : contract(Y, Y)));
 }
 
 TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const {

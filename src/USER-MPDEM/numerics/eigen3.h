@@ -144,32 +144,71 @@ inline LargestEigenvalue largest_eigenvalue_and_slope(const Sym3<vd>& m) {
   return l;
 }
 
+// Signs of the eigenvalues, by Sylvester's minors, and the root of the rarer sign where they differ.
+struct Signs {
+  vmask definite, negative;  // all positive, all negative
+  vmask two;                 // elsewhere: two negative values and one positive; else one negative
+  vmask unsafe;              // the root is nearly double, or the signs are in doubt
+  Extreme rarer;
+};
+
+// Not to be asked where all lanes are definite.
+inline Signs signs_of(const Sym3<vd>& m, vmask definite, vd m2, vd det, vd noise) {
+  Signs s;
+  s.definite = definite;
+  s.negative = (m.xx < 0.0) & (m2 > 0.0) & (det < -noise);
+  s.two = det >= 0.0;
+  s.rarer = extreme_eigenvalue(m, select(s.two, splat(1.0), splat(-1.0)));
+  s.unsafe = ~definite & ~s.negative & ((s.rarer.gap < 1e-5) | (abs(det) <= noise) | (s.rarer.radius < 1e-100));
+  return s;
+}
+
+// Calls all() if all eigenvalues are positive in all lanes, else some(signs).
+template <class All, class Some>
+auto by_signs(const Sym3<vd>& m, vd size2, All all, Some some) {
+  const vd m2 = m.xx * m.yy - m.xy * m.xy;
+  const vd det = determinant(m);
+  // Next to a rank-one tensor the sign of the determinant is rounding.
+  const vd noise = 1e-13 * size2 * sqrt(size2);
+  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
+  return any(~definite) ? some(signs_of(m, definite, m2, det, noise)) : all();
+}
+
 // Positive part <m>_+ by its one eigenvalue of the rarer sign: with one negative value,
 // m less that eigenspace; with two, the positive eigenspace alone. Lanes whose root is nearly
 // double or whose signs are in doubt go through the Jacobi rotations.
 inline Sym3<vd> positive_part(const Sym3<vd>& m) {
-  // Sylvester: all leading minors positive means there is nothing to cut.
-  const vd m2 = m.xx * m.yy - m.xy * m.xy;
-  const vd det = determinant(m);
-  // Next to a rank-one tensor the sign of the determinant is rounding.
+  return by_signs(m, contract(m, m), [&] { return m; }, [&](const Signs& s) {
+    const Sym3<vd> adj = adjugate(m, s.rarer.value);
+    Sym3<vd> p = (s.rarer.value / max(trace(adj), splat(1e-300))) * adj;
+    p = blend(s.two, p, m - p);
+    if (any(s.unsafe)) {
+      const Spectral of = eigen(m);
+      vd f[3];
+      for (int i = 0; i < 3; ++i) f[i] = max(of.value[i], vd{});
+      p = blend(s.unsafe, compose(of.axes, f), p);
+    }
+    return blend(s.definite, m, blend(s.negative, Sym3<vd>{}, p));
+  });
+}
+
+// <m>_+ : <m>_+ by the same eigenvalue, without its axes.
+inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
-  const vd noise = 1e-13 * size2 * sqrt(size2);
-  const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
-  if (!any(~definite)) return m;
-  const vmask negative = (m.xx < 0.0) & (m2 > 0.0) & (det < -noise);
-  const vmask two = det >= 0.0;  // where neither definite nor negative definite
-  const Extreme e = extreme_eigenvalue(m, select(two, splat(1.0), splat(-1.0)));
-  const vmask unsafe = ~definite & ~negative & ((e.gap < 1e-5) | (abs(det) <= noise) | (e.radius < 1e-100));
-  const Sym3<vd> adj = adjugate(m, e.value);
-  Sym3<vd> p = (e.value / max(trace(adj), splat(1e-300))) * adj;
-  p = blend(two, p, m - p);
-  if (any(unsafe)) {
-    const Spectral s = eigen(m);
-    vd f[3];
-    for (int i = 0; i < 3; ++i) f[i] = max(s.value[i], vd{});
-    p = blend(unsafe, compose(s.axes, f), p);
-  }
-  return blend(definite, m, blend(negative, Sym3<vd>{}, p));
+  return by_signs(m, size2, [&] { return size2; }, [&](const Signs& s) {
+    const vd rarer2 = s.rarer.value * s.rarer.value;
+    vd square = select(s.two, rarer2, max(size2 - rarer2, vd{}));
+    if (any(s.unsafe)) {
+      const Spectral of = eigen(m);
+      vd sum{};
+      for (const vd& value : of.value) {
+        const vd p = max(value, vd{});
+        sum += p * p;
+      }
+      square = select(s.unsafe, sum, square);
+    }
+    return select(s.definite, size2, select(s.negative, vd{}, square));
+  });
 }
 
 }  // namespace mpdem
