@@ -77,8 +77,9 @@ MENISCUS = dict(shape="meniscus", cement="neck 1.6e-3 inner 8e-4")
 
 
 @pytest.mark.parametrize("bond, cell, dt, words, speed, steps", [(BOND, CELL, 8e-9, f"{DAMAGE} regularization nonlocal {CELL}", 3.0, 700),
+                                                             (BOND, CELL, 8e-9, f"{DAMAGE} quasistatic 1 0.2", 3.0, 600),
                                                              (MENISCUS, 2e-4, 1.2e-8, "damage tensor B0 9.6e6 cutoff 0.9 viscosity 1e-6 cracks split", 12.0, 1000)],
-                         ids=["flat", "meniscus"])
+                         ids=["flat", "damped", "meniscus"])
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2")])
 def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, speed, steps, ranks, processors):
     """Blocks whose points have all failed borrow nodes. With `skip failed no` they have nodes of their own, and go through the pass. In the
@@ -91,9 +92,49 @@ def test_failed_points_without_nodes(tmp_path, figures, bond, cell, dt, words, s
     p, q = (done.points(steps) for done in found)
     t, u = (done.table() for done in found)
     assert t["f_bond[18]"][-1] > 500 and (t["f_bond[22]"] == u["f_bond[22]"]).all()
-    name = f"cracks split, {bond['shape']}, {ranks} ranks"
+    name = f"cracks split, {bond['shape']}{', damped' if 'quasistatic' in words else ''}, {ranks} ranks"
     figures.below(f"{name}: place of points that failed, with and without nodes of their own, over the cell", max(abs(p[c] - q[c]).max() for c in "xyz") / cell, 1e-10)
     figures.below(f"{name}: bond force with and without nodes of failed points, over the peak", abs(t["f_bond"] - u["f_bond"]).max() / t["f_bond"].max(), 1e-10)
+
+
+@pytest.mark.parametrize("cracks", ["split", "bonds"])
+def test_damped_sides_on_ranks(tmp_path, figures, cracks):
+    """Each side of a bond that came apart is damped against its own grain. Which nodes these are no rank decides."""
+    tables = []
+    for ranks, processors in ((1, "* * *"), (2, "1 1 2")):
+        words = f"{DAMAGE} quasistatic 1 0.1".replace("cracks split", f"cracks {cracks}")
+        tables.append(run(pair(CELL / 2, processors=processors, **BOND) + cement(CELL, 8e-9, axis="radial", damage=words) + pull(3.0, 2e-6, ASKEW) + OUTPUT
+                          + thermo(EVERY, SCALARS) + "run 900\n", tmp_path / str(ranks), ranks).table())
+    a, b = tables
+    assert a["f_bond[22]"][-1] == 1 and (a["f_bond[22]"] == b["f_bond[22]"]).all()
+    figures.below(f"cracks {cracks}, damped: bond force on 2 ranks against 1, over the peak", abs(a["f_bond"] - b["f_bond"]).max() / a["f_bond"].max(), 1e-8)
+
+
+def test_strain_of_failed_points_while_condensed(tmp_path, figures):
+    """Points that failed in a file have no nodes of their own. What is shown of them while the bond is condensed, and after it woke, is that of those that have."""
+    cell, steps, columns = 2e-4, 400, ["strain_xx", "strain_zz", "axis_x", "axis_z"]
+    bond = dict(gap=4e-4, shape="flat")
+    run(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond) + "write_cement cement.txt\n", tmp_path / "made")
+    points = read(tmp_path / "made" / "cement.txt")
+    points["failed"] = ((abs(points["z"]) < 0.6 * cell) & (points["x"] < 0.0)).astype(float)
+    assert points["failed"].sum() > 300
+    found = []
+    for skip in ("yes", "no"):
+        (tmp_path / skip).mkdir()
+        write(tmp_path / skip / "cement.txt", points)
+        words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split condense yes wake 0.02 skip failed {skip}"
+        made = edit(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond), "shape flat inner 0 outer 1.5e-3", "file cement.txt")
+        found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + point_quantities(["failed"] + columns)
+                         + thermo(4, ["f_bond", "f_cem[24]"]) + dump(20, ["c_failed"] + [f"c_{c}" for c in columns]) + f"run {steps}\n", tmp_path / skip))
+    awake = found[0].table()["f_cem[24]"]
+    assert awake[5] == 0 and awake[-1] == 1
+    for step, state in ((20, "condensed"), (steps, "awake again")):
+        p, q = (done.points(step) for done in found)
+        failed = q["c_failed"] > 0
+        for name in ("strain", "axis"):
+            of = [f"c_{c}" for c in columns if c.startswith(name)]
+            worst = max(abs(p[c] - q[c])[failed].max() for c in of) / max(abs(q[c])[failed].max() for c in of)
+            figures.below(f"{state}: {name} of points that failed, with and without nodes of their own", worst, 1e-8)
 
 
 def test_restart(one_rank, tmp_path, figures):

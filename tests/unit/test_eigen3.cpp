@@ -170,6 +170,37 @@ TEST(PositivePart, NearlySingular) { expect_positive_part(nearly_singular_tensor
 TEST(PositivePart, GradedValues) { expect_positive_part(graded_tensors(), 1e-12); }
 TEST(PositivePart, TinyAndHuge) { expect_positive_part(scaled_tensors(), 1e-12); }
 
+// A little tension beside a large compression: what the square of the whole loses by a difference.
+TEST(PositivePart, SquareBesideALargeNegativeValue) {
+  test::Random random(41);
+  for (double ratio : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
+    std::vector<Matrix> all;
+    std::vector<double> exact;
+    for (int i = 0; i < 400; ++i) {
+      const double a = ratio * random.uniform(0.1, 1), b = ratio * random.uniform(0.1, 1);
+      all.push_back(random.with_values({-1.0, a, b}));
+      exact.push_back(a * a + b * b);
+    }
+    test::Worst worst;
+    for_blocks(all, [&](const Sym3<vd>& m, int first, int count) {
+      const vd square = square_of_positive_part(m);
+      for (int l = 0; l < count; ++l) worst.add(std::fabs(square[l] / exact[first + l] - 1.0));
+    });
+    expect_within(worst, 1e-14 / (ratio * std::max(ratio, 1e-2)), "square of the positive part, relative");
+  }
+}
+
+TEST(PositivePart, SquareOfNanIsNan) {
+  test::Random random(42);
+  for (int k = 0; k < 6; ++k) {
+    Sym3<vd> m = test::on_all_lanes(random.sym());
+    vd* const component[] = {&m.xx, &m.yy, &m.zz, &m.yz, &m.xz, &m.xy};
+    (*component[k])[3] = std::nan("");
+    const vd square = square_of_positive_part(m);
+    for (int l = 0; l < kLanes; ++l) EXPECT_EQ(std::isnan(square[l]), l == 3) << k;
+  }
+}
+
 // The slow way for one lane is not to change what the others get.
 TEST(PositivePart, LanesAreIndependent) {
   const std::vector<Matrix> all = random_tensors(32, 64), odd = nearly_double_tensors();

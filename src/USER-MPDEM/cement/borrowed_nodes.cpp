@@ -36,14 +36,14 @@ void borrow_anew(const BlockMeta& m, Grid& grid, const Splits& splits, const std
 
 }  // namespace
 
-void BorrowedNodes::give_back(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const {
+void BorrowedNodes::take_motion_of_standing(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const {
   std::map<Key, Key> stands;
   for (const Key& k : more)
     if (const Key s = splits.standing_for(k); s != k && !source.count(k)) stands.emplace_hint(stands.end(), k, s);
   grid.take_over_motion(stands);
 }
 
-void BorrowedNodes::give_back(Grid& grid, const Splits& splits, std::vector<char>& fresh) const {
+void BorrowedNodes::take_motion_of_standing(Grid& grid, const Splits& splits, std::vector<char>& fresh) const {
   std::map<Key, Key> stands;
   for (int i = 0; i < grid.size(); ++i) {
     if (!fresh[i]) continue;

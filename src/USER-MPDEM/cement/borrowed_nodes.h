@@ -25,9 +25,9 @@ class BorrowedNodes {
   bool may_borrow(const BlockMeta& m) const { return allowed_ && m.part != 0 && m.occupied != 0 && m.failed == m.occupied && !(skins_ && m.linked); }
   // Where a point that holds joins a block that borrowed, the block has nodes of its own. Those of the new ones that have no source move as the nodes that
   // stand for them.
-  void give_back(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const;
+  void take_motion_of_standing(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const;
   // The same of nodes that are not known from before.
-  void give_back(Grid& grid, const Splits& splits, std::vector<char>& fresh) const;
+  void take_motion_of_standing(Grid& grid, const Splits& splits, std::vector<char>& fresh) const;
   // Of all blocks, on a new grid.
   void find(PointStore& points, Grid& grid, const Splits& splits) const;
   // Of those that may borrow and do not yet, and of those that borrowed one of these nodes.

@@ -174,7 +174,7 @@ class LayoutMaker {
     for (std::size_t n = 0; n < grids.size() && rules_.splits; ++n) borrowed.find(layouts_[n].points, grids[n], *rules_.splits);
     for (std::size_t n = 0; n < grids.size() && with_motion; ++n) {
       layouts_[n].fresh.swap(wanted[n].fresh);
-      if (rules_.splits) borrowed.give_back(grids[n], *rules_.splits, layouts_[n].fresh);
+      if (rules_.splits) borrowed.take_motion_of_standing(grids[n], *rules_.splits, layouts_[n].fresh);
     }
   }
 

@@ -125,10 +125,10 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
-  borrowed.give_back(b.grid, divisions_.splits, more, parts.source);
+  borrowed.take_motion_of_standing(b.grid, divisions_.splits, more, parts.source);
   if (!more.empty())
     for (BlockMeta& m : b.points.meta)
-      if (!borrowed.may_borrow(m))
+      if (m.borrowed == BlockMeta::kOwn && !borrowed.may_borrow(m))
         for (int& c : m.column) c = place[c];
   for (int n : moved.blocks)
     if (!borrowed.may_borrow(b.points.meta[n])) b.grid.find_columns(b.points.meta[n]);

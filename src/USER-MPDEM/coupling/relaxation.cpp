@@ -18,13 +18,34 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
 }
 
 std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
+  const std::vector<int> row = grid.ties.row_of_each(grid.size());
+  // a copy moves as the one node that it is tied to
+  const auto that_moves = [&](int i) {
+    int masters = 0, master = i;
+    if (row[i] >= 0)
+      grid.ties.for_each_master(row[i], [&](int node, double) {
+        ++masters;
+        master = node;
+      });
+    return masters > 1 ? i : master;
+  };
   std::vector<double> held(2 * grid.size(), 0.0);
   for (const BlockMeta& m : points.meta)
-    for (int g = 0; g < 2; ++g)
-      if (m.holds[g] & m.occupied) for_each_node(grid, m, [&](int i) { held[2 * i + g] = 1.0; });
+    for (int l = 0; l < kLanes; ++l) {
+      const unsigned holds = (m.holds[0] >> l & 1) + 2 * (m.holds[1] >> l & 1);
+      if (!((m.occupied & ~m.failed) >> l & 1) || holds == 0) continue;
+      for_each_node_of_lane(grid, m, l, [&](int i) {
+        const int node = that_moves(i);
+        for (int g = 0; g < 2; ++g)
+          if (holds >> g & 1) held[2 * node + g] = 1.0;
+      });
+    }
   grid.halo.sum(held.data(), 2);
   std::vector<char> bits(grid.size());
-  for (int i = 0; i < grid.size(); ++i) bits[i] = static_cast<char>((held[2 * i] > 0.0) + 2 * (held[2 * i + 1] > 0.0));
+  for (int i = 0; i < grid.size(); ++i) {
+    const double* h = &held[2 * that_moves(i)];
+    bits[i] = static_cast<char>((h[0] > 0.0) + 2 * (h[1] > 0.0));
+  }
   return bits;
 }
 

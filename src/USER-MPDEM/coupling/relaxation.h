@@ -24,7 +24,8 @@
 
 namespace mpdem {
 
-// Grains to which the points hold that a node has: bits as in PointRecord::holds. Collective for the ranks that share nodes.
+// Grains to which the points hold that have a node in their support, and have not failed: bits as in PointRecord::holds. A copy that is tied to
+// one node has those of that node. Collective for the ranks that share nodes.
 std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 
 // s of each node; below 0: of a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.

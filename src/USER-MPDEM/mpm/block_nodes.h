@@ -31,6 +31,21 @@ void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
     for (int k = 0; k < length; ++k) f(m.column[c] + k);
 }
 
+// The same for those of the cell of a lane.
+template <class F>
+void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) {
+  const int S = support(grid.basis), J = nodes_along(m, 1, S), K = nodes_along(m, 2, S);
+  int first[3], n = 0;
+  for (int d = 0; d < 3; ++d) first[d] = cell_of(m, lane, d) - m.base[d];
+  for_each_node(grid, m, [&](int i) {
+    const int at[3] = {n / (J * K), n / K % J, n % K};
+    ++n;
+    bool inside = true;
+    for (int d = 0; d < 3; ++d) inside = inside && at[d] >= first[d] && at[d] < first[d] + S;
+    if (inside) f(i);
+  });
+}
+
 // Room for what the nodes of a block have, so many numbers each.
 template <int kWidth>
 class BlockColumns {

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "../material/laws.h"
+#include "block_nodes.h"
 #include "drive_average.h"
 #include "gather.h"
 #include "point_state.h"
@@ -84,6 +85,7 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
     if constexpr (L::kFields > 0) {
       for (std::size_t b = 0; b < points.blocks.size(); ++b) {
         const BlockMeta& m = points.meta[b];
+        if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
         const Sym3<vd>& strain = points.blocks[b].strain;
         vd share;
@@ -115,7 +117,9 @@ void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       PointBlock& p = points.blocks[b];
       const BlockMeta& m = points.meta[b];
-      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) { p.F = gather_gradient(grid.displacement.data(), m.column, s); });
+      with_values<3>(grid, m, grid.displacement.data(), [&](const double* values, const int* column) {
+        with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) { p.F = gather_gradient(values, column, s); });
+      });
       for (int i = 0; i < 3; ++i) p.F.a[i][i] += 1.0;
       for (int l = 0; l < kLanes; ++l) {
         if (!(m.occupied >> l & 1)) continue;

@@ -52,7 +52,7 @@ struct BlockMeta {
   int body = 0, part = 0;
   int base[3] = {0, 0, 0};       // cell, see basis.h
   int joined = kOneCell;         // cells in a row, see basis.h and arrange()
-  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid
+  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning where it borrows
   static constexpr int kOwn = -1;
   int borrowed = kOwn;           // where its nodes begin in Grid::borrowed; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane

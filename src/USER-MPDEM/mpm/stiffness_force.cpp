@@ -3,6 +3,7 @@
 #include "stiffness_force.h"
 
 #include "../material/laws.h"
+#include "block_nodes.h"
 #include "gather.h"
 #include "point_stress.h"
 #include "scatter.h"
@@ -12,8 +13,8 @@ namespace mpdem {
 namespace {
 
 template <class W>
-Sym3<vd> small_strain(const PointBlock& p, const BlockMeta& m, const W& weights, const double* x) {
-  const Mat3<vd> G = product(gather_gradient(x, m.column, weights), inverse(p.F));
+Sym3<vd> small_strain(const PointBlock& p, const int* column, const W& weights, const double* x) {
+  const Mat3<vd> G = product(gather_gradient(x, column, weights), inverse(p.F));
   const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
                    0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
   return rotate_back(rotation_matrix(p.q), e);
@@ -28,7 +29,7 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, cons
     if (m.failed == m.occupied && !which.failed_hold) continue;
     const PointBlock& p = points.blocks[b];
     with_gradient_weights<Type>(p, m, 1.0 / grid.h, [&](const auto& s) {
-      const Sym3<vd> strain = small_strain(p, m, s, x);
+      const Sym3<vd> strain = small_strain(p, m.column, s, x);
       Sym3<vd> t = m.damaged ? law.stress(strain, state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strain);
       if (which.failed_hold) t = blend(lanes(m.failed), law.elasticity().stress(strain), t);
       const vd live = which.failed_hold ? p.volume : select(lanes(m.failed), vd{}, p.volume);
@@ -82,8 +83,10 @@ std::vector<Sym3<vd>> strain_by(const PointStore& points, const Grid& grid, cons
   std::vector<Sym3<vd>> strain(points.blocks.size());
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < strain.size(); ++b)
-      with_gradient_weights<decltype(type)>(points.blocks[b], points.meta[b], 1.0 / grid.h,
-                                   [&](const auto& s) { strain[b] = small_strain(points.blocks[b], points.meta[b], s, x); });
+      with_values<3>(grid, points.meta[b], x, [&](const double* values, const int* column) {
+        with_gradient_weights<decltype(type)>(points.blocks[b], points.meta[b], 1.0 / grid.h,
+                                              [&](const auto& s) { strain[b] = small_strain(points.blocks[b], column, s, values); });
+      });
   });
   return strain;
 }

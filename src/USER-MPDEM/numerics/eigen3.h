@@ -192,20 +192,21 @@ inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   });
 }
 
-// <m>_+ : <m>_+ by the same eigenvalue, without its axes.
+// <m>_+ : <m>_+ by the same eigenvalue, without its axes. Next to nothing beside a large negative value, it is that of the Jacobi rotations.
 inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
   return by_signs(m, size2, [&] { return size2; }, [&](const Signs& s) {
     const vd rarer2 = s.rarer.value * s.rarer.value;
-    vd square = select(s.two, rarer2, max(size2 - rarer2, vd{}));
-    if (any(s.unsafe)) {
+    vd square = select(s.two, rarer2, size2 - rarer2);
+    const vmask unsafe = s.unsafe | (~s.definite & ~s.negative & ~s.two & (square < 1e-4 * size2));
+    if (any(unsafe)) {
       const Spectral of = eigen(m);
       vd sum{};
       for (const vd& value : of.value) {
-        const vd p = max(value, vd{});
+        const vd p = max(vd{}, value);  // NaN stays
         sum += p * p;
       }
-      square = select(s.unsafe, sum, square);
+      square = select(unsafe, sum, square);
     }
     return select(s.definite, size2, select(s.negative, vd{}, square));
   });
