@@ -21,24 +21,10 @@ class FreeWeights {
   template <class Type>
   void add_row_sums(const int* column, const Weights<Type>& w, int l, double k, double* sums) {
     constexpr int S = Type::kSupport;
-    double weight[S * S * S], sum = 0.0;
-    bool free = true;
-    for (int i = 0, at = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j)
-        for (int n = 0; n < S; ++n, ++at) {
-          free = free && row_[column[S * i + j] + n] < 0;
-          weight[at] = w.w[0][i][l] * w.w[1][j][l] * w.w[2][n][l];
-          sum += std::fabs(weight[at]);
-        }
-    if (free) {
-      const double row = k * sum;
-      for (int c = 0, at = 0; c < S * S; ++c)
-        for (int n = 0; n < S; ++n, ++at) sums[2 * static_cast<long>(column[c] + n)] += row * std::fabs(weight[at]);
-      return;
-    }
     clear();
-    for (int c = 0, at = 0; c < S * S; ++c)
-      for (int n = 0; n < S; ++n, ++at) add(column[c] + n, weight[at]);
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j)
+        for (int n = 0; n < S; ++n) add(column[S * i + j] + n, w.w[0][i][l] * w.w[1][j][l] * w.w[2][n][l]);
     const double row = k * sum_of_sizes();
     for (int node : nodes_) sums[2 * static_cast<long>(node)] += row * size_at(node);
   }
