@@ -192,7 +192,8 @@ inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   });
 }
 
-// <m>_+ : <m>_+ by the same eigenvalue, without its axes. Next to nothing beside a large negative value, it is that of the Jacobi rotations.
+// <m>_+ : <m>_+ by the same eigenvalue, without its axes. The difference to a large negative value has no digits where little is left: then it
+// is that of the Jacobi rotations.
 inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
   return by_signs(m, size2, [&] { return size2; }, [&](const Signs& s) {
