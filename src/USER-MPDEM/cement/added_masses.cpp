@@ -51,7 +51,7 @@ void AddedMasses::drop_inert(Bond& b) const {
 double AddedMasses::energy(const std::vector<int>& rows) const {
   double sum = 0.0;
   for (int row : rows)
-    if (const Bond* b = scene_.bonds.find(row)) sum += b->added.energy(b->grid, scene_.grains.side_of(*b));
+    if (const Bond* b = scene_.bonds.find(row); b && !b->added.empty()) sum += b->added.energy(b->grid, scene_.grains.side_of(*b));
   return sum;
 }
 
@@ -59,7 +59,8 @@ double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) con
   double sum = 0.0;
   for (int row : rows) {
     const Bond* b = row < scene_.bodies_started ? scene_.bonds.find(row) : nullptr;
-    if (b) sum += b->added.energy_ahead(b->grid, scene_.grains.side_of(*b), later);
+    // a condensed bond has none, and no sides here
+    if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.side_of(*b), later);
   }
   return sum;
 }
