@@ -137,6 +137,33 @@ def test_strain_of_failed_points_while_condensed(tmp_path, figures):
             figures.below(f"{state}: {name} of points that failed, with and without nodes of their own", worst, 1e-8)
 
 
+@pytest.mark.parametrize("gap, edge, outer, cracked, ranks", [(0.0, "", 2e-3, True, 1), (0.0, "", 2e-3, True, 2), (2e-4, "edge free", 2e-3, True, 1),
+                                                              (0.0, "edge free", 1.7e-3, False, 1)])
+def test_what_holds_by_next_to_nothing_stays_resolved(tmp_path, gap, edge, outer, cracked, ranks):
+    """Points of a ring failed in a file, or its edge is free. Where nodes hold by next to nothing statics have them off by metres: such a bond is not condensed.
+
+    The last one has its fields, but they make it 19 times as heavy as it is.
+    """
+    cell, cem, bond = 3e-4, f"inner 1e-3 outer {outer}", dict(shape="flat")
+    if gap:
+        bond["gap"] = gap
+    run(pair(cell / 2, cement=cem, **bond) + "write_cement cement.txt\n", tmp_path / "made")
+    points = read(tmp_path / "made" / "cement.txt")
+    points["failed"] = ((abs(points["z"]) < 0.6 * cell) & (points["x"] < -1e-3) & cracked).astype(float)
+    assert not cracked or 100 < points["failed"].sum() < 0.5 * len(points["failed"])
+    found, ring = [], bond | dict(processors=f"1 1 {ranks}")
+    for condense in ("no", "yes wake 0.3"):
+        folder = tmp_path / condense[:2]
+        folder.mkdir()
+        write(folder / "cement.txt", points)
+        words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split {edge} condense {condense}"
+        made = edit(pair(cell / 2, cement=cem, **ring), f"shape flat {cem}", "file cement.txt")
+        found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + thermo(10, ["f_bond", "f_cem[24]"]) + "run 600\n", folder, ranks))
+    resolved, asked = (done.table()["f_bond"] for done in found)
+    assert resolved.max() > 200 and (asked == resolved).all()
+    assert "condensed 0 of 1 bonds, with 0 solutions found anew; 1 stay resolved, since parts of them hold by next to nothing" in (tmp_path / "ye" / "log.liggghts").read_text()
+
+
 def test_restart(one_rank, tmp_path, figures):
     shutil.copy(one_rank.directory / "middle.restart", tmp_path)
     other = run(restarted("middle.restart") + pulled() + dump(BEFORE + AFTER, COLUMNS[1:]) + f"run {AFTER}\n", tmp_path)

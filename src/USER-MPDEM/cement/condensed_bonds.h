@@ -38,8 +38,9 @@ class CondensedBonds {
  public:
   // Collective. Solves those of the rows whose table says that they are condensed, which were laid out at rest, but for those that are solved already
   // and did not change. They have no loads before bind(). links, inertia: what the solutions hang on beside the bonds.
-  // split: CementOptions::split.
-  void solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia, bool split);
+  // split: CementOptions::split. Of those that no step has moved yet, bonds whose fields are not found, since they hold by next to nothing, are
+  // no longer condensed then: answers their rows, the same on all ranks. Throws BadState if those of others are not found.
+  std::vector<int> solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia, bool split);
   // Of a row that is condensed: as pieces, since it came apart? The same on all ranks. Before solve().
   void set_in_pieces(int row, bool yes) {
     if (yes) in_pieces_.insert(row);
@@ -47,6 +48,7 @@ class CondensedBonds {
   }
   bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // by this rank
+  int without_field_last() const { return without_field_last_; }  // that the last solve() found none for, of all ranks
   // A laid-out bond that stands for those of a pattern, and the body of one of them.
   struct OfPattern {
     int pattern;
@@ -171,7 +173,7 @@ class CondensedBonds {
   std::map<int, PatternSolution> patterns_;
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // of bonds with points here
   std::map<int, std::size_t> described_;                      // hash of what they were solved for
-  int solved_last_ = 0;
+  int solved_last_ = 0, without_field_last_ = 0;
   std::set<int> in_pieces_;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {

@@ -21,7 +21,6 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kChange = 1e-3;  // of what the bond has at its threshold
-constexpr int kMostStepsOfCandidate = 1000;  // of the iteration; intact bonds take some hundred
 
 }  // namespace
 

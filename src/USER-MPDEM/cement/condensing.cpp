@@ -35,15 +35,17 @@ void Condensing::bind() {
 void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   if (!scene_.options.condense || !scene_.penalty) return;
   mark_pieces(rows);
-  const std::vector<int> loose = rows_with_loose_pieces(rows);
-  for (int row : loose) scene_.bonds.table[row].condensed = false;
+  std::vector<int> resolved = rows_with_loose_pieces(rows);
+  for (int row : resolved) scene_.bonds.table[row].condensed = false;
   scene_.bonds.awake_changed();
   take_patterns(at_start);
-  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
-  if (!loose.empty()) {
+  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  resolved.insert(resolved.end(), without.begin(), without.end());
+  if (!resolved.empty()) {
+    scene_.bonds.awake_changed();
     bind();
     shared_.bind();
-    added_.refresh(loose);
+    added_.refresh(resolved);
     return;
   }
   condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);

@@ -30,6 +30,7 @@ class Report {
   double cement_mass() const;  // of this rank, with the mass scale
   int awake_bonds() const;     // of all ranks
   int bonds_solved() const { return condensed_.solved_last(); }  // at the last layout, by this rank
+  int bonds_without_field() const { return condensed_.without_field_last(); }
   std::size_t memory_usage() const { return scene_.bonds.memory_usage(); }  // bytes, on this rank
 
   // Displacement and velocity of the points of a bond at the present time, in the axes of its body.

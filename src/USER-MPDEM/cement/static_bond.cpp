@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "../mpm/stiffness_force.h"
 #include "../parallel/agree.h"
@@ -17,32 +18,48 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Motion = double[2][6];  // of both grains, about their centres
 
-// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that it began with. The
+// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that is left. The
 // fields are good to its root. Where points failed, nodes beside them hold next to nothing, and the energy does not wait for them.
-constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
+constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-8;
+// Links are stiff, so the first guess of a bond that holds by a few points may have a million times the energy. What is left of it by rounding
+// is nothing.
+constexpr double kLeastLeft = 1e-12;
 constexpr int kLeastSteps = 40;
+
+// What a force moves is held back by this share of the largest stiffness of a node over its mass, times the mass of each. Nodes beside points
+// that failed may hold next to nothing, and the inertia of such a node asks for metres. Motions of a bond are ten times as fast, or more.
+constexpr double kHeld = 1e-4;
+constexpr int kMostStepsOfForce = 1000;
 
 // The nodes of one bond as unknowns. Vectors have three numbers a node; those of tied nodes are no unknowns.
 class Equations {
  public:
-  Equations(MPI_Comm comm, const StaticParts* parts) : comm_(comm), parts_(parts) {
+  Equations(MPI_Comm comm, const StaticParts* parts, double held = 0.0) : comm_(comm), parts_(parts) {
+    std::vector<double> stiffness;
+    if (parts) {
+      stiffness.resize(parts->grid.size());
+      add_stiffness_diagonal(parts->points, parts->grid, parts->law, stiffness.data());
+      parts->grid.halo.sum(stiffness.data(), 1);
+    }
+    double square = 0.0;
+    for (std::size_t i = 0; i < stiffness.size(); ++i)
+      if (moves(i)) square = std::max(square, stiffness[i] / parts->grid.mass[i]);
+    square = held > 0.0 ? held * largest(square) : 0.0;
     if (!parts) return;
-    const Grid& grid = parts->grid;
+    Grid& grid = parts->grid;
     secants_ = parts->links.secants(grid, parts->side);
     std::vector<double> rows(2 * grid.size(), 0.0);
     parts->links.add_stiffness(grid, parts->side, std::numeric_limits<double>::infinity(), rows.data());
-    parts->grid.halo.sum(rows.data(), 2);
-    std::vector<double> diagonal(grid.size(), 0.0);
-    add_stiffness_diagonal(parts->points, grid, parts->law, diagonal.data());
-    parts->grid.halo.sum(diagonal.data(), 1);
-    inverse_.resize(grid.size());
+    grid.halo.sum(rows.data(), 2);
+    held_.assign(grid.size(), 0.0);
+    inverse_.assign(grid.size(), 0.0);
     for (int i = 0; i < grid.size(); ++i) {
-      const double d = diagonal[i] + rows[2 * i] + rows[2 * i + 1];
-      inverse_[i] = d > 0.0 ? 1.0 / d : 0.0;
+      const double d = stiffness[i] + rows[2 * i] + rows[2 * i + 1];
+      if (!moves(i) || !(d > 0.0)) continue;
+      held_[i] = square * grid.mass[i];
+      inverse_[i] = 1.0 / (d + held_[i]);
     }
   }
-
-  int size() const { return parts_ ? 3 * parts_->grid.size() : 0; }
 
   // out = the force on the nodes by displacements x and motions of the grains; load: that on the grains. x gets its tied nodes.
   void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
@@ -71,8 +88,16 @@ class Equations {
     return all(sum);
   }
   double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
+  // The force that holds the node of i back, over its displacement.
+  double held(std::size_t i) const { return held_[i / 3]; }
 
-  // Sum over the ranks of the bond.
+  // Largest and sum over the ranks of the bond.
+  double largest(double mine) const {
+    if (comm_ == MPI_COMM_SELF) return mine;
+    double most;
+    MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return most;
+  }
   double all(double mine) const {
     if (comm_ == MPI_COMM_SELF) return mine;
     double sum;
@@ -82,10 +107,12 @@ class Equations {
 
  private:
   bool counts(std::size_t node) const { return parts_->grid.halo.counts_here()[node]; }
+  bool moves(std::size_t node) const { return parts_->grid.ties.row(static_cast<int>(node)) < 0 && parts_->grid.mass[node] > 0.0; }
   MPI_Comm comm_;
   const StaticParts* parts_;
   std::vector<PenaltyLinks::Secant> secants_;
   std::vector<double> inverse_;  // of the preconditioner, a node
+  std::vector<double> held_;     // likewise
 };
 
 // Motion j about the middle, of the second grain about its centre.
@@ -119,33 +146,35 @@ bool any_failed(const PointStore& points) {
   return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
 }
 
-// Conjugate gradients from x on, with the residual r of x, whose energy is given. Returns the products.
-int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
+// Conjugate gradients from x on, with the residual r of x. It ends by the energy, which falls from what is given to `least` of it at most.
+// Returns the steps, more than `most` if it did not end.
+int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double least, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
   std::vector<double> p(r.size(), 0.0), Kp(r.size());
-  std::vector<double> taken(1, 0.0);  // of the energy, by all steps up to each
-  double rho = equations.size_of(r), before = 0.0;
-  while (rho > kResidual * energy) {
+  std::vector<double> taken;  // of the energy, by each step
+  double rho = equations.size_of(r), before = 0.0, left = energy;
+  while (rho > kResidual * left) {
     const double beta = before > 0.0 ? rho / before : 0.0;
     for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
     equations.force(p, at_rest, Kp, load);
+    for (std::size_t i = 0; i < r.size(); ++i) Kp[i] -= equations.held(i) * p[i];
     const double pKp = -equations.dot(p, Kp);
-    const int steps = static_cast<int>(taken.size()), window = std::max(kLeastSteps, steps / 4);
-    if (!std::isfinite(pKp) || steps > most)
-      throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
+    const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);
+    if (!std::isfinite(pKp) || steps > most) return most + 1;
     if (!(pKp > 0.0)) break;  // nothing that has stiffness is left
     const double a = rho / pKp;
     for (std::size_t i = 0; i < r.size(); ++i) {
       x[i] += a * p[i];
       r[i] += a * Kp[i];
     }
-    taken.push_back(taken.back() + a * rho);
-    if (steps >= window && taken[steps] - taken[steps - window] < decline * energy) break;
+    taken.push_back(a * rho);
+    left = std::max(left - a * rho, least * energy);
+    if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * left) break;
     before = rho;
     rho = equations.size_of(r);
   }
-  return static_cast<int>(taken.size()) - 1;
+  return static_cast<int>(taken.size());
 }
 
 }  // namespace
@@ -186,10 +215,12 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
       x = first_guess(*parts, bond.frame, j);
     }
     force[j].resize(x.size());
-    std::vector<double> r(x.size());
     equations.force(x, motion[j], force[j], load_of[j]);
-    r = force[j];
-    bond.products += 2 + iterate(equations, x, r, energy(j, j), decline, most);
+    std::vector<double> r = force[j];
+    const int steps = iterate(equations, x, r, energy(j, j), kLeastLeft, decline, most);
+    if (steps > most)
+      throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
+    bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
     if (parts) bond.strain[j] = strain_by(parts->points, parts->grid, x.data());
   }
@@ -199,9 +230,9 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
 }
 
 std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
-  Equations equations(comm, parts);
+  Equations equations(comm, parts, kHeld);
   std::vector<double> x(force.size(), 0.0);
-  iterate(equations, x, force, equations.size_of(force), kDecline, kMostStaticSteps);
+  iterate(equations, x, force, equations.size_of(force), 1.0, kDecline, kMostStepsOfForce);
   if (parts) parts->grid.ties.extend(x.data());
   return x;
 }

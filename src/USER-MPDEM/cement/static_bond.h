@@ -41,6 +41,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 // Of the iteration, for each field. What holds by next to nothing may need more: BadState is thrown then.
 constexpr int kMostStaticSteps = 20000;
+constexpr int kMostStepsOfCandidate = 2000;  // of a bond that need not be condensed; intact ones take some hundred
 
 // Bond on its layout. side as above.
 struct StaticParts {
@@ -67,8 +68,8 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most = kMos
 // Of a bond that no other rank shares.
 inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
 
-// What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Collective as
-// solve_static().
+// What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Nodes that hold next
+// to nothing move little: inertia holds all of them back, by much less than the stiffness of the bond. Collective as solve_static().
 std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
 
 // The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five

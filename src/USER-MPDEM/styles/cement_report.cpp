@@ -98,7 +98,10 @@ void CementReport::parameters(Cement& c, bigint points) {
     int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
     const int bonds = static_cast<int>(table.size());
-    if (lmp_->comm->me == 0) say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew\n"));
+    const int without = c.report().bonds_without_field();
+    const std::string others = without > 0 ? text_of("; ", without, " stay resolved, since parts of them hold by next to nothing") : "";
+    if (lmp_->comm->me == 0)
+      say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
   }
   if (damped.admitted < o.relax) damping(c);
   if (c.dt() > kRounding * limit)
