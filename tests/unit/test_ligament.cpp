@@ -325,5 +325,41 @@ TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
   }
 }
 
+// A patch that holds to the second grain beside the place where all else lets go of it, and to the rest of the bond over points that hold to that grain
+// themselves: that these let go is not enough.
+TEST(Ligament, WithSkinsPointsThatLeadOnFail) {
+  constexpr int kRim = -kWidth / 2;
+  std::vector<CrackPoint> points = column();
+  for (CrackPoint& p : points) {
+    if (level(p) != kHeight - 1) continue;
+    if (p.cell[0] > kRim + 1) p.attached[1] = false;
+    p.link_damage[1] = 0.7f;
+    if (p.cell[0] == kRim) p.link_damage[1] = 0.0f;
+  }
+  for (CrackPoint& p : points)
+    if (level(p) < kHeight - 1 && p.cell[0] == kRim) fail(p);
+  const Ligament l = find_ligament(points);
+  ASSERT_EQ(l.left(), kWidth);
+  for (const std::vector<int>& cut : l.cuts) {
+    const Separation s = separate(cut_through(cut, points, true), kFace);
+    EXPECT_TRUE(s.separated);
+    EXPECT_GT(s.at_grain[1], 0.0);
+  }
+}
+
+TEST(Ligament, WithSkinsSeparatesRandomBonds) {
+  test::Random random(73);
+  const JoinedNodes joined = test::random_joined();
+  for (int n = 0; n < 60; ++n) {
+    std::vector<CrackPoint> points = column();
+    test::make_random(points, random, random.uniform(0.0, 0.6), 100, n % 4);
+    for (CrackPoint& p : points)
+      for (float& damage : p.link_damage) damage = static_cast<float>(random.uniform(0.0, 1.0));
+    const Ligament l = find_ligament(points, joined, test::kRandomSupport);
+    for (const std::vector<int>& cut : l.cuts)
+      EXPECT_TRUE(separate(cut_through(cut, points, true, joined, test::kRandomSupport), kFace, joined, test::kRandomSupport).separated) << n;
+  }
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -315,12 +315,14 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     const std::vector<CrackPoint>& points = whole.points[b];
     if (points.empty()) continue;
     const int row = rows[b];
-    const Ligament ligament = options.split ? find_ligament(points) : find_ligament(points, sheets.joined_nodes(row), support(options.basis));
+    const JoinedNodes joined = options.split ? JoinedNodes() : sheets.joined_nodes(row);
+    const int nodes = options.split ? 0 : support(options.basis);
+    const Ligament ligament = find_ligament(points, joined, nodes);
     double* of_bond = &found[kWords * b];
     of_bond[0] = ligament.left();
     of_bond[1] = ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
-      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins), skins);
+      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins, joined, nodes), skins);
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
       for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
     }

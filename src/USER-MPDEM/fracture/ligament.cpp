@@ -183,6 +183,34 @@ double weakness(const CrackPoint& p) {
   return most;
 }
 
+// Points of the cut that lead to a grain over others behind them, beside what they hold by themselves: such a point is the only way on from the one
+// grain, and has to fail.
+std::vector<char> leading_on(const std::vector<int>& cut, const std::vector<CrackPoint>& points, const Neighbours& near) {
+  std::vector<char> in_cut(points.size(), 0), leads_on(points.size(), 0);
+  for (int i : cut) in_cut[i] = 1;
+  for (int g = 0; g < 2; ++g) {
+    std::vector<char> behind(points.size(), 0);
+    std::vector<int> stack;
+    const auto add = [&](int i) {
+      if (behind[i] || in_cut[i] || points[i].failed) return;
+      behind[i] = 1;
+      stack.push_back(i);
+    };
+    for (int i : near.order())
+      if (points[i].attached[g]) add(i);
+    while (!stack.empty()) {
+      const int i = stack.back();
+      stack.pop_back();
+      for (int j : near.of(i)) {
+        if (j < 0 || points[j].part != points[i].part) continue;
+        if (in_cut[j] && points[j].attached[g]) leads_on[j] = 1;
+        add(j);
+      }
+    }
+  }
+  return leads_on;
+}
+
 double mean_damage(const std::vector<int>& cut, const std::vector<CrackPoint>& points) {
   double sum = 0.0;
   for (int i : cut) sum += weakness(points[i]);
@@ -213,7 +241,8 @@ Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes&
   return result;
 }
 
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins) {
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins, const JoinedNodes& joined, int support) {
+  const std::vector<char> leads_on = skins ? leading_on(cut, points, Neighbours(points, joined, support)) : std::vector<char>(points.size(), 1);
   for (int i : cut) {
     CrackPoint& p = points[i];
     bool let_go = false;
@@ -222,7 +251,7 @@ std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<Cra
       p.attached[g] = false;
       let_go = true;
     }
-    p.failed = !(skins && let_go);
+    p.failed = !let_go || leads_on[i];
   }
   return points;
 }

@@ -35,8 +35,10 @@ constexpr double kSameDamage = 1e-3;
 Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0);
 
 // The points as if those of the cut had failed, and let go of their grains with that. With skins (coupling/traction_law.h) what is damaged
-// more breaks: the link, and the point holds; or the point, and it stays on the grain.
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins = false);
+// more breaks: the link, and the point holds, unless it leads to others that hold to that grain; or the point, and it stays on the grain. joined,
+// support: of Neighbours.
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins = false, const JoinedNodes& joined = {},
+                                    int support = 0);
 
 }  // namespace mpdem
 
