@@ -102,10 +102,11 @@ TEST(CohesiveTraction, DamageNeverHeals) {
   EXPECT_NEAR(p.law.secant(p.separation(), p.state).kn[0], (1 - d) * kStiff.kn, 1e-10);
   p.go(-1.0, 0.0, 100);  // far into the grain
   EXPECT_EQ(p.d, d);
-  EXPECT_EQ(p.law.secant(p.separation(), p.state).kn[0], kStiff.kn);
+  EXPECT_NEAR(p.law.secant(p.separation(), p.state).kn[0], (1.0 - 0.5 * d) * kStiff.kn, 1e-10);
   Path fresh;
   fresh.go(-1.0, 0.0, 100);
   EXPECT_EQ(fresh.d, 0.0);
+  EXPECT_EQ(fresh.law.secant(fresh.separation(), fresh.state).kn[0], kStiff.kn);
 }
 
 // Some let go under compression, some open, some not at all.
@@ -137,6 +138,28 @@ TEST(CohesiveTraction, ReleasesWhatPressureStores) {
   EXPECT_NEAR(p.dissipated / kGt, 1.0, 1e-12);
   EXPECT_NEAR(p.released / (0.5 * kStiff.kn * kIn * kIn), 1.0, 1e-12);
   EXPECT_NEAR(p.work, p.dissipated + p.released, 1e-4 * kGt);
+}
+
+// A node that nothing but a link holds, with the mass that leaves the undamaged link just stable at this step (added_mass.h), flies against the closed link
+// and off again. The mean of the energy that it leaves with, over the phases of the steps; 2.3 with the whole stiffness.
+TEST(CohesiveTraction, ANodeThatBouncesGainsLittle) {
+  const CohesiveTraction law(kStiff, values());
+  const double mass = 1.05 * kStiff.kn / 4.0;  // the step is 1
+  test::Random random(91);
+  double mean = 0.0;
+  constexpr int kBounces = 5000;
+  for (int n = 0; n < kBounces; ++n) {
+    double x = random.uniform(0.0, 1.0), v = -1.0;
+    do {
+      LinkSeparation s{splat(x), splat(x * x)};
+      const double k = x < 0.0 ? law.secant(s, {splat(0.9999)}).kn[0] : 0.0;
+      v -= k * x / mass;
+      x += v;
+    } while (x <= 0.0 || v < 0.0);
+    mean += v * v / kBounces;
+  }
+  EXPECT_GT(mean, 0.9);
+  EXPECT_LT(mean, 1.15);
 }
 
 // On a path whose mode changes the energy is that of the path, with equal energies of both modes too. r = lambdaf/lambda0 of a mode: a link that

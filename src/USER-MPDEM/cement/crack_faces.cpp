@@ -82,6 +82,8 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
   }
 }
 
+constexpr double kLeastFace = 1e-3;  // over that of a cell
+
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
   double n[3], w[3], v[3];  // v: relative velocity of the next step without them
@@ -91,8 +93,9 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
     v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
   }
   const double size = std::sqrt(dot(n, n));
-  // a copy of which nothing holds has no face
-  if (dot(&normal_[a], &normal_[a]) == 0.0 || dot(&normal_[b], &normal_[b]) == 0.0 || !(size > 0.0)) return;
+  // G is an area. A copy of which next to nothing holds has no face: it has next to no mass either, and flies far by what hardly is a force.
+  const double least = kLeastFace * kLeastFace * grid.h * grid.h * grid.h * grid.h;
+  if (dot(&normal_[a], &normal_[a]) < least || dot(&normal_[b], &normal_[b]) < least || !(size > 0.0)) return;
   for (double& x : n) x /= size;
   const double wn = dot(w, n), vn = dot(v, n);
   if (!(wn / dt + vn < 0.0 && vn < 0.0)) return;

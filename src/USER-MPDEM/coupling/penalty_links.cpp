@@ -398,6 +398,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
           released *= select(apart.n < 0.0, max(before / apart.n, vd{}), vd{});
         }
         release(i, freed, released, false, points, step.released);
+        step.released += sum_lanes(select(lanes(freed), vd{}, released));
       }
     }
   });

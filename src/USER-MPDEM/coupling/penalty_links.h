@@ -59,7 +59,7 @@ struct PenaltyParameters {
 
 // What links of a law with a state did in a step.
 struct LinkStep {
-  double dissipated = 0, released = 0;  // energies: spent by the law, given up by links that let go
+  double dissipated = 0, released = 0;  // energies: spent by the law, given up by links that let go or soften under pressure
   std::vector<int> let_go;              // links of the store that let go although their points hold
 };
 

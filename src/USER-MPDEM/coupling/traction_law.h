@@ -51,7 +51,7 @@ struct TractionSecant {
 };
 
 struct TractionUpdate {
-  vd dissipated, released;  // energies per area, since the state before: spent by damage; stored to the last by a link that lets go
+  vd dissipated, released;  // energies per area, since the state before: spent by damage; stored, and given up as it softens under pressure or lets go
   vmask grown, let_go;      // the state changed; the link carries nothing from now on
 };
 
