@@ -64,15 +64,16 @@ def figure(rows):
         ax.set_xlabel("calcite content, mass over mass of the beads (%)")
     for row in axes:
         row[0].set_ylabel("strength of the interface\nover that of the cement")
-    bottom = 0.5 / fig.get_figheight()
-    fig.tight_layout(rect=(0, bottom, 0.9, 1))
-    colours = fig.colorbar(marks, cax=fig.add_axes((0.915, bottom + 0.12, 0.015, 0.7 - bottom)))
+    columns = 3 if len(loads) > 1 else 1
+    bottom, right = (0.5 if columns > 1 else 1.0) / fig.get_figheight(), 1.0 - 0.72 / fig.get_figwidth()  # for the legend, and the bar of colours
+    fig.tight_layout(rect=(0, bottom, right, 1))
+    colours = fig.colorbar(marks, cax=fig.add_axes((right + 0.015, bottom + 0.12, 0.11 / fig.get_figwidth(), 0.7 - bottom)))
     colours.set_label("share of the separating surface at a bead")
     handles = [Line2D([], [], color="0.3", marker=m, ls="", ms=5, label=text) for text, m in MODES.values()]
     handles.append(Line2D([], [], color=HAM_COLOUR, lw=3, alpha=0.7, label="mode seen by Ham et al. (2022)"))
     if len(energies) > 1:
         handles.append(Line2D([], [], ls="", label="side by side: energy of the interface " + ", ".join(f"{e:g}" for e in energies) + " J/m²"))
-    fig.legend(handles=handles, loc="lower left", ncol=3, frameon=False, bbox_to_anchor=(0.02, 0.0))
+    fig.legend(handles=handles, loc="lower left", ncol=columns, frameon=False, bbox_to_anchor=(0.02, 0.0))
     return fig
 
 
@@ -91,6 +92,9 @@ def panel(ax, rows, at, energies):
             ax.scatter(x, y, c=share, marker=form, s=26, cmap="viridis", vmin=0.0, vmax=1.0, edgecolors="0.3", linewidths=0.4)
     ax.set_yscale("log")
     ax.yaxis.set_major_formatter("{x:g}")
+    strengths = [strength for _, _, (strength, _) in rows]
+    if strengths and max(strengths) < 10.0 * min(strengths):  # less than a decade: few of its ticks are major ones
+        ax.yaxis.set_minor_formatter("{x:g}")
     ax.set_xlim(-0.6, len(at) - 0.4)
     ax.set_axisbelow(True)
     ax.grid(True, axis="y", which="both", lw=0.3, color="0.9")

@@ -35,10 +35,6 @@ bool is_too_heavy(const CondensedModel& model) {
   return !(std::max(trace(0, 0), trace(6, 6)) <= kHeaviest * mass);
 }
 
-bool any_failed(const PointStore& points) {
-  return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
-}
-
 // Hash of the parameters on which every solution depends.
 std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   std::size_t hash = 0;
@@ -110,6 +106,27 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
   return s;
 }
 
+bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split) {
+  const Body& body = bonds.table[row];
+  Bond* b = bonds.find(row);
+  std::shared_ptr<const Solution> s;
+  if (is_in_pieces(row)) {
+    s = of_pieces(comm, b, body, law, split);
+  } else {
+    int failed = b && b->points.any_failed();
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm);
+    try {
+      s = solved(comm, b, body, law, most_steps(body, failed));
+    } catch (const BadState&) {
+      if (body.in_motion) throw;
+      return false;
+    }
+    if (rank_in(comm) == 0) ++solved_last_;  // all ranks solve it
+  }
+  if (b) solutions_[row] = std::move(s);
+  return true;
+}
+
 std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links,
                                        double inertia, bool split) {
   struct Known {
@@ -123,7 +140,6 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   std::vector<int> without;  // a field
   std::string trouble;
   const std::size_t of_all = hash_of_run(links, inertia);
-  const int me = rank_in(comm);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const int row = rows[n];
     Bond* b = bonds.find(row);
@@ -152,7 +168,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     }
     const Body& body = bonds.table[row];
     try {
-      solutions_[row] = solved(MPI_COMM_SELF, b, body, law, most_steps(body, any_failed(b->points)));
+      solutions_[row] = solved(MPI_COMM_SELF, b, body, law, most_steps(body, b->points.any_failed()));
       known.emplace(hash, Known{b, &body, solutions_[row]});
       ++solved_last_;
     } catch (const BadState& e) {
@@ -166,24 +182,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
-    if (!cut[n] || solved_already[n]) continue;
-    const Body& body = bonds.table[rows[n]];
-    Bond* b = bonds.find(rows[n]);
-    if (is_in_pieces(rows[n])) {
-      auto s = of_pieces(comm, b, body, law, split);
-      if (b) solutions_[rows[n]] = std::move(s);
-      continue;
-    }
-    int failed = b && any_failed(b->points);
-    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm);
-    try {
-      auto s = solved(comm, b, body, law, most_steps(body, failed));
-      if (me == 0) ++solved_last_;  // all ranks solve it
-      if (b) solutions_[rows[n]] = std::move(s);
-    } catch (const BadState&) {
-      if (body.in_motion) throw;
-      without.push_back(rows[n]);
-    }
+    if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law, split)) without.push_back(rows[n]);
   }
   without = union_of_ranks(comm, without);
   without_field_last_ = static_cast<int>(without.size());

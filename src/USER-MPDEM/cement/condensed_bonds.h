@@ -150,6 +150,7 @@ class CondensedBonds {
   const Member* find(int body) const;
   static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split);
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
+  bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split);  // collective; false: no field was found
   double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
   void show_strain(Bond& bond, int part) const;
 

@@ -142,10 +142,6 @@ std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, in
   return x;
 }
 
-bool any_failed(const PointStore& points) {
-  return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
-}
-
 // Conjugate gradients from x on, with the residual r of x. It ends by the energy, which falls from what is given to `least` of it at most.
 // Returns the steps, more than `most` if it did not end.
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double least, double decline, int most) {
@@ -207,7 +203,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
     return equations.all(of_grain) - equations.dot(bond.displacement[i], force[j]);
   };
   if (parts) bond.frame = frame_of(parts->body, parts->side);
-  const double decline = equations.all(parts && any_failed(parts->points)) > 0.0 ? kDeclineOfCracked : kDecline;
+  const double decline = equations.all(parts && parts->points.any_failed()) > 0.0 ? kDeclineOfCracked : kDecline;
   for (int j = 0; j < 6; ++j) {
     std::vector<double>& x = bond.displacement[j];
     if (parts) {

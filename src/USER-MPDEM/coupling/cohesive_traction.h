@@ -13,8 +13,8 @@
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
 // A half under compression, since added mass (added_mass.h) leaves a node that only links hold just stable. A crumb that bounces between a link that is
-// closed at that stiffness and one that is open and soft gets 2.7 times its energy in each bounce, by the mean over the phases of the steps. With a
-// half of it that is 1.07 times.
+// closed at that stiffness and one that is open and soft gets three times its energy in each bounce, by the mean over the phases of the steps. With a
+// half of it that is 1.01 times.
 //
 // So a link bears tn and takes Gn under opening, and tt and Gt under shear, however large the steps are. The onset is
 // the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the opening of

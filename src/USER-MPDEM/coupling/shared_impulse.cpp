@@ -41,7 +41,7 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
   if (empty()) return;
   const bool cut = grid.halo.shares_any();
   if (stale_) {
-    const bool some_failed = std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
+    const bool some_failed = points.any_failed();
     here_.clear();
     if (cut || some_failed) {
       here_ = grid.mass_here(points, density, true);

@@ -178,6 +178,10 @@ int PointStore::size() const {
   return n;
 }
 
+bool PointStore::any_failed() const {
+  return std::any_of(meta.begin(), meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
+}
+
 void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   links.reserve(other.links.size());
   blocks.reserve(n);

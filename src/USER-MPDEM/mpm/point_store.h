@@ -152,6 +152,7 @@ class PointStore {
   // Did points come or leave since arrange()?
   bool changed() const { return changed_; }
   int size() const;  // points
+  bool any_failed() const;
   // Grains to which a point holds, as in a PointRecord.
   int holds(int slot) const {
     const BlockMeta& m = meta[slot / kLanes];
