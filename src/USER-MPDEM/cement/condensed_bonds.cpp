@@ -43,8 +43,13 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   return hash;
 }
 
-// A bond that begins with points that failed has fields soon or is not condensed. One that is condensed is solved again as it was.
-int most_steps(const Body& body, bool failed) { return failed && !body.in_motion ? kMostStepsOfCandidate : kMostStaticSteps; }
+// Where points failed, or edges are free, nodes may hold by next to nothing: such a bond has its fields soon, or is not condensed. One that is
+// condensed is solved again as it was.
+struct Rim {
+  int failed = 0, tied = 0;
+  explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), tied(b && !b->grid.ties.empty()) {}
+  int most_steps(const Body& body) const { return !body.in_motion && (failed || !tied) ? kMostStepsOfCandidate : kMostStaticSteps; }
+};
 
 void sum_over_ranks(MPI_Comm comm, CondensedModel& model) {
   if (comm == MPI_COMM_SELF) return;
@@ -113,10 +118,10 @@ bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& 
   if (is_in_pieces(row)) {
     s = of_pieces(comm, b, body, law, split);
   } else {
-    int failed = b && b->points.any_failed();
-    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm);
+    Rim rim(b);
+    for (int* of_any : {&rim.failed, &rim.tied}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
     try {
-      s = solved(comm, b, body, law, most_steps(body, failed));
+      s = solved(comm, b, body, law, rim.most_steps(body));
     } catch (const BadState&) {
       if (body.in_motion) throw;
       return false;
@@ -168,7 +173,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     }
     const Body& body = bonds.table[row];
     try {
-      solutions_[row] = solved(MPI_COMM_SELF, b, body, law, most_steps(body, b->points.any_failed()));
+      solutions_[row] = solved(MPI_COMM_SELF, b, body, law, Rim(b).most_steps(body));
       known.emplace(hash, Known{b, &body, solutions_[row]});
       ++solved_last_;
     } catch (const BadState& e) {

@@ -18,12 +18,9 @@ namespace {
 using Vector3 = Eigen::Vector3d;
 using Motion = double[2][6];  // of both grains, about their centres
 
-// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that is left. The
+// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that it began with. The
 // fields are good to its root. Where points failed, nodes beside them hold next to nothing, and the energy does not wait for them.
-constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-8;
-// Links are stiff, so the first guess of a bond that holds by a few points may have a million times the energy. What is left of it by rounding
-// is nothing.
-constexpr double kLeastLeft = 1e-12;
+constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
 // What a force moves is held back by this share of the largest stiffness of a node over its mass, times the mass of each. Nodes beside points
@@ -142,15 +139,14 @@ std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, in
   return x;
 }
 
-// Conjugate gradients from x on, with the residual r of x. It ends by the energy, which falls from what is given to `least` of it at most.
-// Returns the steps, more than `most` if it did not end.
-int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double least, double decline, int most) {
+// Conjugate gradients from x on, with the residual r of x, whose energy is given. Returns the steps, more than `most` if it did not end.
+int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
   std::vector<double> p(r.size(), 0.0), Kp(r.size());
   std::vector<double> taken;  // of the energy, by each step
-  double rho = equations.size_of(r), before = 0.0, left = energy;
-  while (rho > kResidual * left) {
+  double rho = equations.size_of(r), before = 0.0;
+  while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
     for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
     equations.force(p, at_rest, Kp, load);
@@ -165,8 +161,7 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
       r[i] += a * Kp[i];
     }
     taken.push_back(a * rho);
-    left = std::max(left - a * rho, least * energy);
-    if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * left) break;
+    if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * energy) break;
     before = rho;
     rho = equations.size_of(r);
   }
@@ -213,7 +208,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
     force[j].resize(x.size());
     equations.force(x, motion[j], force[j], load_of[j]);
     std::vector<double> r = force[j];
-    const int steps = iterate(equations, x, r, energy(j, j), kLeastLeft, decline, most);
+    const int steps = iterate(equations, x, r, energy(j, j), decline, most);
     if (steps > most)
       throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
     bond.products += 2 + steps;
@@ -228,7 +223,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
 std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force) {
   Equations equations(comm, parts, kHeld);
   std::vector<double> x(force.size(), 0.0);
-  iterate(equations, x, force, equations.size_of(force), 1.0, kDecline, kMostStepsOfForce);
+  iterate(equations, x, force, equations.size_of(force), kDecline, kMostStepsOfForce);
   if (parts) parts->grid.ties.extend(x.data());
   return x;
 }
