@@ -82,7 +82,7 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
   }
 }
 
-constexpr double kLeastFace = 1e-3;  // over that of a cell
+constexpr double kLeastFace = 1e-5;  // over that of a cell
 
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];

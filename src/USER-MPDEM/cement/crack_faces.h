@@ -13,7 +13,7 @@
 // a normal that turns may make, is undone by a bounce no faster than the faces close. So the force never gives energy. Along the face the force
 // is that which stops their slip, or mu times the normal one if that is less. It needs no stiffness and leaves the stable step as it is.
 // What the pair loses of its kinetic energy, by impact and slip, is the work of these forces.
-// Copies whose G is below a thousandth of the face of a cell meet nothing.
+// Copies whose G is below 1e-5 of the face of a cell meet nothing.
 // Valid for slips of up to a cell: pairs that slid further touch no more, and too_far() tells of them.
 #ifndef MPDEM_CRACK_FACES_H
 #define MPDEM_CRACK_FACES_H
