@@ -24,7 +24,8 @@ constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
 // What a force moves is held back by this share of the largest stiffness of a node over its mass, times the mass of each. Nodes beside points
-// that failed may hold next to nothing, and the inertia of such a node asks for metres. Motions of a bond are ten times as fast, or more.
+// that failed may hold next to nothing, and the inertia of such a node asks for metres. A motion whose square of the frequency is r times that share
+// is found but for 1/(1 + r).
 constexpr double kHeld = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 

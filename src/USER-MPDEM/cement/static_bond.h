@@ -69,7 +69,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most = kMos
 inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
 
 // What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Nodes that hold next
-// to nothing move little: inertia holds all of them back, by much less than the stiffness of the bond. Collective as solve_static().
+// to nothing move little: inertia holds all of them back, and so slow motions of the bond a little. Collective as solve_static().
 std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
 
 // The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five
