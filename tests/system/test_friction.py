@@ -41,17 +41,36 @@ def test_other_friction_after_a_restart_is_refused(tmp_path):
 
 
 def test_example_breaks_closes_and_slides(tmp_path, figures):
-    """examples/pair_closed: tension until it breaks, compression when it is closed, friction below mu N, and the books close."""
+    """examples/pair_closed: tension until it breaks, compression when it is closed, friction mu N beyond what there is without, and the books close."""
     folder = Path(__file__).parents[2] / "examples" / "pair_closed"
-    assert launch((folder / "in.closed").read_text(), tmp_path, name="in.closed").status == 0
-    with open(tmp_path / "bond.csv") as f:
-        rows = list(csv.DictReader(f))
-    step, tension, shear, apart, touching, imbalance = (
-        np.array([float(r[name]) for r in rows]) for name in ("step", "tension", "fx1", "separated", "touching_grain2", "energy_imbalance"))
-    closed, sliding = step >= 2600, step >= 3400
-    assert tension.max() > 50 and apart[-1] == 1 and touching[closed].mean() > 0.05 and touching[closed].min() > 0.01
-    assert tension[closed].max() < -20
-    share = (shear[sliding] / -tension[sliding]).mean()
-    figures.note("friction over normal force while the closed bond slides", f"{share:.3f}")
-    assert 0.1 < share < 0.3
-    figures.below("energy imbalance through breaking, closing and sliding", abs(imbalance).max(), 0.01)
+    share = {}
+    for mu in (0.3, 0):
+        out = tmp_path / f"mu{mu}"
+        assert launch((folder / "in.closed").read_text(), out, name="in.closed", arguments=["-var", "mu", str(mu)]).status == 0
+        with open(out / "bond.csv") as f:
+            rows = list(csv.DictReader(f))
+        step, tension, shear, apart, touching, imbalance = (
+            np.array([float(r[name]) for r in rows]) for name in ("step", "tension", "fx1", "separated", "touching_grain2", "energy_imbalance"))
+        closed, sliding = step >= 2600, step >= 3400
+        assert tension.max() > 50 and apart[-1] == 1 and touching[closed].mean() > 0.05 and touching[closed].min() > 0.01
+        assert tension[closed].max() < -20
+        share[mu] = shear[sliding].mean() / -tension[sliding].mean()
+        figures.below(f"mu {mu}: energy imbalance through breaking, closing and sliding", abs(imbalance).max(), 0.001)
+    figures.note("shear over normal force while the closed bond slides, mu 0.3 and 0", f"{share[0.3]:.3f} {share[0]:.3f}")
+    assert 0.2 < share[0.3] - share[0] < 0.3 and share[0] < 0.1
+
+
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
+    """Compression through failure and beyond: pieces and places that let go are pressed, come off and meet again, in ten runs one after the other."""
+    script = Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table"
+    for mu in (0, 0.3):
+        out = tmp_path / f"mu{mu}"
+        words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, spacing=2.5e-4, cracks=cracks, speed=0.3, limit=1000, frames=10**8,
+                     bonding=f"penalty friction {mu}", regularization="nonlocal 5e-4 energy 26.5")
+        result = launch(script.read_text(), out, name="in.pair_table", arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])
+        assert result.status == 0, result.output[-2000:]
+        with open(out / "bond_run.csv") as f:
+            rows = list(csv.DictReader(f))
+        assert int(rows[-1]["failed"]) > 300 and max(float(r["touching_grain1"]) for r in rows) > 0.03
+        figures.below(f"crushed, cracks {cracks}, mu {mu}: energy imbalance", max(abs(float(r["energy_imbalance"])) for r in rows), 0.01)

@@ -279,7 +279,7 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
     Bond& b = s->bonds[0];
     ASSERT_FALSE(b.points.links.empty());
     double released = 0.0;
-    b.links.let_go(b.points, {b.points.links.front().slot}, b.grid, s->side(b), released);
+    b.links.let_go(b.points, {b.points.links.front().slot}, b.grid, s->side(b), 0.0, released);
     EXPECT_TRUE(b.links.drop_inertia(b.points));
     std::vector<int> order(b.points.links.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(order.size() - 1 - i);
@@ -475,7 +475,7 @@ TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   std::sort(failed.begin(), failed.end());
   EXPECT_GT(failed.size(), 10u);
   double released = 0;
-  b.links.let_go(b.points, failed, b.grid, s.side(b), released);
+  b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
   for (const Link& k : b.points.links)
     if (k.grain == s.bodies[0].grain[0]) {
       EXPECT_FALSE(k.attached);

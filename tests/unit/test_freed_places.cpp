@@ -4,7 +4,9 @@
 // Places that let go and touch again: of one bond between wide grains, on 1 and 2 ranks; balance of forces on bonds at random.
 #include "coupling/freed_places.h"
 
+#include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "lanes.h"
 #include "parallel/agree.h"
@@ -387,6 +389,139 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   EXPECT_GT(step, test::kStep);
   EXPECT_LT(t.kinetic, 0.1 * t.elastic);
   test::expect_within(std::fabs(t.imbalance), 1e-2, "imbalance");
+}
+
+// Bonds at random whose links have all let go, with places that touch.
+test::Scene scene_of_places(std::uint64_t seed, const PenaltyParameters& p) {
+  test::Scene s(seed, p);
+  for (Bond& b : s.bonds) {
+    for (Link& k : b.points.links) k.attached = false;
+    b.links = s.links_anew(b);
+    b.places = FreedPlaces(b.points, s.bodies[b.body], p, b.grid);
+    b.places.open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
+  }
+  for (double size : {0.02, 0.03, 0.03}) {
+    s.place_grains(size, 0.0);
+    for (Bond& b : s.bonds) b.places.follow(b.points, b.grid, s.side(b));
+  }
+  return s;
+}
+
+double sum_of_stiffness(const test::Scene& s, const Bond& b) {
+  std::vector<double> k(2 * b.grid.size(), 0.0);
+  b.places.add_stiffness(b.grid, s.side(b), k.data());
+  return std::accumulate(k.begin(), k.end(), 0.0);
+}
+
+// A node with the added mass of a place alone flies at a grain and comes back, from all places at which it may be a step before. A step is 1.
+TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  PenaltyParameters p = test::penalty(false, 0.0);
+  p.friction = 0.3;
+  test::Scene s = scene_of_places(832, p);
+  Bond& b = s.bonds[0];
+  b.places.give_inertia(b.points);
+  double stiffness = 0.0;
+  for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.area;
+  const double mass_over_stiffness = 1.05 / 4.0 * sum_of_stiffness(s, b) / stiffness;
+  test::Random random(92);
+  double mean = 0.0;
+  constexpr int kBounces = 5000;
+  for (int n = 0; n < kBounces; ++n) {
+    double x = random.uniform(0.0, 1.0), v = -1.0;
+    do {
+      if (x < 0.0) v -= x / mass_over_stiffness;
+      x += v;
+    } while (x <= 0.0 || v < 0.0);
+    mean += v * v / kBounces;
+  }
+  EXPECT_GT(mean, 0.9);
+  EXPECT_LT(mean, 1.05);
+}
+
+// The added mass of a place is there from give_inertia() on until the place goes on.
+TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  PenaltyParameters p = test::penalty(false, 0.0);
+  p.friction = 0.3;
+  test::Scene s = scene_of_places(833, p);
+  Bond& b = s.bonds[0];
+  EXPECT_EQ(sum_of_stiffness(s, b), 0.0);
+  b.places.give_inertia(b.points);
+  const double whole = sum_of_stiffness(s, b);
+  EXPECT_GT(whole, 0.0);
+  const int slot = b.points.places.front().slot;
+  double area = 0.0, all = 0.0;
+  for (const FreedPlace& place : b.points.places) (place.slot == slot ? area : all) += place.area;
+  b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+  b.places.end(b.points, b.grid, s.side(b), {slot}, 0.0);
+  EXPECT_EQ(sum_of_stiffness(s, b), whole);
+  FreedPlaces anew(b.points, s.bodies[0], p, b.grid);
+  std::vector<double> k(2 * b.grid.size(), 0.0);
+  anew.add_stiffness(b.grid, s.side(b), k.data());
+  EXPECT_EQ(std::accumulate(k.begin(), k.end(), 0.0), whole);
+  std::vector<FreedPlaces::Arrival> arrivals;
+  std::vector<std::array<int, 2>> gone;
+  for (const FreedPlaces::Mover& m : b.places.movers(b.points, s.bodies[0])) {
+    const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
+    ASSERT_GE(to.tag, 0);
+    EXPECT_NE(to.slot, slot);
+    arrivals.push_back({m, to.slot});
+    gone.push_back({m.tag, m.grain});
+  }
+  ASSERT_FALSE(arrivals.empty());
+  b.places.move(b.points, s.bodies[0], b.grid, s.side(b), arrivals, gone);
+  EXPECT_LT(sum_of_stiffness(s, b), whole);
+  double after = 0.0;
+  for (const FreedPlace& place : b.points.places) after += place.area;
+  EXPECT_NEAR(after, area + all, 1e-12 * after);
+}
+
+// Points fail: what their places store is released, and they bear nothing until they go on. A force that ends within a step has worked with its
+// value before on all of the way of that step: for short steps that is the mean of the energies at both ends of it.
+TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  PenaltyParameters p = test::penalty(false, 0.0);
+  p.friction = 0.3;
+  for (double dt : {0.0, 1e-4}) {
+    test::Scene s = scene_of_places(834, p);
+    s.place_grains(0.03, 0.7);
+    for (GrainSide& side : s.sides.sides)  // so that nodes alone are elsewhere a step before
+      for (int d = 0; d < 3; ++d) side.v[d] = side.omega[d] = 0.0;
+    for (Bond& b : s.bonds) b.places.follow(b.points, b.grid, s.side(b));
+    for (Bond& b : s.bonds) {
+      const auto energy_before = [&](double time) {
+        Grid then = b.grid;
+        for (std::size_t i = 0; i < then.displacement.size(); ++i) then.displacement[i] -= time * then.velocity[i];
+        double U = 0.0;
+        b.places.add_energy(then, s.side(b), U);
+        return U;
+      };
+      std::vector<int> failed;
+      for (const FreedPlace& place : b.points.places)
+        if (place.closed && place.slot % 3 != 0) failed.push_back(place.slot);
+      failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
+      ASSERT_GT(failed.size(), 5u);
+      const double whole = energy_before(0.0), whole_then = energy_before(dt);
+      for (int slot : failed) b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+      const double released = b.places.end(b.points, b.grid, s.side(b), failed, dt);
+      const double left = energy_before(0.0), given = whole - left, given_then = whole_then - energy_before(dt);
+      EXPECT_NEAR(released / (0.5 * (given + given_then)), 1.0, 1e-5);
+      if (dt > 0.0) {
+        EXPECT_GT(std::fabs(given_then / given - 1.0), 2e-5);
+      }
+      for (const FreedPlace& place : b.points.places) {
+        if (std::binary_search(failed.begin(), failed.end(), place.slot)) {
+          EXPECT_FALSE(place.closed);
+        }
+      }
+      b.places.follow(b.points, b.grid, s.side(b));
+      EXPECT_NEAR(energy_before(0.0), left, 1e-9 * whole);
+      EXPECT_EQ(b.places.movers(b.points, s.bodies[b.body]).size(),
+                static_cast<std::size_t>(std::count_if(b.points.places.begin(), b.points.places.end(),
+                                                       [&](const FreedPlace& f) { return std::binary_search(failed.begin(), failed.end(), f.slot); })));
+    }
+  }
 }
 
 // At random: resultant and moment of what acts on nodes and grains, and the force as the slope of the energy.

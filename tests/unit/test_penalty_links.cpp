@@ -176,7 +176,7 @@ TEST_P(Links, FollowPointsThatChangeCells) {
         s->bonds[b].grid.velocity = one.bonds[b].grid.velocity;
       }
       double released = 0.0;
-      if (n / 2 % 3 == 1) bond.links.let_go(bond.points, {s->slots[body][7 * n % points]}, bond.grid, s->side(bond), released);
+      if (n / 2 % 3 == 1) bond.links.let_go(bond.points, {s->slots[body][7 * n % points]}, bond.grid, s->side(bond), 0.0, released);
       if (n / 2 % 3 == 2) bond.links.drop_inertia(bond.points);
       bond.links.find_moves(bond.grid, 1e-3);
       const int a = s->slots[body][from], b = s->slots[body][to];
@@ -222,13 +222,13 @@ TEST_P(Links, LetGo) {
     for (const Link& k : b.points.links) expected += std::binary_search(failed.begin(), failed.end(), k.slot);
     EXPECT_GT(expected, 10);
     double released = 0;
-    b.links.let_go(b.points, {}, b.grid, s.side(b), released);
+    b.links.let_go(b.points, {}, b.grid, s.side(b), 0.0, released);
     EXPECT_EQ(attached(b.points), whole);
     EXPECT_EQ(released, 0.0);
-    b.links.let_go(b.points, failed, b.grid, s.side(b), released);
+    b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
     EXPECT_EQ(attached(b.points), whole - expected);
     const double once = released;
-    b.links.let_go(b.points, failed, b.grid, s.side(b), released);
+    b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
     EXPECT_EQ(released, once);
     for (const Link& k : b.points.links) {
       EXPECT_EQ(k.attached == 0, std::binary_search(failed.begin(), failed.end(), k.slot));
@@ -283,7 +283,7 @@ TEST_P(Links, LetGoInEachLane) {
       const double before = s.energy(), gone = released;
       const int held = attached(b.points);
       const auto links = std::count_if(b.points.links.begin(), b.points.links.end(), [&](const Link& k) { return k.slot == slot; });
-      b.links.let_go(b.points, {slot}, b.grid, s.side(b), released);
+      b.links.let_go(b.points, {slot}, b.grid, s.side(b), 0.0, released);
       EXPECT_EQ(held - attached(b.points), links) << "slot " << slot;
       for (const Link& k : b.points.links)
         if (k.slot == slot) {

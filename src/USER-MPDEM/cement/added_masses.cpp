@@ -31,7 +31,11 @@ void AddedMasses::follow(const std::vector<int>& rows, const char* event, const 
 
 void AddedMasses::follow_places(const std::vector<int>& rows) {
   if (rows.empty()) return;
-  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] { refresh(rows); });
+  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] {
+    for (int row : rows)
+      if (Bond* b = scene_.bonds.find(row)) b->places.give_inertia(b->points);
+    refresh(rows);
+  });
 }
 
 void AddedMasses::drop_inert() {
@@ -44,6 +48,7 @@ void AddedMasses::drop_inert() {
 
 // A new layout leaves them out, and sums over links go by their blocks, so they go here too: a run in parts is the run as a whole.
 void AddedMasses::drop_inert(Bond& b) const {
+  b.places.give_inertia(b.points);
   if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
   b.links.leave_out_dropped(b.points, scene_.bonds.body(b));
 }

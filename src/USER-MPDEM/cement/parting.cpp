@@ -92,7 +92,7 @@ void Parting::find_relaxation(const std::vector<int>& rows) {
 // Where parts came apart. Links have other nodes then, and their added mass another energy.
 void Parting::lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts) {
   if (rows.empty()) return;
-  scene_.books.release_by([&] { return added_.energy(rows); },
+  scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); },
                           [&] {
                             arrangement_.lay_out_again(rows, std::move(parts), {});
                             added_.follow(rows, "parts came apart");
@@ -163,7 +163,7 @@ void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
   }
   const std::vector<int> cut = scene_.agreed_rows(mine);
   StableStep::Patches patches;
-  scene_.books.release_by([&] { return added_.energy(rows); }, [&] {
+  scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); }, [&] {
     for (int row : rows) {
       Bond* b = scene_.bonds.find(row);
       if (!b) continue;

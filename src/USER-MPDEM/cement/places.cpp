@@ -49,7 +49,7 @@ std::vector<int> move_places(Scene& scene) {
     if (!b.places_may_move) continue;
     b.places_may_move = false;
     const bool whole = b.points.size() == scene.bonds.body(b).points;
-    for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b))) {
+    for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds.body(b))) {
       if (!whole) {
         abroad.push_back(m);
         continue;

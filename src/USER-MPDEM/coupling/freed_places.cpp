@@ -14,6 +14,8 @@ namespace mpdem {
 
 namespace {
 
+constexpr double kOneSided = 2.0;  // stiffness for the added mass, over that of the spring
+
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
 
@@ -73,10 +75,12 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
         b.stick[d][lane] = p.stick[d];
       }
       b.area[lane] = p.area;
+      b.inert_area[lane] = p.inert_area;
       b.rubs[lane] = p.rubs;
       b.radius[lane] = p.radius;
       b.place[lane] = *i;
       b.taken |= static_cast<std::uint8_t>(1u << lane);
+      if (!has_failed(points, p.slot)) b.holds |= static_cast<std::uint8_t>(1u << lane);
       if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
       grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
                         &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]);
@@ -108,7 +112,7 @@ void FreedPlaces::touch(const Block& b, const Grid& grid, const GrainSide& s, To
 
 vd FreedPlaces::energy(const Block& b, const Touch& t) const {
   const vd in = max(-t.gap, vd{});
-  return of(b.taken, 0.5 * b.area * (p_.law->stiffness().kn * in * in + p_.law->stiffness().kt * dot(t.e, t.e)));
+  return of(b.holds, 0.5 * b.area * (p_.law->stiffness().kn * in * in + p_.law->stiffness().kt * dot(t.e, t.e)));
 }
 
 double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide* side) {
@@ -120,7 +124,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
     Touch t;
     touch(b, grid, s, t);
     const std::uint8_t was = b.closed;
-    b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.taken);
+    b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds);
     if (!b.closed && !was) continue;
     const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
     const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
@@ -176,6 +180,14 @@ void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U)
   }
 }
 
+void FreedPlaces::give_inertia(PointStore& points) {
+  for (Block& b : blocks_) {
+    b.inert_area = b.area;
+    for (int l = 0; l < kLanes; ++l)
+      if (b.taken >> l & 1) points.places[b.place[l]].inert_area = b.area[l];
+  }
+}
+
 void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const {
   if (blocks_.empty()) return;
   FreeWeights free(grid);
@@ -183,8 +195,9 @@ void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double*
     for (const Block& b : blocks_) {
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l)
-        if (b.taken >> l & 1)
-          free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, (1.0 + side[b.side].mass_ratio) * p_.stiffest() * b.area[l], penalty + b.side);
+        if (b.inert_area[l] > 0.0)
+          free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, kOneSided * (1.0 + side[b.side].mass_ratio) * p_.stiffest() * b.inert_area[l],
+                            penalty + b.side);
     }
   });
 }
@@ -202,6 +215,36 @@ FreedPlace opened_by(const PointStore& points, const Link& k, bool at_surface) {
 }
 
 }  // namespace
+
+double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt) {
+  const TractionStiffness& k = p_.law->stiffness();
+  double released = 0.0;
+  for (Block& b : blocks_) {
+    std::uint8_t ends = 0;
+    for (int l = 0; l < kLanes; ++l)
+      if ((b.holds >> l & 1) && std::binary_search(failed.begin(), failed.end(), points.places[b.place[l]].slot)) ends |= static_cast<std::uint8_t>(1u << l);
+    if (!ends) continue;
+    const GrainSide& s = side[b.side];
+    Touch t;
+    touch(b, grid, s, t);
+    vd v[3];
+    with_basis(grid.basis, [&](auto type) {
+      gather_value_by_lane(grid.velocity.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), v);
+    });
+    for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * t.q[(d + 2) % 3] - s.omega[(d + 2) % 3] * t.q[(d + 1) % 3];
+    const vd normal = t.gap * (t.gap - dt * dot(v, t.n)), tangential = dot(t.e, t.e) - dt * dot(v, t.e);
+    released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), 0.5 * b.area * (k.kn * normal + k.kt * tangential)));
+    b.holds &= static_cast<std::uint8_t>(~ends);
+    b.closed &= b.holds;
+    b.rubs = of(b.closed, b.rubs);
+    for (int l = 0; l < kLanes; ++l)
+      if (ends >> l & 1) {
+        points.places[b.place[l]].closed = false;
+        points.places[b.place[l]].rubs = 0.0;
+      }
+  }
+  return released;
+}
 
 double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& failed,
                          const std::vector<int>& links) {
@@ -252,30 +295,21 @@ double FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid,
   return after - before_it;
 }
 
-std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) const {
+std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, const Body& body) const {
   std::vector<Mover> all;
-  for (const Block& b : blocks_) {
-    std::uint8_t failed = 0;
-    for (int l = 0; l < kLanes; ++l)
-      if (b.taken >> l & 1 && has_failed(points, points.places[b.place[l]].slot)) failed |= static_cast<std::uint8_t>(1u << l);
-    if (!failed) continue;
-    Touch t;
-    touch(b, grid, side[b.side], t);
+  for (const Block& b : blocks_)
     for (int l = 0; l < kLanes; ++l) {
-      if (!(failed >> l & 1)) continue;
+      if (!((b.taken & ~b.holds) >> l & 1)) continue;
       const FreedPlace& p = points.places[b.place[l]];
-      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}, 0.0, {}};
+      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}};
       const double* centre = body.centre[b.side];
       const double r = distance(p.X, centre);
       for (int d = 0; d < 3; ++d) {
         m.X[d] = p.X[d];
         m.n[d] = (p.X[d] - centre[d]) / r;
-        if (p.closed) m.slip[d] = t.e[d][l];
       }
-      if (p.closed) m.pressed = p.area * std::max(0.0, -t.gap[l]);
       all.push_back(m);
     }
-  }
   return all;
 }
 
@@ -322,18 +356,13 @@ FreedPlace before_point(const PointStore& points, const Body& body, int slot, in
 double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
                          const std::vector<std::array<int, 2>>& gone) {
   struct Sum {
-    double area = 0, pressed = 0, slip[3] = {0, 0, 0};
+    double area = 0, pressed = 0, slip[3] = {0, 0, 0};  // pressed, slip: area times -g, and e, of one that is closed
   };
   std::map<std::pair<int, int>, Sum> sums;  // of slot and grain
   double before_it = 0.0, after = 0.0;
   add_energy(grid, side, before_it);
-  for (const Arrival& a : arrivals) {
-    Sum& s = sums[{a.slot, a.mover.grain}];
-    s.area += a.mover.area;
-    s.pressed += a.mover.pressed;
-    for (int d = 0; d < 3; ++d) s.slip[d] += a.mover.area * a.mover.slip[d];
-  }
-  // what they find there counts too
+  for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.mover.area;
+  // what they find there keeps its force
   for (const Block& b : blocks_) {
     Touch t;
     touch(b, grid, side[b.side], t);

@@ -12,12 +12,14 @@
 //   force    f = A (p n - kt e) on the cement, -f and -q x f on the grain
 //
 // A place is opened where its link lets go, with s = R^T q when it closes. As long as the point of the link holds, it follows the foot of the
-// link. A point that failed carries no stress: then the place goes on to the nearest point that holds (FreedPlace),
+// link. A point that failed carries no stress, so its place bears nothing. It goes on to the nearest point that holds (FreedPlace),
 // half a spacing before it towards the grain. What failed between them keeps its thickness there: r is the distance of that place in the
-// reference, or the present one if that is less, so nothing is pushed at once; a place that is closed keeps its force. A point
-// follows one place of either grain, with the area of all that came to it.
+// reference, or the present one if that is less, so nothing is pushed at once. A point follows one place of either grain, with the area
+// of all that came to it. One that is closed keeps its force.
 //
-// The stiffness is that of the links, and asks for added mass as they do (added_mass.h).
+// The stiffness is that of the links, and asks for added mass as they do (added_mass.h), but twice: a node of mass m that comes back from a
+// spring k which acts on one side alone is as fast as it came if k dt^2 <= 2 m. With 4 m, at which a spring of both sides is stable yet, it
+// may come back with three times its energy.
 #ifndef MPDEM_FREED_PLACES_H
 #define MPDEM_FREED_PLACES_H
 
@@ -38,6 +40,9 @@ class FreedPlaces {
   // Lays out the places of the store on a grid that has the nodes of all points.
   FreedPlaces(const PointStore& points, const Body& body, const PenaltyParameters& parameters, const Grid& grid);
 
+  // The points of these slots failed, so their places bear nothing any more. Answers the energy that is released, by the rule of
+  // PenaltyLinks::let_go().
+  double end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt);
   // Opens the places of links that let go: those of slots that failed, and others of the store. Answers the energy that they store.
   double open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& failed,
               const std::vector<int>& links);
@@ -50,6 +55,8 @@ class FreedPlaces {
   void add_force(Grid& grid, GrainSide* side) const;
   // Adds what the contact stores.
   void add_energy(const Grid& grid, const GrainSide* side, double& energy) const;
+  // Gives added mass to all places from here on. Those that open or go on have none of their own until then: the links that let go still have theirs.
+  void give_inertia(PointStore& points);
   // As PenaltyLinks::add_stiffness().
   void add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const;
   // How far any place is inside its grain, at the last follow().
@@ -59,10 +66,9 @@ class FreedPlaces {
   struct Mover {
     int body, grain, tag;  // of the point that failed
     double area, X[3], n[3];  // n: normal of the grain's surface in the reference
-    double pressed, slip[3];  // area times -g, and e, of one that is closed
   };
   // Places whose points failed; they stay until they are dropped.
-  std::vector<Mover> movers(const PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) const;
+  std::vector<Mover> movers(const PointStore& points, const Body& body) const;
   // The point of the store that holds and is nearest: distances across the normal count three times. -1: none holds.
   struct Found {
     double distance = 0;  // square
@@ -83,11 +89,11 @@ class FreedPlaces {
 
  private:
   struct Block {
-    vd X[3], area, radius, stick[3], rubs;
+    vd X[3], area, inert_area, radius, stick[3], rubs;
     vint base[3];
     int place[kLanes];  // of the store; -1: empty
     int side;
-    std::uint8_t taken, closed;  // a bit a lane
+    std::uint8_t taken, holds, closed;  // a bit a lane; holds: the point has not failed
   };
   // Of eight places.
   struct Touch {

@@ -416,7 +416,26 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
   holding_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
 
-void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released) {
+// A force that ends within a step works with its last value on half of the way of that step, so k delta(t) delta(t - dt)/2 is released. Stiff
+// links swing by much in a step.
+template <class L>
+vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const {
+  const LinkBlock& b = blocks_[block];
+  vd q[3], delta[3], n[3], v[3], before[3];
+  with_basis(basis_, [&](auto type) {
+    const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+    place(b, grid, s, w, q, delta, n);
+    find_velocity(b, grid, s, w, q, v);
+  });
+  const LinkSeparation apart = separation_of(delta, n);
+  for (int d = 0; d < 3; ++d) before[d] = delta[d] - dt * v[d];
+  const vd product = before[0] * delta[0] + before[1] * delta[1] + before[2] * delta[2];
+  const vd n_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
+  const TractionSecant k = law.secant(apart, state(law, block));
+  return of(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
+}
+
+void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
   std::vector<int> of_failed;  // ascending; most points have none
   for (int slot : failed) {
     const auto [first, end] = of_slot(points.links, slot);
@@ -430,7 +449,7 @@ void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, co
       std::uint8_t freed = 0;
       for (int l = 0; l < kLanes; ++l)
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l])) freed |= static_cast<std::uint8_t>(1u << l);
-      if (freed) release(i, freed, energy(law, i, grid, side[b.side]), law.keeps_skins(), points, released);
+      if (freed) release(i, freed, energy_of_ending(law, i, grid, side[b.side], dt), law.keeps_skins(), points, released);
     }
   });
 }

@@ -103,7 +103,7 @@ class PenaltyLinks {
   // Frees the links of points that failed (slots, ascending; links of the store ascend in slot), and adds the energy they gave up to `released`. With a law that keeps
   // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it.
   // Links that let go count for the added mass until drop_inertia() is called.
-  void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double& released);
+  void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released);
   bool drop_inertia(PointStore& points);  // true if some were inert
   // The blocks that a new layout would have, where points and nodes stay as they are.
   void leave_out_dropped(const PointStore& points, const Body& body);
@@ -178,6 +178,8 @@ class PenaltyLinks {
   // Stored, lane by lane.
   template <class L>
   vd energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const;
+  template <class L>
+  vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const;
   // Of a block, for its traction law.
   template <class L>
   typename L::State state(const L&, std::size_t block) const;

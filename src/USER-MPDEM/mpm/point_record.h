@@ -56,6 +56,7 @@ struct FreedPlace {
   double radius = 0;         // distance from the centre of the grain at which it touches
   double stick[3] = {0, 0, 0};  // where it would be without friction's force, in the frame of the grain
   double rubs = 0;           // traction of friction in the last step
+  double inert_area = 0;     // whose stiffness has added mass
   bool closed = false;       // touched in the last step
 
   template <class Self, class Visitor>
@@ -67,6 +68,7 @@ struct FreedPlace {
     visit("the radius of a freed place", p.radius, kNotNegative);
     visit("where a freed place sticks", p.stick, kFinite);
     visit("friction of a freed place", p.rubs, kNotNegative);
+    visit("area with added mass of a freed place", p.inert_area, kNotNegative);
     visit("'is closed' of a freed place", p.closed);
   }
 };
