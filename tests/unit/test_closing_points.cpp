@@ -77,6 +77,25 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
 }
 
+// A force that began in the last step has worked with its present value on half of the way of that step: K x(t) x(t - dt)/2 was there before.
+TEST_F(FailedBody, BeginsWithTheProductOfBothEndsOfAStep) {
+  constexpr double kDt = 0.25;
+  std::vector<int> all, half;
+  body.for_points([&](int b, int l) { all.push_back(kLanes * b + l); });
+  std::sort(all.begin(), all.end());
+  for (std::size_t n = 0; n < all.size(); n += 2) half.push_back(all[n]);
+  body.grid.velocity.assign(3 * body.grid.size(), 0.0);
+  for (int n = 0; n < body.grid.size(); ++n)
+    for (int d = 0; d < 3; ++d) body.grid.velocity[3 * n + d] = -0.002 / kDt * normal.dot(body.place(n)) * normal[d];
+  displace([&](const Vector& X) { return Vector(-0.01 * normal.dot(X) * normal); });
+  const auto begun = [&](const std::vector<int>& slots, double dt) { return closing.energy_at_beginning(body.points, body.grid, slots, dt); };
+  EXPECT_NEAR(begun(all, 0.0), energy(), 1e-9 * energy());
+  EXPECT_NEAR(begun(all, kDt), std::sqrt(energy_of(0.01) * energy_of(0.008)), 1e-9 * energy());
+  EXPECT_EQ(begun({}, kDt), 0.0);
+  EXPECT_GT(begun(half, kDt), 0.3 * begun(all, kDt));
+  EXPECT_LT(begun(half, kDt), 0.7 * begun(all, kDt));
+}
+
 // Points that failed may be as stiff as whole ones.
 TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
   test::Cement whole(kCell, test::lattice(kCell, 2), std::pow(0.5 * kCell, 3));

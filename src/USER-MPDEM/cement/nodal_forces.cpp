@@ -26,9 +26,8 @@ void NodalForces::let_go(Bond& b) {
     open_places(scene_, b, b.failed, {});
   }
   if (scene_.options.unilateral) {
-    const double before = b.closing.energy(b.points, b.grid);
     b.closing.add(b.points, scene_.law->elasticity(), b.failed);
-    pass_.released -= b.closing.energy(b.points, b.grid) - before;
+    pass_.released -= b.closing.energy_at_beginning(b.points, b.grid, b.failed, scene_.now.dt);
   }
   scene_.host.points_failed(b);
   if (scene_.penalty) cracks_.watch(b);

@@ -80,14 +80,34 @@ void ClosingPoints::for_each_closed(const PointStore& points, const Grid& grid, 
   });
 }
 
+Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, vd width, vd lambda, const vd* across, const vd* back) {
+  const vd k = -points.blocks[b.block].volume * b.K * width * lambda * lambda * lambda;
+  Mat3<vd> T;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) T.a[i][j] = k * across[i] * back[j];
+  return T;
+}
+
 void ClosingPoints::add_force(const PointStore& points, Grid& grid) const {
   for_each_closed(points, grid, [&](const Block& b, const auto& w, vd width, vd lambda, const vd* across, const vd* back) {
-    const vd k = -points.blocks[b.block].volume * b.K * width * lambda * lambda * lambda;
-    Mat3<vd> T;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) T.a[i][j] = k * across[i] * back[j];
-    scatter_gradient(grid.force.data(), points.meta[b.block].column, w, T);
+    scatter_gradient(grid.force.data(), points.meta[b.block].column, w, weighted_piola(points, b, width, lambda, across, back));
   });
+}
+
+double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const {
+  double sum = 0.0;
+  for_each_closed(points, grid, [&](const Block& b, const auto& w, vd width, vd lambda, const vd* across, const vd* back) {
+    std::uint8_t began = 0;
+    for (auto slot = std::lower_bound(failed.begin(), failed.end(), kLanes * b.block); slot != failed.end() && *slot / kLanes == b.block; ++slot)
+      began |= static_cast<std::uint8_t>(1u << *slot % kLanes);
+    if (!began) return;
+    const Mat3<vd> T = weighted_piola(points, b, width, lambda, across, back), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
+    vd energy = 0.5 * points.blocks[b.block].volume * b.K * width * width;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) energy += 0.5 * dt * T.a[i][j] * rate.a[i][j];
+    sum += sum_lanes(select(lanes(began), energy, vd{}));
+  });
+  return sum;
 }
 
 double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {

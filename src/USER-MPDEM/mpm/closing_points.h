@@ -34,6 +34,9 @@ class ClosingPoints {
   // Adds to the forces of nodes before tied ones hand theirs on.
   void add_force(const PointStore& points, Grid& grid) const;
   double energy(const PointStore& points, const Grid& grid) const;
+  // What those of these slots stored when their force began, in the step of dt that ends here: a force that begins within a step works with its
+  // value after on half of the way of that step.
+  double energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const;
   bool empty() const { return blocks_.empty(); }
   std::size_t memory_usage() const { return blocks_.capacity() * sizeof(Block); }
 
@@ -45,6 +48,7 @@ class ClosingPoints {
   // f(block, weights, lambda - 1 where the crack is closed, else 0; lambda, F^-T n0, F^-1 F^-T n0).
   template <class F>
   void for_each_closed(const PointStore& points, const Grid& grid, F f) const;
+  static Mat3<vd> weighted_piola(const PointStore& points, const Block& b, vd width, vd lambda, const vd* across, const vd* back);
   void set(const PointStore& points, const VtiElasticity& undamaged, int slot);
   std::vector<Block> blocks_;  // ascending in block
 };
