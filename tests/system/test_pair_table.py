@@ -198,3 +198,25 @@ def test_figures_of_a_load(tmp_path):
     assert "peak moment" in plot.stdout and "N m/rad" in plot.stdout
     for picture in ("force_displacement.png", "damage_cut.png", "geometry.png", "interface.png"):
         assert (tmp_path / picture).stat().st_size > 1000
+
+
+def test_points_of_a_file(tmp_path):
+    """Shape file takes the points of another program: those of the shape itself break alike; a table of them needs the word."""
+    script = ROOT / "examples" / "flawed_pair" / "in.solid"
+    made = launch(script.read_text(), tmp_path, name="in.solid", arguments=["-var", "content", "0.01", "-var", "spacing", "2e-4"])
+    assert made.status == 0 and (tmp_path / "solid.txt").exists()
+    words = dict(inner=1e-3, spacing=2e-4, limit=2000)
+    shape, result, _ = loaded(tmp_path / "shape", **words)
+    file, of_file, _ = loaded(tmp_path / "file", shape="file", points=tmp_path / "solid.txt", **words)
+    peak = shape["load"].max()
+    assert peak > 10 and float(of_file["broken"]) == float(result["broken"]) == 1 and of_file["mode"] == result["mode"]
+    assert abs(file["load"].max() - peak) < 1e-6 * peak
+    table = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), "--shapes", "file", "--loads", "tension"],
+                           capture_output=True, text=True, timeout=60 * PATIENCE)
+    assert table.returncode != 0 and "points FILE is for shape file" in table.stderr
+    done = subprocess.run([PYTHON, ROOT / "tools" / "pair_table.py", tmp_path / "out", "--exe", executable(), "--shapes", "file", "--loads", "tension",
+                           "--contents", "0.01", "--set", f"points={tmp_path / 'solid.txt'}", "--set", "coarse=2e-4"], capture_output=True, text=True, timeout=60 * PATIENCE)
+    assert done.returncode == 0, done.stderr
+    with open(tmp_path / "out" / "table.csv") as f:
+        rows = list(csv.DictReader(f))
+    assert len(rows) == 1 and abs(float(rows[0]["peak"]) - peak) < 0.01 * peak and (tmp_path / "out" / "table.png").stat().st_size > 1000

@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "mpm/closing_points.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "bodies.h"

@@ -9,7 +9,7 @@ import os
 from . import loading, runner
 from .run import Trouble
 
-SHAPES = ("flat", "meniscus", "coating", "coating+meniscus")
+SHAPES = ("flat", "meniscus", "coating", "coating+meniscus", "file")
 LOADS = ("tension", "compression", "shear", "torsion", "bending", "mixed", "force")
 RADIUS, DENSITY_RATIO = 0.005, 2500.0 / 2710.0
 WAVE = 5146.0  # as in the script
@@ -17,7 +17,7 @@ SPEED = 0.04   # as in the script, m/s
 WINDOW = 2e-6  # s over which the load is averaged to tell failure, at least
 
 # Variables of the script that may be set, but for those this module computes.
-VARIABLES = ("share", "cap", "gap", "diameter", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
+VARIABLES = ("points", "share", "cap", "gap", "diameter", "percell", "grid", "inner", "B0", "cutoff", "zeta", "interface", "bonding", "regularization", "edge", "cracks", "axis",
              "speed", "ramp", "arm", "angle", "rate", "courant", "record", "chunk", "limit", "frames", "spacing")
 OWN = {"refine": 1.0,        # divides the spacing
        "layers": 3.0,        # of points through a coating, at least
@@ -54,6 +54,8 @@ class Run:
             if key not in VARIABLES and key not in OWN:
                 raise Trouble(f"{key}: no variable of the table; known are {', '.join(VARIABLES + tuple(OWN))}")
         self.shape, self.load, self.content, self.extra, self.script = shape, load, content, dict(extra), script
+        if (shape == "file") != ("points" in extra):
+            raise Trouble("points FILE is for shape file, which needs it: the path of the points, from the folder of the run")
         own = {k: number(k, extra.get(k, v)) for k, v in OWN.items()}
         spacing = own["coarse"]
         if shape.startswith("coating"):

@@ -16,7 +16,7 @@ from . import run as files
 from .figures import plt, save
 
 SHAPES = {"flat": ("flat ring", "#1b2a49"), "meniscus": ("meniscus", "#2a8f7b"), "coating": ("coating", "#c8553d"),
-          "coating+meniscus": ("coating and meniscus", "#8a5fa8")}
+          "coating+meniscus": ("coating and meniscus", "#8a5fa8"), "file": ("points of a file", "#6b6b6b")}
 MODES = {"debonding": ("debonding from a bead", "o"), "internal": ("inside the cement", "s"), "mixed": ("mixed", "D"),
          "intact": ("not separated at the end", "x")}
 STYLES = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)))
@@ -52,6 +52,7 @@ def bonding(words):
 
 
 WORDS = {
+    "points": lambda v: v.rsplit("/", 1)[-1],
     "regularization": softening,
     "cracks": lambda v: "nodes split at cracks" if v == "split" else "nodes split where bonds part",
     "interface": lambda v: f"threshold at the beads {v} of that inside", "bonding": bonding, "B0": lambda v: f"threshold {float(v) / 1e3:.4g} kPa",
