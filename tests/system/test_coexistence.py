@@ -101,7 +101,7 @@ def test_through_failure(ranks, tmp_path, figures):
     figures.below(f"rain, {ranks} rank(s): pulled pair at the end, over the peak",
                   abs(table[column(TENSION)][-20:].mean()) / peak, 0.02)
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()  # before, it is relative to next to nothing
-    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.01)
+    figures.below(f"rain, {ranks} rank(s): energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 1e-4)
     # The smaller beads have a radius of 1 mm; walls as soft as these give way a little.
     figures.below(f"rain, {ranks} rank(s): how deep a bead sinks into the floor, over its radius",
                   (1e-3 - table["v_lowest"].min()) / 1e-3, 0.15)
@@ -178,7 +178,7 @@ def test_restart(ranks, tmp_path, figures):
         a, b = whole[name][at], rest[name]
         if name == "f_tray[3]":  # mesh forces are not in restart files: known from the first step on
             a, b = a[1:], b[1:]
-        scale = max(abs(whole[name]).max(), 1e-300)
+        scale = 1.0 if name == "f_cem[12]" else max(abs(whole[name]).max(), 1e-300)  # the imbalance is relative already, and next to rounding
         figures.below(f"rain, restart on {ranks} rank(s): {name}, over its largest", abs(a - b).max() / scale, 1e-10)
 
 
@@ -198,7 +198,7 @@ def test_near_the_stable_step(tmp_path, figures):
     script = edit(shorter(SCRIPT, 7895), "dt     index 1e-7", "dt     index 3.8e-7")
     table = run(with_columns(script, COLUMNS, 500), start_in(tmp_path)).table()
     working = table["f_cem[11]"] > 0.01 * table["f_cem[11]"].max()
-    figures.below("rain at 0.9 of the stable step: energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.01)
+    figures.below("rain at 0.9 of the stable step: energy imbalance of the cement", abs(table["f_cem[12]"][working]).max(), 0.001)
     for bond in (1, 2):
         assert table[column(SEPARATED, bond)][-1] == 1, f"bond {bond} holds"
 
