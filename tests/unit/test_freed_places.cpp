@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "bounce.h"
 #include "lanes.h"
 #include "parallel/agree.h"
 #include "cement_host.h"
@@ -423,18 +424,7 @@ TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
   b.places.give_inertia(b.points);
   double stiffness = 0.0;
   for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.area;
-  const double mass_over_stiffness = 1.05 / 4.0 * sum_of_stiffness(s, b) / stiffness;
-  test::Random random(92);
-  double mean = 0.0;
-  constexpr int kBounces = 5000;
-  for (int n = 0; n < kBounces; ++n) {
-    double x = random.uniform(0.0, 1.0), v = -1.0;
-    do {
-      if (x < 0.0) v -= x / mass_over_stiffness;
-      x += v;
-    } while (x <= 0.0 || v < 0.0);
-    mean += v * v / kBounces;
-  }
+  const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b), mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
   EXPECT_GT(mean, 0.9);
   EXPECT_LT(mean, 1.05);
 }
