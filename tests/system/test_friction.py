@@ -74,3 +74,19 @@ def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
             rows = list(csv.DictReader(f))
         assert int(rows[-1]["failed"]) > 300 and max(float(r["touching_grain1"]) for r in rows) > 0.03
         figures.below(f"crushed, cracks {cracks}, mu {mu}: energy imbalance", max(abs(float(r["energy_imbalance"])) for r in rows), 0.01)
+
+
+@pytest.mark.parametrize("zeta", [1, 0.1])
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_path, figures):
+    """With `unilateral yes` a pressed point goes on with the pressure that it had. If it were as stiff as whole cement from its reference on, energy would come of nothing."""
+    script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()
+    words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, spacing=2.5e-4, cracks=cracks, speed=0.3, zeta=zeta, limit=1000, frames=10**8,
+                 regularization="nonlocal 5e-4 energy 26.5")
+    result = launch(script.replace("check ${chunk}", "check ${chunk} unilateral yes"), tmp_path, name="in.pair_table",
+                    arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])
+    assert result.status == 0, result.output[-2000:]
+    with open(tmp_path / "bond_run.csv") as f:
+        rows = list(csv.DictReader(f))
+    assert int(rows[-1]["failed"]) > 300
+    figures.below(f"pressed, cracks {cracks}, zeta {zeta}: energy imbalance", max(abs(float(r["energy_imbalance"])) for r in rows), 0.001)

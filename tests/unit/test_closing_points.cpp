@@ -78,6 +78,86 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
 }
 
+// What a point kept when it failed: the deformation F, and with it the strain in the frame of the material.
+class PressedWhenFailed : public FailedBody {
+ protected:
+  void fail_at(const test::Matrix& F) {
+    body.for_points([&](int b, int l) {
+      PointBlock& p = body.points.blocks[b];
+      const Mat3<vd> Q = rotation_matrix(p.q);
+      test::Matrix frame;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+          p.F.a[i][j][l] = F(i, j);
+          frame(i, j) = Q.a[i][j][l];
+        }
+      const test::Matrix e = frame.transpose() * (F - test::Matrix::Identity()) * frame;
+      const double strain[6] = {e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1)};
+      double* of = reinterpret_cast<double*>(&p.strain);
+      for (int i = 0; i < 6; ++i) of[kLanes * i + l] = strain[i];
+    });
+    closing = ClosingPoints(body.points, law->elasticity());
+  }
+  // Of the stress n.tau n of points that hold, in the state in which they failed.
+  double energy_of_stress() const {
+    double sum = 0.0;
+    body.for_points([&](int b, int l) {
+      const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
+      double n[3];
+      for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
+      const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+      const Sym3<vd> s = law->stress(body.points.blocks[b].strain, test::damage_of(body.points, b));
+      const double stress = contract(along, Sym3<double>{s.xx[l], s.yy[l], s.zz[l], s.yz[l], s.xz[l], s.xy[l]});
+      sum += 0.5 * body.points.blocks[b].volume[l] * stress * stress / contract(along, law->elasticity().stress(along));
+    });
+    return sum;
+  }
+  test::Matrix along(double share) const { return test::Matrix::Identity() + share * normal * normal.transpose(); }
+  void displace_by(const test::Matrix& F) {
+    displace([&](const Vector& X) { return Vector(F * X - X); });
+  }
+};
+
+// A point that failed under pressure keeps that pressure, and is as stiff as whole cement from there on. It is not that of undamaged cement at
+// this width, a hundred times as much with damage 0.9.
+TEST_F(PressedWhenFailed, GoOnWithThePressureThatTheyHad) {
+  constexpr double kWidth = 0.98;
+  const test::Matrix F = along(kWidth - 1.0);
+  fail_at(F);
+  displace_by(F);
+  const double stored = energy_of_stress() / (kWidth * kWidth);
+  ASSERT_GT(stored, 0.0);
+  ASSERT_LT(stored, 1e-3 * energy_of(1.0 - kWidth));
+  EXPECT_NEAR(energy(), stored, 1e-9 * stored);
+  // further by 0.01
+  displace_by(along(kWidth - 1.01));
+  const double more = std::sqrt(energy_of(0.01)) + std::sqrt(stored);
+  EXPECT_NEAR(energy(), more * more, 1e-9 * more * more);
+  // the opening that takes the pressure away, which is that of a hundredth of the stiffness, and some
+  displace_by(along(kWidth - 1.0 + 1.001 * 0.01 * (1.0 - kWidth) / kWidth));
+  EXPECT_EQ(energy(), 0.0);
+}
+
+// Pulled across the crack although it is narrower than at first: it is closed from there on.
+TEST_F(PressedWhenFailed, AreClosedFromTheWidthAtWhichTheyFailed) {
+  test::Matrix F = test::Matrix::Identity() + 0.03 * (test::Matrix::Identity() - normal * normal.transpose());
+  F -= 0.001 * normal * normal.transpose();
+  fail_at(F);
+  displace_by(F);
+  EXPECT_LT(energy(), 1e-20 * energy_of(0.001));
+  displace_by(F - 0.01 * normal * normal.transpose());
+  EXPECT_NEAR(energy(), energy_of(0.01), 1e-9 * energy_of(0.01));
+}
+
+// One that opened before it failed closes at its first width.
+TEST_F(PressedWhenFailed, CloseAtTheReferenceIfTheyOpened) {
+  fail_at(along(0.02));
+  displace_by(along(0.001));
+  EXPECT_EQ(energy(), 0.0);
+  displace_by(along(-0.01));
+  EXPECT_NEAR(energy(), energy_of(0.01), 1e-9 * energy_of(0.01));
+}
+
 // A force that began in the last step has worked with its present value on half of the way of that step: K x(t) x(t - dt)/2 was there before.
 TEST_F(FailedBody, BeginsWithTheProductOfBothEndsOfAStep) {
   constexpr double kDt = 0.25;

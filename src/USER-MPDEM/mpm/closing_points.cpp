@@ -3,9 +3,11 @@
 #include "closing_points.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "../material/corotational.h"
+#include "../material/laws.h"
 #include "gather.h"
 #include "point_state.h"
 #include "scatter.h"
@@ -15,6 +17,24 @@ namespace mpdem {
 namespace {
 // Debris may turn inside out: what is squeezed to less than this, or is torn away further, has no crack any more.
 constexpr double kLeastVolume = 0.2, kMostVolume = 5.0;
+
+// lambda_0 of a point with the crack n0; along: n n in the frame of the material.
+double width_when_closed(const PointStore& points, int slot, const std::array<double, 3>& n0, const Sym3<double>& along, double K) {
+  const int block = slot / kLanes, l = slot % kLanes;
+  const Mat3<vd> back = mpdem::inverse(points.blocks[block].F);
+  double square = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double across = back.a[0][i][l] * n0[0] + back.a[1][i][l] * n0[1] + back.a[2][i][l] * n0[2];
+    square += across * across;
+  }
+  const double width = 1.0 / std::sqrt(square);
+  const Sym3<vd> stress = with_law(*points.law(), [&](const auto& law) -> Sym3<vd> {
+    return law.stress(points.blocks[block].strain, state_of<std::decay_t<decltype(law)>>(points, block));
+  });
+  const double pressed = -contract(along, Sym3<double>{stress.xx[l], stress.yy[l], stress.zz[l], stress.yz[l], stress.xz[l], stress.xy[l]});
+  return std::min(1.0, width) + std::max(pressed, 0.0) / (K * width);
+}
+
 }  // namespace
 
 ClosingPoints::ClosingPoints(const PointStore& points, const VtiElasticity& undamaged) {
@@ -34,7 +54,7 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   const CrackOfPoint crack = crack_of(points, slot);
   if (!(crack.damage[0] > 0.0)) return;
   auto at = std::lower_bound(blocks_.begin(), blocks_.end(), block, [](const Block& b, int n) { return b.block < n; });
-  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}});
+  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}});
   const PointBlock& p = points.blocks[block];
   const Mat3<vd> Q = rotation_matrix(p.q);
   double n0[3], n[3], size = 0.0;  // n: in the frame of the material
@@ -49,6 +69,7 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   for (int i = 0; i < 3; ++i) at->n0[i][l] = n0[i] / std::sqrt(size);
   const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
   at->K[l] = contract(along, undamaged.stress(along));
+  at->lambda_0[l] = width_when_closed(points, slot, {at->n0[0][l], at->n0[1][l], at->n0[2][l]}, along, at->K[l]);
 }
 
 template <class F>
@@ -71,10 +92,10 @@ void ClosingPoints::for_each_closed(const PointStore& points, const Grid& grid, 
           square += across[i] * across[i];
         }
         const vd lambda = 1.0 / sqrt(select(sound, square, splat(1.0)));
-        const vmask closed = sound & (lambda < 1.0);
+        const vmask closed = sound & (lambda < b.lambda_0);
         if (!any(closed)) return;
         for (int j = 0; j < 3; ++j) back[j] = inverse * (cof.a[0][j] * across[0] + cof.a[1][j] * across[1] + cof.a[2][j] * across[2]);
-        f(b, w, select(closed, lambda - 1.0, vd{}), lambda, across, back);
+        f(b, w, select(closed, lambda - b.lambda_0, vd{}), lambda, across, back);
       });
     }
   });

@@ -5,12 +5,18 @@
 // reference and the deformation F = 1 + grad u, the crack is as wide as
 //
 //   lambda = 1/|F^-T n0|        the distance of two planes of the material across n0, over that of the reference
-//   w      = V K <1 - lambda>^2/2     K = n.C0:(n n).n, the stiffness of the undamaged material along n
-//   tau    = V K (lambda - 1) lambda n n^T,  n = lambda F^-T n0        where lambda < 1, else zero
+//   w      = V K <lambda_0 - lambda>^2/2     K = n.C0:(n n).n, the stiffness of the undamaged material along n
+//   tau    = V K (lambda - lambda_0) lambda n n^T,  n = lambda F^-T n0        where lambda < lambda_0, else zero
 //
 // It derives from w, which is a function of F alone: no energy comes of a closed cycle. It does not feel slip along the crack, and the bond
-// may turn. n0 is that of the largest damage when the point failed (crack_of()); a point that a file gave as failed without damage stays
-// without force. The operator K n n n n is at most C0, so the bound of the largest eigenvalue stays (mpm/largest_eigenvalue.h).
+// may turn. n0 is that of the largest damage when the point failed (crack_of()). A crack that opened closes at its width in the reference. One
+// that was narrower when its point failed is closed from there on, and one that was pressed goes on with the pressure that it had:
+//
+//   lambda_0 = min(1, lambda_f) + <-tau_nn>/(K lambda_f)        lambda_f, tau_nn: width, and stress n.tau n, when the point failed
+//
+// So a point that fails never becomes stronger, and w is at most the energy that it had (Cauchy's inequality with K >= n.C(D):(n n).n). Failed
+// points keep deformation, strain and state, from which lambda_0 is found. A point that a file gave as failed without damage stays without
+// force. The operator K n n n n is at most C0, so the bound of the largest eigenvalue stays (mpm/largest_eigenvalue.h).
 // Total kinematics alone: displacements are those from the reference.
 #ifndef MPDEM_CLOSING_POINTS_H
 #define MPDEM_CLOSING_POINTS_H
@@ -43,9 +49,9 @@ class ClosingPoints {
  private:
   struct Block {
     int block;
-    vd n0[3], K;  // K is zero in lanes that hold
+    vd n0[3], K, lambda_0;  // K is zero in lanes that hold
   };
-  // f(block, weights, lambda - 1 where the crack is closed, else 0; lambda, F^-T n0, F^-1 F^-T n0).
+  // f(block, weights, lambda - lambda_0 where the crack is closed, else 0; lambda, F^-T n0, F^-1 F^-T n0).
   template <class F>
   void for_each_closed(const PointStore& points, const Grid& grid, F f) const;
   static Mat3<vd> weighted_piola(const PointStore& points, const Block& b, vd width, vd lambda, const vd* across, const vd* back);
