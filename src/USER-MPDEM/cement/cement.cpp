@@ -232,16 +232,18 @@ void Cement::end_step() {
 void Cement::check_state() {
   constexpr double kDeepest = 0.01;
   std::string trouble;
-  for (const Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds.awake()) {
+    const double slid = b.faces.slid_too_far(b.points, b.grid);
     if (b.places.deepest() > kDeepest * scene_.options.cell && trouble.empty())
       trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", scene_.now.number, ", the most is ", kDeepest,
                         " of a cell, ", kDeepest * scene_.options.cell, "; use a larger 'kn' of fix mpm/couple or slower grains");
-    else if (b.faces.too_far() > 0.0 && trouble.empty())
-      trouble = text_of("faces of a crack in the cement touch after they slid ", b.faces.too_far(), " at step ", scene_.now.number, ", with 'friction' the most is a cell, ",
+    else if (slid > 0.0 && trouble.empty())
+      trouble = text_of("faces of a crack in the cement touch after they slid ", slid, " at step ", scene_.now.number, ", with 'friction' the most is a cell, ",
                         scene_.options.cell, "; end the run before, or use 'kinematics updated' without 'friction'");
     else if (!b.grid.finite() && trouble.empty())
       trouble = text_of("a node of the grid is not finite at step ", scene_.now.number,
                         "; check the motion of the grains, the time step and the contact model");
+  }
   const int orphan = scene_.grains.sides.orphan() >= 0 ? scene_.grains.sides.sides[scene_.grains.sides.orphan()].tag : condensed_.any() ? condensed_.pack()->orphan() : 0;
   if (scene_.penalty && orphan != 0)
     trouble = text_of("grain ", orphan, " has cement but was deleted or lost at step ", scene_.now.number,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "../coupling/relaxation.h"
 #include "../mpm/scatter.h"
 #include "splits.h"
 
@@ -27,7 +28,7 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits&
     for (std::size_t j = i + 1; j < order.size() && place(order[j]) == place(order[i]); ++j) {
       const int a = order[i], b = order[j];
       if (grid.ties.row(a) >= 0 || grid.ties.row(b) >= 0 || splits.at_start(grid.keys[a]) != splits.at_start(grid.keys[b])) continue;
-      pairs_.push_back({{a, b}, {0, 0, 0}});
+      pairs_.push_back({{a, b}, {0, 0, 0}, 0.0});
       paired[a] = paired[b] = 1;
     }
   if (pairs_.empty()) return;
@@ -71,13 +72,14 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
 
 void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
   touching_ = 0;
-  too_far_ = deepest_ = 0.0;
+  deepest_ = 0.0;
   if (pairs_.empty()) return;
   find_normals(points, grid);
   for (Pair& p : pairs_) {
     double mass[2];
     for (int s = 0; s < 2; ++s) mass[s] = grid.mass[p.node[s]] + (added.empty() ? 0.0 : added[p.node[s]]);
     std::fill(p.force, p.force + 3, 0.0);
+    p.too_far = 0.0;
     if (mass[0] > 0.0 && mass[1] > 0.0) meet(p, grid, mass, kick, dt);
   }
 }
@@ -106,7 +108,7 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   }
   const double far = std::sqrt(dot(slid, slid));
   if (far > grid.h) {
-    too_far_ = std::max(too_far_, far);
+    p.too_far = far;
     return;
   }
   ++touching_;
@@ -121,6 +123,15 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
     grid.force[a + d] -= p.force[d];
     grid.force[b + d] += p.force[d];
   }
+}
+
+double CrackFaces::slid_too_far(const PointStore& points, Grid& grid) const {
+  if (pairs_.empty()) return 0.0;
+  const std::vector<char> held = nodes_held(points, grid);
+  double most = 0.0;
+  for (const Pair& p : pairs_)
+    if (held[p.node[0]] != 0 && held[p.node[1]] != 0) most = std::max(most, p.too_far);
+  return most;
 }
 
 Power CrackFaces::power(const Grid& grid) const {

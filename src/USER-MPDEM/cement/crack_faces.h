@@ -14,7 +14,8 @@
 // is that which stops their slip, or mu times the normal one if that is less. It needs no stiffness and leaves the stable step as it is.
 // What the pair loses of its kinetic energy, by impact and slip, is the work of these forces.
 // Copies whose G is below 1e-5 of the face of a cell meet nothing.
-// Valid for slips of up to a cell: pairs that slid further touch no more, and too_far() tells of them.
+// Valid for slips of up to a cell: pairs that are further off touch no more, and slid_too_far() tells of those whose sides both hold to a grain.
+// A piece that holds to none flies where it likes. It meets the plane of a face from which it broke off anywhere but opposite to it.
 #ifndef MPDEM_CRACK_FACES_H
 #define MPDEM_CRACK_FACES_H
 
@@ -39,8 +40,9 @@ class CrackFaces {
   void add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt);
   // Power that they take, at the velocity that is so long of the acceleration later than the stored one. Of the nodes that count here.
   Power power(const Grid& grid) const;
-  // Largest slip of a pair that touches, if above a cell; else 0. Deepest overlap of a pair, in the last step.
-  double too_far() const { return too_far_; }
+  // Collective as add_force(). Largest slip above a cell of pairs that would touch in the last step, of material that holds to a grain; 0: none.
+  double slid_too_far(const PointStore& points, Grid& grid) const;
+  // Deepest overlap of a pair in the last step.
   double deepest() const { return deepest_; }
   int pairs() const { return static_cast<int>(pairs_.size()); }
   int touching() const { return touching_; }
@@ -49,11 +51,12 @@ class CrackFaces {
   struct Pair {
     int node[2];
     double force[3];  // on the second
+    double too_far;   // its slip, where it would touch but for that; else 0
   };
   void find_normals(const PointStore& points, Grid& grid);
   void meet(Pair& p, Grid& grid, const double* mass, double kick, double dt);
 
-  double friction_ = 0, too_far_ = 0, deepest_ = 0;
+  double friction_ = 0, deepest_ = 0;
   int touching_ = 0;
   std::vector<Pair> pairs_;      // by place
   std::vector<int> blocks_;      // with nodes of pairs
