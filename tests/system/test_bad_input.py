@@ -6,6 +6,8 @@ from scenes import NEIGHBOURS, RADIUS, cement, edit, launch, pair, pull, restart
 CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
 FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
 PULLING = pull(1.0, 1e-6)
+ELASTIC = "elastic vti 60e9 40e9 0.25 0.2 18e9 axis radial"
+FREE = "velocity second set 0 0 0.1\nfix m grains nve/sphere\n"
 GOOD = (pair(1e-4) + cement(2e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9")
         + PULLING + "run 10\n")
 
@@ -86,6 +88,10 @@ CASES = {
                      ["fix mpm (id cem)", "0.5", "between"]),
     "time step": ([("timestep     1e-09", "timestep     1e-6")],
                   ["fix mpm (id cem)", "1e-06", "exceeds", "use 'timestep"]),
+    **{f"time step {dt}": ([("timestep     1e-09", f"timestep     {dt}")], ["fix mpm (id cem)", f"time step {dt}", "above 0"]) for dt in ("0", "-1e-09")},
+    "time step that fix dt/reset makes too long": ([(PULLING, FREE + "fix d grains dt/reset 1 1e-9 1e-3 1e-3 units box\n")],
+                                                   ["fix mpm (id cem)", "time step 0.001 exceeds the stable step", "use 'timestep"]),
+    "check/timestep/mpm: more than the stable step": ([("run 10\n", "fix ts all check/timestep/mpm 5 cem 2\nrun 10\n")], ["check/timestep/mpm (id ts)", "is 2", "(0, 1]"]),
     # scene
     "no points": ([(CREATE, "group calcite subtract all all")], ["fix mpm (id cem)", "no material points", "create_cement"]),
     **{f"shape out of range: {words}": ([("shape flat inner 1e-3 outer 2e-3", f"shape {words} inner 1e-3")], ["create_cement", value])
@@ -107,7 +113,7 @@ CASES = {
     "cell larger than the cement": ([("cell 0.0002", "cell 0.001")],
                                     ["fix mpm (id cem)", "cell 0.001", "larger", "use"]),
     "contacts of no group": ([("pair 1 2", "contacts beads gap 0")], ["create_cement", "contacts beads", "no such group", "define"]),
-    "contacts without a gap": ([("pair 1 2", "contacts grains")], ["create_cement", "gap shape", "must be", "gap"]),
+    "contacts without a gap": ([("pair 1 2", "contacts grains")], ["create_cement", "'shape' stands where 'gap' is needed"]),
     "contacts that are none": ([("pair 1 2", "contacts grains gap 1e-5"), ("0 0 0.005", "0 0 0.0051")],
                                ["create_cement", "'grains'", "gap 1e-05", "wider"]),
     "grain missing": ([("pair 1 2", "pair 1 7")], ["create_cement", "grain 7", "does not exist", "create"]),
@@ -151,6 +157,8 @@ CASES = {
     "second integrator": ([("group        first", "fix move all nve/sphere\ngroup        first")],
                           ["fix mpm (id cem)", "move", "nve/sphere", "give it a group"]),
     "group with grains": ([(FIX, FIX.replace("calcite", "all"))], ["fix mpm (id cem)", "all", "not a material point", "must hold"]),
+    "grains in a rigid body": ([(PULLING, "fix r grains rigid single\n")], ["fix mpm/couple (id bond)", "bonded grain", "fix 'r' (rigid)", "as one body", "nve/sphere"]),
+    "velocities changed behind the cement": ([(PULLING, FREE + "fix v all momentum 10 linear 1 1 1\n")], ["fix mpm/couple (id bond)", "bonded grain 1", "fix 'v' (momentum)", "take it out"]),
     "coupling without the grains": ([(BOND, BOND.replace("grains", "calcite"))],
                                     ["fix mpm/couple (id bond)", "grain", "group", "use the group"]),
     "delete_atoms": ([("run 10\n", "run 10\nregion half block -1 1 0 1 -1 1 units box\ngroup half region half\n"
@@ -200,6 +208,7 @@ CASES = {
                                            ["fix mpm (id cem)", "type 2", "grain 1 too", "atom type of its own"]),
     "kn beyond rounding": ([("kn auto", "kn 1e30")], ["fix mpm/couple (id bond)", "'kn 1e+30'", "C33", "use 'kn auto'"]),
     "kt beyond rounding": ([("kt auto", "kt 1e30")], ["fix mpm/couple (id bond)", "'kt 1e+30'", "use 'kt auto'"]),
+    "length beyond rounding": ([("kt auto", "kt auto length 1e-20")], ["fix mpm/couple (id bond)", "'kn auto' over 'length 1e-20'", "leave 'length' out", "at least"]),
     "density far too large": ([("spacing 0.0001\n", "spacing 0.0001 density 1e15\n"), ("timestep     1e-09", "timestep     1e-2"),
                                ("cutoff 0.9\n", "cutoff 0.9 timestep auto 0.9\n"), (PULLING, "velocity second set 0 0 0.1\nfix m grains nve/sphere\n"),
                                ("run 10\n", "run 200\n")],
@@ -282,8 +291,10 @@ WARN = {
     "no coupling": ([(f"{BOND} kn auto kt auto\n", "")], ["fix mpm (id cem)", "no fix mpm/couple", "bonds nothing;", "define one"]),
     "no coupling any more": ([("run 10\n", "run 10\nunfix bond\nrun 10\nrun 10\n")], ["fix mpm (id cem)", "bonds nothing any more", "define one"]),
     "no coupling after a restart": ([("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 "
-                                      "elastic isotropic 40e9 0.2\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
-    "much added mass": ([("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")], ["fix mpm (id cem)", "links need", "mass of all grains", "smaller 'kn'"]),
+                                      f"{ELASTIC}\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
+    "much added mass": ([("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")], ["fix mpm (id cem)", "links need", "mass of all grains", "'kn auto'", "'length cell'"]),
+    "steps of very different length": ([(PULLING, FREE), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\ntimestep 1e-9\nrun 100\n")],
+                                      ["fix mpm (id cem)", "energy of the cement was made", "of the largest work or energy at step 220", "use one 'timestep'"]),
     "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),
     "moduli in GPa": ([("vti 60000000000 40000000000 0.25 0.2 18000000000", "vti 60 40 0.25 0.2 18")], ["fix mpm (id cem)", "strain of 18", "Pa, not GPa"]),
     "damping that costs half the step": ([("diameter 0.01 density 2500", "diameter 0.01 density 25"), (PULLING, "fix m grains nve/sphere\n"),
@@ -306,9 +317,19 @@ def test_what_is_at_the_limit_is_taken(tmp_path):
     assert result.status == 0 and not result.errors() and not warnings(result), result.output[-2000:]
 
 
+@pytest.mark.parametrize("old, new, needed", [("60e9", "50e9", "'elastic vti 6e+10 4e+10"), (" axis", " quasistatic 10 0 axis", "was 1 times in the steps before")])
+def test_other_cement_after_a_restart(tmp_path, old, new, needed):
+    """The load or the energy would jump."""
+    again = (restarted("r") + "timestep 1e-9\n" + FIX + f"cell 2e-4 {edit(ELASTIC, old, new)}\n" + BOND + "\nfix m grains nve/sphere\nrun 1\n")
+    launch(GOOD + "write_restart r\n", tmp_path)
+    result = launch(again, tmp_path, 2)
+    assert result.status != 0
+    expect_one(result.errors(), ["fix mpm (id cem)", "steps before", needed], result)
+
+
 @pytest.mark.parametrize("words", ["kn 1e11", "at points"])
 def test_other_coupling_after_a_restart(tmp_path, words):
-    again = (restarted("r") + "timestep 1e-9\n" + FIX + "cell 2e-4 elastic isotropic 40e9 0.2\n" + BOND + f" {words}\nfix m grains nve/sphere\nrun 1\n")
+    again = (restarted("r") + "timestep 1e-9\n" + FIX + f"cell 2e-4 {ELASTIC}\n" + BOND + f" {words}\nfix m grains nve/sphere\nrun 1\n")
     launch(GOOD + "write_restart r\n", tmp_path)
     result = launch(again, tmp_path, 2)
     assert result.status != 0 and len(result.errors()) == 1

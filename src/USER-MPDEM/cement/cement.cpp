@@ -85,6 +85,13 @@ void Cement::refresh_added_mass() {
   if (scene_.laid_out) added_.refresh();
 }
 
+void Cement::change_step() {
+  if (scene_.penalty && !scene_.options.updated)
+    scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), scene_.kick()); }, [&] { refresh_added_mass(); });
+  else
+    refresh_added_mass();
+}
+
 // Of copies, since the layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   std::vector<BondLayout> layouts = arrangement_.of_copies(nullptr);

@@ -86,6 +86,7 @@ class Cement {
   void lay_out_run();
   void lay_out_exchanged();
   void refresh_added_mass();  // for another time step
+  void change_step();         // the same in the course of a run, with what that mass gives up
   // Slots of points, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
   // Of layouts yet to be made, which change nothing; a run need not have begun. The largest eigenvalue; the static stiffness of each bond as it is

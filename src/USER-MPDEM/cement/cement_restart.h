@@ -41,7 +41,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 14;
+  static constexpr int kVersion = 15;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -54,6 +54,8 @@ struct CementHead {
   double auto_step = 0.0;   // what `timestep auto` found last
   LinksSoFar links;
   bool unilateral = false;    // are failed points stiff while their crack is closed
+  double elastic[5] = {0, 0, 0, 0, 0};  // VtiConstants
+  double mass_scale = 1.0;
   bool split = false;         // do nodes split, see fracture/node_copies.h
   int bodies = 0, copies = 0;  // rows that follow
   double nodes = 0.0;          // rows of all ranks
@@ -76,6 +78,8 @@ struct CementHead {
     visit("the number of nodes", h.nodes, kNotNegative);
     visit("'cracks split'", h.split);
     visit("'unilateral'", h.unilateral);
+    visit("the elasticity", h.elastic, kFinite);
+    visit("the scale of the inertia", h.mass_scale, kPositive);
     visit("the number of copies of nodes", h.copies, kCount);
   }
 };

@@ -13,6 +13,7 @@
 
 #include "../geometry/bond_axes.h"
 #include "../mpm/point_row.h"
+#include "../numerics/text_of.h"
 
 namespace mpdem {
 
@@ -82,6 +83,7 @@ class Columns {
         list += (list.empty() ? "" : " ") + n;
       }
     for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i].find(',') != std::string::npos) stop(place, "'", names[i], "' has commas; columns are separated by blanks");
       if (!known.count(names[i])) stop(place, "unknown column '", names[i], "' in the line that names the columns; known are ", list);
       if (!column_.emplace(names[i], static_cast<int>(i)).second) stop(place, "column '", names[i], "' is named twice");
     }
@@ -376,8 +378,9 @@ class PointFile {
     }
     for (int s = 0; s < 2; ++s)
       if (cloud_.attached_area[s] == 0.0)
-        stop("file '", name_, "': nothing is attached to grain ", o_.tag[s], "; no point is within ", attach_,
-             " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains");
+        stop("file '", name_, "': nothing is attached to grain ", o_.tag[s], "; ",
+             columns_.has(kArea) ? text_of("column '", kArea[s], "' is 0 in all lines; give the area of the grain's surface that a point bonds, or leave 'area_i area_j' out")
+                                 : text_of("no point is within ", attach_, " of its surface (keyword 'attach', default one spacing); check the units and the place of the grains"));
     for (int s = 0; s < 2; ++s) {
       const double sphere = 4.0 * M_PI * pair_.radius(s) * pair_.radius(s);
       if (cloud_.attached_area[s] > kMostOfSphere * sphere)

@@ -3,6 +3,9 @@
 //
 // State of the cement that points and grains do not hold, for restart files: cement_restart.h.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <map>
 
 #include "../parallel/agree.h"
@@ -13,7 +16,11 @@ namespace mpdem {
 
 namespace {
 
-void check_restored(const CementHead& head, const CementOptions& o) {
+std::array<double, 5> numbers_of(const VtiConstants& e) { return {e.Ep, e.Ez, e.nu_p, e.nu_zp, e.Gzp}; }
+
+std::string words_of(const double* e) { return text_of("elastic vti ", e[0], " ", e[1], " ", e[2], " ", e[3], " ", e[4]); }
+
+void check_restored(const CementHead& head, const CementOptions& o, const VtiConstants& elastic) {
   const auto edge = [](bool t) { return t ? "tied" : "free"; };
   const auto name = [](bool u) { return u ? "updated" : "total"; };
   if (head.cell != o.cell)
@@ -22,6 +29,13 @@ void check_restored(const CementHead& head, const CementOptions& o) {
     throw BadState(text_of("'basis ", name_of(o.basis), "' and 'kinematics ", name(o.updated),
                            "' but the motion of the nodes in the restart file is that of basis ", name_of(head.basis),
                            " and kinematics ", name(head.updated), "; use these"));
+  const auto differ = [](double a, double b) { return std::fabs(a - b) > 1e-5 * std::fabs(b); };  // as printed
+  const std::array<double, 5> now = numbers_of(elastic);
+  if (!std::equal(now.begin(), now.end(), head.elastic, std::not_fn(differ)))
+    throw BadState(text_of("'", words_of(now.data()), "' but the cement of the steps before has '", words_of(head.elastic), "', and the load of the bonds would jump; use that"));
+  if (differ(o.mass_scale, head.mass_scale))
+    throw BadState(text_of("inertia ", o.mass_scale, " times that of the calcite but it was ", head.mass_scale, " times in the steps before, and energy would come of nothing; use 'quasistatic ",
+                           head.mass_scale, "' and its damping", head.mass_scale == 1.0 ? ", or no 'quasistatic'" : ""));
   const auto cracks = [](bool split) { return split ? "split" : "bonds"; };
   if (head.split != o.split)
     throw BadState(text_of("'cracks ", cracks(o.split), "' but the restart file was written with 'cracks ", cracks(head.split), "'; use that"));
@@ -52,6 +66,9 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::vector<double> copies = gather_on_first(scene_.comm, mine_of_copies);
   head.split = scene_.options.split;
   head.unilateral = scene_.options.unilateral;
+  const std::array<double, 5> elastic = numbers_of(scene_.law->elasticity().constants);
+  std::copy(elastic.begin(), elastic.end(), head.elastic);
+  head.mass_scale = scene_.options.mass_scale;
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(scene_.bonds.table.size());
   head.nodes = nodes_to_pack(scene_);
@@ -95,7 +112,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
 
 // Cement may have been made since.
 void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
-  check_restored(head, scene_.options);
+  check_restored(head, scene_.options, scene_.law->elasticity().constants);
   const std::size_t table = scene_.bonds.table.size();
   scene_.dt_last = head.step;
   scene_.bodies_started = head.bodies_started;

@@ -211,7 +211,9 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
     std::vector<double> r = force[j];
     const int steps = iterate(equations, x, r, energy(j, j), decline, most);
     if (steps > most)
-      throw BadState(text_of("the static equilibrium of a bond was not found in ", steps, " steps; look at its points, elasticity and links"));
+      throw BadState(text_of("the static equilibrium of ", parts ? text_of("the bond of grains ", parts->body.grain[0], " and ", parts->body.grain[1]) : std::string("a bond"),
+                             " was not found in ", steps, " steps, since nodes at its edge or between points that failed hold by next to nothing; use 'edge tied' where "
+                             "edges are free, or look at its points, elasticity and links"));
     bond.products += 2 + steps;
     equations.force(x, motion[j], force[j], load_of[j]);
     if (parts) bond.strain[j] = strain_by(parts->points, parts->grid, x.data());

@@ -84,8 +84,12 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
   const double most = measure_of(limit);
   if (!(value > 0.0) || most < value) {
     std::ostringstream why;
-    why << "a meniscus of " << name << " " << value << " does not fit: between these grains it has more than 0 and at most "
-        << most << "; reduce it";
+    if (!(contact_angle >= 0.0 && contact_angle < 0.5 * M_PI))
+      why << "contact angle " << contact_angle / kDegree << " degrees must lie in [0, 90)";
+    else if (most == 0.0)
+      why << "with the contact angle " << contact_angle / kDegree << " degrees no meniscus spans the gap of these grains; use a smaller one";
+    else
+      why << "a meniscus of " << name << " " << value << " does not fit: between these grains it has more than 0 and at most " << most << "; reduce it";
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double b) { return measure_of(b) - value; }, 0.0, limit);

@@ -47,7 +47,8 @@ std::unique_ptr<Shape> make_shape(const ShapeWords& words, const GrainPair& pair
     sizes += "'" + w.name + "' or ";
     count += values.count(w.name);
   }
-  if (count != 1) throw ShapeError("'shape " + words.style->name + "' needs one of " + sizes + "'content' to give its size");
+  if (count != 1)
+    throw ShapeError("'shape " + words.style->name + "' " + (count == 0 ? "" : "has " + std::to_string(count) + " sizes and ") + "needs one of " + sizes + "'content' to give its size");
   return words.style->make({pair, inner, volume, values});
 }
 

@@ -79,6 +79,14 @@ int Arguments::integer(const std::string& keyword, int least) {
   return static_cast<int>(v);
 }
 
+std::string Arguments::keyword(const std::vector<std::string>& allowed) {
+  std::string list;
+  for (const std::string& a : allowed) list += (list.empty() ? "'" : " or '") + a + "'";
+  const std::string w = word("keyword " + list);
+  if (std::find(allowed.begin(), allowed.end(), w) == allowed.end()) complain("'" + w + "' stands where " + list + " is needed");
+  return w;
+}
+
 int Arguments::place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed) {
   std::string list;
   for (const std::string& a : allowed) list += (list.empty() ? "" : ", ") + a;

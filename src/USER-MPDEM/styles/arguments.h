@@ -40,6 +40,8 @@ class Arguments {
   double not_negative(const std::string& keyword);
   int integer(const std::string& keyword, int least);
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) { return allowed[place_of_choice(keyword, allowed)]; }
+  // The next word, which is one of these.
+  std::string keyword(const std::vector<std::string>& allowed);
   int place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed);
   bool yes_no(const std::string& keyword) { return choice(keyword, {"yes", "no"}) == "yes"; }
 

@@ -60,7 +60,8 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     const int slot = avec.slot[i];
     if (avec.points_of(i).tags[slot / kLanes][slot % kLanes] != lmp->atom->tag[i] && trouble.empty())
       trouble = who + text_of("the IDs of atoms were changed (material point ", lmp->atom->tag[i],
-                              "), and with them those of bonded grains; use 'delete_atoms ... compress no', and no 'replicate' of cement");
+                              "), and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
+                              "a grain with cement cannot be deleted");
     least = std::min(least, lmp->atom->density[i]);
     most = std::max(most, lmp->atom->density[i]);
     for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {

@@ -79,6 +79,7 @@ std::string of_substeps(const Cement& c) {
 void CementReport::parameters(Cement& c, bigint points) {
   const CementOptions& o = c.options();
   const std::vector<Body>& table = c.bonds().table;
+  stop_if_not_positive(c);
   const StableStep::DampedStep damped = c.stable_step().damped_step(c.stable_step().limiting_eigenvalue(c.dt()));
   const double limit = damped.step;
   if (lmp_->comm->me == 0 && !reported_) {
@@ -104,8 +105,21 @@ void CementReport::parameters(Cement& c, bigint points) {
       say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
   }
   if (damped.admitted < o.relax) damping(c);
+  stop_if_too_long(c, limit);
+}
+
+void CementReport::check_step(Cement& c) {
+  stop_if_not_positive(c);
+  stop_if_too_long(c, c.stable_step().damped_step(c.stable_step().limiting_eigenvalue(c.dt())).step);
+}
+
+void CementReport::stop_if_not_positive(const Cement& c) const {
+  if (!(c.dt() > 0.0)) stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " must be above 0; use 'timestep', or 'timestep auto 0.5' of fix mpm"));
+}
+
+void CementReport::stop_if_too_long(const Cement& c, double limit) const {
   if (c.dt() > kRounding * limit)
-    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c),
+    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c), " at step ", lmp_->update->ntimestep,
                                  "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, or a larger cell"));
 }
 
@@ -162,8 +176,8 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   if (all > scene)
     lmp_->error->warning("fix mpm", 0,
                    text_of(who_, "links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
-                           ", and the bonds follow late; use a smaller 'timestep', or a smaller 'kn' and 'kt' of fix mpm/couple ('auto' is ",
-                           "200 C33)")
+                           ", and the bonds follow late; use a smaller 'timestep', or 'kn auto', 'kt auto' and 'length cell' of fix mpm/couple, ",
+                           "or less ('auto' is 200 C33)")
                        .c_str());
 }
 
@@ -201,6 +215,13 @@ void CementReport::times(Cement& c, bigint points) {
     text += text_of("\n  quasistatic: kinetic share of the energy ", energy > 0.0 ? now.kinetic / energy : 0.0);
   }
   say(text + "\n");
+  constexpr double kMostImbalance = 0.02;
+  if (c.penalty() && std::fabs(now.imbalance) > kMostImbalance)
+    lmp_->error->warning("fix mpm", 0,
+                         text_of(who_, "energy of the cement was ", now.imbalance < 0.0 ? "made" : "lost", ", ", 100.0 * std::fabs(now.imbalance),
+                                 " % of the largest work or energy at step ", lmp_->update->ntimestep,
+                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator")
+                             .c_str());
 }
 
 void CementReport::modes(Cement& c) {

@@ -30,6 +30,8 @@ class CementReport {
   void start_run(Cement& c);
   // What the parameters imply, once; stops if the time step is not stable.
   void parameters(Cement& c, bigint points);
+  // Stops if the time step is not above 0 or not stable.
+  void check_step(Cement& c);
   // The last lines of that: the added mass takes the eigenvalue, which is found for the others.
   void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
   // Once a run, of the first jump of the lowest rank that saw one.
@@ -42,6 +44,8 @@ class CementReport {
  private:
   void say(const std::string& text) const;
   void damping(Cement& c);
+  void stop_if_not_positive(const Cement& c) const;
+  void stop_if_too_long(const Cement& c, double limit) const;
   void warn(const Cement& c) const;
   static bool is_told(const Cement& c, const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;

@@ -37,7 +37,8 @@ void take_transfer(Arguments& args, CementWords& w) {
 
 void take_skip(Arguments& args, CementWords& w) {
   CementOptions& o = w.options;
-  const std::string name = args.choice("skip", {"undamaged", "failed", "detached", "resting", "all"});
+  const bool of_old_scripts = args.accept("detached");
+  const std::string name = of_old_scripts ? "detached" : args.choice("skip", {"undamaged", "failed", "resting", "all"});
   args.once("skip " + name);
   const bool on = args.yes_no("skip " + name);
   if (name == "detached") w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that let go take no time"));

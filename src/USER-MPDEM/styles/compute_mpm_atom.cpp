@@ -59,7 +59,7 @@ ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : C
   if (!find_cement()) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
   const std::vector<std::string> names = names_of(find_cement()->law());
   name_ = args.choice("quantity", names);
-  if (!args.empty()) args.unknown(args.word(""), {"nothing; one quantity a compute"});
+  if (!args.empty()) args.complain("'" + args.word("") + "' is one word too many; define a compute for each quantity");
 }
 
 ComputeMpmAtom::~ComputeMpmAtom() { memory->destroy(vector_atom); }

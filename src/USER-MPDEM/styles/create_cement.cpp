@@ -220,7 +220,7 @@ void CreateCement::command(int narg, char** arg) {
   groupbit_ = group_of_points(args.word("a group for the points"));
   box_ = mpdem::scene_box(*domain);
   try {
-    if (args.choice("pair", {"pair", "contacts"}) == "contacts") cement_contacts(args);
+    if (args.keyword({"pair", "contacts"}) == "contacts") cement_contacts(args);
     else cement_pair(args);
   } catch (const mpdem::BadState& e) {
     mpdem::stop_all(lmp, e.what());
@@ -260,7 +260,7 @@ void CreateCement::cement_contacts(Arguments& args) {
   const int igroup = group->find(name.c_str());
   if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
   const int groupbit = group->bitmask[igroup];
-  args.choice("gap", {"gap"});
+  args.keyword({"gap"});
   const double gap = args.not_negative("gap");
   const Pairs found = mpdem::contacts(mpdem::gather_all(world, spheres(groupbit)), box_, gap), before = cemented();
   if (found.empty())

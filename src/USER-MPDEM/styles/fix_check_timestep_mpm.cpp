@@ -21,6 +21,7 @@ FixCheckTimestepMpm::FixCheckTimestepMpm(LAMMPS* lmp, int narg, char** arg) : Fi
   nevery = args.integer("the number of steps between checks", 1);
   cement_id_ = args.word("the ID of a fix mpm");
   fraction_ = args.positive("the share of the stable step");
+  if (fraction_ > 1.0) args.complain(text_of("the share of the stable step is ", fraction_, ", must lie in (0, 1]; 0.9 for instance"));
   stop_ = args.empty() ? false : args.choice("what to do", {"warn", "stop"}) == "stop";
   if (!args.empty()) args.complain("'" + args.word("") + "' is one word too many; the form is N ID FRACTION [warn|stop]");
   vector_flag = 1;

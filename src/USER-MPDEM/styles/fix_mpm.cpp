@@ -359,7 +359,11 @@ void FixMpm::post_run() {
 
 // Velocities lie half an old step behind; the next step takes up the new one.
 void FixMpm::reset_dt() {
-  guarded([this] { cement_->refresh_added_mass(); });
+  guarded([this] {
+    if (!cement_->built()) return;
+    report_->check_step(*cement_);
+    cement_->change_step();
+  });
 }
 
 double FixMpm::stable_step(bool of_grains) {

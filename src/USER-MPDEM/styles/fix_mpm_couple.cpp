@@ -154,10 +154,15 @@ void FixMpmCouple::check_integrators() {
         const Fix* fix = modify->fix[k];
         if (!(atom->mask[i] & fix->groupbit)) continue;
         frozen = frozen || std::string(fix->style) == "freeze";
+        if (std::string(fix->style) == "momentum")
+          trouble = who + text_of("in the group of fix '", fix->id, "' (momentum), which changes velocities behind the back of its cement; take it out of that group, or unfix that fix");
         if (!fix->time_integrate) continue;
         if (mover)
           trouble = who + text_of("moved by two fixes, '", mover->id, "' (", mover->style, ") and '", fix->id, "' (", fix->style,
                                   "), twice as far as it should be; take it out of the group of one, or unfix one");
+        else if (fix->rigid_flag)
+          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), which moves several as one body, and cement takes each of its grains for a body; "
+                                  "move it by 'fix nve/sphere' or 'fix move'");
         else if (cement_->options().subcycle != 1 && !mpdem::moves_as_substeps_do(*fix))
           trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), and with 'subcycle' of fix mpm (id ", cement_->id,
                                   ") free grains are moved as by 'fix nve/sphere'; use that, or 'subcycle no'");
@@ -176,16 +181,20 @@ void FixMpmCouple::check_integrators() {
 }
 
 // Links must not turn the rounding of positions into a stress that counts beside those of the cement.
-void FixMpmCouple::check_rounding(const char* keyword, double k, double per_length) const {
+void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
   constexpr double kMostStrain = 1e-6;
   double far = 0.0;
   for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
-  const double C33 = cement_->law().elasticity().C33;
-  const double most = std::max(kAutoOverC33, kMostStrain / (std::numeric_limits<double>::epsilon() * far * per_length)) * C33;
-  if (k > most)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): '", keyword, " ", k, "' is ", k / C33, " times the stiffness of the cement, C33 ", C33,
-                                 ", so that the rounding of positions would load the bonds; use '", keyword, " auto', which is ", kAutoOverC33,
-                                 " C33, or at most ", most));
+  const double C33 = cement_->law().elasticity().C33, cell = cement_->cell(), length = 1.0 / per_length;
+  const double k = given < 0.0 ? kAutoOverC33 * C33 : given;
+  const double most = std::max(kAutoOverC33 / cell, kMostStrain / (std::numeric_limits<double>::epsilon() * far)) * C33 * length;
+  if (k <= most) return;
+  const std::string over = length_ < 0.0 ? "" : text_of(" over 'length ", length_, "'");
+  const std::string cure = given < 0.0 || length < cell ? text_of("leave 'length' out, which is the cell, ", cell, ", or use at least ", length * k / most)
+                                                        : text_of("use '", keyword, " auto', which is ", kAutoOverC33, " C33, or at most ", most);
+  mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): '", keyword, given < 0.0 ? std::string(" auto'") : text_of(" ", given, "'"), over, " is ", k / C33,
+                               " times the stiffness of the cement, C33 ", C33, length_ < 0.0 ? "" : text_of(", over ", length / cell, " of a cell"),
+                               ", so that the rounding of positions would load the bonds; ", cure));
 }
 
 // Rows of a run that went on before, in this program or that of the restart file, stay. That of the last step of all is theirs:

@@ -41,7 +41,7 @@ class FixMpmCouple : public Fix {
   void check_friction();
   void check_integrators();
   void warn_of_length(const mpdem::TractionLaw& law);
-  void check_rounding(const char* keyword, double k, double per_length) const;
+  void check_rounding(const char* keyword, double given, double per_length) const;
   double value(int body, int column);
   void open_table();
   void write_table();
