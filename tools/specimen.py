@@ -40,7 +40,7 @@ def positive(text):
 def arguments():
     p = argparse.ArgumentParser(description="Pours a specimen of beads, cements it, and breaks it.")
     p.add_argument("out", metavar="OUT", help="folder of the runs, specimen.csv and the figures")
-    p.add_argument("--beads", metavar="N", type=runner.at_least_one, default=80, help="number of beads (80)")
+    p.add_argument("--beads", metavar="N", type=beads, default=80, help="number of beads (80), 10 or more")
     p.add_argument("--contents", metavar="C,D", type=positive, default=[0.003, 0.006, 0.012], help="mass of the cement of a bond over that of its two beads")
     p.add_argument("--pressures", metavar="P,Q", type=positive, default=[1.25e4, 2.5e4, 5e4], help="on the sides, Pa (1.25e4,2.5e4,5e4); none: ''")
     p.add_argument("--at", metavar="C", type=float, help="content at which the sides are pressed (default: the middle one)")
@@ -118,6 +118,13 @@ def tell(rows, reference):
     else:
         print(f"content {reference:g}: no friction angle: less than two strengths are below the cap; set smaller --pressures or a larger content by --at")
     return line
+
+
+def beads(text):
+    number = runner.at_least_one(text)
+    if number < 10:
+        raise argparse.ArgumentTypeError(f"{number} beads are no specimen: their stiffness is that of one or two contacts; use 10 or more")
+    return number
 
 
 def main():

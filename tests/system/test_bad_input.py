@@ -293,6 +293,7 @@ WARN = {
     "no coupling after a restart": ([("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 "
                                       f"{ELASTIC}\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
     "much added mass": ([("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")], ["fix mpm (id cem)", "links need", "mass of all grains", "'kn auto'", "'length cell'"]),
+    "length beyond the bond": (with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 1"), ["fix mpm (id cem)", "nonlocal 1'", "width of the widest bond, 0.003", "units of the box"]),
     "steps of very different length": ([(PULLING, FREE), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\ntimestep 1e-9\nrun 100\n")],
                                       ["fix mpm (id cem)", "energy of the cement was made", "of the largest work or energy at step 220", "use one 'timestep'"]),
     "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),

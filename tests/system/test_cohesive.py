@@ -222,3 +222,15 @@ def test_another_law_after_a_restart_is_refused(tmp_path):
     for words, told in (("", "interface penalty"), (edit(WORDS, f"Gn {GN}", "Gn 21"), "interface cohesive")):
         done = launch(edit(scene(words), pair(CELL / 2, cement="content 0.01"), restarted("early")) + "run 1\n", tmp_path, name="in.other")
         assert done.status != 0 and any(told in e and f"Gn {GN:g}" in e for e in done.errors()), done.output[-1000:]
+
+
+@pytest.mark.parametrize("words", ["", "basis cubic"])
+def test_struck(words, tmp_path, figures):
+    """A free grain is thrown away from the other: links jump over their peak in a step, open and close, and the books are those of central differences."""
+    cell = 5e-4
+    script = (pair(cell / 2, gap=4e-4, cement="content 0.01") + CONTACT
+              + cement(cell, 3.9e-8, elastic=CALCITE, axis="radial", damage=f"{words} check 20", couple="kn auto kt auto interface cohesive tn 2e7 tt 4e7 Gn 4 Gt 4")
+              + "fix motion grains nve/sphere\nvelocity second set 0 0 0.1\n" + thermo(1, ["f_bond", "f_bond[17]", "f_cem[8]", "f_cem[12]"]) + "run 300\n")
+    table = run(script, tmp_path).table()
+    assert table["f_cem[8]"][-1] > 0
+    figures.below(f"{words or 'quadratic'}: imbalance of the energy", abs(table["f_cem[12]"]).max(), 1e-5)

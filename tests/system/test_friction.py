@@ -90,3 +90,19 @@ def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_pat
         rows = list(csv.DictReader(f))
     assert int(rows[-1]["failed"]) > 300
     figures.below(f"pressed, cracks {cracks}, zeta {zeta}: energy imbalance", max(abs(float(r["energy_imbalance"])) for r in rows), 0.001)
+
+
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
+    """Copies of nodes and places that touch come along, from a rank that has no point of the bond any more; and places go on between two ranks."""
+    script = (pair(2.5e-4, gap=5e-4, half_box=(1.2e-2, 1.2e-2, 2e-2), cement="content 0.01")
+              + cement(5e-4, 2.9e-8, elastic=CALCITE, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 cracks {cracks}", couple=f"kn auto kt auto {WORDS}")
+              + "fix motion grains nve/sphere\nvelocity all set 0 0 150\nvelocity second set 0.2 -0.3 151\n"
+              + thermo(10, ["f_bond", "f_bond[18]", "f_bond[22]", "f_bond[36]", "f_bond[37]"]) + "run 400\n")
+    tables = {ranks: run(script, tmp_path / f"{ranks}", ranks).table() for ranks in (1, 2, 4)}
+    alone = tables[1]
+    assert alone["f_bond[22]"][-1] == 1 and alone["f_bond[36]"].max() > 0.005
+    for ranks in (2, 4):
+        figures.below(f"cracks {cracks}, {ranks} ranks: force of the broken bond against one rank, over the peak",
+                      abs(tables[ranks]["f_bond"] - alone["f_bond"]).max() / alone["f_bond"].max(), 1e-7)
+        assert (tables[ranks]["f_bond[18]"] == alone["f_bond[18]"]).all()

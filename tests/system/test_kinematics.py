@@ -40,7 +40,7 @@ def test_momentum(words, limit, tmp_path, figures):
     figures.below(f"{words}: momentum", max(abs(t[c] - t[c][0]).max() for c in MOMENTUM_COLUMNS[:3]) / scale, limit)
 
 
-@pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "reproject auto 0.002"])
+@pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "reproject auto 0.002", "reproject auto 0.01"])
 def test_ranks(words, tmp_path, figures):
     def table(ranks):
         script = pair(CELL / 2) + with_words(cement(CELL, 3e-9, **BROKEN), words) + pull(4.0, 4e-6)

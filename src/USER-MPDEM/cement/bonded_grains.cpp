@@ -105,6 +105,26 @@ void BondedGrains::distribute(const Bonds& bonds) {
   sides.distribute(bonds.table, motion);
 }
 
+void BondedGrains::distribute_as_before(const Bonds& bonds, double dt) {
+  struct Place {
+    std::array<double, 3> x;
+    std::array<double, 4> q;
+  };
+  std::vector<Place> now;
+  for (Grain& grain : grains) {
+    Place& p = now.emplace_back();
+    std::copy(grain.x, grain.x + 3, p.x.begin());
+    std::copy(grain.state->q, grain.state->q + 4, p.q.begin());
+    if (grain.state->place_known) std::copy(grain.state->x, grain.state->x + 3, grain.x);
+  }
+  turn(-dt);
+  distribute(bonds);
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    std::copy(now[n].x.begin(), now[n].x.end(), grains[n].x);
+    std::copy(now[n].q.begin(), now[n].q.end(), grains[n].state->q);
+  }
+}
+
 void BondedGrains::turn(double dt) {
   for (Grain& g : grains) {
     double* q = g.state->q;

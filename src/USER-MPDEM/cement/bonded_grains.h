@@ -64,6 +64,8 @@ class BondedGrains {
   void wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<GrainSide>& woken);
   // Collective. Motion to all who have a side.
   void distribute(const Bonds& bonds);
+  // The same in the course of a step of dt, when the host has moved grains but the cement has not: places and orientations are those before.
+  void distribute_as_before(const Bonds& bonds, double dt);
   // By the velocities that the host gave them.
   void turn(double dt);
 

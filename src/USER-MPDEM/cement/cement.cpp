@@ -77,6 +77,7 @@ void Cement::lay_out_exchanged() {
   arrangement_.bring_copies();
   arrangement_.lay_out(rows, arrangement_.parts_of_fresh_points(), {});
   condensing_.bind();
+  scene_.grains.distribute_as_before(scene_.bonds, scene_.now.dt);  // places go on before the cement follows its grains
   added_.refresh(rows);
   condensing_.condense(rows, false);
 }

@@ -153,7 +153,8 @@ class LayoutMaker {
       if (rules_.splits) {
         const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
         w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
-        if (rules_.penalty && rules_.penalty->friction >= 0.0) {  // faces touch, see crack_faces.h
+        // Faces touch, see crack_faces.h. A rank whose last point has left has no bond any more, and shares none of its nodes.
+        if (rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
           const std::vector<Key> copies = rules_.splits->copies_of(layouts_[n].body);
           w.extra.insert(w.extra.end(), copies.begin(), copies.end());
         }

@@ -83,9 +83,12 @@ class Total : public Kinematics {
   bool distorted() const {
     vd most{};
     for (const Bond& bond : scene_.bonds)
-      for (const PointBlock& p : bond.points.blocks)
+      for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
+        const Mat3<vd>& F = bond.points.blocks[b].F;
+        const vmask taken = lanes(bond.points.meta[b].occupied);
         for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) most = max(most, abs(p.F.a[i][j] - (i == j ? 1.0 : 0.0)));
+          for (int j = 0; j < 3; ++j) most = max(most, select(taken, abs(F.a[i][j] - (i == j ? 1.0 : 0.0)), vd{}));
+      }
     double mine = 0.0, all;
     for (int l = 0; l < kLanes; ++l) mine = std::max(mine, most[l]);
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);

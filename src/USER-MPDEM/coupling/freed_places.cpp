@@ -301,7 +301,7 @@ std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, co
     for (int l = 0; l < kLanes; ++l) {
       if (!((b.taken & ~b.holds) >> l & 1)) continue;
       const FreedPlace& p = points.places[b.place[l]];
-      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}};
+      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}, body.spacing};
       const double* centre = body.centre[b.side];
       const double r = distance(p.X, centre);
       for (int d = 0; d < 3; ++d) {
@@ -315,6 +315,7 @@ std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, co
 
 FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m) {
   Found best;
+  const double part = Found::kTie * m.spacing * m.spacing;
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const int holds = points.meta[b].occupied & ~points.meta[b].failed;
     if (!holds) continue;
@@ -327,7 +328,7 @@ FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m
     const vd apart = 9.0 * square - 8.0 * along * along;
     for (int l = 0; l < kLanes; ++l) {
       if (!(holds >> l & 1)) continue;
-      const Found f{apart[l], points.tags[b][l], kLanes * static_cast<int>(b) + l};
+      const Found f{std::floor(apart[l] / part), points.tags[b][l], kLanes * static_cast<int>(b) + l};
       if (f.nearer_than(best)) best = f;
     }
   }

@@ -66,13 +66,15 @@ class FreedPlaces {
   struct Mover {
     int body, grain, tag;  // of the point that failed
     double area, X[3], n[3];  // n: normal of the grain's surface in the reference
+    double spacing;           // of the points
   };
   // Places whose points failed; they stay until they are dropped.
   std::vector<Mover> movers(const PointStore& points, const Body& body) const;
   // The point of the store that holds and is nearest: distances across the normal count three times. -1: none holds.
   struct Found {
-    double distance = 0;  // square
+    double distance = 0;  // square, in whole parts of kTie: points of a lattice that are equally far shall not go by rounding, which goes with the units
     int tag = -1, slot = -1;
+    static constexpr double kTie = 1.0471e-6;  // of the square of the spacing; no distance of a lattice is a whole number of these
     bool nearer_than(const Found& o) const { return tag >= 0 && (o.tag < 0 || distance < o.distance || (distance == o.distance && tag < o.tag)); }
   };
   static Found nearest(const PointStore& points, const Mover& m);

@@ -59,7 +59,7 @@ struct PenaltyParameters {
 
 // What links of a law with a state did in a step.
 struct LinkStep {
-  double dissipated = 0, released = 0;  // energies: spent by the law, given up by links that let go or soften under pressure
+  double dissipated = 0, released = 0;  // energies: spent by the law, and what springs give up besides as they soften, let go, open or close
   std::vector<int> let_go;              // links of the store that let go although their points hold
 };
 
@@ -178,6 +178,8 @@ class PenaltyLinks {
   // Stored, lane by lane.
   template <class L>
   vd energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const;
+  template <class L>
+  static vd taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n, const vd* v, double dt);
   template <class L>
   vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const;
   // Of a block, for its traction law.

@@ -140,9 +140,16 @@ void CementReport::damping(Cement& c) {
 }
 
 // Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
-void CementReport::warn(const Cement& c) const {
+void CementReport::warn(Cement& c) const {
   const Law& law = c.law();
   if (law.inert()) return;
+  double wide = 0.0;  // as a disc is, of the attached area
+  for (const Body& b : c.bonds().table)
+    for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
+  const double length = c.options().length;
+  if (c.options().skip.nonlocal && length > wide)
+    lmp_->error->warning("fix mpm", 0, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
+                                               ", so that no crack is narrower than a bond; use a length well below that, in the units of the box").c_str());
   const VtiConstants& e = law.elasticity().constants;
   const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
   if (strain > 1.0)

@@ -46,7 +46,7 @@ class CementReport {
   void damping(Cement& c);
   void stop_if_not_positive(const Cement& c) const;
   void stop_if_too_long(const Cement& c, double limit) const;
-  void warn(const Cement& c) const;
+  void warn(Cement& c) const;
   static bool is_told(const Cement& c, const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;
   double limit_of_jumps(const Cement& c) const;

@@ -312,6 +312,7 @@ void FixMpm::pre_exchange() {
 void FixMpm::pre_neighbor() {
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
+  atoms_.read(cement_->grains());
   guarded([this] { cement_->lay_out_exchanged(); });
   if (ranks_.shows_homes()) fill_atoms();
 }
