@@ -471,20 +471,6 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   EXPECT_NEAR(after, area + all, 1e-12 * after);
 }
 
-// Which of two points that are equally far is nearer must not go by rounding, since that goes with the units.
-TEST(FreedPlaces, TakeTheLowerTagOfPointsThatAreAsNear) {
-  if (test::ranks() > 1) GTEST_SKIP();
-  const double a = test::kCell;
-  const test::Cement two(2.0 * a, {{0.25 * a, 0, 0.5 * a}, {-0.25 * a, 0, 0.5 * a}}, a * a * a);
-  FreedPlaces::Mover m{0, 1, 0, 1.0, {0, 0, 0}, {0, 0, 1}, 0.5 * a};
-  for (double off : {0.0, 1e-14, -1e-14}) {
-    m.X[0] = off * a;
-    EXPECT_EQ(FreedPlaces::nearest(two.points, m).tag, 1) << off;
-  }
-  m.X[0] = -1e-4 * a;
-  EXPECT_EQ(FreedPlaces::nearest(two.points, m).tag, 2);
-}
-
 // Points fail: what their places store is released, and they bear nothing until they go on. A force that ends within a step has worked with its
 // value before on all of the way of that step: for short steps that is the mean of the energies at both ends of it.
 TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {

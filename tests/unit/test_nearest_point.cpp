@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cement.h"
+#include "coupling/freed_places.h"
+#include "mpi_ranks.h"
+
+namespace mpdem {
+namespace {
+
+// Which of two points that are equally far is nearer must not go by rounding, since that goes with the units.
+TEST(FreedPlaces, TakeTheLowerTagOfPointsThatAreAsNear) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  const double a = test::kCell;
+  const test::Cement two(2.0 * a, {{0.25 * a, 0, 0.5 * a}, {-0.25 * a, 0, 0.5 * a}}, a * a * a);
+  FreedPlaces::Mover m{0, 1, 0, 1.0, {0, 0, 0}, {0, 0, 1}, 0.5 * a};
+  for (double off : {0.0, 1e-14, -1e-14}) {
+    m.X[0] = off * a;
+    EXPECT_EQ(FreedPlaces::nearest(two.points, m).tag, 1) << off;
+  }
+  m.X[0] = -1e-4 * a;
+  EXPECT_EQ(FreedPlaces::nearest(two.points, m).tag, 2);
+}
+
+}  // namespace
+}  // namespace mpdem
