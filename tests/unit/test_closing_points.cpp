@@ -43,14 +43,18 @@ class FailedBody : public ::testing::Test {
     }
   }
   double energy() const { return closing.energy(body.points, body.grid); }
+  // n n, in the frame of the material.
+  Sym3<double> normal_squared(int b, int l) const {
+    const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
+    double n[3];
+    for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
+    return {n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+  }
   // Of the cement compressed along the normal by this share.
   double energy_of(double share) const {
     double sum = 0.0;
     body.for_points([&](int b, int l) {
-      const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
-      double n[3];
-      for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
-      const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+      const Sym3<double> along = normal_squared(b, l);
       sum += 0.5 * body.points.blocks[b].volume[l] * contract(along, law->elasticity().stress(along)) * share * share;
     });
     return sum;
@@ -102,10 +106,7 @@ class PressedWhenFailed : public FailedBody {
   double energy_of_stress() const {
     double sum = 0.0;
     body.for_points([&](int b, int l) {
-      const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
-      double n[3];
-      for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
-      const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+      const Sym3<double> along = normal_squared(b, l);
       const Sym3<vd> s = law->stress(body.points.blocks[b].strain, test::damage_of(body.points, b));
       const double stress = contract(along, Sym3<double>{s.xx[l], s.yy[l], s.zz[l], s.yz[l], s.xz[l], s.xy[l]});
       sum += 0.5 * body.points.blocks[b].volume[l] * stress * stress / contract(along, law->elasticity().stress(along));
