@@ -46,7 +46,8 @@ template <class... T>
 
 class Reader {
  public:
-  Reader(const std::string& text, const std::string& name) : text_(text), name_(name) {}
+  // Spreadsheets begin a file with a mark of the order of bytes.
+  Reader(const std::string& text, const std::string& name) : text_(text), name_(name), at_(text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0) {}
 
   // Words of the next line that has any, without comments; false at the end.
   bool next(std::vector<std::string>& words) {
@@ -67,7 +68,7 @@ class Reader {
 
  private:
   const std::string &text_, &name_;
-  std::size_t at_ = 0;
+  std::size_t at_;
   int line_ = 0;
 };
 
