@@ -248,9 +248,11 @@ def test_work_of_gravity(held, ranks, tmp_path, figures):
     assert t["f_cem[11]"][-1] == pytest.approx(0.5 * mass * (9.81 * 1e-5) ** 2, rel=1e-6)
 
 
-def test_ranks(tmp_path):
-    """A bond that ranks cut wakes at the same step and is separated by the same failures."""
-    tables = {ranks: run(breaking("yes") + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()
+@pytest.mark.parametrize("words", ["", "regularization nonlocal 3e-4"], ids=["local", "nonlocal"])
+def test_ranks(words, tmp_path):
+    """A bond that ranks cut wakes at the same step and is separated by the same failures. Averages are over the points of all ranks."""
+    script = edit(breaking("yes"), "check 10", f"check 10 {words}")
+    tables = {ranks: run(script + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "f_cem[19]"]) + "run 3000\n", tmp_path / str(ranks), ranks).table()
               for ranks in (1, 2, 4)}
     for ranks in (2, 4):
         for name in (AWAKE, "f_cem[2]", "f_cem[19]"):

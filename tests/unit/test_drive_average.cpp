@@ -6,6 +6,7 @@
 
 #include "cement.h"
 #include "mpm/advance_points.h"
+#include "mpm/field_drive.h"
 #include "mpm/strain_norm.h"
 
 namespace mpdem {
@@ -257,6 +258,44 @@ TEST(DriveAverage, ThePassComparesWithTheLimits) {
   const int slot = c.slots[c.slots.size() / 3];
   c.grid.drive_limit[slot / kLanes][slot % kLanes] *= 0.5;
   EXPECT_TRUE(is_near());
+}
+
+// A condensed bond is looked at when the bounds of its points allow an average at the threshold. Here one motion strains some points and another motion the
+// others, whose roots grow from nothing. Points with a link have a lower threshold, and less strain here.
+TEST(DriveAverage, BoundsOfFieldsHoldForAverages) {
+  test::Random random(310);
+  const TensorDamage law = test::law_of(1.0, 0.3);
+  double nearest = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
+    const std::size_t blocks = c.points.blocks.size();
+    std::array<std::vector<Sym3<vd>>, 6> fields;
+    for (auto& field : fields) field.assign(blocks, Sym3<vd>{});
+    for (int slot : c.slots) {
+      const int b = slot / kLanes, l = slot % kLanes;
+      const bool linked = random.index(8) == 0;
+      if (linked) c.points.meta[b].linked |= static_cast<std::uint8_t>(1u << l);
+      fields[k % 2 ? random.index(2) : 0][b].zz[l] = linked ? 0.4 : 1.0;
+    }
+    double bound[6];
+    find_strain_bounds(c.points, fields, law, bound);
+    const auto root_of_average = [&](double first, double second) {
+      for (std::size_t b = 0; b < blocks; ++b) c.points.blocks[b].strain = splat(first) * fields[0][b] + splat(second) * fields[1][b];
+      DriveAverage average;
+      average.find(c.points, c.grid, law, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+      return largest_root_of_drive(c.points, law, &c.grid);
+    };
+    const double times = bound_of_averages(law), first = 1.0 / bound[0], root = root_of_average(first, 0.0), level = times * first * bound[0];
+    EXPECT_LE(root, level * (1.0 + 1e-12));
+    nearest = std::max(nearest, root / level);
+    const double most = random.uniform(1.001, 1.1) * root, margin = margin_of_average(law, level, root, most);
+    EXPECT_GT(margin, 0.0);
+    const double share = random.uniform(0, 1);
+    const double of_second = bound[1] > 0.0 ? (1.0 - share) * margin / (times * bound[1]) : 0.0;
+    EXPECT_LE(root_of_average(first + share * margin / (times * bound[0]), of_second), most);
+  }
+  EXPECT_GT(nearest, 0.5);
+  EXPECT_EQ(margin_of_average(law, 3.0, 1.0, 0.9), 0.0);
 }
 
 TEST(DriveAverage, NearWhereSomePointIs) {

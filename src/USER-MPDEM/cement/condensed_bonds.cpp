@@ -465,37 +465,43 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
 
 double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const {
   show_strain(b, part);
-  // averages of points that other ranks have would need sums over these: without them a bond wakes earlier
-  const bool averaged = options.skip.nonlocal && !b.cut_by_ranks();
+  const bool averaged = options.skip.nonlocal;
   if (averaged) b.average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
   return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
 }
 
 // The bound is by norms and some times the root itself. So the points are looked at when it says that they might be due, and again when a change
 // of the motion might have made them due. So when a bond wakes does not hang on when it was looked at.
-std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law) {
-  const double wakes = root_of_share(law, options.wake);
+std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
+  const double times = options.skip.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
   std::vector<int> rows;
   if (!pack_.any_level_reaches(wakes)) return rows;
   for (std::size_t part = 0; part < members_.size(); ++part) {
-    Member& m = members_[part];
-    const double bound = pack_.level(static_cast<int>(part));
-    if (bound < wakes) continue;
-    double changed = 0.0, d[6];
-    for (int j = 0; j < 6; ++j) {
-      d[j] = pack_.relative(static_cast<int>(part), j);
-      changed += std::fabs(d[j] - m.looked_at[j]) * m.solution->bound[j];
-    }
-    if (changed < m.margin) continue;
+    const Member& m = members_[part];
+    if (pack_.level(static_cast<int>(part)) < wakes) continue;
+    double changed = 0.0;
+    for (int j = 0; j < 6; ++j) changed += std::fabs(pack_.relative(static_cast<int>(part), j) - m.looked_at[j]) * m.solution->bound[j];
+    if (times * changed < m.margin) continue;
     const int pattern = bonds.table[m.body].pattern;
     Bond* b = pattern == 0 ? bonds.find(m.body) : m.tells ? &patterns_.at(pattern).of.bond : nullptr;
     if (!b) continue;
-    const double root = largest_root(*b, static_cast<int>(part), options, law);
-    std::copy(d, d + 6, m.looked_at);
-    m.margin = margin_of_root(law, bound, root, wakes);
-    if (root >= wakes) rows.push_back(m.body);
+    if (options.skip.nonlocal && cut_.count(m.body) > 0) together.push_back(m.body);
+    else if (note_look(part, largest_root(*b, static_cast<int>(part), options, law), options, law)) rows.push_back(m.body);
   }
   return rows;
+}
+
+bool CondensedBonds::note_look(std::size_t part, double root, const CementOptions& options, const Law& law) {
+  Member& m = members_[part];
+  for (int j = 0; j < 6; ++j) m.looked_at[j] = pack_.relative(static_cast<int>(part), j);
+  const double wakes = root_of_share(law, options.wake), bound = pack_.level(static_cast<int>(part));
+  m.margin = options.skip.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, wakes) : margin_of_root(law, bound, root, wakes);
+  return root >= wakes;
+}
+
+bool CondensedBonds::note_look(int body, double root, const CementOptions& options, const Law& law) {
+  const int part = part_of(body);
+  return part >= 0 ? note_look(static_cast<std::size_t>(part), root, options, law) : false;
 }
 
 std::size_t CondensedBonds::memory_usage() const {

@@ -97,8 +97,12 @@ class CondensedBonds {
   // Work of commands that changed the velocities of grains between two runs by the jumps of the sides: the cement follows.
   double work_of_commands(const Bonds& bonds, double dt_last) const;
 
-  // Those of this rank that have to wake, ascending. Looks at the points of a bond, or of its pattern, only where a bound does not tell.
-  std::vector<int> due(Bonds& bonds, const CementOptions& options, const Law& law);
+  // Those of this rank that have to wake. Looks at the points of a bond, or of its pattern, only where a bound does not tell.
+  // An average over points of several ranks is not for one rank to find. Such bonds go to `together`: all ranks are to look, and to tell note_look().
+  std::vector<int> due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together);
+  // The largest root of the drive that the points of a condensed bond have now, on any rank. Has the bond to wake?
+  bool note_look(int body, double root, const CementOptions& options, const Law& law);
+  bool any_cut() const { return !cut_.empty(); }  // by ranks; the same on all of them
   // Of the nodes of a bond, three numbers each; the velocity is that of the grains, `later` of their acceleration later.
   struct NodeMotion {
     std::vector<double> displacement, velocity, acceleration;
@@ -152,6 +156,7 @@ class CondensedBonds {
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
   bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split);  // collective; false: no field was found
   double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
+  bool note_look(std::size_t part, double root, const CementOptions& options, const Law& law);
   void show_strain(Bond& bond, int part) const;
 
   void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;

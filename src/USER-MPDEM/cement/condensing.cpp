@@ -7,6 +7,7 @@
 #include "../mpm/field_drive.h"
 #include "../mpm/point_state.h"
 #include "../parallel/agree.h"
+#include "nonlocal.h"
 #include "pattern_layouts.h"
 #include "rigid_pieces.h"
 
@@ -109,9 +110,28 @@ void Condensing::book_changes() {
   scene_.books.damp(again_.energy);
 }
 
+std::vector<int> Condensing::rows_that_are_due() {
+  std::vector<int> together;
+  std::vector<int> mine = condensed_.due(scene_.bonds, scene_.options, *scene_.law, together);
+  if (!scene_.options.skip.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
+  together = scene_.agreed_rows(together);
+  if (!together.empty()) {
+    for (int row : together)
+      if (Bond* b = scene_.bonds.find(row)) condensed_.show_strain(*b);
+    average_cut_drives(scene_, together);
+    std::vector<double> roots(together.size(), 0.0);
+    for (std::size_t n = 0; n < roots.size(); ++n)
+      if (const Bond* b = scene_.bonds.find(together[n])) roots[n] = largest_root_of_drive(b->points, *scene_.law, &b->grid);
+    MPI_Allreduce(MPI_IN_PLACE, roots.data(), static_cast<int>(roots.size()), MPI_DOUBLE, MPI_MAX, scene_.comm);
+    for (std::size_t n = 0; n < roots.size(); ++n)
+      if (condensed_.note_look(together[n], roots[n], scene_.options, *scene_.law)) mine.push_back(together[n]);
+  }
+  return scene_.agreed_rows(mine);
+}
+
 void Condensing::wake() {
   if (!condensed_.any()) return;
-  const std::vector<int> rows = ask_for_points(scene_.agreed_rows(condensed_.due(scene_.bonds, scene_.options, *scene_.law)));
+  const std::vector<int> rows = ask_for_points(rows_that_are_due());
   if (rows.empty()) return;
   const std::array<double, 3> weight = scene_.weight();
   woken_.rows = rows;

@@ -47,6 +47,7 @@ class Condensing {
   void condense_again();
   void take_patterns(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
+  std::vector<int> rows_that_are_due();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);
   void mark_pieces(const std::vector<int>& rows);

@@ -23,27 +23,8 @@ Bond* cut_bond(const Scene& scene, int row) {
 
 }  // namespace
 
-void average_drives(Scene& scene, bool any_bond_is_cut) {
-  if (!scene.options.skip.nonlocal) return;
-  scene.timer.start(StepTimer::kPoints);
+void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
   const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
-  std::vector<int> rows;
-  if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
-  for (Bond& b : scene.bonds.awake()) {
-    // In sleep the averages are those of before.
-    if (b.resting.asleep()) continue;
-    if (b.cut_by_ranks()) {
-      if (!std::binary_search(rows.begin(), rows.end(), b.body)) b.grid.drive_average.clear();
-      continue;
-    }
-    if (!b.near_threshold) {
-      b.grid.drive_average.clear();
-      continue;
-    }
-    b.average.find(b.points, b.grid, *scene.law, sweeps, !scene.options.updated);
-    if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
-  }
-  if (rows.empty()) return;
   std::vector<Bond*> cut;
   for (int row : rows)
     if (Bond* b = cut_bond(scene, row)) cut.push_back(b);
@@ -65,6 +46,30 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
     for (Bond* b : cut) b->average.sweep(b->points, b->grid, sweeps, k);
     if (!sweeps.is_last(k)) sum(&DriveAverage::sums);
   }
+}
+
+void average_drives(Scene& scene, bool any_bond_is_cut) {
+  if (!scene.options.skip.nonlocal) return;
+  scene.timer.start(StepTimer::kPoints);
+  const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
+  std::vector<int> rows;
+  if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
+  for (Bond& b : scene.bonds.awake()) {
+    // In sleep the averages are those of before.
+    if (b.resting.asleep()) continue;
+    if (b.cut_by_ranks()) {
+      if (!std::binary_search(rows.begin(), rows.end(), b.body)) b.grid.drive_average.clear();
+      continue;
+    }
+    if (!b.near_threshold) {
+      b.grid.drive_average.clear();
+      continue;
+    }
+    b.average.find(b.points, b.grid, *scene.law, sweeps, !scene.options.updated);
+    if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
+  }
+  if (rows.empty()) return;
+  average_cut_drives(scene, rows);
   if (scene.options.updated) return;
   std::vector<double> largest(rows.size(), 0.0);
   for (std::size_t n = 0; n < rows.size(); ++n)

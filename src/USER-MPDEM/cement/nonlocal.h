@@ -5,12 +5,17 @@
 #ifndef MPDEM_CEMENT_NONLOCAL_H
 #define MPDEM_CEMENT_NONLOCAL_H
 
+#include <vector>
+
 #include "scene.h"
 
 namespace mpdem {
 
 // Collective. Leaves the averages with the grids, for the pass over the points; nothing without nonlocal damage. any_bond_is_cut: by ranks, on any rank.
 void average_drives(Scene& scene, bool any_bond_is_cut);
+
+// Collective. The averages of bonds that ranks cut, with the strain that their points have. rows: the same on all ranks.
+void average_cut_drives(Scene& scene, const std::vector<int>& rows);
 
 }  // namespace mpdem
 

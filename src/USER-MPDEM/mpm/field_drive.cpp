@@ -61,6 +61,24 @@ double margin_of_root(const Law& law, double b, double root, double most) {
   });
 }
 
+double bound_of_averages(const Law& law) {
+  return with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0) return root<L>(1.0 / std::min(1.0, l.interface()));
+    return 1.0;
+  });
+}
+
+double margin_of_average(const Law& law, double b, double root, double most) {
+  const double lacking = std::sqrt(most) - std::sqrt(root), norm = lacking > 0.0 ? lacking * lacking : 0.0;
+  return with_law(law, [&](const auto& l) {
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0)
+      if (L::kDegree == 2) return std::sqrt(b * b + norm * norm) - b;
+    return norm;
+  });
+}
+
 void find_strain_bounds(const PointStore& points, const std::array<std::vector<Sym3<vd>>, 6>& strain, const Law& law, double* bound) {
   std::fill(bound, bound + 6, 0.0);
   with_law(law, [&](const auto& l) {

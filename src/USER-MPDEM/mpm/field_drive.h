@@ -25,6 +25,10 @@ void find_strain_bounds(const PointStore& points, const std::array<std::vector<S
 // So much may sum |change of d_j| bound[j] become before a root may reach `most`: of degree 2 the square of a root changes by 2 b c + c^2 at most,
 // where b bounds the root, of degree 1 the root by c.
 double margin_of_root(const Law& law, double b, double root, double most);
+// The same of averages (drive_average.h), which are means of roots of norms: where the norm of a point is 0 its root grows most.
+double margin_of_average(const Law& law, double b, double root, double most);
+// An average goes from points to one whose threshold may be lower, by the factor of those that touch a grain: so many times the bound of points bounds it.
+double bound_of_averages(const Law& law);
 
 // The largest root of the points with the strain that they have. averages: a grid that has those of the drive over a length, if they count.
 double largest_root_of_drive(const PointStore& points, const Law& law, const Grid* averages);
