@@ -65,7 +65,14 @@ def arguments():
     for name in args.scenes:
         if name not in SCENES:
             p.error(f"--scenes {name}: must be of {', '.join(SCENES)}")
-    args.ranks = [int(n) for n in args.ranks.split(",")]
+    try:
+        args.ranks = [int(n) for n in args.ranks.split(",")]
+    except ValueError:
+        args.ranks = []
+    if not args.ranks or min(args.ranks) < 1:
+        p.error("--ranks: must be whole numbers of at least 1, with commas between them")
+    if args.time < 0:
+        p.error(f"--time {args.time}: must be 0 or more")
     for exe in (args.old, args.new):
         if not os.access(exe, os.X_OK):
             p.error(f"{exe}: no such executable; build it with make")
@@ -140,7 +147,10 @@ def table_differs(old, new, first_failure):
     found = [(0.0, "no row"), (0.0, "no row")]
     for name in (c for c in old_head if c in new_head):
         a, b = column(old_rows, old_head.index(name)), column(new_rows, new_head.index(name))
-        if np.isnan(a).any() or np.isnan(b).any():
+        if (np.isnan(a) != np.isnan(b)).any():
+            found = [(np.inf, name)] * 2  # a number in one table alone
+            break
+        if np.isnan(a).any():
             continue  # words, which the events are compared by
         difference = np.abs(a - b) / max(np.abs(a).max(initial=0.0), 1e-300)
         for n, chosen in enumerate((step < first_failure, step >= 0)):

@@ -71,7 +71,9 @@ def plan(args):
         if test not in ("compression", "tension"):
             raise run.Trouble(f"--tests {test}: must be compression or tension")
     contents = sorted(args.contents)
-    reference = args.at or contents[len(contents) // 2]
+    if args.at is not None and not 0.0 < args.at < 1.0:
+        raise run.Trouble(f"--at {args.at}: must be above 0 and below 1")
+    reference = contents[len(contents) // 2] if args.at is None else args.at
     poured = specimen.Pour(args.beads, extra)
     cements = {c: specimen.Cement(c, poured, extra) for c in sorted({*contents, reference})}
     loads = [specimen.Load(test, c, 0.0, cements[c], extra) for c in contents for test in tests]

@@ -359,8 +359,18 @@ class RowOfGrains : public CementHost {
     std::vector<Grain> now = own_.empty() ? cement->grains().grains : std::move(own_);
     own_.clear();
     for (Grain& g : now) {
-      g.state = &states_.at(g.tag);
-      g.sides.clear();
+      Grain fresh;  // has what LIGGGHTS and GrainState keep
+      fresh.tag = g.tag;
+      std::copy(g.x, g.x + 3, fresh.x);
+      std::copy(g.velocity, g.velocity + 6, fresh.velocity);
+      std::copy(g.force, g.force + 6, fresh.force);
+      std::copy(g.free, g.free + 6, fresh.free);
+      std::copy(g.moved, g.moved + 3, fresh.moved);
+      fresh.mass = g.mass;
+      fresh.inertia = g.inertia;
+      fresh.radius = g.radius;
+      fresh.state = &states_.at(g.tag);
+      g = fresh;
     }
     return now;
   }

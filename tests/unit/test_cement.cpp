@@ -158,6 +158,31 @@ INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, fals
                            return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") + (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
+// A link that let go, and then its point, which fails: each is something new to look at.
+TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
+  RowOfGrains host(MPI_COMM_SELF, Row());
+  host.setup();
+  Bond& bond = *host.bonds.find(0);
+  CementOptions options = host.cement->options();
+  options.split = true;
+  Cracks cracks;
+  cracks.take_up(1);
+  const auto look = [&] { cracks.look(MPI_COMM_SELF, host.bonds, Sheets(), options, true, false); };
+  look();
+  EXPECT_TRUE(cracks.has_seen(bond));
+  Link& link = bond.points.links.front();
+  link.attached = false;
+  EXPECT_FALSE(cracks.has_seen(bond));
+  bond.link_step.let_go = {0};
+  cracks.watch_links(bond);
+  ASSERT_TRUE(cracks.some_path_is_cut(MPI_COMM_SELF));
+  look();
+  EXPECT_TRUE(cracks.has_seen(bond));
+  EXPECT_FALSE(cracks[0].path.empty());
+  bond.points.meta[link.slot / kLanes].failed |= static_cast<std::uint8_t>(1u << link.slot % kLanes);
+  EXPECT_FALSE(cracks.has_seen(bond));
+}
+
 // With central differences the velocity at a step is the way from the step before to that after it, over twice the time.
 TEST(Report, VelocityOfPointsIsThatOfTheirWay) {
   Row r;

@@ -84,6 +84,14 @@ TEST(Coating, VolumeAgainstQuadrature) {
   expect_within(own, 1e-12, "volume_by_quadrature");
 }
 
+// Slices of a thin shell are differences of nearly equal disks, whose rounding no finer rule takes away.
+TEST(Coating, VolumeOfThinShellsByQuadrature) {
+  for (double share : {3e-4, 1e-4, 1e-5, 1e-6}) {
+    const Coating coating({5e-3, 4e-3, 0.0, Vector(0, 0, 1)}, share * 5e-3, M_PI, 0.0);
+    EXPECT_NEAR(volume_by_quadrature(coating) / coating.volume(), 1.0, 1e-15 / share) << share;
+  }
+}
+
 TEST(Coating, ContentOfAPairOfBeads) {
   const GrainPair beads{5e-3, 5e-3, 0.0, Vector(0, 0, 1)};
   const double table[][3] = {{0.001, 0.0015, 0.124}, {0.01, 0.0153, 0.392}, {0.05, 0.076, 0.875},
@@ -151,10 +159,17 @@ TEST(Coating, RefusesWhatIsNoBody) {
   EXPECT_NE(error(apart, 4e-4, M_PI, 0).find("gap"), std::string::npos);
   for (double bad : {-1e-6, 2e-3, nan})
     EXPECT_NE(error(p, 1e-4, M_PI, bad).find("inner radius"), std::string::npos) << bad;
+  // the ring in which the coatings meet may be wider than a small grain
+  const GrainPair unequal{5e-3, 1e-3, 0.0, Vector(0, 0, 1)};
+  EXPECT_EQ(error(unequal, 8e-4, M_PI, 9.9e-4), "");
+  EXPECT_NE(error(unequal, 8e-4, M_PI, 1.5e-3).find("inside the smaller grain"), std::string::npos);
   for (double bad : {0.0, -1e-9, 1.0, nan}) {
     const std::string why = test::shape_error([&] { Coating::thickness_for_volume(p, bad, M_PI, 0); });
     EXPECT_NE(why.find("volume"), std::string::npos) << bad;
   }
+  // what is wrong beside the volume is told
+  EXPECT_NE(test::shape_error([&] { Coating::thickness_for_volume(p, 1e-9, 2.0, 0); }).find("must lie in (0, 90]"), std::string::npos);
+  EXPECT_NE(test::shape_error([&] { Coating::thickness_for_volume(p, 1e-9, M_PI, 3.5e-3); }).find("inner radius"), std::string::npos);
 }
 
 }  // namespace

@@ -100,6 +100,20 @@ TEST(Hourglass, OuterForVolumeInverts) {
       [](const HourglassCase& c, double V) { return Hourglass::outer_for_volume(c.pair, V, c.waist, c.inner); }, 1e-9, "outer radius");
 }
 
+// The message names the largest volume. It fits, and a little more does not.
+TEST(Hourglass, LargestVolumeFits) {
+  const GrainPair p{5e-3, 5e-3, 1e-4, Vector(0, 0, 1)};
+  const double waist = 0.6;
+  const std::string why = test::shape_error([&] { Hourglass::outer_for_volume(p, 1e-6, waist, 0.0); });
+  const std::string words = "at most ";
+  ASSERT_NE(why.find(words), std::string::npos) << why;
+  const double most = std::stod(why.substr(why.find(words) + words.size()));
+  const double outer = Hourglass::outer_for_volume(p, most * (1.0 - 1e-5), waist, 0.0);
+  EXPECT_EQ(test::shape_error([&] { Hourglass(p, outer, waist, 0.0); }), "");
+  EXPECT_NE(test::shape_error([&] { Hourglass(p, outer * (1.0 + 2e-5), waist, 0.0); }).find("cuts into the grains"), std::string::npos);
+  EXPECT_NE(test::shape_error([&] { Hourglass::outer_for_volume(p, 1e-12, 1.5, 0.0); }).find("must lie in (0, 1]"), std::string::npos);
+}
+
 TEST(Hourglass, WithoutAWaistIsFlat) {
   for (const GrainPair& p : test::pairs()) {
     const Hourglass h(p, 2e-3, 1.0, 1.2e-3);

@@ -91,8 +91,8 @@ TEST(PointState, OfAFileIsTakenUpByTheLaw) {
   EXPECT_EQ(take_up_states(whole, none), "");
   EXPECT_NE(take_up_states(over, law).find("point 3 has damage 0.8, above the cut-off 0.7; raise 'cutoff'"), std::string::npos);
   over = with(0.8, false);
-  EXPECT_EQ(take_up_states(over, none), "material point 3 has damage 0.8, which needs 'damage tensor'");
-  EXPECT_EQ(take_up_states(failed, none), "material point 3 has damage 0, and has failed, which needs 'damage tensor'");
+  EXPECT_EQ(take_up_states(over, none), "material point 3 has damage 0.8, which needs a law of damage, 'damage tensor' for instance");
+  EXPECT_EQ(take_up_states(failed, none), "material point 3 has damage 0, and has failed, which needs a law of damage, 'damage tensor' for instance");
   EXPECT_EQ(take_up_states(failed, law), "");
   for (PointStore* s : {&good, &failed}) {
     const std::string other = take_up_states(*s, none);

@@ -283,6 +283,7 @@ TEST(Substeps, MomentOfSpreadLoads) {
     before[d] = moment(d);
   }
   for (int n = 0; n < 60; ++n) {
+    if (n % 2) host.hand_over_at(host.number + 1, -1, 0);  // atoms are exchanged between the sub-steps and the forces
     host.step();
     const Sums s = sums_of(host);
     for (int d = 0; d < 3; ++d) {

@@ -49,6 +49,7 @@ struct Bond {
   ConsistentMass mass;                    // `mass_order 2` only
   bool places_may_move = true;            // points failed since they were looked at
   std::vector<int> failed;                // slots that failed in this step, ascending
+  std::vector<int> let_go_of_failed;      // links of the store that let go with them, ascending
   LinkStep link_step;                     // of the traction law
   std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
   std::vector<double> filtered;           // that of the part before the nodes move, xpic only

@@ -87,6 +87,7 @@ void Cement::refresh_added_mass() {
 }
 
 void Cement::change_step() {
+  scene_.grains.start_spreading(scene_.now.substeps);
   if (scene_.penalty && !scene_.options.updated)
     scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), scene_.kick()); }, [&] { refresh_added_mass(); });
   else

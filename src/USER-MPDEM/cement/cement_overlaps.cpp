@@ -3,6 +3,7 @@
 //
 // New cement against what is there: other cement, of this command or before, other grains, numbers, the box.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <unordered_map>
@@ -39,11 +40,15 @@ class PointsNear {
   }
 
  private:
-  static long key(long i, long j, long k) { return (i * 73856093L) ^ (j * 19349663L) ^ (k * 83492791L); }
+  using Cell = std::array<long, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& c) const { return (c[0] * 73856093L) ^ (c[1] * 19349663L) ^ (c[2] * 83492791L); }
+  };
+  static Cell key(long i, long j, long k) { return {i, j, k}; }
   long cell(double x) const { return static_cast<long>(std::floor(x / width_)); }
   const std::vector<FillPoint>& fill_;
   double width_;
-  std::unordered_multimap<long, int> near_;
+  std::unordered_multimap<Cell, int, Hash> near_;
 };
 
 // Coordinates of the box in those of a body.

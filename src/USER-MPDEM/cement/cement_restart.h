@@ -41,7 +41,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 15;
+  static constexpr int kVersion = 16;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -85,7 +85,7 @@ struct CementHead {
 };
 
 struct BondRow {
-  double failed_seen = 0.0;  // number of failed points when the bond was looked at last
+  double broken_seen = 0.0;  // number of failed points and of links that let go when the bond was looked at last
   SeparatingSurface separation;
   double peak = 0.0;       // largest tension
   double broken_at = 0.0;  // Cracks::State::broken_at, a number of steps
@@ -94,7 +94,7 @@ struct BondRow {
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& b, Visitor& visit) {
-    visit("the number of failed points of a bond", b.failed_seen, kNotNegative);
+    visit("the number of failed points and links of a bond", b.broken_seen, kNotNegative);
     visit.part(b.separation);
     visit("the largest tension of a bond", b.peak, kFinite);
     visit("the step at which a bond was broken", b.broken_at, kNotNegative);

@@ -20,6 +20,8 @@ void Condensing::choose() {
     if (!b.in_motion) b.condensed = scene_.options.condense && scene_.penalty;
     if (b.condensed && !scene_.options.condense)
       throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1], " still is; use 'condense yes'"));
+    if (b.condensed && !scene_.penalty)
+      throw BadState(text_of("the bond of grains ", b.grain[0], " and ", b.grain[1], " is condensed, but nothing holds it to its grains; use 'fix mpm/couple' as in the steps before"));
   }
   scene_.bonds.awake_changed();
 }

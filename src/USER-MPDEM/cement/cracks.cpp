@@ -79,11 +79,11 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   return p;
 }
 
-// Points that failed, and links that let go of points that hold.
+// Points that failed, and links that let go. Each counts by itself, so that whatever breaks changes the sum.
 double count_broken(const PointStore& points) {
   int count = 0;
   for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
-  for (const Link& k : points.links) count += !k.attached && !(points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
+  for (const Link& k : points.links) count += !k.attached;
   return count;
 }
 
@@ -194,7 +194,7 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), again, 1, reach);
 }
 
-bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].failed_seen; }
+bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].broken_seen; }
 
 // Whose path is cut, and where something broke since. Debris is looked for in all: it may be in any bond that came apart.
 std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
@@ -216,8 +216,8 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   std::vector<int> looked_at;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    if (now[n] == s.failed_seen) continue;
-    s.failed_seen = now[n];
+    if (now[n] == s.broken_seen) continue;
+    s.broken_seen = now[n];
     looked_at.push_back(rows[n]);
   }
   return looked_at;

@@ -25,7 +25,7 @@ class Cracks {
   // Of each row of the table, the same on all ranks but for path_cut.
   struct State {
     SeparatingSurface separation;
-    double failed_seen = 0;  // points, when it was looked at
+    double broken_seen = 0;  // points that failed and links that let go, when it was looked at
     std::vector<int> path;   // tags, ascending, see separation.h; empty: not known
     bool path_cut = false;   // on this rank
     bool untied = false;     // came apart, and has no ties in the present layout

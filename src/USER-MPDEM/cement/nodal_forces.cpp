@@ -20,7 +20,7 @@ void NodalForces::let_go(Bond& b) {
   b.mass.forget();
   b.impulse.forget();
   b.sort_links();
-  b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
+  b.let_go_of_failed = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
   if (scene_.touches()) {
     pass_.released += b.places.end(b.points, b.grid, scene_.grains.side_of(b), b.failed, scene_.now.dt);
     open_places(scene_, b, b.failed, {});

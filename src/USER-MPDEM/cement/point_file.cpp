@@ -109,7 +109,7 @@ class Columns {
 };
 
 double number(const std::string& word, const std::string& column, const std::string& place) {
-  const char* first = word.c_str() + (word[0] == '+' ? 1 : 0);
+  const char* first = word.c_str() + (word[0] == '+' && word[1] != '-' ? 1 : 0);
   const char* last = word.c_str() + word.size();
   double v = 0.0;
   const auto r = std::from_chars(first, last, v);

@@ -64,7 +64,7 @@ void BondedGrains::spread_loads(int n) {
     }
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
-      s.between[3 + d] -= (g.bent[e] * before[f] - g.bent[f] * before[e]) / (n - 1);
+      s.between[3 + d] -= (s.bent[e] * before[f] - s.bent[f] * before[e]) / (n - 1);
     }
   }
 }

@@ -80,7 +80,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::vector<LoadWatch::Sums> loads = watch.sums_of_all(scene_.comm);
   for (std::size_t r = 0; r < peaks.size(); ++r) {
     const Cracks::State s = r < cracks().size() ? cracks()[r] : Cracks::State();
-    BondRow row{s.failed_seen, s.separation, peaks[r], static_cast<double>(s.broken_at), watch.largest(r)};
+    BondRow row{s.broken_seen, s.separation, peaks[r], static_cast<double>(s.broken_at), watch.largest(r)};
     std::copy(loads[r].begin(), loads[r].end(), row.loads);
     append(row, all);
   }
@@ -98,7 +98,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
   for (int r = 0; r < bodies; ++r) {
     BondRow row;
     in.read(row);
-    cracks[r].failed_seen = row.failed_seen;
+    cracks[r].broken_seen = row.broken_seen;
     cracks[r].separation = row.separation;
     peaks[r] = row.peak;
     cracks[r].broken_at = static_cast<std::int64_t>(row.broken_at);

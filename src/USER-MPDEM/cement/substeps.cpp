@@ -80,8 +80,8 @@ void Substeps::move_grains() {
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
       // to the mean of both ends of the step, beginning at its start
-      if (scene_.substep == 1) g.bent[d] = 0.0;
-      g.bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways_[i].from[d]) : ways_[i].from[d] - g.x[d];
+      if (scene_.substep == 1) g.state->bent[d] = 0.0;
+      g.state->bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways_[i].from[d]) : ways_[i].from[d] - g.x[d];
     }
   }
   scene_.grains.turn(dt);

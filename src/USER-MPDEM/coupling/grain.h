@@ -25,9 +25,8 @@ struct Grain {
   double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
   double moved[3] = {0, 0, 0};             // displacement in this step
   // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, what of it is the impulse
-  // of other sub-steps, what accelerates the grain in the next sub-step, and how far its places in the sub-steps were from the mean of the ends of the step.
+  // of other sub-steps, and what accelerates the grain in the next sub-step.
   double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
-  double bent[3] = {0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: that which is expected of prescribed motion, or that found by the cement
   double made_for = 0;                     // the radius when its cement was made
   GrainState* state = nullptr;

@@ -23,11 +23,13 @@ struct GrainState {
   double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
   // With sub-steps, see cement/spread_loads.cpp: the loads of the host are spread, the means that they are spread by, each of the one before, how far loads
-  // are off on the average and on the average of squares, and what is spread at the end of the step.
+  // are off on the average and on the average of squares, what is spread at the end of the step, and how far the places in the sub-steps were from the mean of the
+  // ends of the step, in all. The last is found before grains go to other ranks, and used after.
   bool spread = false;
   double mean[18] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   double off[6] = {0, 0, 0, 0, 0, 0}, off_squared = 0.0;
   double between[6] = {0, 0, 0, 0, 0, 0};
+  double bent[3] = {0, 0, 0};
 
   // What acts in each sub-step of the next step of the host.
   const double* held() const { return mean + 12; }
@@ -52,6 +54,7 @@ struct GrainState {
       visit("how far the load of a bonded grain is off its mean", g.off, kFinite);
       visit("how far the square of the load of a bonded grain is off its mean", g.off_squared, kNotNegative);
       visit("the load of a bonded grain between steps", g.between, kFinite);
+      visit("how far the way of a bonded grain in its sub-steps is bent", g.bent, kFinite);
     }
   }
 };

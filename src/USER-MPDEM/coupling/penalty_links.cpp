@@ -445,13 +445,14 @@ vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& g
   return of(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
 }
 
-void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
+std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
   std::vector<int> of_failed;  // ascending; most points have none
   for (int slot : failed) {
     const auto [first, end] = of_slot(points.links, slot);
     for (auto k = first; k != end; ++k) of_failed.push_back(static_cast<int>(k - points.links.begin()));
   }
-  if (of_failed.empty() || blocks_.empty()) return;
+  std::vector<int> gone;
+  if (of_failed.empty() || blocks_.empty()) return gone;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
@@ -460,8 +461,12 @@ void PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, co
       for (int l = 0; l < kLanes; ++l)
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l])) freed |= static_cast<std::uint8_t>(1u << l);
       if (freed) release(i, freed, energy_of_ending(law, i, grid, side[b.side], dt), law.keeps_skins(), points, released);
+      for (int l = 0; l < kLanes && !law.keeps_skins(); ++l)
+        if (freed >> l & 1) gone.push_back(b.link[l]);
     }
   });
+  std::sort(gone.begin(), gone.end());
+  return gone;
 }
 
 void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, double& U) const {

@@ -101,9 +101,10 @@ class PenaltyLinks {
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
   // Frees the links of points that failed (slots, ascending; links of the store ascend in slot), and adds the energy they gave up to `released`. With a law that keeps
-  // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it.
+  // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came off it. Answers those of the store
+  // that let go, ascending.
   // Links that let go count for the added mass until drop_inertia() is called.
-  void let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released);
+  std::vector<int> let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released);
   bool drop_inertia(PointStore& points);  // true if some were inert
   // The blocks that a new layout would have, where points and nodes stay as they are.
   void leave_out_dropped(const PointStore& points, const Body& body);

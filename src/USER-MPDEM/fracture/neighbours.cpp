@@ -40,9 +40,10 @@ bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
   const int other = face_[i][face];
   if (other < 0 || points_[i].failed || points_[other].failed) return false;
   const int m = across_, width = 2 * m - 1, d = face / 2, e = (d + 1) % 3, g = (d + 2) % 3;
-  std::array<int, 2> pairs[49];
-  bool cut[49], present[49];
-  if (width * width > 49 || m == 1) {
+  constexpr int kMostFaces = (2 * kMostAcross - 1) * (2 * kMostAcross - 1);
+  std::array<int, 2> pairs[kMostFaces];
+  bool cut[kMostFaces], present[kMostFaces];
+  if (m == 1) {
     if (beside) *beside = {i, other};
     return true;
   }

@@ -34,10 +34,13 @@ struct CrackPoint {
 // Ascending.
 using JoinedNodes = std::vector<std::array<int, 3>>;
 
+// Points that a bridge may have to be wide at most: those of a cell in one direction.
+constexpr int kMostAcross = 16;
+
 class Neighbours {
  public:
   // joined: where there are sheets; support: nodes a direction.
-  // across: points that a bridge is wide at least, in both directions. A face between points that hold belongs to a bridge if a square of
+  // across: points that a bridge is wide at least, in both directions, up to kMostAcross. A face between points that hold belongs to a bridge if a square of
   // so many faces around it has no failed point beside it; at a rim, one of the squares that hold most faces. A narrower bridge is not
   // resolved by a grid whose cells are as wide: it has fewer strains than its nodes have ways to move, and carries next to nothing.
   explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0, int across = 1);

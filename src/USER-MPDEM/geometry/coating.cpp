@@ -40,9 +40,10 @@ Coating::Coating(const GrainPair& pair, double thickness, double cap, double inn
     const double need = std::max(overlap_angle(pair, 0, thickness), overlap_angle(pair, 1, thickness));
     if (cap < need) why << "cap " << cap / kDegree << " degrees cuts into the bond; use more than " << need / kDegree;
   }
-  if (why.str().empty() && !(this->inner() < ring()))
-    why << "inner radius " << this->inner() << " must lie in [0, " << ring() << "), inside the ring in which the coatings meet"
-        << "; use a smaller spacing or a thicker coating";
+  const double smaller = std::min(pair.R1, pair.R2);
+  if (why.str().empty() && !(this->inner() < std::min(ring(), smaller)))
+    why << "inner radius " << this->inner() << " must lie in [0, " << std::min(ring(), smaller) << "), inside "
+        << (ring() < smaller ? "the ring in which the coatings meet; use a smaller spacing or a thicker coating" : "the smaller grain; use a smaller 'inner'");
   if (!why.str().empty()) throw ShapeError(why.str());
 }
 
@@ -61,6 +62,7 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
     most = bisect_rising(
         [&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *
         (1.0 - 1e-12);
+  if (volume_of(most) == 0.0) Coating(pair, most, cap, inner);  // whose message tells what is wrong beside the volume
   if (!(volume > 0.0) || volume_of(most) < volume) {
     std::ostringstream why;
     why << "a coating of volume " << volume << " does not fit: on these grains it holds more than 0 and at most "

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 
 #include "shape_styles.h"
 
@@ -26,6 +27,12 @@ double taken_by_the_waist(const GrainPair& pair, double a, double waist) {
   return 2.0 * M_PI / 3.0 * pair.thickness(a) * a * a * (1.0 - waist) * (1.0 + waist);
 }
 
+std::string trouble_with_waist(double waist) {
+  std::ostringstream why;
+  why << "waist " << waist << " must lie in (0, 1]: radius of the waist over outer radius";
+  return why.str();
+}
+
 }  // namespace
 
 Hourglass::Hourglass(const GrainPair& pair, double outer, double waist, double inner)
@@ -34,7 +41,7 @@ Hourglass::Hourglass(const GrainPair& pair, double outer, double waist, double i
   if (!(outer > 0.0 && outer <= smaller(pair))) {
     why << "outer radius " << outer << " must lie in (0, " << smaller(pair) << "], the smaller grain's radius";
   } else if (!(waist > 0.0 && waist <= 1.0)) {
-    why << "waist " << waist << " must lie in (0, 1]: radius of the waist over outer radius";
+    why << trouble_with_waist(waist);
   } else if (neck_ <= pair.contact_radius()) {
     why << "neck radius " << neck_ << " is inside the overlap of the grains; use more than " << pair.contact_radius();
   } else if (!leaves_the_spheres(pair, outer, waist)) {
@@ -66,13 +73,19 @@ double Hourglass::outer_for_volume(const GrainPair& pair, double volume, double 
     if (allowed && from < 0.0) from = bisect_rising([&](double b) { return leaves_the_spheres(pair, b, waist) ? 1.0 : -1.0; }, before, a);
     if (allowed) to = a;
     if (!allowed && from >= 0.0) {
-      for (int i = 0; i < 60; ++i) (leaves_the_spheres(pair, 0.5 * (to + a), waist) ? to : before) = 0.5 * (to + a);
+      double beyond = a;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (to + beyond);
+        (leaves_the_spheres(pair, middle, waist) ? to : beyond) = middle;
+      }
       break;
     }
     before = a;
   }
   std::ostringstream why;
-  if (from < 0.0)
+  if (!(waist > 0.0 && waist <= 1.0))
+    why << trouble_with_waist(waist);
+  else if (from < 0.0)
     why << "no hourglass of waist " << waist << " leaves the grains; use a waist nearer to 1";
   else if (!(volume > 0.0 && volume >= volume_of(from) && volume <= volume_of(to)))
     why << "an hourglass of volume " << volume << " and waist " << waist << " does not fit: between these grains it holds at least "

@@ -27,7 +27,7 @@ class NoDamage final : public LawOf<NoDamage> {
   std::string report(double) const override { return "  damage    none\n"; }
   void state_from_tensor(const double* D, double*) const override {
     for (int i = 0; i < kMostFields; ++i)
-      if (D[i] != 0.0) throw std::domain_error("which needs 'damage tensor'");
+      if (D[i] != 0.0) throw std::domain_error("which needs a law of damage, 'damage tensor' for instance");
   }
 
   Sym3<vd> stress(const Sym3<vd>& strain, State) const { return elasticity().stress(strain); }

@@ -104,7 +104,8 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
     DamageParameters q = p;
     q.exponent = m;
     const std::optional<Localisation> band = localise(softening_curve(q), q.Dcut);
-    if (!band) throw std::logic_error("no band for a crack");
+    if (!band)
+      throw std::domain_error(text_of("with the cut-off ", p.Dcut, " the band of a crack has no width: strains in it would be too far above those beside it; use 'cutoff 0.999' or less"));
     return std::log(band->energy);
   };
   const double wanted = std::log(G_f / unit);

@@ -228,9 +228,13 @@ bool UpdatedPass::pack(PointStore& points, const Grid& grid, int node) {
     while (to == least || points.meta[to].occupied == 0xff || points.meta[to].occupied == 0) to = next_in_cell_[to];
     int lane = 0;
     while (points.meta[to].occupied >> lane & 1) ++lane;
-    packed_.push_back({kLanes * least + l, kLanes * to + lane});
-    points.take(points, packed_.back().from, packed_.back().to);
-    points.empty_lane(packed_.back().from, grid.h, grid.basis);
+    const Move m{kLanes * least + l, kLanes * to + lane};
+    points.take(points, m.from, m.to);
+    points.empty_lane(m.from, grid.h, grid.basis);
+    // a block that took points of an emptier one may be the emptiest now
+    const auto earlier = std::find_if(packed_.begin(), packed_.end(), [&](const Move& p) { return p.to == m.from; });
+    if (earlier != packed_.end()) earlier->to = m.to;
+    else packed_.push_back(m);
   }
   return linked;
 }

@@ -32,7 +32,7 @@ std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
   for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
   const bool damaged = std::any_of(D, D + kMostStateFields, [](double v) { return v != 0.0; });
   if (law.inert() && (failed || damaged))
-    return text_of("damage ", largest_of(D), failed ? ", and has failed" : "", ", which needs 'damage tensor'");
+    return text_of("damage ", largest_of(D), failed ? ", and has failed" : "", ", which needs a law of damage, 'damage tensor' for instance");
   if (!damaged) return "";
   try {
     law.state_from_tensor(D, state);

@@ -58,7 +58,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // body, how many bodies, how many patterns of points, and whether a seal ends the file, which only host/restart_seal.cpp writes.
   // Bodies follow, the bytes again, the number of numbers of the patterns, these, and the bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 22, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
+  static constexpr int kRestartVersion = 23, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
   static inline bool restart_is_sealed = false;
 
   // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow a row. They are dealt out to the points evenly, so

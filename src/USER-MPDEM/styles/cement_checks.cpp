@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../fracture/neighbours.h"
 #include "../numerics/eigen3.h"
 #include "arguments.h"
 #include "atom.h"
@@ -131,6 +132,9 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& ta
       stop_all(lmp, who + text_of("'cell ", cell, "' leaves cells without points between those of spacing ", b.spacing, " between grains ",
                                          b.grain[0], " and ", b.grain[1], ", which would not hold together; use a cell of at least ",
                                          b.spacing, ", better two spacings, or create the cement with a smaller spacing"));
+    if (cell > (kMostAcross + 0.5) * b.spacing * (1.0 - 1e-9))
+      stop_all(lmp, who + text_of("'cell ", cell, "' is ", cell / b.spacing, " spacings of the cement between grains ", b.grain[0], " and ", b.grain[1], " wide, at most ",
+                                  kMostAcross, " are allowed; use a cell of two spacings, ", 2.0 * b.spacing));
     widest = std::max(widest, b.spacing);
     finest = std::min(finest, b.spacing);
   }

@@ -46,9 +46,10 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
   return e;
 }
 
-void FailureLog::add(const Bond& bond, const Body& body, bool skins, long step, double time) {
+void FailureLog::add(const Bond& bond, const Body& body, long step, double time) {
   if (name_.empty()) return;
   const PointStore& points = bond.points;
+  const std::vector<int>& gone = bond.let_go_of_failed;
   for (int slot : bond.failed) {
     Event e = event_at(bond, body, slot);
     e.step = step;
@@ -57,9 +58,9 @@ void FailureLog::add(const Bond& bond, const Body& body, bool skins, long step, 
     double place[3];
     for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
-    for (auto k = std::lower_bound(points.links.begin(), points.links.end(), slot, [](const Link& k, int s) { return k.slot < s; });
-         !skins && k != points.links.end() && k->slot == slot; ++k)
-      if (e.grain == 0 || k->grain == nearer) e.grain = k->grain;
+    for (auto k = std::lower_bound(gone.begin(), gone.end(), slot, [&](int link, int s) { return points.links[link].slot < s; });
+         k != gone.end() && points.links[*k].slot == slot; ++k)
+      if (e.grain == 0 || points.links[*k].grain == nearer) e.grain = points.links[*k].grain;
     events_.push_back(e);
   }
 }

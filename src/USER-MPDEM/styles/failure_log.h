@@ -27,8 +27,8 @@ class FailureLog {
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
-  // skins: the links of points that fail hold on, TractionLaw::keeps_skins().
-  void add(const Bond& bond, const Body& body, bool skins, long step, double time);
+  // Points that fail, with the links that let go with them; and links that let go of points that hold.
+  void add(const Bond& bond, const Body& body, long step, double time);
   void add_links(const Bond& bond, const Body& body, long step, double time);
   // Collective. Opens the file, anew or where it was continued; why not, if so.
   std::string open(MPI_Comm comm, bool continued);

@@ -362,6 +362,7 @@ void FixMpm::post_run() {
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
+    if (cement_->options().subcycle == 0) tell_substeps();
     report_->check_step(*cement_);
     cement_->change_step();
   });
@@ -394,7 +395,7 @@ std::array<double, 3> FixMpm::initial_velocity(int tag) {
 }
 
 void FixMpm::points_failed(const mpdem::Bond& bond) {
-  failures_.add(bond, avec_->bonds.body(bond), cement_->keeps_skins(), static_cast<long>(update->ntimestep), update->get_cur_time());
+  failures_.add(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
 }
 
 void FixMpm::links_let_go(const mpdem::Bond& bond) {

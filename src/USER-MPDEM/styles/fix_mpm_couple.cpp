@@ -77,12 +77,17 @@ FixMpm* FixMpmCouple::find_cement() const {
   return i < 0 ? nullptr : dynamic_cast<FixMpm*>(modify->fix[i]);
 }
 
-int FixMpmCouple::setmask() { return END_OF_STEP; }
-
-void FixMpmCouple::init() {
+// Fixes may come and go between runs.
+void FixMpmCouple::take_cement() {
   cement_ = find_cement();
   if (!cement_)
     mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): fix mpm '", cement_id_, "' is gone; unfix this one too"));
+}
+
+int FixMpmCouple::setmask() { return END_OF_STEP; }
+
+void FixMpmCouple::init() {
+  take_cement();
   size_array_rows = static_cast<int>(cement_->cement()->bonds.table.size());
   const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
@@ -249,12 +254,24 @@ void FixMpmCouple::write_table() {
 
 // Collective, unless found at this step already.
 double FixMpmCouple::value(int body, int column) {
+  check_bond(body);
   const mpdem::BondColumn& c = mpdem::bond_columns()[column];
   if (c.of_all()) return c.value(cement_->totals());
   return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[body]);
 }
 
-double FixMpmCouple::compute_scalar() { return cement_->loads()[0].tension; }
+// Variables and thermo output may ask between runs, when fix mpm is gone or there is no cement.
+void FixMpmCouple::check_bond(int body) {
+  take_cement();
+  const std::size_t bonds = cement_->cement()->bonds.table.size();
+  if (static_cast<std::size_t>(body) >= bonds)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): bond ", body + 1, " was asked for, but there are ", bonds, "; use create_cement first, or a number up to that"));
+}
+
+double FixMpmCouple::compute_scalar() {
+  check_bond(0);
+  return cement_->loads()[0].tension;
+}
 double FixMpmCouple::compute_vector(int n) { return value(0, n); }
 double FixMpmCouple::compute_array(int row, int column) { return value(row, column); }
 

@@ -38,6 +38,8 @@ class FixMpmCouple : public Fix {
 
  private:
   FixMpm* find_cement() const;
+  void take_cement();
+  void check_bond(int body);
   void check_friction();
   void check_integrators();
   void warn_of_length(const mpdem::TractionLaw& law);

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "atom.h"
 #include "fix_move.h"
@@ -22,17 +25,19 @@ const char* const kWords[] = {"PI",  "step", "dt",  "time", "sqrt",  "exp",  "ln
                               "asin", "acos", "atan", "atan2", "ceil", "floor", "round", "ramp", "stagger", "logfreq", "stride", "vdisplace",
                               "swiggle", "cwiggle"};
 
-// A variable of another style has numbers.
-bool variable_is_of_time_alone(LAMMPS* lmp, const std::string& name) {
+// Of formulas that refer to each other. seen: the variables on the way here, so that a circle, which LIGGGHTS tells of later, ends.
+bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen);
+
+// A variable of a style other than equal and atom has plain numbers.
+bool variable_is_of_time_alone(LAMMPS* lmp, const std::string& name, std::vector<std::string> seen) {
   Variable* variables = lmp->input->variable;
   const int place = variables->find(const_cast<char*>(name.c_str()));
-  if (place < 0 || variables->atomstyle(place)) return false;
-  return !variables->equalstyle(place) || is_of_time_alone(lmp, formula_of(variables, place));
+  if (place < 0 || variables->atomstyle(place) || std::find(seen.begin(), seen.end(), name) != seen.end()) return false;
+  seen.push_back(name);
+  return !variables->equalstyle(place) || is_of_time_alone(lmp, formula_of(variables, place), std::move(seen));
 }
 
-}  // namespace
-
-bool is_of_time_alone(LAMMPS* lmp, const std::string& formula) {
+bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen) {
   const auto is_part = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
   for (std::size_t at = 0; at < formula.size();) {
     const char c = formula[at];
@@ -51,13 +56,17 @@ bool is_of_time_alone(LAMMPS* lmp, const std::string& formula) {
     const std::string word = formula.substr(at, end - at);
     at = end;
     if (word.compare(0, 2, "v_") == 0) {
-      if (!variable_is_of_time_alone(lmp, word.substr(2))) return false;
+      if (!variable_is_of_time_alone(lmp, word.substr(2), seen)) return false;
     } else if (std::find(std::begin(kWords), std::end(kWords), word) == std::end(kWords)) {
       return false;
     }
   }
   return true;
 }
+
+}  // namespace
+
+bool is_of_time_alone(LAMMPS* lmp, const std::string& formula) { return is_of_time_alone(lmp, formula, {}); }
 
 void HiddenPoints::start(const Fix* fix) {
   show();
