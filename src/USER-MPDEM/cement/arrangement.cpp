@@ -83,13 +83,8 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
   const bool moves = scene_.laid_out && !untied.empty();
   const std::vector<BondMotion> motion = moves ? motion_of(scene_, untied) : std::vector<BondMotion>();
   std::vector<LayoutRequest> requests;
-  bool shared = !scene_.laid_out;  // are nodes of other ranks among those that change
-  for (int row : rows) {
-    Bond* b = scene_.bonds.find(row);
-    if (!b) continue;
-    shared = shared || b->cut_by_ranks();
-    requests.push_back(request_of(*b, parts));
-  }
+  for (int row : rows)
+    if (Bond* b = scene_.bonds.find(row)) requests.push_back(request_of(*b, parts));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
   const LayoutRules rules{scene_.comm, scene_.bonds.table, scene_.options, scene_.law, divisions_.sheets, divisions_.cracks, scene_.inertia, penalty,
                           scene_.options.split ? &divisions_.splits : nullptr, how.arrange};
@@ -98,16 +93,11 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
   adopt(layouts);
   if (moves) keep_motion(scene_, untied, motion);
   start_velocities(scene_, layouts);
-  shared = scene_.bonds.drop_empty(rows) || shared;
-  for (int row : rows) {
-    Bond* b = scene_.bonds.find(row);
-    if (!b) continue;
-    shared = shared || b->cut_by_ranks();
-    if (scene_.options.updated) b->updated.bind(b->points, b->grid);
-  }
-  int mine = shared, any;
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
-  if (any) shared_.bind();
+  scene_.bonds.drop_empty(rows);
+  if (scene_.options.updated)
+    for (int row : rows)
+      if (Bond* b = scene_.bonds.find(row)) b->updated.bind(b->points, b->grid);
+  shared_.bind();  // bonds that came or went may have moved the others in memory
 }
 
 void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {

@@ -31,18 +31,16 @@ Bond& Bonds::make(int body) {
   return *at;
 }
 
-bool Bonds::drop_empty(const std::vector<int>& rows) {
+void Bonds::drop_empty(const std::vector<int>& rows) {
   const auto is_empty = [](const Bond& b) { return b.points.blocks.empty(); };
   const bool some = std::any_of(rows.begin(), rows.end(), [&](int row) {
     const Bond* b = find(row);
     return b && is_empty(*b);
   });
-  const bool moves = some || here_.capacity() > here_.size();
   if (some) here_.erase(std::remove_if(here_.begin(), here_.end(), is_empty), here_.end());
-  if (moves) awake_is_known_ = false;
+  if (some || here_.capacity() > here_.size()) awake_is_known_ = false;
   here_.shrink_to_fit();
   table.shrink_to_fit();
-  return moves;
 }
 
 const std::vector<int>& Bonds::awake_places() const {

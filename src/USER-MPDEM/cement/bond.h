@@ -132,8 +132,8 @@ class Bonds {
   Bond* find(int body);
   const Bond* find(int body) const { return const_cast<Bonds*>(this)->find(body); }
   Bond& make(int body);  // or the one there is
-  // Drops those of these rows that have no points. Are bonds at other places in memory since?
-  bool drop_empty(const std::vector<int>& rows);
+  // Drops those of these rows that have no points. Other bonds may move in memory.
+  void drop_empty(const std::vector<int>& rows);
 
   // A point comes or goes.
   int add(const PointRecord& r, int tag) { return make(r.body).points.add(r, tag); }

@@ -315,8 +315,13 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int r = 0; r < first(); ++r) {
     Row& row = rows_[r];
     if (r % ranks == me) continue;
-    if (!bonds.find(r)) row = Row();  // what is known of it grows old
-    else if (!row.known) ask[r % ranks].push_back(r);
+    if (!bonds.find(r)) {  // what is known of it grows old, but for what all ranks have to agree on
+      const bool edges_known = row.edges_known;
+      row = Row();
+      row.edges_known = edges_known;
+    } else if (!row.known) {
+      ask[r % ranks].push_back(r);
+    }
   }
   const Received<int> asked = all_to_all(comm, ask);
   std::vector<std::vector<SentEntry>> entries(ranks);

@@ -11,6 +11,7 @@
 namespace mpdem {
 
 struct GrainState {
+  int tag = 0;                            // ID of the grain when its cement was made; 0: not known
   double q[4] = {1.0, 0.0, 0.0, 0.0};     // orientation
   bool velocities_known = false;          // those below, since a run began
   double v[6] = {0, 0, 0, 0, 0, 0};       // velocities with which it came to the present position
@@ -37,6 +38,7 @@ struct GrainState {
   // See parallel/record.h.
   template <class Self, class Visitor>
   static constexpr void describe(Self& g, Visitor& visit) {
+    visit("the ID of a bonded grain", g.tag, kNotNegative);
     visit.rotation("the orientation of a bonded grain", g.q);
     visit("'velocities are known' of a bonded grain", g.velocities_known);
     visit("the velocity of a bonded grain", g.v, kFinite);

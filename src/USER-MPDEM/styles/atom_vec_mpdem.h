@@ -50,6 +50,7 @@ class AtomVecMpdem : public AtomVecSphere {
     slot[i] = bonds.add(r, tag);
   }
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
+  const GrainState* grain(int i) const { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
   // Gives a grain a state, of orientation the identity, if it has none.
   void track_orientation(int i);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_set>
 
 #include "../fracture/neighbours.h"
 #include "../numerics/eigen3.h"
@@ -44,11 +45,18 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
       stop_all(lmp, who + text_of("fix '", lmp->modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
 
   // All points in the group and moved by nothing else; a common density.
+  const char* const cure = ", and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
+                               "a grain with cement cannot be deleted";
   std::string trouble;
+  std::unordered_set<int> bonded;
+  for (const Body& b : avec.bonds.table) bonded.insert(b.grain, b.grain + 2);
   double least = 1e300, most = 0.0;
   bigint mine = 0;
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     if (!avec.is_point(i)) {
+      const GrainState* grain = avec.grain(i);
+      if (grain && bonded.count(grain->tag) > 0 && grain->tag != lmp->atom->tag[i] && trouble.empty())
+        trouble = who + text_of("the IDs of atoms were changed (bonded grain ", grain->tag, " is ", lmp->atom->tag[i], " now)", cure);
       if ((lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
         trouble = who + text_of("atom ", lmp->atom->tag[i], " of group '", lmp->group->names[fix->igroup],
                                 "' is not a material point; the group must hold what create_cement made, nothing else");
@@ -60,9 +68,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
                               "'; use the group named in create_cement");
     const int slot = avec.slot[i];
     if (avec.points_of(i).tags[slot / kLanes][slot % kLanes] != lmp->atom->tag[i] && trouble.empty())
-      trouble = who + text_of("the IDs of atoms were changed (material point ", lmp->atom->tag[i],
-                              "), and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
-                              "a grain with cement cannot be deleted");
+      trouble = who + text_of("the IDs of atoms were changed (material point ", lmp->atom->tag[i], ")", cure);
     least = std::min(least, lmp->atom->density[i]);
     most = std::max(most, lmp->atom->density[i]);
     for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {

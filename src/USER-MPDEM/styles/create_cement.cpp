@@ -130,6 +130,7 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
       // Other cement of the grain knows it where it was.
       if (!state.place_known) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
       state.place_known = true;
+      state.tag = atom->tag[i];
     }
     mine.push_back(g);
   }
