@@ -10,7 +10,7 @@ void AddedMasses::refresh(const std::vector<int>& rows) {
   if (!scene_.penalty) return;
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
-  // What damping takes of the bound in every step, nodes with added mass cannot have.
+  // Damping takes a part of the bound in every step. Nodes with added mass cannot have that part.
   const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (int row : rows)
@@ -24,7 +24,7 @@ void AddedMasses::refresh(const std::vector<int>& rows) {
   scene_.grains.added_mass_changed();
 }
 
-// The layout has the added mass for the eigenvalue that was known before.
+// The layout has the added mass for the eigenvalue that was known before. So this looks whether the eigenvalue changed.
 void AddedMasses::follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches) {
   if (stable_step_.check_after(rows, event, patches)) refresh();
 }
@@ -46,7 +46,8 @@ void AddedMasses::drop_inert() {
                           });
 }
 
-// A new layout leaves them out, and sums over links go by their blocks, so they go here too: a run in parts is the run as a whole.
+// Links that let go are dropped here as a new layout would leave them out, since sums over links go by their blocks. So
+// a run in parts is the run as a whole.
 void AddedMasses::drop_inert(Bond& b) const {
   b.places.give_inertia(b.points);
   if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
@@ -64,7 +65,7 @@ double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) con
   double sum = 0.0;
   for (int row : rows) {
     const Bond* b = row < scene_.bodies_started ? scene_.bonds.find(row) : nullptr;
-    // a condensed bond has none, and no sides here
+    // a condensed bond has no added mass, and no sides here
     if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.side_of(*b), later);
   }
   return sum;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The added mass of all bonds (coupling/added_mass.h): found anew where links, nodes, the time step or the largest eigenvalue change. Lists that bonds
-// have alike become one then, see numerics/shared_list.h. Energies are this rank's share.
+// The added mass of all bonds (coupling/added_mass.h). It is found anew when links, nodes, the time step or the largest
+// eigenvalue change. Lists that are equal in several bonds are then stored once, see numerics/shared_list.h. Energies
+// are the share of this rank.
 #ifndef MPDEM_CEMENT_ADDED_MASSES_H
 #define MPDEM_CEMENT_ADDED_MASSES_H
 
@@ -17,19 +18,23 @@ class AddedMasses {
  public:
   AddedMasses(Scene& scene, StableStep& stable_step) : scene_(scene), stable_step_(stable_step) {}
 
-  bool any() const { return any_; }  // on any rank
-  bool hangs_on_eigenvalue() const { return stable_step_.eigenvalue_is_known(); }  // or on its bound
-  // Collective, after a layout. Of all bonds, or of these; without links there are none.
+  bool any() const { return any_; }  // true if any rank has added mass
+  bool hangs_on_eigenvalue() const { return stable_step_.eigenvalue_is_known(); }  // false: it depends on a bound of the eigenvalue
+  // Collective. Finds the added mass of all bonds, or of these rows of the table, after a layout. Does nothing without
+  // links.
   void refresh() { refresh(scene_.all_rows()); }
   void refresh(const std::vector<int>& rows);
-  // Collective. The layout of these bonds changed in a run; event: why. Throws BadState if the step is too long now.
+  // Collective. Call when the layout of these bonds changed in a run. Finds all added mass anew if the known eigenvalue
+  // changed. event: reason of the change, for the message. Throws BadState if the step is too long now.
   void follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches = nullptr);
-  // Collective. Places of these bonds let go of other points: where they are elsewhere, so is their stiffness.
+  // Collective. Finds the added mass of bonds whose places let go of other points. Their stiffness is now where the
+  // places are.
   void follow_places(const std::vector<int>& rows);
-  // Collective. Links that let go give up their added mass in the course of a run.
+  // Collective. Takes the added mass from links that let go in the course of a run.
   void drop_inert();
   void drop_inert(Bond& b) const;
-  // Of these bonds; of those of them that are in motion, `later` of the acceleration ahead of the stored velocities.
+  // Energy of the added mass of these bonds. energy_ahead() leaves out bonds that are not in motion yet. It takes
+  // velocities that are ahead of the stored ones by `later` times the acceleration.
   double energy(const std::vector<int>& rows) const;
   double energy_ahead(const std::vector<int>& rows, double later) const;
 

@@ -12,7 +12,7 @@ namespace mpdem {
 
 namespace {
 
-// Of each of these bonds, over all ranks, with the kick of the next drift ahead.
+// Motion of each of these bonds, over all ranks. Velocities are ahead by the kick of the next drift.
 std::vector<BondMotion> motion_of(const Scene& scene, const std::vector<int>& rows) {
   static_assert(sizeof(BondMotion) % sizeof(double) == 0, "sums of numbers");
   constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
@@ -23,7 +23,8 @@ std::vector<BondMotion> motion_of(const Scene& scene, const std::vector<int>& ro
   return sums;
 }
 
-// Momentum and angular momentum are what they were; the energy that is missing counts as released.
+// Gives momentum and angular momentum back, so that they are what they were. The energy that is missing counts as
+// released.
 void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<BondMotion>& before) {
   std::vector<BondMotion> after = motion_of(scene, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
@@ -46,7 +47,7 @@ LayoutRequest Arrangement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
-// What has nodes of its own before a layout.
+// Finds the parts that get nodes of their own before a layout.
 NewPartsOfBonds Arrangement::parts_at_start(Splits& splits, Sheets& sheets) const {
   if (!scene_.options.split) return sheets.divide(scene_.comm, scene_.bonds, scene_.options, fresh_points_);
   NewPartsOfBonds parts = splits.start(scene_.comm, scene_.bonds, scene_.options);
@@ -70,13 +71,13 @@ std::vector<BondLayout> Arrangement::of_copies(const PenaltyParameters* penalty)
     if (penalty) r.before = restored_.any() ? restored_.of(b.body) : b.grid.kinematics();
   }
   CementOptions options(scene_.options);
-  options.updated = false;  // no margin
+  options.updated = false;  // without the margin that updated kinematics need
   const LayoutRules rules{scene_.comm, scene_.bonds.table, options, scene_.law, sheets, divisions_.cracks, scene_.inertia, penalty, scene_.options.split ? &splits : nullptr};
   return make_layout(rules, scene_.all_rows(), std::move(requests));
 }
 
-// As mass goes back from the heirs of tied nodes to these where a bond came apart, or its nodes split, its momentum and angular momentum are
-// kept by a rigid motion.
+// Mass goes back from the heirs of tied nodes to these nodes where a bond came apart, or where its nodes split. Its
+// momentum and angular momentum are kept by a rigid motion.
 void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {
   restored_.bring();
   const std::vector<int> untied = how.splits ? rows : scene_.options.split ? std::vector<int>() : divisions_.cracks.untie(scene_.options);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// When bonds are laid out (layout.h), and what is carried over: the motion of nodes, that of a restart file or of points that are new; what hangs on
-// the nodes of a bond starts anew. All functions are collective, but for those of one bond and points_were_made(). BadState is thrown on all ranks
-// if a grid takes more memory than it may, or a restart file does not have all nodes.
+// Decides when bonds are laid out (layout.h), and what a layout carries over. The motion of nodes is carried over, or
+// comes from a restart file or from points that are new. All that depends on the nodes of a bond starts anew. All
+// functions are collective, except those of one bond and points_were_made(). BadState is thrown on all ranks if a grid
+// takes more memory than it may, or if a restart file does not have all nodes.
 #ifndef MPDEM_CEMENT_ARRANGEMENT_H
 #define MPDEM_CEMENT_ARRANGEMENT_H
 
@@ -23,31 +24,35 @@ class Arrangement {
   Arrangement(Scene& scene, Divisions& divisions, RestoredNodes& restored, SharedNodes& shared, AddedMasses& added)
       : scene_(scene), divisions_(divisions), restored_(restored), shared_(shared), added_(added) {}
 
-  // Parts that have nodes of their own: of bonds that are new in a run; of those whose points were made between two steps.
+  // Find the parts that get nodes of their own. The first function is for bonds that are new in a run. The second is
+  // for bonds whose points were made between two steps.
   NewPartsOfBonds parts_at_start();
   NewPartsOfBonds parts_of_fresh_points();
-  // The host made points of these rows of the table.
+  // Call when the host has made points of these rows of the table.
   void points_were_made(const std::vector<int>& rows) { fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end()); }
-  // The axis of the elasticity, of bodies some of whose points have no frame yet.
+  // Stores the axis of the elasticity of bodies that have points without a frame, or points yet to be made.
   void remember_axis();
-  // Copies of the nodes of bonds came to other ranks with their points (`cracks split`).
+  // Call when copies of the nodes of bonds came to other ranks with their points (`cracks split`).
   void bring_copies();
 
   struct How {
     bool arrange = true;  // false: blocks stay as they are
-    bool splits = false;  // because nodes split
+    bool splits = false;  // true: the layout is made because nodes split
   };
-  // These rows of the table, ascending; those that change their parts with these. Added mass and the sides of grains are still those of before.
+  // Lays out these rows of the table, ascending. Bonds that change their parts do so with `parts`. The added mass of
+  // these rows is cleared, and the sides of grains are still those of before: find both anew.
   void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how);
-  // The same with added mass, where bonds and grains are on the ranks where they were.
+  // Calls lay_out() and finds the added mass too. Bonds and grains must be on the ranks where they were.
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how);
-  // A layout of all bonds that changes nothing, with these links or without (null).
+  // Lays out copies of all bonds and changes nothing in the scene. penalty: parameters of the links, or null for no
+  // links.
   std::vector<BondLayout> of_copies(const PenaltyParameters* penalty);
 
-  // What hangs on the nodes of a bond; of that, damping and impulses, which go by the grain that each side of it holds to.
+  // start_anew() resets what depends on the nodes of a bond. find_relaxation() resets only damping and impulses, which
+  // depend on the grain that each side of the bond holds to.
   void start_anew(Bond& b) const;
   void find_relaxation(Bond& b) const;
-  // Slots of points, which fall behind while points change cells (`updated` kinematics).
+  // Brings the slots of points up to date, which fall behind while points change cells (`updated` kinematics).
   void sync_slots();
 
  private:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// One bond: all that belongs to the cement between two grains on this rank, in one place, so that a small bond stays in
-// cache from one exchange to the next, and so that a bond is laid out, advanced and handed on by itself.
+// One bond: all that belongs to the cement between two grains on this rank. It is kept in one place, so a small bond
+// stays in cache from one exchange to the next. A bond is laid out, advanced and handed on by itself.
 //
-// Bonds: those of this rank, and the table of all, which is the same on every rank.
+// Bonds holds the bonds of this rank, and the table of all bonds, which is the same on every rank.
 #ifndef MPDEM_CEMENT_BOND_H
 #define MPDEM_CEMENT_BOND_H
 
@@ -29,7 +29,7 @@
 namespace mpdem {
 
 struct Bond {
-  int body = 0;  // its row of the table
+  int body = 0;  // row of the table
   PointStore points;
   Grid grid;
   PenaltyLinks links;
@@ -40,23 +40,23 @@ struct Bond {
   Relaxation relaxation;
   SharedImpulse impulse;  // with sub-steps only
   Resting resting;
-  UpdatedPass updated;  // of `updated` kinematics
-  int side = 0;         // place of its first side, see GrainSides
-  std::size_t laid_out_blocks = 0;        // of points that the grid has nodes for
+  UpdatedPass updated;  // used by `updated` kinematics only
+  int side = 0;         // place of the first side of the bond, see GrainSides
+  std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
   std::size_t blocks_when_arranged = 0;
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
   ConsistentMass mass;                    // `mass_order 2` only
-  bool places_may_move = true;            // points failed since they were looked at
+  bool places_may_move = true;            // true if points failed since the last look at the places
   std::vector<int> failed;                // slots that failed in this step, ascending
-  std::vector<int> let_go_of_failed;      // links of the store that let go with them, ascending
-  LinkStep link_step;                     // of the traction law
-  std::vector<double> jump;               // of the nodal velocity by transfer in this step, or empty
-  std::vector<double> filtered;           // that of the part before the nodes move, xpic only
+  std::vector<int> let_go_of_failed;      // links of the point store that let go with failed points, ascending
+  LinkStep link_step;                     // result of the traction law in this step
+  std::vector<double> jump;               // change of the nodal velocity by transfer in this step, or empty
+  std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
-  // Ask for the memory of a bond that comes next: what a pass over its nodes reads by places that no processor foresees, and the
-  // beginnings of what a step takes in order.
+  // Prefetch the memory of a bond that comes next. prefetch_nodes() asks for what a pass over its nodes reads out of
+  // order, which no processor foresees. prefetch_step() asks for the beginnings of what a step reads in order.
   void prefetch_nodes() const {
     for (const std::vector<double>* v : {&grid.force, &grid.displacement}) prefetch_bytes(v->data(), sizeof(double) * v->size());
     prefetch_bytes(added.masses().data(), sizeof(AddedMass::EightMasses) * added.masses().size());
@@ -67,9 +67,9 @@ struct Bond {
       prefetch_bytes(v->data(), std::min(kBeginning, sizeof(double) * v->size()));
     for (int b = 0; b < std::min(2, static_cast<int>(points.blocks.size())); ++b) points.prefetch(b);
   }
-  // Links by the slots of their points, which change while points change cells.
+  // Sorts links by the slots of their points, which change while points change cells.
   void sort_links();
-  // Holds with other bonds what these have alike.
+  // Shares lists with other bonds that have equal ones.
   void share(AlikeLists& alike) {
     grid.share(alike);
     added.share(alike);
@@ -83,17 +83,17 @@ struct Bond {
 
 class Bonds {
  public:
-  std::vector<Body> table;  // of all ranks
-  std::vector<PointPattern> patterns;  // of bonds whose points are not made yet, the same on all ranks
+  std::vector<Body> table;  // bonds of all ranks
+  std::vector<PointPattern> patterns;  // patterns of bonds whose points are not made yet, the same on all ranks
 
-  // Those with points or nodes on this rank, ascending.
+  // Iterate over the bonds with points or nodes on this rank, in ascending order of their rows.
   std::vector<Bond>::iterator begin() { return here_.begin(); }
   std::vector<Bond>::iterator end() { return here_.end(); }
   std::vector<Bond>::const_iterator begin() const { return here_.begin(); }
   std::vector<Bond>::const_iterator end() const { return here_.end(); }
   std::size_t size() const { return here_.size(); }
 
-  // Those that are resolved: of condensed bonds nodes and points wait.
+  // Range over the bonds that are resolved. Condensed bonds are left out, since their nodes and points wait.
   template <class B>
   class Awake {
    public:
@@ -116,7 +116,8 @@ class Bonds {
     Awake<B> begin() const { return {bonds, places.data()}; }
     Awake<B> end() const { return {bonds, places.data() + places.size()}; }
   };
-  // From the last of them to the first.
+  // Calls f(bond, next) for all awake bonds, from the last to the first. next: the bond that follows in this order, or
+  // null.
   template <class F>
   void for_each_awake_backwards(F f) {
     const std::vector<int>& places = awake_places();
@@ -124,18 +125,18 @@ class Bonds {
   }
   AwakeRange<Bond> awake() { return {here_.data(), awake_places()}; }
   AwakeRange<const Bond> awake() const { return {here_.data(), awake_places()}; }
-  void awake_changed() { awake_is_known_ = false; }  // after changes of Body::condensed
+  void awake_changed() { awake_is_known_ = false; }  // call after changes of Body::condensed
   bool is_awake(const Bond& b) const { return !table[b.body].condensed; }
 
   const Body& body(const Bond& b) const { return table[b.body]; }
-  // Null if this rank has nothing of it.
+  // Returns null if this rank has nothing of the bond.
   Bond* find(int body);
   const Bond* find(int body) const { return const_cast<Bonds*>(this)->find(body); }
-  Bond& make(int body);  // or the one there is
-  // Drops those of these rows that have no points. Other bonds may move in memory.
+  Bond& make(int body);  // returns the bond if it is there already
+  // Drops all bonds without points if one of these rows is such a bond. Other bonds may move in memory.
   void drop_empty(const std::vector<int>& rows);
 
-  // A point comes or goes.
+  // Adds a point to its bond, and returns its slot.
   int add(const PointRecord& r, int tag) { return make(r.body).points.add(r, tag); }
 
   std::size_t memory_usage() const;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// All that the static stiffness of a bond depends on but the law and the cell, rounded so that equal bonds in other places have the same. Numbers
-// of 8 bytes, about forty a point: made, compared and dropped.
+// Describes all that the static stiffness of a bond depends on, except the law and the cell. Numbers are rounded so
+// that equal bonds in other places have equal descriptions. A description has about forty numbers of 8 bytes a point.
+// It is made, compared and dropped.
 #ifndef MPDEM_BOND_DESCRIPTION_H
 #define MPDEM_BOND_DESCRIPTION_H
 
@@ -31,14 +32,14 @@ struct SidesAtCreation {
 
 class BondDescription {
  public:
-  // side: its first side, the second is behind it.
+  // side: first side of the bond, followed by the second.
   BondDescription(const PointStore& points, const Grid& grid, const Body& body, const GrainSide* side) {
     const double h = grid.h;
     for (int s = 0; s < 2; ++s) {
       add(&body.radius[s], 1, h);
       add(body.centre[s], 3, h);
       add(side[s].x, 3, h);
-      // what the grain has turned since: how it lay at the creation does not matter
+      // the rotation since the creation, since the orientation at the creation does not matter
       add(product(side[s].R, transpose(rotation_of(body.orientation[s]))).a[0], 9, 1.0);
     }
     add(grid.displacement.data(), grid.displacement.size(), h);
@@ -70,7 +71,7 @@ class BondDescription {
   }
 
  private:
-  static constexpr double kAlike = 1e-9;  // of a cell, and of what has no unit
+  static constexpr double kAlike = 1e-9;  // share of a cell, or of a number without unit, to which numbers are rounded
   void add(const double* values, std::size_t count, double unit) {
     for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);
   }

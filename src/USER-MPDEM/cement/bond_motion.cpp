@@ -30,7 +30,7 @@ BondMotion motion_of(const Grid& grid, double kick) {
   return s;
 }
 
-// M (V, omega) = what is missing; lengths in cells, so that the numbers are alike.
+// Solves M (V, omega) = what is missing. Lengths are in cells, so that the numbers are of similar size.
 void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
   if (!(now.mass > 0.0)) return;
   const double h = grid.h;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Motion of a bond as a whole, which is kept where mass goes from one node to another.
+// Motion of a bond as a whole. It is kept where mass goes from one node to another.
 #ifndef MPDEM_BOND_MOTION_H
 #define MPDEM_BOND_MOTION_H
 
@@ -9,13 +9,12 @@
 
 namespace mpdem {
 
-// Sums over the nodes of a bond: mass, first and second moments of it, momentum, angular momentum,
-// kinetic energy.
+// Sums over the nodes of a bond: mass, its first and second moments, momentum, angular momentum and kinetic energy.
 struct BondMotion {
   double mass, first[3], second[6], momentum[3], angular[3], kinetic;
 };
 
-// Of the nodes that this rank counts, with a kick ahead.
+// Sums over the nodes that this rank counts. Velocities are ahead of the stored ones by `kick` times the acceleration.
 BondMotion motion_of(const Grid& grid, double kick);
 // Adds the rigid motion that takes momentum and angular momentum from `now` to what they were.
 void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now);

@@ -30,7 +30,7 @@ double links(const PartOfBond& b) {
 
 double points(const PartOfBond& b) { return b.points.points; }
 
-// Of the area at one grain that the cement had when it was made: those of `all` that count.
+// Share of the area at one grain that the cement had when it was made. Sums over those of `all` that count.
 template <class All, class Counts>
 double share_of_area(const PartOfBond& b, int side, const All& all, Counts counts) {
   double area = 0.0;
@@ -49,7 +49,7 @@ double touching_share(const PartOfBond& b) {
   return share_of_area(b, side, b.bond.points.places, [](const FreedPlace& p) { return p.closed; });
 }
 
-// The table: a line a column. Numbers of columns stand in scripts: append new ones.
+// The table: one line for each column. Scripts use the numbers of columns, so append new ones.
 std::vector<BondColumn> columns() {
   return {
       {"fx1", "force of the bond on its first grain (lower ID), along x", force<0, 0>},

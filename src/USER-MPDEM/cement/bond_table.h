@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The table of bonds. A column is one line of the list in bond_table.cpp: its name, its words, and how its value is found.
-// The CSV file of fix mpm/couple, its vector, its array, their sizes and the check of doc/fix_mpm_couple.md follow from that
-// list. Scripts number the columns, so a new one is the last.
+// The table of bonds. A column is one line of the list in bond_table.cpp: its name, its words, and how its value is
+// found. The CSV file of fix mpm/couple, its vector, its array, their sizes and the check of doc/fix_mpm_couple.md
+// follow from that list. Scripts use the numbers of columns, so a new column has to be the last.
 #ifndef MPDEM_BOND_TABLE_H
 #define MPDEM_BOND_TABLE_H
 
@@ -15,43 +15,44 @@
 
 namespace mpdem {
 
-// Of all bonds.
+// Totals over all bonds.
 struct CementTotals {
   double points, failed, largest_damage, mean_damage;
   double kinetic, elastic, coupling, dissipated, released, damped, rubbed, external_work, imbalance;
   double momentum[3], angular_momentum[3];
-  double separated, debonding, internal, mixed;  // bonds
-  double broken;                                 // bonds that are separated or carry nothing any more
+  double separated, debonding, internal, mixed;  // numbers of bonds
+  double broken;                                 // number of bonds that are separated or carry nothing any more
 };
 
-// What one rank has of a bond.
+// Part of a bond on one rank.
 struct PartOfBond {
   const Bond& bond;
   const Body& body;
   const PointSums& points;
 };
 
-// How many columns are sums of parts of a bond over ranks.
+// Number of columns that are sums of parts of a bond over ranks.
 int summed_columns();
 
-// Of one bond, over all ranks.
+// State of one bond, over all ranks.
 struct BondState {
   double force[2][3] = {}, torque[2][3] = {}, gap = 0.0, tension = 0.0;
   double peak = 0.0;  // largest tension at the steps asked for so far
   double failed = 0.0, largest_damage = 0.0, mean_damage = 0.0;
-  double separated = 0.0, share[2] = {0.0, 0.0};  // of the separating surface at either grain
-  double broken = 0.0;                            // separated, or carries nothing any more
-  std::vector<double> sums = std::vector<double>(static_cast<std::size_t>(summed_columns()), 0.0);  // in the order of their columns
+  double separated = 0.0, share[2] = {0.0, 0.0};  // 1 once separated; shares of the separating surface at either grain
+  double broken = 0.0;                            // 1 once separated, or when it carries nothing any more
+  std::vector<double> sums = std::vector<double>(static_cast<std::size_t>(summed_columns()), 0.0);  // sums in the order of their columns
 };
 
 struct BondColumn {
-  const char* name;   // in the head of the CSV file
-  const char* words;  // in the table of doc/fix_mpm_couple.md
-  // A field or a function of the bond's state, a sum over all bonds, or what a rank's part of the bond adds to a sum over ranks.
+  const char* name;   // name in the head of the CSV file
+  const char* words;  // text in the table of doc/fix_mpm_couple.md
+  // Finds the value: a field or a function of the bond's state, a total over all bonds, or what a rank's part of the
+  // bond adds to a sum over ranks.
   std::variant<double BondState::*, double (*)(const BondState&), double CementTotals::*, double (*)(const PartOfBond&)> found;
   int sum = -1;  // place in BondState::sums, set by bond_columns()
 
-  // Is it found by a pass over the points or links of the bond?
+  // Does the value need a pass over the points or links of the bond?
   bool needs_points() const;
   // Is the value the same for all bonds? The totals cost a pass over all points, the states of bonds another.
   bool of_all() const { return std::holds_alternative<double CementTotals::*>(found); }
@@ -61,7 +62,7 @@ struct BondColumn {
 
 const std::vector<BondColumn>& bond_columns();
 
-// Adds what this rank has to the sums of the bond, BondState::sums.
+// Adds the part of this rank to the sums of the bond, BondState::sums.
 void add_to_sums(const PartOfBond& part, double* sums);
 
 }  // namespace mpdem

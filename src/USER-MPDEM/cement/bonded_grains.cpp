@@ -11,7 +11,7 @@
 namespace mpdem {
 
 namespace {
-// The estimate that is nearer to zero; zero if the two differ in sign.
+// Returns the estimate that is nearer to zero, or zero if the two differ in sign.
 double lesser(double a, double b) {
   if (a * b <= 0.0) return 0.0;
   return std::fabs(a) < std::fabs(b) ? a : b;
@@ -153,7 +153,7 @@ void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
       g.v[d] = free || d >= 3 ? grain.velocity[d] : grain.moved[d] / dt;
       const double change = g.v[d] - g.v_before[d];
       g.jump[d] = free ? 0.0 : change - (d < 3 ? since * g.a[d] : 0.0);
-      // in the second half of the last step, beyond what was expected
+      // work in the second half of the last step, beyond what was expected
       if (!free) books.do_work(-0.5 * dt * g.load[d] * (change - 2.0 * (g.v_end[d] - g.v_before[d])));
       if (d < 3) g.a[d] = free ? 0.0 : lesser(change / since, 2.0 * (grain.velocity[d] - g.v[d]) / dt);
     }
@@ -200,7 +200,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
       load_[g][d] = n * (grain.force[d] + grain.state->late_load[d] - grain.spread(d, n)) - grain.state->held()[d];
     }
   const std::vector<GrainSide> kept(sides.sides);
-  std::vector<double> total;  // accelerations of the grains
+  std::vector<double> total;  // accelerations of the grains so far
   for (Grain& g : grains) {
     total.insert(total.end(), g.acceleration, g.acceleration + 6);
     std::fill(g.acceleration, g.acceleration + 6, 0.0);
@@ -290,7 +290,7 @@ void BondedGrains::book_loads_taken_back(double dt_last, EnergyBooks& books) con
   }
 }
 
-// Bonds carry a part of it on to their other grain.
+// Bonds carry a part of the momentum on to their other grain.
 void BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
@@ -325,7 +325,7 @@ void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const 
     const Six impulse = in_box(s, s.impulse, s.impulse + 3);
     for (int d = 0; d < 6; ++d) {
       grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
-      grains[o.grain].state->load[d] -= impulse[d];  // its work is that on the nodes
+      grains[o.grain].state->load[d] -= impulse[d];  // the work of the impulse is that on the nodes
     }
   }
 }
@@ -469,7 +469,7 @@ EnergyBooks::StepWork BondedGrains::work(double dt_last, int first_body) const {
     if (o.body < first_body) continue;
     const GrainSide& s = sides.sides[o.at];
     const GrainState& g = *grains[o.grain].state;
-    double force[6];  // without that of impulses, whose work is that on the nodes
+    double force[6];  // leaves out the force of impulses, whose work is that on the nodes
     for (int d = 0; d < 6; ++d) force[d] = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
     const Six f = in_box(s, force, force + 3);
     for (int d = 0; d < 6; ++d) {

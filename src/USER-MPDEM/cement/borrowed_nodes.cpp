@@ -21,13 +21,13 @@ int node_for(const Grid& grid, const Key& standing) {
   return node;
 }
 
-// Into the list of the block.
+// Writes the borrowed nodes into the list of the block.
 void borrow(const BlockMeta& m, Grid& grid, const Splits& splits) {
   int* to = &grid.borrowed[m.borrowed];
   for (const Key& k : splits.standing_for(m, support(grid.basis))) *to++ = node_for(grid, k);
 }
 
-// Of those that it has, these nodes anew.
+// Finds those of the borrowed nodes of a block anew that are touched.
 void borrow_anew(const BlockMeta& m, Grid& grid, const Splits& splits, const std::vector<char>& touched) {
   int* to = &grid.borrowed[m.borrowed];
   for (int i = 0, n = count_of_nodes(m, support(grid.basis)); i < n; ++i)
@@ -64,7 +64,7 @@ void BorrowedNodes::find(PointStore& points, Grid& grid, const Splits& splits) c
 
 void BorrowedNodes::find_anew(PointStore& points, Grid& grid, const Splits& splits, const std::vector<int>& nodes) const {
   if (!allowed_) return;
-  // Blocks whose points went to other parts left their lists.
+  // Blocks whose points went to other parts left their lists behind.
   std::size_t used = 0;
   for (const BlockMeta& m : points.meta)
     if (may_borrow(m)) used += count_of_nodes(m, support(grid.basis));

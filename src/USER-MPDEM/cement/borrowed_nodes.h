@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of blocks whose points have all failed. Such points carry nothing. Where nodes split (fracture/node_copies.h) many of them are in parts of their
-// own, and the nodes of these parts would be most of the grid of a bond that breaks. So these blocks have no nodes: they borrow those that stand for
-// theirs. Borrowed nodes tell where the points are, and have their mass. Nodes that a block had before its last point failed stay until the next layout.
+// Nodes of blocks whose points have all failed. Such points carry nothing. Where nodes split (fracture/node_copies.h)
+// many of these points are in parts of their own, and the nodes of these parts would be most of the grid of a bond that
+// breaks. So these blocks have no nodes. They borrow the nodes that stand for theirs. Borrowed nodes tell where the
+// points are, and have their mass. Nodes that a block had before its last point failed stay until the next layout.
 #ifndef MPDEM_CEMENT_BORROWED_NODES_H
 #define MPDEM_CEMENT_BORROWED_NODES_H
 
@@ -23,14 +24,14 @@ class BorrowedNodes {
   BorrowedNodes(const CementOptions& options, const PenaltyParameters* penalty);
 
   bool may_borrow(const BlockMeta& m) const { return allowed_ && m.part != 0 && m.occupied != 0 && m.failed == m.occupied && !(skins_ && m.linked); }
-  // Where a point that holds joins a block that borrowed, the block has nodes of its own. Those of the new ones that have no source move as the nodes that
-  // stand for them.
+  // A block that borrowed gets nodes of its own when a point that holds joins it. Of these new nodes, those without a
+  // source move as the nodes that stand for them.
   void take_motion_of_standing(Grid& grid, const Splits& splits, const std::vector<Key>& more, const std::map<Key, Key>& source) const;
-  // The same of nodes that are not known from before.
+  // Does the same for nodes that are not known from before, and clears their mark in `fresh`.
   void take_motion_of_standing(Grid& grid, const Splits& splits, std::vector<char>& fresh) const;
-  // Of all blocks, on a new grid.
+  // Finds the borrowed nodes of all blocks, on a new grid.
   void find(PointStore& points, Grid& grid, const Splits& splits) const;
-  // Of those that may borrow and do not yet, and of those that borrowed one of these nodes.
+  // Finds the borrowed nodes of blocks that may borrow and do not yet, and of blocks that borrowed one of these nodes.
   void find_anew(PointStore& points, Grid& grid, const Splits& splits, const std::vector<int>& nodes) const;
 
  private:

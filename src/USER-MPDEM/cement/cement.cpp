@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The recipes: layouts of a run, its start, steps, their ends. Restart is in state.cpp.
+// The recipes: layouts of a run, its start, steps, and their ends. Restart is in state.cpp.
 #include "cement.h"
 
 #include <algorithm>
@@ -52,7 +52,7 @@ void Cement::lay_out_run() {
   NewPartsOfBonds parts = arrangement_.parts_at_start();
   arrangement_.remember_axis();
   condensing_.choose();
-  // another time step, other added mass
+  // another time step needs other added mass
   const bool changes = scene_.laid_out && scene_.now.dt != scene_.dt_last;
   scene_.books.release_by([&] { return changes ? added_.energy_ahead(scene_.all_rows(), 0.0) : 0.0; },
                           [&] {
@@ -71,7 +71,7 @@ void Cement::lay_out_exchanged() {
     if (b.points.changed()) mine.push_back(b.body);
   int moved = !mine.empty() || scene_.grains.changed(), any;
   MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
-  // Slots of `updated` points were brought up to date for the exchange.
+  // Slots of points were brought up to date for the exchange, with `updated` kinematics.
   const std::vector<int> rows = scene_.options.updated ? scene_.all_rows() : scene_.agreed_rows(mine);
   if (!any && rows.empty()) return;
   arrangement_.bring_copies();
@@ -94,7 +94,7 @@ void Cement::change_step() {
     refresh_added_mass();
 }
 
-// Of copies, since the layout of the run comes later, when other fixes have taken up the step.
+// Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   std::vector<BondLayout> layouts = arrangement_.of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
@@ -135,12 +135,12 @@ void Cement::start_run() {
   start_bodies();
 }
 
-// Velocities of bodies that were not in motion yet go back half a step. What they have of energy counts
-// from here, and the work of the first half step, which is ahead.
+// Velocities of bodies that were not in motion yet go back half a step. Their energy counts from here. So does the work
+// of the first half step, which is ahead.
 void Cement::start_bodies() {
   const int rows = static_cast<int>(scene_.bonds.table.size());
   if (scene_.bodies_started == rows) return;
-  const double damped_ahead = 0.5 * scene_.dt_last * work_.of_dampers(scene_.bodies_started).after(0.5 * scene_.dt_last);  // by the velocities of this time
+  const double damped_ahead = 0.5 * scene_.dt_last * work_.of_dampers(scene_.bodies_started).after(0.5 * scene_.dt_last);  // uses the velocities of this time
   if (scene_.penalty) scene_.grains.go_back_half_a_step(scene_.bonds, scene_.dt_last);
   double mine = 0.0, energy;
   for (Bond& b : scene_.bonds.awake()) {
@@ -187,7 +187,7 @@ void Cement::take_substeps() {
 void Cement::advance() {
   const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
-  // grains: how they came here
+  // grains: the way in which they came here
   grains.find_rates(scene_.now.dt, scene_.dt_last, scene_.books);
   if (scene_.now.substeps > 1 && scene_.ends_step()) grains.spread_loads(scene_.now.substeps);
   scene_.timer.start(StepTimer::kCoupling);
@@ -216,7 +216,7 @@ void Cement::advance() {
   scene_.timer.stop();
 }
 
-// As at the start of a run.
+// Finds the forces of the step anew, in the way in which they are found at the start of a run.
 void Cement::find_forces_anew() {
   scene_.grains.take_back_loads();
   scene_.grains.distribute(scene_.bonds);

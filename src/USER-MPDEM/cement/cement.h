@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The cement of a scene. It owns the parts that do the work, and its functions are the recipes: what happens at the start of a run, in a step, in a
-// layout. It knows no host program: a host gives it grains and steps, and takes loads, velocities and reports, all in the axes of the box.
-// doc/architecture.md has the parts and the step.
+// The cement of a scene. It owns the parts that do the work. Its functions are the recipes: what happens at the start
+// of a run, in a step and in a layout. It knows no host program. A host gives it grains and steps, and takes loads,
+// velocities and reports, all in the axes of the box. doc/architecture.md describes the parts and the step.
 //
 // State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at the points. Consistent units.
-// Functions are collective, but for those that only set or tell something. Bad states are thrown as BadState, see parallel/agree.h.
+// Functions are collective, except those that only set or tell something. Bad states are thrown as BadState, see
+// parallel/agree.h.
 #ifndef MPDEM_CEMENT_H
 #define MPDEM_CEMENT_H
 
@@ -43,19 +44,19 @@ class Cement {
   Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host);
   ~Cement();
 
-  // What a script says.
+  // Settings of the script.
   const CementOptions& options() const { return scene_.options; }
   const Law& law() const { return *scene_.law; }
-  void set_density(double density) { scene_.inertia = scene_.options.mass_scale * density; }  // of the calcite
+  void set_density(double density) { scene_.inertia = scene_.options.mass_scale * density; }  // density of the calcite
   void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
   double density() const { return scene_.density(); }
   double inertia() const { return scene_.inertia; }  // density with the mass scale
-  // The links, or none.
+  // Sets the parameters of the links; null: no links.
   void couple(const PenaltyParameters* penalty);
   const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }
   bool keeps_skins() const { return scene_.keeps_skins(); }
 
-  // The scene, and the parts that hosts speak to.
+  // Access to the scene, and to the parts that hosts speak to.
   Bonds& bonds() { return scene_.bonds; }
   BondedGrains& grains() { return scene_.grains; }
   const Cracks& cracks() const { return divisions_.cracks; }
@@ -63,38 +64,40 @@ class Cement {
   Report& report() { return report_; }
   StableStep& stable_step() { return stable_step_; }
   NodalForces& forces() { return forces_; }
-  // Before each of the functions below.
+  // Sets the step. Call before each of the functions below.
   void set_step(const StepInput& now) { scene_.now = now; }
   bool built() const { return scene_.laid_out; }
   int bodies_started() const { return scene_.bodies_started; }
-  double dt() const { return scene_.now.dt; }  // of the cement
+  double dt() const { return scene_.now.dt; }  // time step of the cement
   int substeps() const { return scene_.now.substeps; }
 
-  // Points that are new have their damage as a tensor, those of a restart file as the state of a law: makes all of them states of this
-  // one. Throws BadState if it cannot go on from them.
+  // Makes all points have states of this law. New points have their damage as a tensor, points of a restart file have
+  // the state of a law. Throws BadState if the law cannot go on from them.
   void take_up_states();
 
-  // Bonds may be without points (mpm/point_pattern.h) while they are condensed by fields that bonds of their pattern share: where nodes do not split
-  // and frames do not go by axes of the box.
+  // May bonds be without points (mpm/point_pattern.h)? They may while they are condensed by fields that bonds of their
+  // pattern share. This needs nodes that do not split, and frames that do not depend on axes of the box.
   bool may_leave_points_out() const { return options().condense && !options().split && options().axis != AxisRule::global; }
   // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
   const std::vector<int>& rows_that_want_points() const { return condensing_.rows_that_want_points(); }
-  // The host made the points of these rows of the table; their layout follows.
+  // Call when the host has made the points of these rows of the table. Their layout follows.
   void points_were_made(const std::vector<int>& rows);
 
-  // Layout. Of all bonds, at the start of a run, or of those whose points or grains went to other ranks.
+  // Lay out bonds: all of them at the start of a run, or those whose points or grains went to other ranks.
   void lay_out_run();
   void lay_out_exchanged();
-  void refresh_added_mass();  // for another time step
-  void change_step();         // the same in the course of a run, with what that mass gives up
-  // Slots of points, which fall behind while points change cells.
+  void refresh_added_mass();  // finds the added mass for another time step
+  void change_step();         // does so in the course of a run, and books what that mass gives up
+  // Brings the slots of points up to date, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
-  // Of layouts yet to be made, which change nothing; a run need not have begun. The largest eigenvalue; the static stiffness of each bond as it is
-  // now, its grains too, which needs links; the largest step with which grains on massless bonds of that stiffness would be stable.
+  // Find properties of layouts yet to be made, and change nothing. A run need not have begun.
+  // eigenvalue_of_new_layout() finds the largest eigenvalue. stiffness_of_bonds() finds the static stiffness of each
+  // bond, with the bond and its grains as they are now. It needs links. grains_step() finds the largest step with which
+  // grains on massless bonds of that stiffness would be stable.
   EigenvalueEstimate eigenvalue_of_new_layout();
   std::vector<StiffnessOfBond> stiffness_of_bonds();
   double grains_step() { return stable_step_.of_grains(stiffness_of_bonds()); }
-  // The same to be watched: no limit where a bond is nearly apart and has no static stiffness to go by.
+  // Does the same for a watch. Where a bond is nearly apart and has no static stiffness, there is no limit.
   double grains_step_if_known() {
     try {
       return grains_step();
@@ -103,28 +106,30 @@ class Cement {
     }
   }
 
-  // A run: start, then steps, each with its end.
-  void take_up_commands();  // before the first step
+  // A run: its start, then steps, each with its end.
+  void take_up_commands();  // call before the first step
   void start_run();
-  // With sub-steps, see substeps.cpp: before the host moves its grains, when it has their velocities and loads of the end of the last step; and after
-  // it has moved them. The cement takes all sub-steps but the last. Where free grains arrive, and the velocities with which they do, are left with
+  // With sub-steps, see substeps.cpp. begin_substeps() comes before the host moves its grains, when the grains have
+  // their velocities and loads of the end of the last step. take_substeps() comes after the host has moved them. It
+  // takes all sub-steps but the last. It leaves the places where free grains arrive, and their velocities there, with
   // the grains for the host to take over.
   void begin_substeps() { substeps_.begin(); }
   void take_substeps();
-  // A step, or the last of the sub-steps of one.
+  // Takes a step, or the last of the sub-steps of one.
   void step();
   void end_step();
-  // Throws if any node is not finite or a bonded grain is gone.
+  // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or
+  // touching faces of a crack slid too far.
   void check_state();
-  // Ligaments of bonds that hold, rows of the table, ascending.
+  // Ligaments of bonds that hold. rows: rows of the table, ascending.
   std::vector<Cracks::Ahead> cracks_ahead(const std::vector<int>& rows) { return parting_.ahead(rows); }
 
-  // Restart. Numbers of all ranks, complete on rank 0; the head has what the host keeps. The same numbers come back on every rank,
-  // the head as it was read. Throws BadState if it is that of other options.
+  // Restart: packs the numbers of all ranks, complete on rank 0. head: what the host keeps.
   std::vector<double> packed_state(CementHead head);
-  // The motion of the nodes of this rank, rows of each bond (NodeRow) one after the other.
+  // Packs the motion of the nodes of this rank: rows (NodeRow) of each bond, one after the other, by row of the table.
   std::map<int, std::vector<double>> packed_nodes() const { return mpdem::packed_nodes(scene_); }
-  // nodes: packed, any of those of all ranks on any rank.
+  // Takes up packed numbers, the same on every rank. head: as it was read. nodes: packed, any of those of all ranks on
+  // any rank. Throws BadState if the numbers are those of other options.
   void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
   bool restored() const { return restored_; }
 
@@ -134,7 +139,7 @@ class Cement {
   void start_bodies();
   void restore_bonds(int bodies, RecordReader& in);
 
-  // In the order in which they are made: parts refer to those above them.
+  // Parts in the order in which they are made, since parts refer to those above them.
   Scene scene_;
   Divisions divisions_;
   CondensedBonds condensed_;

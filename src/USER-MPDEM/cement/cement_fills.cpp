@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What fills new bonds: points of shapes or of a file, and who makes them for whom.
+// Fills new bonds with points of shapes or of a file, and decides which rank makes them for which.
 #include <mpi.h>
 
 #include <algorithm>
@@ -21,9 +21,9 @@ namespace mpdem {
 
 namespace {
 
-enum Check { cells };  // of a bond, the first when it is made
+enum Check { cells };  // checks of a bond; this is the first when it is made
 
-// The text of a file that only the first rank reads. Collective.
+// Returns the text of a file that only the first rank reads. Collective.
 std::string broadcast_file(MPI_Comm comm, const std::string& name, std::string& trouble) {
   const int me = rank_in(comm);
   std::string text;
@@ -61,7 +61,7 @@ void move_origin(std::vector<FillPoint>& points, const Vector3& to) {
   }
 }
 
-// Volume and attached areas as the points have them, for bodies that neighbours have cut.
+// Finds volume and attached areas from the points, for bodies that neighbours have cut.
 void measure(const std::vector<FillPoint>& fill, Body& body) {
   body.volume = body.attached_area[0] = body.attached_area[1] = 0.0;
   for (const FillPoint& p : fill) {
@@ -116,7 +116,7 @@ void CementMaker::fill_by_file(Fill& f) {
   std::copy(cloud.attached_area, cloud.attached_area + 2, body.attached_area);
 }
 
-// Are they in the scene? line: first that names a grain.
+// Throws BadState if a grain that the file names is not in the scene. line: the first line that names each grain.
 void CementMaker::check_grains_of_file(std::size_t bond, const std::map<int, int>& line) const {
   for (const auto& g : line)
     if (std::none_of(grains_.begin(), grains_.end(), [&](const Sphere& s) { return s.tag == g.first; }))
@@ -140,14 +140,15 @@ void CementMaker::fill_one(int fill, double most, BondTrouble& trouble) {
   for (const FillPoint& p : f.points) f.box.extend(p.X);
 }
 
-// How many more points the memory holds: ranks list them while they are made, and keep their own. more: that are planned already.
+// Returns how many more points the memory holds. Ranks list points while they are made, and keep their own. more:
+// points that are planned already.
 double CementMaker::most_points(double memory, double more) const {
-  constexpr double kListed = 500.0, kKept = 700.0;  // bytes, measured
+  constexpr double kListed = 500.0, kKept = 700.0;  // bytes a point, measured
   const double kept = kKept / ranks_;
   return std::max(1.0, (memory - kept * (atoms_before_ + created_ + more)) / (kListed + kept));
 }
 
-// Points of the bonds of a part on the ranks that need them. Collective.
+// Collective. Makes the points of the bonds of a part, on the ranks that need them.
 void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
   const double memory = memory_limit(comm_);
   double planned = 0.0;
@@ -173,7 +174,7 @@ void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
     seen[fill] = 1;
     if (!wish_.later) planned += expected;
   }
-  // One alone every rank makes for itself: none has another to make meanwhile.
+  // Every rank makes a single fill for itself, since no rank has another one to make meanwhile.
   const bool each = ranks_ == 1 || fresh.size() == 1;
   for (std::size_t k = 0; k < fresh.size(); ++k)
     if (each || fresh[k] % ranks_ == me_) fill_one(fresh[k], most[k], trouble);
@@ -187,7 +188,7 @@ void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
   if (ranks_ > 1) send_fills(part, used);
 }
 
-// What all ranks know of a fill. Numbers come from the rank that made it, the others add zero.
+// Tells all ranks the numbers of a fill. They come from the rank that made it; the others add zero.
 void CementMaker::share_numbers(const std::vector<int>& fills) {
   constexpr int kNumbers = 11;
   std::vector<double> all(kNumbers * fills.size(), 0.0);
@@ -222,7 +223,8 @@ void CementMaker::share_numbers(const std::vector<int>& fills) {
   }
 }
 
-// Of each fill: the ranks in whose parts of the box, or near them, some bond of the part has it.
+// Finds for each fill the ranks that need it. Some bond of the part has the fill in the rank's part of the box, or near
+// it.
 std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::vector<int>& fills) const {
   double mine[6];
   std::copy(plan_.box().own_low, plan_.box().own_low + 3, mine);
@@ -252,7 +254,8 @@ std::vector<std::vector<char>> CementMaker::needed(const Part& part, const std::
   return need;
 }
 
-// From the ranks that made them to those that need them and do not have them yet: both know which these are.
+// Sends points from the ranks that made them to those that need them and do not have them yet. Sender and receiver both
+// know which these are.
 void CementMaker::send_fills(const Part& part, const std::vector<int>& fills) {
   const std::vector<std::vector<char>> need = needed(part, fills);
   std::vector<std::vector<FillPoint>> out(ranks_);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Points of the planned bonds, part by part. What fills a bond is in cement_fills.cpp, what is in its way in cement_overlaps.cpp.
+// Makes the points of the planned bonds, part by part. cement_fills.cpp has what fills a bond, cement_overlaps.cpp has
+// what is in its way.
 #include "cement_maker.h"
 
 #include <algorithm>
@@ -13,9 +14,9 @@
 namespace mpdem {
 
 namespace {
-// Points of fills that a part makes, and that are kept for later parts: some 25 MB of them.
+// Number of points of fills that a part makes, and number that is kept for later parts. They take some 25 MB.
 constexpr double kPointsOfAPart = 100000.0;
-constexpr int kListed = 20;  // bonds told of one by one
+constexpr int kListed = 20;  // number of bonds told of one by one
 }  // namespace
 
 Box box_around(const Body& body, const Box& box) {
@@ -52,7 +53,7 @@ CementMaker::Sums CementMaker::make() {
   return sums_;
 }
 
-// Bonds of the same points. What is compared is compared to the bit.
+// Groups bonds that have the same points. What is compared is compared to the bit.
 void CementMaker::group_fills() {
   std::unordered_map<std::string, int> known;
   const std::vector<PlannedBond>& bonds = plan_.bonds();
@@ -74,7 +75,7 @@ void CementMaker::group_fills() {
   }
 }
 
-// Points of a file are read bond by bond.
+// Points of a file are read bond by bond, so such a bond is a part of its own.
 std::size_t CementMaker::end_of_part(std::size_t from) const {
   if (!wish_.file.empty()) return from + 1;
   std::vector<char> counted(fills_.size(), 0);
@@ -123,7 +124,7 @@ void CementMaker::forget_fills() {
   live_ = 0.0;
 }
 
-// In the order of the bonds and of their lattices.
+// Makes points in the order of the bonds and of their lattices.
 void CementMaker::create(const Part& part) {
   std::vector<NewBond> made;
   int row = static_cast<int>(table_.size());
@@ -144,7 +145,7 @@ void CementMaker::create(const Part& part) {
   created_ += static_cast<double>(created);
 }
 
-// Instead of points.
+// Gives the bonds patterns instead of points.
 void CementMaker::choose_patterns(Part& part) {
   for (std::size_t k = 0; k < part.bodies.size(); ++k) {
     if (!part.kept[k]) continue;
@@ -154,7 +155,7 @@ void CementMaker::choose_patterns(Part& part) {
   }
 }
 
-// Of a bond whose fill is known.
+// The fill of the bond must be known.
 Body CementMaker::body_of(std::size_t n) const {
   const PlannedBond& bond = plan_.bonds()[n];
   const Fill& f = fill_of(n);
@@ -177,7 +178,7 @@ Body CementMaker::body_of(std::size_t n) const {
   for (int c = 0; c < 3; ++c) {
     body.origin[c] = g0.x[c] - ahead[c];
     if (!plan_.box().periodic[c]) continue;
-    // Multiples of the box; taken from integers, not from a difference of coordinates.
+    // The shift is a multiple of the box. It is taken from integers, not from a difference of coordinates.
     body.shift[0][c] = std::round((g0.x[c] - g0.unwrapped[c]) / plan_.box().period[c]) * plan_.box().period[c];
     body.shift[1][c] = std::round((g0.x[c] + bond.between[c] - g1.unwrapped[c]) / plan_.box().period[c]) * plan_.box().period[c];
     body.box[c] = plan_.box().period[c];
@@ -185,7 +186,7 @@ Body CementMaker::body_of(std::size_t n) const {
   return body;
 }
 
-// The first bonds are told of one by one.
+// Reports the first bonds one by one, and the number of the others.
 void CementMaker::report(const Part& part) {
   for (std::size_t k = 0; k < part.bodies.size(); ++k) {
     if (!part.kept[k]) continue;

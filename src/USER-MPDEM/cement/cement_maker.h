@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Makes the points of planned bonds (cement_plan.h) in parts, a few hundred thousand points at a time. Bonds whose geometry is the same to
-// the bit have the same points, which are made once. Ranks deal out what is to be made, and send it to those in whose part of the box it
-// lies. What comes out does not depend on the number of ranks: every rank knows the number of points of every bond, and so their IDs.
+// Makes the points of planned bonds (cement_plan.h) in parts of about a hundred thousand points. Bonds whose geometry
+// is the same to the bit have the same points, which are made once. Ranks deal out what is to be made. They send it to
+// the ranks in whose part of the box it lies. The result does not depend on the number of ranks: every rank knows the
+// number of points of every bond, and so their IDs.
 #ifndef MPDEM_CEMENT_MAKER_H
 #define MPDEM_CEMENT_MAKER_H
 
@@ -18,12 +19,12 @@
 
 namespace mpdem {
 
-// A bond that is new: its row of the table and its points, of all ranks, whose tags follow each other.
+// A bond that is new: its row of the table and its points, of all ranks. The tags of the points follow each other.
 struct NewBond {
   int row, first_tag;
   const Body& body;
-  const std::vector<FillPoint>& points;  // in the coordinates of the body
-  const Box& box;                        // of the points
+  const std::vector<FillPoint>& points;  // points in the coordinates of the body
+  const Box& box;                        // box around the points
 };
 
 // Point of this rank that stands for a cell of a body that is (nearly) full.
@@ -32,20 +33,21 @@ struct FullPoint {
   int body;
 };
 
-// Around a box in the coordinates of a body, in those of the box.
+// Returns the box around a box that is given in the coordinates of a body. The result is in the coordinates of the
+// simulation box.
 Box box_around(const Body& body, const Box& box);
 
-// What the maker asks of its host.
+// Interface by which the maker asks its host.
 class CementMakerHost {
  public:
   virtual ~CementMakerHost() = default;
-  // Of the bodies before this one.
+  // Returns points of this rank that stand for full cells of bodies before row `bodies`.
   virtual std::vector<FullPoint> full_points(int bodies) = 0;
-  // Takes those points that belong to this rank, and returns how many these are. more: will other calls follow?
+  // Takes those points that belong to this rank, and returns their number. more: will other calls follow?
   virtual std::size_t create_points(const std::vector<NewBond>& bonds, bool more) = 0;
-  // The pattern, counted from 1, of bonds whose points are made later. The same points on all ranks.
+  // Returns the pattern, counted from 1, of bonds whose points are made later. All ranks pass the same points.
   virtual int pattern_of(const std::vector<FillPoint>& points) = 0;
-  // On the first rank alone.
+  // The maker calls these two on the first rank alone.
   virtual void say(const std::string& text) = 0;
   virtual void warn(const std::string& text) = 0;
 };
@@ -55,38 +57,38 @@ class CementMaker {
   struct Sums {
     double points = 0, volume = 0, mass = 0;
   };
-  // What is in the scene before.
+  // The scene as it is before the command.
   struct Scene {
-    std::vector<Sphere> grains;  // of this rank
-    double atoms = 0;            // of all ranks
+    std::vector<Sphere> grains;  // grains of this rank
+    double atoms = 0;            // number of atoms of all ranks
     int last_tag = 0;
   };
 
-  // table: of all bonds, which the new ones are added to.
+  // table: bonds of the scene, to which the new ones are added.
   CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<Body>& table, const Scene& scene, CementMakerHost& host);
 
-  // All bonds of the plan. Collective, throws BadState.
+  // Collective. Makes all bonds of the plan. Throws BadState.
   Sums make();
   const std::vector<GrainTags>& skipped() const { return skipped_; }  // bonds left out
   int last_tag() const { return last_tag_; }
-  double created() const { return created_; }                       // points, of all ranks
-  // Of bonds left out. No text if there are none.
+  double created() const { return created_; }                       // number of points made, of all ranks
+  // Text about the bonds that were left out, empty if there are none.
   std::string text_of_skipped() const;
 
  private:
-  // Bonds of the same points: of one kind, with the same neighbours if these take a part.
+  // Bonds of the same points: bonds of one kind, with the same neighbours if these take a part.
   struct Fill {
-    std::size_t first;  // bond
+    std::size_t first;  // the first bond with these points
     bool known = false;
-    Body body;          // what all of the bonds have in common; known to all ranks, as the box
-    Box box;            // of the points, in the coordinates of the body
-    std::vector<FillPoint> points;    // in these, on ranks that need them
-    std::vector<char> sent;           // to each rank, by the one that makes them
+    Body body;          // what all of the bonds have in common; all ranks know it, and the box
+    Box box;            // box around the points, in the coordinates of the body
+    std::vector<FillPoint> points;    // points in these coordinates, on ranks that need them
+    std::vector<char> sent;           // for each rank: did the rank that made the points send them to it
     Vector3 corner = Vector3::Zero();  // origin from the middle of the gap
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // to the axes of the planned bond; points of a file may have their own
-    int pattern = 0;  // of the host, once it is known
+    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // turn to the axes of the planned bond; points of a file may have their own axes
+    int pattern = 0;  // number that the host gave; 0: not known yet
   };
-  // Bonds from `from` to `to` that are made together, with their bodies.
+  // Bonds from `from` to `to` (exclusive) that are made together, with their bodies.
   struct Part {
     std::size_t from, to;
     std::vector<Body> bodies;
@@ -94,7 +96,7 @@ class CementMaker {
   };
   struct Overlap {
     std::size_t bond;
-    int body;  // as it is, or will be if all bonds of the part are made
+    int body;  // row of the table, as it is or will be if all bonds of the part are made
     double volume;
   };
 
@@ -138,15 +140,15 @@ class CementMaker {
   const std::size_t first_body_;
   const double atoms_before_;
   int last_tag_;
-  std::vector<Sphere> grains_;                  // of all ranks
-  std::unique_ptr<BoxSearch> near_grains_;      // boxes around them
+  std::vector<Sphere> grains_;                  // grains of all ranks
+  std::unique_ptr<BoxSearch> near_grains_;      // boxes around the grains
   std::vector<Fill> fills_;
   std::vector<int> fill_of_bond_;
-  std::vector<std::vector<CementPlan::Near>> near_;  // of each bond, if bonds share out what they have in common
+  std::vector<std::vector<CementPlan::Near>> near_;  // neighbours of each bond, if bonds share out what they have in common
   std::vector<GrainTags> skipped_;
   Sums sums_;
-  double live_ = 0, created_ = 0;     // points of the fills that are kept; points
-  int listed_ = 0, thin_ = 0;         // bonds that were told of one by one; with too thin a film
+  double live_ = 0, created_ = 0;     // points of the fills that are kept; points made
+  int listed_ = 0, thin_ = 0;         // bonds that were listed one by one; bonds with too thin a film that were not
   double thinnest_ = 1e300;
 };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// New cement against what is there: other cement, of this command or before, other grains, numbers, the box.
+// Checks new cement against what is there: other cement of this command or of earlier ones, other grains, numbers, and
+// the box.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,17 +18,17 @@ namespace mpdem {
 
 namespace {
 
-enum Check { overlap = 1, other_grains, numbers, outside };  // of a bond, in their order, after its points
+enum Check { overlap = 1, other_grains, numbers, outside };  // checks of a bond, in their order, after those of its points
 
-// Points of a fill by cells of this width.
+// Finds points of a fill by cells of this width.
 class PointsNear {
  public:
   PointsNear(const std::vector<FillPoint>& fill, double width) : fill_(fill), width_(width) {
     near_.reserve(fill.size());
     for (std::size_t n = 0; n < fill.size(); ++n) near_.emplace(key(cell(fill[n].X[0]), cell(fill[n].X[1]), cell(fill[n].X[2])), static_cast<int>(n));
   }
-  // Of the points less than `half` from x along each of three axes, to which `turn` takes those of the points; half at most the width
-  // over the root of three.
+  // Returns the volume of the points less than `half` from x along each of three axes. `turn` takes the axes of the
+  // points to these. `half` is at most the width over the root of three.
   double volume_around(const Vector3& x, double half, const Eigen::Matrix3d& turn) const {
     const long at[3] = {cell(x[0]), cell(x[1]), cell(x[2])};
     double sum = 0.0;
@@ -51,7 +52,7 @@ class PointsNear {
   std::unordered_multimap<Cell, int, Hash> near_;
 };
 
-// Coordinates of the box in those of a body.
+// Turns coordinates of the box into those of a body, and back.
 struct Coordinates {
   Vector3 origin;
   Mat3<double> axes;
@@ -61,21 +62,22 @@ struct Coordinates {
     return Vector3(turned_back(axes, from.data()).data());
   }
   Vector3 out(const Vector3& X) const { return origin + Vector3(turned(axes, X.data()).data()); }
-  // From axes of this one to those of another.
+  // Returns the turn from the axes of this body to those of another.
   Eigen::Matrix3d to(const Coordinates& other) const { return matrix_of(product(transpose(other.axes), axes)); }
 };
 
 }  // namespace
 
-// From the middle of a cell to its corners.
+// Returns the distance from the middle of a cell to its corners.
 double CementMaker::reach_of_cells() const {
   double widest = wish_.spacing;
   for (const Body& b : table_) widest = std::max(widest, b.spacing);
   return 0.5 * std::sqrt(3.0) * widest;
 }
 
-// Volume of new points inside cells that bodies before `bodies` fill (nearly) whole; those of the part come after those
-// that are. Each rank looks at the full cells in its part of the box. Ascending. Collective.
+// Finds the volume of new points inside cells that bodies before `bodies` fill (nearly) whole. Bodies of the part come
+// after those of the table. Each rank looks at the full cells in its part of the box. The result is ascending.
+// Collective.
 std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bodies) const {
   const int there = static_cast<int>(table_.size());
   const Vector3 margin = Vector3::Constant(reach_of_cells());
@@ -89,7 +91,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
   }
   const BoxSearch search(boxes);
   const std::vector<Vector3> shifts = plan_.box().images();
-  std::map<int, PointsNear> by_cells;  // of the fills that are asked for
+  std::map<int, PointsNear> by_cells;  // points of the fills that are asked for
   std::map<std::pair<std::size_t, int>, double> found;
   // x: middle of a full cell
   const auto look = [&](std::size_t k, int body, const Coordinates& of_body, double spacing, const Vector3& x) {
@@ -124,7 +126,8 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
   return mine;
 }
 
-// Which bonds are left out, in the order of the bonds: one that is left out is in nobody's way. found: ascending.
+// Decides which bonds are left out, in the order of the bonds. A bond that is left out is in nobody's way. found:
+// ascending.
 void CementMaker::resolve(Part& part, const std::vector<Overlap>& found, BondTrouble& trouble) {
   const int there = static_cast<int>(table_.size());
   for (const Overlap& o : found) {
@@ -145,8 +148,8 @@ void CementMaker::resolve(Part& part, const std::vector<Overlap>& found, BondTro
   }
 }
 
-// Points inside another grain than the two, or in another image of these. Each rank looks at the points in its part of the box.
-// Collective.
+// Looks for points inside another grain than the two, or in another image of these. Each rank looks at the points in
+// its part of the box. Collective.
 void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) const {
   struct Inside {
     std::size_t bond;
@@ -198,7 +201,7 @@ void CementMaker::check_other_grains(const Part& part, BondTrouble& trouble) con
                        "'thickness', or move that grain away before"));
 }
 
-// Numbers of bonds and of IDs, and points outside the box.
+// Checks the numbers of bonds and of IDs, and looks for points outside the box.
 void CementMaker::check_numbers(const Part& part, BondTrouble& trouble) const {
   std::size_t bodies = table_.size();
   double last = last_tag_;

@@ -15,8 +15,8 @@
 namespace mpdem {
 
 namespace {
-constexpr double kRounding = 1e-9;                                     // of lengths that a script computed
-enum Check { geometry, shape, place_of_points, scene, thickness };  // of a bond, in their order
+constexpr double kRounding = 1e-9;                                     // rounding of lengths that a script computed
+enum Check { geometry, shape, place_of_points, scene, thickness };  // checks of a bond, in their order
 }  // namespace
 
 void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
@@ -35,7 +35,7 @@ void BondTrouble::stop(MPI_Comm comm) const {
 
 std::string CementPlan::prefix(const PlannedBond& bond) { return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": "); }
 
-// What rounding of positions takes as strain, bonds must not feel. length: of what is strained.
+// Bonds must not feel the strain that comes from rounding of positions. length: length of what is strained.
 std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length) {
   constexpr double kMostStrain = 1e-6;
   double far = 0.0;
@@ -48,7 +48,7 @@ std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length)
                  kMostStrain * length / std::numeric_limits<double>::epsilon());
 }
 
-// Fills what is known of the pair; what is wrong with it, empty if nothing is.
+// Fills in what is known of the pair. Returns what is wrong with it, or an empty text.
 std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   const GrainToBond &g0 = bond.grain[0], &g1 = bond.grain[1];
   const Vector3 centres = bond.between = box_.shortest(Vector3(g1.x[0] - g0.x[0], g1.x[1] - g0.x[1], g1.x[2] - g0.x[2]));
@@ -64,7 +64,7 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
   return "";
 }
 
-// Those of the bond, see bond_axes.h.
+// Turns the bond to its own axes, see bond_axes.h.
 void CementPlan::choose_axes(PlannedBond& bond) {
   const BondAxes axes = bond_axes(bond.pair.n);
   bond.turn = axes.turn;
@@ -110,7 +110,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
   share_kinds();
 }
 
-// What is compared is compared to the bit. Of points of a file each bond has its own.
+// Kinds are compared to the bit. Each bond with points of a file is a kind of its own.
 int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds) {
   const GrainPair& p = bond.pair;
   const double numbers[] = {p.R1, p.R2, p.gap, p.n[0], p.n[1], p.n[2], bond.grain[0].mass + bond.grain[1].mass};
@@ -126,7 +126,7 @@ int CementPlan::kind_of(const PlannedBond& bond, std::unordered_map<std::string,
 
 double CementPlan::points_expected(std::size_t bond) const { return kind_of(bond).volume / std::pow(wish_.spacing, 3); }
 
-// Each rank its share of the kinds: their shapes and sizes.
+// Each rank finds shapes and sizes of its share of the kinds.
 void CementPlan::measure_kinds(BondTrouble& trouble) {
   const int ranks = ranks_of(comm_), me = rank_in(comm_);
   for (std::size_t k = me; k < kinds_.size(); k += ranks) {
@@ -172,8 +172,8 @@ const Shape& CementPlan::shape_of(int kind) {
   if (k.shape) return *k.shape;
   const PlannedBond& bond = bonds_[k.first];
   const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
-  // Where the grains come closer than a cell no grid can resolve the film between them
-  // (and between rigid touching spheres its stiffness has no bound).
+  // No grid can resolve the film where the grains are closer than a cell. Between rigid touching spheres its stiffness
+  // has no bound either.
   const double inner = wish_.inner < 0.0 ? bond.pair.radius_of_thickness(2.0 * wish_.spacing) : wish_.inner;
   std::vector<std::unique_ptr<Shape>> made;
   for (const ShapeWords& w : wish_.shapes) {
@@ -193,7 +193,7 @@ std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {
     bool image;
   };
   double widest = 0.0;
-  std::vector<Vector3> extent;  // half of it, along the axes of the box
+  std::vector<Vector3> extent;  // half of the extent, along the axes of the box
   for (const PlannedBond& b : bonds_) {
     extent.push_back(b.turn.toRotationMatrix().cwiseAbs() * shape_of(b.kind).half_extent());
     widest = std::max(widest, extent.back().maxCoeff());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Cement that is to be made between pairs of grains, as one command asks for it: where the bonds lie, which of them are of one shape, and what
-// keeps a bond from being made. CementMaker makes the points.
+// Plans the cement that one command asks for between pairs of grains: where the bonds lie, which of them are of one
+// shape, and what keeps a bond from being made. CementMaker makes the points.
 #ifndef MPDEM_CEMENT_PLAN_H
 #define MPDEM_CEMENT_PLAN_H
 
@@ -22,43 +22,44 @@
 
 namespace mpdem {
 
-using GrainTags = std::pair<int, int>;  // ascending
+using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
 
-// What a command says of all its bonds.
+// Words of a command that hold for all its bonds.
 struct CementWish {
   std::vector<ShapeWords> shapes;
-  std::string file;    // points are read from it; empty: they are made of shapes
+  std::string file;    // file from which points are read; empty: points are made of shapes
   double attach = 0.0;
   double spacing = 0.0, density = 2710.0;
-  double inner = -1.0;          // radius; negative: where the grains are two spacings apart
+  double inner = -1.0;          // inner radius; negative: the radius where the grains are two spacings apart
   double grid[3] = {0, 0, 0};   // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
-  bool later = false;           // points are made when they are needed
+  bool later = false;           // true: points are made when they are needed
 };
 
 struct GrainToBond {
   int tag = 0;
-  bool is_point = false;  // no grain at all
+  bool is_point = false;  // true: the atom is a material point and no grain
   double x[3] = {0, 0, 0}, unwrapped[3] = {0, 0, 0}, radius = 0.0, mass = 0.0, q[4] = {1, 0, 0, 0};
 };
 
 struct PlannedBond {
   GrainToBond grain[2];
-  Vector3 between;  // from the first grain to the second
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // from the axes of its body to those of the box
-  GrainPair pair;   // in the axes of its body
+  Vector3 between;  // vector from the first grain to the second
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // turn from the axes of its body to those of the box
+  GrainPair pair;   // the pair in the axes of its body
   int kind = 0;
-  // Of the middle of the gap, beside the first grain.
+  // Place of the middle of the gap, beside the first grain.
   Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
 
-// What keeps a bond from being made: the first bond in the order of the command, and of it the first check.
+// Trouble that keeps a bond from being made. It holds the first bond in the order of the command, and the first check
+// of that bond.
 struct BondTrouble {
   std::size_t bond = INT_MAX;
   int check = 0;
   std::string text;
   void tell(std::size_t of_bond, int of_check, const std::string& why);
-  // Collective. Throws BadState with the first of all ranks; which of them finds it does not matter.
+  // Collective. Throws BadState with the first trouble of all ranks. It does not matter which rank finds it.
   void stop(MPI_Comm comm) const;
 };
 
@@ -66,32 +67,33 @@ class CementPlan {
  public:
   CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
 
-  // Of bonds between these pairs. grains: of this rank, that pairs name. before: pairs that have cement, ascending. read_words: gives the
-  // wish, or what is wrong with the scene for it, once the first pair has been looked at. Collective, throws BadState.
+  // Collective. Plans bonds between these pairs. grains: grains of this rank that the pairs name. before: pairs that
+  // have cement, ascending. read_words: called once the first pair has been looked at. It sets the wish and returns
+  // what is wrong with the scene for it, or an empty text. Throws BadState.
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
             const std::function<std::string(CementWish&)>& read_words);
 
   // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
   struct Kind {
-    std::size_t first;             // bond
-    std::unique_ptr<Shape> shape;  // see shape_of; none: points from a file
+    std::size_t first;             // the first bond of the kind
+    std::unique_ptr<Shape> shape;  // made by shape_of(); null: not made yet, or points come from a file
     double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0;  // known to all ranks
   };
   struct Near {
     std::size_t bond;
-    Vector3 apart;            // of its middle, in the axes of the body that it is near to
-    Eigen::Quaterniond turn;  // from these to its own axes
+    Vector3 apart;            // vector to its middle, in the axes of the body that it is near to
+    Eigen::Quaterniond turn;  // turn from these axes to its own
   };
   const CementWish& wish() const { return wish_; }
   const SceneBox& box() const { return box_; }
   const std::vector<PlannedBond>& bonds() const { return bonds_; }
   const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
   double points_expected(std::size_t bond) const;
-  // Made where it is asked for. Throws ShapeError.
+  // Makes the shape when it is first asked for. Throws ShapeError.
   const Shape& shape_of(int kind);
-  // For each bond the others, and periodic images, whose boxes meet its own.
+  // Finds for each bond the others, and periodic images, whose boxes meet its own.
   std::vector<std::vector<Near>> neighbours();
-  // How complaints about a bond begin.
+  // Text with which complaints about a bond begin.
   std::string prefix(std::size_t bond) const { return prefix(bonds_[bond]); }
 
  private:

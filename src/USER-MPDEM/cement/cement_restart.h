@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What a restart file keeps of the cement besides its points and grains: a version, a head, a row a bond, and rows of the nodes that
-// are split, one after the other. The motion of the nodes stands with the points of their bonds (AtomVecMpdem::write_with_points), a row a node: it is the bulk of it, and
-// LIGGGHTS has 2 GiB for what a fix writes.
+// Records that a restart file keeps of the cement besides its points and grains: a version, a head, a row for each
+// bond, and rows of the nodes that are split, one after the other. The motion of the nodes stands with the points of
+// their bonds (AtomVecMpdem::write_with_points), a row for each node. It is the bulk of the data, and LIGGGHTS has 2
+// GiB for what a fix writes.
 #ifndef MPDEM_CEMENT_CEMENT_RESTART_H
 #define MPDEM_CEMENT_CEMENT_RESTART_H
 
@@ -18,14 +19,14 @@
 
 namespace mpdem {
 
-// The links of the steps so far. Later steps must have the same.
+// The links used in the steps so far. Later steps must use the same.
 struct LinksSoFar {
   enum Kind { kNoSteps, kLinks, kNone } kind = kNoSteps;
   double kn = 0.0, kt = 0.0;
   bool at_surface = true;
-  int law = 0;  // traction_law_number()
+  int law = 0;  // number of the traction law, traction_law_number()
   static constexpr int kMostParameters = 6;
-  double parameter[kMostParameters] = {0, 0, 0, 0, 0, 0};  // of the law
+  double parameter[kMostParameters] = {0, 0, 0, 0, 0, 0};  // parameters of the traction law
   double friction = -1.0;  // PenaltyParameters::friction
 
   template <class Self, class Visitor>
@@ -45,20 +46,20 @@ struct CementHead {
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
-  double step = 0.0;       // stored velocities lie half of it behind the time
-  int bodies_started = 0;  // so many bonds of the table have moved; those after them are as they were made
+  double step = 0.0;       // time step; stored velocities lie half of it behind the time
+  int bodies_started = 0;  // number of bonds at the head of the table that have moved; later ones are as they were made
   double start_energy = 0.0;
-  EnergyBooks::Sums books;  // of all ranks
+  EnergyBooks::Sums books;  // sums over all ranks
   double time = 0.0;
-  double eigenvalue = 0.0;  // 0: not known
-  double auto_step = 0.0;   // what `timestep auto` found last
+  double eigenvalue = 0.0;  // largest eigenvalue; 0: not known
+  double auto_step = 0.0;   // time step that `timestep auto` found last
   LinksSoFar links;
   bool unilateral = false;    // are failed points stiff while their crack is closed
-  double elastic[5] = {0, 0, 0, 0, 0};  // VtiConstants
+  double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
   bool split = false;         // do nodes split, see fracture/node_copies.h
-  int bodies = 0, copies = 0;  // rows that follow
-  double nodes = 0.0;          // rows of all ranks
+  int bodies = 0, copies = 0;  // numbers of rows that follow
+  double nodes = 0.0;          // number of rows of nodes, of all ranks
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& h, Visitor& visit) {
@@ -87,10 +88,10 @@ struct CementHead {
 struct BondRow {
   double broken_seen = 0.0;  // number of failed points and of links that let go when the bond was looked at last
   SeparatingSurface separation;
-  double peak = 0.0;       // largest tension
-  double broken_at = 0.0;  // Cracks::State::broken_at, a number of steps
+  double peak = 0.0;       // largest tension so far
+  double broken_at = 0.0;  // the step Cracks::State::broken_at
   LoadWatch::Largest largest;
-  double loads[LoadWatch::kSums] = {};  // of the window, of all ranks
+  double loads[LoadWatch::kSums] = {};  // sums over the present window, of all ranks
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& b, Visitor& visit) {
@@ -118,7 +119,7 @@ struct NodeRow {
   }
 };
 
-// A part of a bond and a node that is split, see NodeCopies.
+// A part of a bond at a node that is split, see NodeCopies.
 struct CopyRow {
   int body = 0, place[3] = {0, 0, 0};
   int part = 0, copy = 0, first = 0;
@@ -135,7 +136,7 @@ struct CopyRow {
   }
 };
 
-// How many numbers follow a head.
+// Count of the numbers that follow a head.
 inline std::size_t numbers_after(const CementHead& h) {
   return static_cast<std::size_t>(kMostNumbers<BondRow>) * h.bodies + static_cast<std::size_t>(kMostNumbers<CopyRow>) * h.copies;
 }

@@ -21,17 +21,19 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-// The bound is that of whole material. It only says when points are looked at.
+// The bound is that of whole material. For damaged material it is raised by this factor. It only says when points are
+// looked at.
 constexpr double kDriveOfDamaged = 10.0;
 
 BondDescription described(const Bond& b, const Body& body) { return BondDescription(b.points, b.grid, body, SidesAtCreation(body).side); }
 
-// Nodes at the rim that hold next to nothing are off by far in the static fields: their masses make up for it, and the bond seems to be as heavy as
-// they are. Where all of it moves about as its grains do, a bond has a third of its mass for either grain.
+// Nodes at the rim that hold next to nothing may be far off in the static fields. Their masses weigh in with these
+// motions, and the bond seems to be far too heavy. Where all of a bond moves about as its grains do, either grain has a
+// third of its mass.
 constexpr double kHeaviest = 2.0;
 bool is_too_heavy(const CondensedModel& model) {
   const auto trace = [&](int i, int j) { return model.M.block<3, 3>(i, j).trace(); };
-  const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // as both grains move alike
+  const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // mass when both grains move alike
   return !(std::max(trace(0, 0), trace(6, 6)) <= kHeaviest * mass);
 }
 
@@ -43,8 +45,8 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
   return hash;
 }
 
-// Where points failed, or edges are free, nodes may hold by next to nothing: such a bond has its fields soon, or is not condensed. One that is
-// condensed is solved again as it was.
+// Nodes may hold by next to nothing where points failed, or where edges are free. Such a bond has its fields soon, or
+// is not condensed. A bond that is condensed already is solved again with the full number of steps.
 struct Rim {
   int failed = 0, tied = 0;
   explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), tied(b && !b->grid.ties.empty()) {}
@@ -95,7 +97,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   return s;
 }
 
-// Nothing holds them back, and nothing strains them.
+// Nothing holds the pieces back, and nothing strains them.
 std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split) {
   auto s = std::make_shared<Solution>();
   const Eigen::Vector3d middle = frame_of(body, SidesAtCreation(body).side).middle;
@@ -142,7 +144,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   std::unordered_multimap<std::size_t, Known> known;
   for (const auto& p : patterns_) known.emplace(p.second.described, Known{&p.second.of.bond, &p.second.of.body, p.second.solution});
   std::vector<char> cut(rows.size(), 0), solved_already(rows.size(), 1);
-  std::vector<int> without;  // a field
+  std::vector<int> without;  // rows without a field
   std::string trouble;
   const std::size_t of_all = hash_of_run(links, inertia);
   for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -153,7 +155,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       described_.erase(row);
       continue;
     }
-    // Halves of one that came apart share no nodes, and may be on two ranks.
+    // Halves of a bond that came apart share no nodes, and may be on two ranks.
     cut[n] = b->cut_by_ranks() || b->points.size() != bonds.table[row].points;
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
@@ -403,7 +405,7 @@ std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bon
   return side;
 }
 
-// For all bonds together the pack has the loads summed by grain already.
+// The pack already has the loads of all bonds together, summed by grain.
 EnergyBooks::StepWork CondensedBonds::work(const BondedGrains& grains, const Bonds& bonds, const double* gravity, double dt_last,
                                            int first_body) const {
   if (!any()) return {};
@@ -470,8 +472,9 @@ double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& opti
   return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
 }
 
-// The bound is by norms and some times the root itself. So the points are looked at when it says that they might be due, and again when a change
-// of the motion might have made them due. So when a bond wakes does not hang on when it was looked at.
+// The bound is by norms, and may be some times the root itself. So points are looked at when the bound says that they
+// might be due. They are looked at again when a change of the motion might have made them due. So the step in which a
+// bond wakes does not depend on when it was looked at.
 std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
   const double times = options.skip.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
   std::vector<int> rows;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Between a condensed bond and a resolved one: what nodes and points have by the static fields, and whether a bond that is awake goes by them.
+// Goes between a condensed bond and a resolved one: what nodes and points have by the static fields, and whether an
+// awake bond follows these fields.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
-constexpr double kChange = 1e-3;  // of what the bond has at its threshold
+constexpr double kChange = 1e-3;  // share of what the bond has at its threshold
 
 }  // namespace
 
@@ -117,7 +118,8 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
   if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, row, along.data(), law);
 }
 
-// The fields are linear. What is left of forces is of the order of the strain, but links are stiff: a step of Newton's method takes it away.
+// The fields are linear. Forces that are left are of the order of the strain, but links are stiff. A step of Newton's
+// method takes these forces away.
 void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const {
   constexpr int kIterations = 2;
   for (int k = 0; k < kIterations; ++k) {
@@ -127,7 +129,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
     }
     Grid& grid = bond->grid;
     std::array<GrainSide, 2> side = pack_.sides(part_of(bond->body), body);
-    for (GrainSide& s : side)  // no dampers
+    for (GrainSide& s : side)  // so that dampers do not act
       for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
     std::vector<double> velocity(grid.velocity.size(), 0.0);
     velocity.swap(grid.velocity);

@@ -13,7 +13,7 @@
 
 namespace mpdem {
 
-// Bonds that no step has moved yet, since their points and nodes are at the creation.
+// Takes bonds that no step has moved yet, since their points and nodes are at the creation.
 void Condensing::choose() {
   for (std::size_t row = 0; row < scene_.bonds.table.size(); ++row) {
     Body& b = scene_.bonds.table[row];
@@ -28,7 +28,7 @@ void Condensing::choose() {
 
 void Condensing::bind() {
   scene_.grains.bind(scene_.comm, scene_.bonds, scene_.inertia);
-  scene_.grains.distribute(scene_.bonds);  // who looks before the next step is not to find grains at rest
+  scene_.grains.distribute(scene_.bonds);  // code that looks before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
   condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
@@ -59,7 +59,7 @@ void Condensing::mark_pieces(const std::vector<int>& rows) {
   for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds.table[row].condensed && cracks_.separated(row));
 }
 
-// Collective. Of bonds in pieces.
+// Collective. Returns bonds in pieces that stay resolved.
 std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows) const {
   std::vector<int> in_pieces, loose;
   for (int row : rows)
@@ -73,7 +73,8 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
   return loose;
 }
 
-// Bonds that stand for those of the patterns that this rank has grains of. Grains may have come from other ranks.
+// Takes bonds that stand for those of the patterns of which this rank has grains. Grains may have come from other
+// ranks.
 void Condensing::take_patterns(bool at_start) {
   std::vector<int> patterns = patterns_of_owned_grains(scene_);
   if (!at_start) patterns.erase(std::remove_if(patterns.begin(), patterns.end(), [&](int p) { return condensed_.has_pattern(p); }), patterns.end());
@@ -81,7 +82,7 @@ void Condensing::take_patterns(bool at_start) {
                            *scene_.law, *scene_.penalty, scene_.inertia);
 }
 
-// Bonds that are to wake and have no points get them before the next step, and wake in it. Answers the others.
+// Bonds that are to wake and have no points get them before the next step, and wake in it. Returns the other bonds.
 std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   rows_that_want_points_.clear();
   std::vector<int> others;
@@ -165,7 +166,7 @@ bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
   const Body& body = scene_.bonds.body(b);
   if (b.cut_by_ranks() || b.points.size() != body.points) return false;
-  // looks that are to come, which condensed bonds do not get
+  // looks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
   if (cracks_.separated(b.body) && !cracks_.has_seen(b)) return false;
@@ -178,7 +179,7 @@ bool Condensing::rests(Bond& b) {
   return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
 
-// Collective. Bonds that may be condensed again.
+// Collective. Returns bonds that may be condensed again.
 std::vector<int> Condensing::rows_that_rest() {
   std::vector<int> mine;
   for (Bond& b : scene_.bonds.awake())
@@ -192,7 +193,7 @@ void Condensing::condense_again() {
   const std::vector<int> rows = again_.rows = rows_that_rest();
   if (rows.empty()) return;
   const double half = 0.5 * scene_.dt_last;
-  std::vector<double> rest(6 * grains.sides.sides.size(), 0.0);  // of the momentum, which the grains take up
+  std::vector<double> rest(6 * grains.sides.sides.size(), 0.0);  // difference of the momentum, which the grains take up
   struct OfRow {
     int row, at;
     GrainSide side[2];

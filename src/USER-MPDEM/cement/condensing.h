@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// When bonds are condensed (condensed_bonds.h), wake, and are condensed again; which of them ask for their points first. Energy that a bond has in one
-// way and not in the other is booked. Functions are collective, but for those of one line here.
+// Decides when bonds are condensed (condensed_bonds.h), wake, and are condensed again, and which of them ask for their
+// points first. A bond may have energy in one form that it does not have in the other. This energy is booked. Functions
+// are collective, except those of one line here.
 #ifndef MPDEM_CEMENT_CONDENSING_H
 #define MPDEM_CEMENT_CONDENSING_H
 
@@ -25,16 +26,20 @@ class Condensing {
              AddedMasses& added, const WorkOfStep& work)
       : scene_(scene), condensed_(condensed), cracks_(cracks), load_watch_(load_watch), arrangement_(arrangement), shared_(shared), added_(added), work_(work) {}
 
-  // Before the layout of a run: bonds that no step has moved yet. Throws BadState if the words of the script are others than those of the steps before.
+  // Call before the layout of a run. Marks bonds that no step has moved yet. Throws BadState if the words of the script
+  // are others than those of the steps before.
   void choose();
-  // After a layout of bonds or grains that came from other ranks, or are new: sides of the grains, and what condensed bonds need of them.
+  // Call after a layout of bonds, or when grains came from other ranks or are new. Binds the sides of the grains, and
+  // what condensed bonds need of them.
   void bind();
-  // After that, with the links of the run: those of these bonds that are to be condensed.
+  // Condenses those of these bonds that are to be condensed. Call after bind(), with the links of the run.
   void condense(const std::vector<int>& rows, bool at_start);
-  // At the end of the forces of a step. Bonds near their threshold are resolved. After a check, bonds that are awake, whole on a rank, and far from
-  // their threshold again are condensed, where force and energy hardly change by it: their waves have gone. They keep their damage, and have the stiffness
-  // of the present. So are bonds that came apart and whose pieces rest with their grains. True if something changed: then the forces of
-  // the step are to be found anew, as at the start of a run, so that a run in parts is the run as a whole, and book_changes() is to be called.
+  // Call at the end of the forces of a step. Bonds near their threshold are resolved. After a check, bonds are
+  // condensed again if they are awake, whole on a rank, and far from their threshold, and if force and energy hardly
+  // change by it: their waves have gone. They keep their damage, and have the stiffness of the present. Bonds that came
+  // apart are condensed too, if their pieces rest with their grains. Returns true if something changed. Then the forces
+  // of the step are to be found anew, as at the start of a run, so that a run in parts is the run as a whole.
+  // book_changes() has to follow.
   bool change();
   void book_changes();
 
@@ -64,9 +69,9 @@ class Condensing {
   std::vector<int> rows_that_want_points_;
   struct Change {
     std::vector<int> rows;
-    double energy = 0.0;  // that they had before, on this rank
+    double energy = 0.0;  // energy that the rows had before, on this rank
   };
-  Change woken_, again_;  // of this step
+  Change woken_, again_;  // changes of this step: bonds that woke, and bonds condensed again
 };
 
 }  // namespace mpdem

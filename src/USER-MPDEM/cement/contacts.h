@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Which grains are near each other.
+// Finds grains that are near each other.
 #ifndef MPDEM_CEMENT_CONTACTS_H
 #define MPDEM_CEMENT_CONTACTS_H
 
@@ -12,7 +12,8 @@
 
 namespace mpdem {
 
-// Pairs of tags, each and all ascending, of spheres no farther apart than `gap`; in a periodic box of their nearest images.
+// Returns pairs of tags, each and all ascending, of spheres no farther apart than `gap`. In a periodic box the nearest
+// images count.
 std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, const SceneBox& box, double gap);
 
 }  // namespace mpdem

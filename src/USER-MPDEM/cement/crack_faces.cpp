@@ -32,7 +32,7 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits&
       paired[a] = paired[b] = 1;
     }
   if (pairs_.empty()) return;
-  // slaves hand on to their masters, which may be of pairs
+  // slaves hand on to their masters, which may be nodes of pairs
   for (int i = 0; i < grid.size(); ++i)
     if (const int row = grid.ties.row(i); row >= 0)
       grid.ties.for_each_master(row, [&](int master, double) { paired[i] = paired[i] || paired[master]; });
@@ -50,7 +50,7 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits&
   });
 }
 
-// Of what holds, where it is now.
+// Sums over points that hold, where they are now.
 void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   normal_.assign(3 * grid.size(), 0.0);
   with_basis(grid.basis, [&](auto type) {
@@ -84,18 +84,19 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
   }
 }
 
-constexpr double kLeastFace = 1e-5;  // over that of a cell
+constexpr double kLeastFace = 1e-5;  // G over the face of a cell
 
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
-  double n[3], w[3], v[3];  // v: relative velocity of the next step without them
+  double n[3], w[3], v[3];  // v: relative velocity of the next step without these forces
   for (int d = 0; d < 3; ++d) {
     n[d] = normal_[a + d] - normal_[b + d];
     w[d] = grid.displacement[b + d] - grid.displacement[a + d];
     v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
   }
   const double size = std::sqrt(dot(n, n));
-  // G is an area. A copy of which next to nothing holds has no face: it has next to no mass either, and flies far by what hardly is a force.
+  // G is an area. A copy that next to nothing holds has no face. It has next to no mass either, and flies far by what
+  // hardly is a force.
   const double least = kLeastFace * kLeastFace * grid.h * grid.h * grid.h * grid.h;
   if (dot(&normal_[a], &normal_[a]) < least || dot(&normal_[b], &normal_[b]) < least || !(size > 0.0)) return;
   for (double& x : n) x /= size;
@@ -114,7 +115,7 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   ++touching_;
   deepest_ = std::max(deepest_, -wn);
   const double together = 1.0 / (kick * (1.0 / mass[0] + 1.0 / mass[1]));
-  // an overlap, where the normal turned, is undone no faster than the faces close: else it would give energy
+  // an overlap, where the normal turned, is undone no faster than the faces close; otherwise it would give energy
   const double after = std::min(-wn / dt, -vn);
   const double normal = (after - vn) * together, stop = std::sqrt(dot(slip, slip)) * together;
   const double share = stop > friction_ * normal ? friction_ * normal / stop : 1.0;

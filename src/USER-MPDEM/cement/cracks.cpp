@@ -29,7 +29,7 @@ struct OfPath {
   int body, tag;
 };
 
-constexpr int kBetween = -1;  // a piece of its own, so that it does not matter which grain is the first
+constexpr int kBetween = -1;  // piece between the grains; it has a number of its own, so that it does not matter which grain is the first
 
 void direction_of_centres(const Body& body, double* n) {
   double length = 0.0;
@@ -40,7 +40,7 @@ void direction_of_centres(const Body& body, double* n) {
   for (int d = 0; d < 3; ++d) n[d] /= std::sqrt(length);
 }
 
-// A point of block b; first_link: of each slot, into the links of the store.
+// Point l of block b. first_link: for each slot, its first link in the store.
 CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l, double damage, const std::vector<int>& first_link,
                        const double* axis, bool split) {
   const BlockMeta& m = points.meta[b];
@@ -79,7 +79,7 @@ CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l,
   return p;
 }
 
-// Points that failed, and links that let go. Each counts by itself, so that whatever breaks changes the sum.
+// Counts points that failed, and links that let go. Each counts by itself, so whatever breaks changes the sum.
 double count_broken(const PointStore& points) {
   int count = 0;
   for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
@@ -94,7 +94,7 @@ struct WholeBonds {
   struct Source {
     int rank, slot;
   };
-  // Of each of the rows asked for: its points and where they are; empty on other ranks.
+  // Points of each of the rows asked for, and where they are. Both are empty on other ranks.
   std::vector<std::vector<CrackPoint>> points;
   std::vector<std::vector<Source>> sources;
 };
@@ -114,8 +114,8 @@ void for_each_crack_point(const Bond& bond, const Body& body, bool split, F f) {
       if (points.meta[b].occupied >> l & 1) f(kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, split));
 }
 
-// Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent: copies of them would be as
-// dear as the look at the bond, in memory that a big scene has not in the cache.
+// Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent. Copies of
+// them would cost as much as the look at the bond, since a big scene does not have that memory in the cache.
 WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, bool split) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<std::vector<Sent>> out(ranks);
@@ -169,7 +169,7 @@ void Cracks::watch_links(const Bond& bond) {
   for (int link : bond.link_step.let_go) note(bond, bond.points.links[link].slot);
 }
 
-// The point at this slot carries no path any more, or not to a grain.
+// The point at this slot carries no path any more, or none to a grain.
 void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.body];
   if (s.path_cut || s.separation.separated) return;
@@ -196,10 +196,11 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
 
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].broken_seen; }
 
-// Whose path is cut, and where something broke since. Debris is looked for in all: it may be in any bond that came apart.
+// Returns rows whose path is cut and where something broke since. Debris is looked for in all bonds that came apart,
+// since it may be in any of them.
 std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
   std::vector<int> rows = union_of_ranks(comm, cut_);
-  rows.insert(rows.end(), new_.begin(), new_.end());  // in none of the first: their paths are cut already
+  rows.insert(rows.end(), new_.begin(), new_.end());  // in no row of the first kind: their paths are cut already
   for (int row : rows) states_[row].path_cut = false;
   cut_.clear();
   new_.clear();
@@ -289,7 +290,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
     const BlockMeta& m = bonds.find(r.body)->points.meta[r.slot / kLanes];
     NewParts& parts = found.parts[r.body];
     parts.part_of_slot[r.slot] = part_of(r.part, sheet_of(m.part));
-    // of both sheets: nodes of the other may come to this rank as masters of those of its own
+    // fields of both sheets: nodes of the other sheet may come to this rank as masters of those of its own
     for (int sheet = 0; sheet < 2; ++sheet)
       parts.parent_field[field_of(r.body, part_of(r.part, sheet))] = field_of(r.body, part_of(piece_of(m.part), sheet));
   }

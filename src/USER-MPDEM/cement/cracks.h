@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bonds that come apart: bonds in which points failed are looked at as a whole, each by one rank, and
-// their parts get nodes of their own (fracture/separation.h). What is left of a shared node across a crack
-// pulls on: so a path of intact points from grain to grain is remembered, and its bond is looked at as
-// soon as one of them fails; what has come apart, at the checks. Of bonds that hold, the end of a run
-// tells how much of them is left (fracture/ligament.h).
+// Finds bonds that come apart. Bonds in which points failed are looked at as a whole, each by one rank, and their parts
+// get nodes of their own (fracture/separation.h). What is left of a shared node across a crack still pulls. So a path
+// of intact points from grain to grain is remembered. Its bond is looked at as soon as one of these points fails. Bonds
+// that have come apart are looked at again at the checks. For bonds that hold, the end of a run tells how much of them
+// is left (fracture/ligament.h).
 #ifndef MPDEM_CEMENT_CRACKS_H
 #define MPDEM_CEMENT_CRACKS_H
 
@@ -22,62 +22,66 @@ namespace mpdem {
 
 class Cracks {
  public:
-  // Of each row of the table, the same on all ranks but for path_cut.
+  // State of each row of the table, the same on all ranks except path_cut.
   struct State {
     SeparatingSurface separation;
-    double broken_seen = 0;  // points that failed and links that let go, when it was looked at
-    std::vector<int> path;   // tags, ascending, see separation.h; empty: not known
-    bool path_cut = false;   // on this rank
-    bool untied = false;     // came apart, and has no ties in the present layout
+    double broken_seen = 0;  // number of failed points and of links that let go, at the last look
+    std::vector<int> path;   // tags of the points of the path, ascending, see separation.h; empty: not known
+    bool path_cut = false;   // true: the path is cut on this rank
+    bool untied = false;     // true: the bond came apart, and has no ties in the present layout
     std::int64_t broken_at = 0;  // step at which it was found to carry nothing any more though it is not separated (load_watch.h); 0: not yet
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
   std::size_t size() const { return states_.size(); }
-  // Has nothing failed or let go since the last look at this bond, which is whole on this rank and came apart?
+  // Has nothing failed or let go since the last look? The bond must be whole on this rank and have come apart.
   bool has_seen(const Bond& bond) const;
   bool separated(std::size_t row) const { return row < states_.size() && states_[row].separation.separated; }
-  // Separated, or carries nothing any more; then separation has the surface of a crack through what is left, until the bond is separated.
+  // Is the bond separated, or does it carry nothing any more? In the second case `separation` has the surface of a
+  // crack through what is left, until the bond is separated.
   bool broken(std::size_t row) const { return separated(row) || (row < states_.size() && states_[row].broken_at > 0); }
   void restore(std::vector<State> states) { states_ = std::move(states); }
 
-  // Bonds that are new or come from a restart file are to be looked at; true if some are new. Those of the file wait for the step of the
-  // next look, so that a run in parts is the run as a whole.
+  // Marks bonds for a look that are new or come from a restart file. Returns true if some are new. Bonds of the file
+  // wait for the step of the next look, so that a run in parts is the run as a whole.
   bool take_up(std::size_t rows);
   // Notes whether the path of a bond is cut by the points that fail in this step.
   void watch(const Bond& bond);
-  // The same of links that let go in this step of points that hold.
+  // Does the same for links that let go in this step of points that hold.
   void watch_links(const Bond& bond);
-  // Collective.
+  // Collective. Is a path cut on any rank, or does a bond wait for its first look?
   bool some_path_is_cut(MPI_Comm comm) const;
 
-  // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and what has come apart already, if debris.
-  // skins: TractionLaw::keeps_skins(). They tell what let go from what broke beside it, so the band of a crack does not count there.
-  // The bonds that need a new layout, the same on all ranks, and their new parts on this one.
+  // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and those that have
+  // come apart already if `debris`. skins: TractionLaw::keeps_skins(). Skins tell what let go from what broke beside
+  // it, so the band of a crack does not count there. Returns the bonds that need a new layout, the same on all ranks,
+  // and their new parts on this one.
   struct Found {
     std::vector<int> lay_out;  // ascending
     NewPartsOfBonds parts;
     std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
-    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: of bonds that came apart, on the ranks that looked
+    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: pieces of bonds that came apart, on the ranks that looked
   };
   Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris);
-  // Bonds that have ties now and come to a layout without them.
+  // Returns bonds that came apart and have ties until now. Their next layout is without ties.
   std::vector<int> untie(const CementOptions& options);
 
-  // Rows of bonds that hold, ascending: the ligament of each, and the separating surface if the ligament failed. Collective.
+  // Collective. The ligament of each of these rows of bonds that hold, ascending, and the separating surface if the
+  // ligament failed.
   struct Ahead {
-    double left = 0.0, whole = 0.0;  // points of the ligament, and of that of the unbroken bond
-    Separation surface;              // if the ligament failed
+    double left = 0.0, whole = 0.0;  // points of the ligament that hold; points of the ligament of the unbroken bond
+    Separation surface;              // separating surface if the ligament failed
   };
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
                            const std::vector<int>& rows, bool skins) const;
 
-  // Collective. These bonds, ascending, carry nothing any more since this step: those of them are broken that are not whole.
+  // Collective. Notes that these bonds, ascending, carry nothing any more since this step. Those of them that are not
+  // whole count as broken.
   void give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
                 std::int64_t step);
 
-  // `debonding`, `internal` or `mixed`.
+  // Returns `debonding`, `internal` or `mixed`.
   static const char* mode_of(const SeparatingSurface& s);
-  // The same, or `intact`.
+  // Returns the mode of a broken bond, or `intact`.
   std::string mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
 
  private:
@@ -87,7 +91,7 @@ class Cracks {
                      const std::vector<CrackPoint>& points, bool skins) const;
 
   std::vector<State> states_;
-  std::size_t with_path_ = 0;  // rows that were ever to be looked at by this object
+  std::size_t with_path_ = 0;  // number of rows that this object has taken up
   std::vector<int> cut_;        // rows whose path is cut on this rank, each once
   std::vector<int> new_;        // rows that wait for their first look, the same on all ranks
 };

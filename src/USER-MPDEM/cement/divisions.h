@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What keeps nodes of a bond apart: crevices from the start, nodes that split, and parts that came apart. Layouts go by it (layout.h), Parting changes it.
+// Holds what keeps nodes of a bond apart: crevices from the start, nodes that split, and parts that came apart. Layouts
+// follow it (layout.h), and Parting changes it.
 #ifndef MPDEM_CEMENT_DIVISIONS_H
 #define MPDEM_CEMENT_DIVISIONS_H
 

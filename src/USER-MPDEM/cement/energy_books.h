@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What became of the energy of the cement. Central differences keep
+// Books of the energy of the cement. Central differences keep
 //
 //   E + dissipated + released + damped + rubbed - work = start,
 //
-// E of strain, springs and motion. Dissipated: by the growth of damage. Released: what failed points, links that let go and
-// added mass that changes gave up. Damped: by dampers and transfers. Rubbed: by friction. Work: of grains, gravity and impulses of the host on the cement. Each half
-// step has the work of its velocity on the force at its end; so have dampers and friction of crack faces. What belongs to the second half of the last step is ahead. With `mass_order 2` the energy of motion is v.M* v/2, with M* the
-// inertia of mpm/consistent_mass.h. It is kept as that of the lumped mass, less the work of the force by which the two differ. This rank's share of each, all in units of energy.
+// where E is the energy of strain, springs and motion. Growth of damage dissipates. Failed points, links that let go
+// and added mass that changes release. Dampers and transfers damp. Friction rubs. Grains, gravity and impulses of the
+// host do work on the cement. Each half step has the work of its velocity on the force at its end. The same holds for
+// dampers and for friction of crack faces. What belongs to the second half of the last step is ahead.
+//
+// With `mass_order 2` the energy of motion is v.M* v/2, with M* the inertia of mpm/consistent_mass.h. It is kept as the
+// energy of the lumped mass, less the work of the force by which the two differ.
+//
+// Each number is the share of this rank, in units of energy.
 #ifndef MPDEM_CEMENT_ENERGY_BOOKS_H
 #define MPDEM_CEMENT_ENERGY_BOOKS_H
 
@@ -22,7 +27,7 @@ class EnergyBooks {
  public:
   struct Sums {
     double dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;
-    double inertial_work = 0.0, inertial_work_ahead = 0.0;  // of Grid::inertial_force
+    double inertial_work = 0.0, inertial_work_ahead = 0.0;  // work of Grid::inertial_force
     double damped_ahead = 0.0, rubbed_ahead = 0.0;
 
     template <class Self, class Visitor>
@@ -39,7 +44,8 @@ class EnergyBooks {
       visit("the energy of friction ahead of its step", s.rubbed_ahead, kFinite);
     }
   };
-  // Work of a step with the forces of this time: with the velocities of this time, and with those of half a step before.
+  // Work of a step with the forces of this time. now: with the velocities of this time. before: with those of half a
+  // step before.
   struct StepWork {
     double now = 0.0, before = 0.0;
   };
@@ -50,7 +56,7 @@ class EnergyBooks {
   void rub(double energy) { sums_.rubbed += energy; }
   void do_work(double work) { sums_.work += work; }
 
-  // What `action` takes of `energy()`.
+  // Books as released what `action` takes of `energy()`. damp_by() books it as damped.
   template <class Energy, class Action>
   void release_by(Energy energy, Action action) {
     const double before = energy();
@@ -64,21 +70,22 @@ class EnergyBooks {
     damp(before - energy());
   }
 
-  // What dampers and the friction of crack faces take in a step, as soon as its accelerations are known.
+  // Books what dampers and the friction of crack faces take in a step. Call as soon as its accelerations are known.
   void end_step_of_dampers(const StepWork& damped, const StepWork& rubbed) {
     sums_.damped += damped.now;
     sums_.damped_ahead = damped.now - 0.5 * damped.before;
     sums_.rubbed += rubbed.now;
     sums_.rubbed_ahead = rubbed.now - 0.5 * rubbed.before;
   }
-  // At the end of a step. The second half of it is work ahead.
+  // Books the work at the end of a step. The second half of the step is work ahead.
   void end_step(const StepWork& w, const StepWork& inertial) {
     sums_.work += w.now;
     sums_.work_ahead = w.now - 0.5 * w.before;
     sums_.inertial_work += inertial.now;
     sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
   }
-  // Cement is set in motion with this energy, of all ranks; its first half step has this work.
+  // Books that cement is set in motion. energy_of_all: its energy, of all ranks. The other numbers give the work of its
+  // first half step, and what dampers take in it.
   void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
     sums_.work += w.now - 0.5 * w.before;
     sums_.work_ahead += w.now - 0.5 * w.before;
@@ -90,7 +97,7 @@ class EnergyBooks {
   }
 
   const Sums& sums() const { return sums_; }
-  // Collective.
+  // Collective. Sums over all ranks.
   Sums sums_of_all(MPI_Comm comm) const {
     double numbers[kMostNumbers<Sums>];
     pack(sums_, numbers);
@@ -99,7 +106,7 @@ class EnergyBooks {
     unpack(numbers, all);
     return all;
   }
-  double start_energy() const { return start_; }  // of all ranks
+  double start_energy() const { return start_; }  // energy of all ranks
   void restore(const Sums& sums, double start_energy) {
     sums_ = sums;
     start_ = start_energy;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// How nodes and points move in a step. Total: the reference stays, nodes drift, points follow. Updated: the reference is the
-// present, velocities go from nodes to points and back in every step. Chosen once for all bonds.
+// How nodes and points move in a step. With total kinematics the reference stays, nodes drift and points follow. With
+// updated kinematics the reference is the present, and velocities go from nodes to points and back in every step. The
+// choice holds for all bonds.
 #ifndef MPDEM_CEMENT_KINEMATICS_H
 #define MPDEM_CEMENT_KINEMATICS_H
 
@@ -17,7 +18,7 @@
 
 namespace mpdem {
 
-// What kinematics act on.
+// Parts on which kinematics act.
 struct MovingParts {
   Scene& scene;
   SharedNodes& shared;
@@ -31,12 +32,12 @@ class Kinematics {
  public:
   virtual ~Kinematics() = default;
 
-  // Collective. A step up to the forces of points and links: nodes drift, points take their strain, damage and stress, links of
-  // failed points let go. Leaves internal forces and those of links on the nodes of this rank.
+  // Collective. Takes a step up to the forces of points and links: nodes drift, points take their strain, damage and
+  // stress, links of failed points let go. Leaves internal forces and those of links on the nodes of this rank.
   virtual void advance() = 0;
-  // Collective. Once accelerations are known.
+  // Collective. Books the transfer of the step. Call once accelerations are known.
   virtual void account_for_accelerations() {}
-  // Collective. Internal force of the present state.
+  // Collective. Finds the internal force of the present state.
   virtual void find_internal_force() = 0;
 
  protected:
@@ -54,7 +55,7 @@ class Kinematics {
 std::unique_ptr<Kinematics> make_total(const MovingParts& parts);
 std::unique_ptr<Kinematics> make_updated(const MovingParts& parts);
 
-// Velocities of nodes that have mass from momentum.
+// Finds velocities of nodes that have mass from their momentum.
 void take_momentum(Grid& grid);
 
 }  // namespace mpdem

@@ -25,7 +25,7 @@ Vector3 axis_at(const Vector3& X, const Body& body, const CementOptions& options
   return radial_axis(X, centre, body.radius, body.spacing);
 }
 
-// Frame of each new point: third axis along the axis of the elasticity.
+// Sets the frame of each new point. The third axis is the axis of the elasticity.
 void set_frames(PointStore& points, const Body& body, const CementOptions& options, const Law& law) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     BlockMeta& m = points.meta[b];
@@ -39,7 +39,7 @@ void set_frames(PointStore& points, const Body& body, const CementOptions& optio
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
-      if (m.damaged && law.state_is_tensor()) {  // given in the axes of the box
+      if (m.damaged && law.state_is_tensor()) {  // the damage was given in the axes of the box
         const Sym3<vd> D = rotate_back(rotation_matrix(f), state_of<TensorDamage>(points, static_cast<int>(b)));
         const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
         points.set_state(kLanes * static_cast<int>(b) + l, numbers);
@@ -57,7 +57,7 @@ std::vector<Grid::Cell> cells_of(BondLayout& l, const BorrowedNodes& borrowed) {
   return cells;
 }
 
-// Collective. Ties of each layout, from the masses on these grids.
+// Collective. Finds ties of each layout, from the masses on these grids.
 std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std::vector<int>& rows, const std::vector<const Grid*>& grids) {
   struct Node {
     Key key;
@@ -94,7 +94,8 @@ class LayoutMaker {
     const int ranks = ranks_of(rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
     std::vector<std::vector<EdgeTie>> ties;
-    // A slave of this rank may have its masters on others, which then come here as nodes of no cell: a plan tells.
+    // A slave of this rank may have its masters on others. These then come here as nodes of no cell. A plan of the
+    // grids tells which.
     const bool edges_known = rules_.splits && (!rules_.options.tied || rules_.splits->edges_known(rows_));
     if (rules_.options.tied && ranks > 1 && !edges_known) {
       std::vector<Grid> plans(layouts_.size());
@@ -136,7 +137,7 @@ class LayoutMaker {
     if (rules_.penalty) l.links = PenaltyLinks(l.points, body, *rules_.penalty, o.cell, rules_.density, o.basis);
   }
 
-  // Grids with nodes for all cells and masters; with the motion before, or at rest.
+  // Builds grids with nodes for all cells and masters, with the motion before or at rest.
   void build(std::vector<Grid>& grids, const std::vector<std::vector<EdgeTie>>& ties, bool with_motion) {
     const BorrowedNodes borrowed(rules_.options, rules_.penalty);
     std::vector<GridRequest> wanted(grids.size());
@@ -153,7 +154,8 @@ class LayoutMaker {
       if (rules_.splits) {
         const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
         w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
-        // Faces touch, see crack_faces.h. A rank whose last point has left has no bond any more, and shares none of its nodes.
+        // Copies are needed where faces touch, see crack_faces.h. A rank whose last point has left has no bond any
+        // more, and shares none of its nodes.
         if (rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
           const std::vector<Key> copies = rules_.splits->copies_of(layouts_[n].body);
           w.extra.insert(w.extra.end(), copies.begin(), copies.end());
@@ -188,7 +190,7 @@ class LayoutMaker {
     return find_ties(rules_, rows_, all);
   }
 
-  // Collective. Ties of nodes at the edge, as they were at the start, of bonds whose nodes split.
+  // Collective. Ties that nodes at the edge had at the start, for bonds whose nodes split.
   std::vector<EdgeTie> edges_at_start(std::vector<Grid>& grids) const {
     const Splits& splits = *rules_.splits;
     std::vector<std::pair<Key, double>> all;
@@ -214,7 +216,7 @@ class LayoutMaker {
     return find_edge_ties(rules_.comm, rules_.options.basis, nodes);
   }
 
-  // Of each layout, whether some rank has ties in it.
+  // Returns for each layout whether some rank has ties in it.
   std::vector<char> tied_anywhere(const std::vector<std::vector<EdgeTie>>& ties) const {
     std::vector<char> of_rows(rows_.size(), 0), any;
     const auto at = [&](std::size_t n) { return std::lower_bound(rows_.begin(), rows_.end(), layouts_[n].body) - rows_.begin(); };

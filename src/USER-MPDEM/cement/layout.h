@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The layout of bonds: blocks of points by cell, links, grid, ties of its edge nodes (mpm/edge_ties.h), lumped mass. A function of
-// the points and of what moved before: it changes nothing but what it is given, so that a layout may be made to ask
-// something of it and be dropped.
+// The layout of bonds: blocks of points by cell, links, grid, ties of its edge nodes (mpm/edge_ties.h), and lumped
+// mass. It is a function of the points and of what moved before. It changes nothing but what it is given. So a layout
+// may be made to ask something of it, and be dropped.
 //
-// Bonds that came apart have no ties but those between sheets: what their parts share and what their debris holds is
-// for free nodes.
+// Bonds that came apart have no ties except those between sheets. Free nodes are needed for what their parts share and
+// what their debris holds.
 #ifndef MPDEM_CEMENT_LAYOUT_H
 #define MPDEM_CEMENT_LAYOUT_H
 
@@ -26,7 +26,7 @@ namespace mpdem {
 struct LayoutRequest {
   int body = 0;
   PointStore points;
-  NodeKinematics before;  // motion of its nodes on this rank, or on all
+  NodeKinematics before;  // motion of the nodes of the bond, of this rank or of all
   NewParts parts;
 };
 
@@ -34,10 +34,10 @@ struct LayoutRules {
   MPI_Comm comm = MPI_COMM_NULL;
   const std::vector<Body>& table;
   const CementOptions& options;
-  const std::shared_ptr<const Law>& law;  // of points that come from other ranks too
+  const std::shared_ptr<const Law>& law;  // law of all points, also of those from other ranks
   const Sheets& sheets;
   const Cracks& cracks;
-  double density = 0;                          // of the inertia
+  double density = 0;                          // density of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
   Splits* splits = nullptr;                    // null: nodes do not split
   bool arrange = true;                         // false: blocks stay as they are
@@ -48,12 +48,13 @@ struct BondLayout {
   PointStore points;
   Grid grid;
   PenaltyLinks links;
-  std::vector<char> fresh;    // of each node: no rank had it before
-  std::vector<int> new_slot;  // of each slot before, -1 for an empty one
+  std::vector<char> fresh;    // of each node: 1 if no rank had it before
+  std::vector<int> new_slot;  // new slot of each slot before, -1 for an empty one
 };
 
-// Collective. rows: of the table, whose bonds are laid out, ascending, the same on all ranks. requests: those of them of which
-// this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they may.
+// Collective. Lays out the bonds of these rows of the table, ascending, the same on all ranks. requests: those of these
+// bonds of which this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they
+// may.
 std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests);
 
 }  // namespace mpdem

@@ -13,7 +13,7 @@ namespace {
 
 Three<double> three(const double* x) { return {{x[0], x[1], x[2]}}; }
 
-// side: the first of the two.
+// side: the first of the two sides.
 RelativeMotion<double> motion_of(const Body& body, const GrainSide* side) {
   Mat3<double> turn[2];
   Three<double> arm[2];
@@ -26,7 +26,8 @@ RelativeMotion<double> motion_of(const Body& body, const GrainSide* side) {
   return {turn, arm, three(side[1].x) - three(side[0].x)};
 }
 
-// Length of force and moment, or of displacement and rotation, with rotations times `unit`.
+// Returns the length of force and moment, or of displacement and rotation. The second three numbers are multiplied by
+// `unit`.
 double size_of(const double* six, double unit) {
   double square = 0.0;
   for (int d = 0; d < 6; ++d) square += six[d] * six[d] * (d < 3 ? 1.0 : unit * unit);
@@ -35,7 +36,7 @@ double size_of(const double* six, double unit) {
 
 }  // namespace
 
-// Of the area of cement at the grains, as that of a disc.
+// Radius of the area of cement at the grains, taken as a disc.
 double LoadWatch::radius_of(const Body& body) { return std::sqrt(0.5 * (body.attached_area[0] + body.attached_area[1]) / M_PI); }
 
 void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, double dt) {

@@ -1,23 +1,33 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Does a bond still carry something? One whose grains are connected may not: struts between slanted cracks, held at either grain by points that
-// are nearly through, turn like a linkage, and no threshold of their damage or their section tells them from a bond that softens. What tells is
-// the secant stiffness of the bond as its grains feel it. With the mean load Q and the mean relative motion q of the grains over a window of time,
+// Does a bond still carry something? A bond whose grains are connected may not. Struts between slanted cracks, held at
+// either grain by points that are nearly through, turn like a linkage. No threshold of their damage or their section
+// tells them from a bond that softens. The secant stiffness of the bond as its grains feel it does. With the mean load
+// Q and the mean relative motion q of the grains over a window of time,
 //
 //   a bond is broken when |Q| < 1 % of the largest |Q| of any window so far, while |q| is more than it was in that window,
 //
-// and some of its weakest section is gone. Q is force and moment about the middle of the bond, half from either grain, q displacement of that
-// point and rotation; both are in axes that go half-way with both grains, and the radius l of the area of cement at the grains makes moments and
-// rotations comparable: |Q|^2 = F^2 + (M/l)^2, |q|^2 = d^2 + (l theta)^2. A window ends at the first check after a shear wave has been across the
-// bond and back, 4 l over its speed, so that it has the ringing of the bond in it.
-// * A bond that is unloaded comes back along its secant, since damage leaves no strain behind: |q| falls with |Q|, and the bond holds. So it does
-//   when its load changes sign, in cycles about zero (both means vanish) and when it rings freely.
-// * The largest load may have been one of compression that the bond never bears in tension; then more way is needed than that took.
-// * What is broken stays so: the bond has let go once in the direction in which it was loaded. Its forces are left as they are, so what still
-//   connects the grains carries again if they are pressed together. With friction, what slides carries more than 1 % or is separated.
-// Means are linear in the steps, so which grain is the first, the axes of the box and ranks do not matter. Looked at where debris is looked for,
-// at the checks.
+// and some of its weakest section is gone. Q is force and moment about the middle of the bond, half from either grain.
+// q is displacement of that point and rotation. Both are in axes that go half-way with both grains. The radius l of the
+// area of cement at the grains makes moments and rotations comparable:
+//
+//   |Q|^2 = F^2 + (M/l)^2,   |q|^2 = d^2 + (l theta)^2.
+//
+// A window ends at the first check after a shear wave has been across the bond and back, 4 l over its speed. So the
+// ringing of the bond is in the window.
+//
+// * A bond that is unloaded comes back along its secant, since damage leaves no strain behind: |q| falls with |Q|, and
+//   the bond holds. The same is true when its load changes sign, in cycles about zero (both means vanish), and when it
+//   rings freely.
+// * The largest load may have been one of compression that the bond never bears in tension. Then more motion is needed
+//   than that load took.
+// * A broken bond stays broken: it has let go once in the direction in which it was loaded. Its forces are left as they
+//   are, so what still connects the grains carries again if they are pressed together. With friction, what slides
+//   carries more than 1 % or is separated.
+//
+// Means are linear in the steps. So the result does not depend on which grain is the first, on the axes of the box, or
+// on ranks. The watch looks where debris is looked for, at the checks.
 #ifndef MPDEM_CEMENT_LOAD_WATCH_H
 #define MPDEM_CEMENT_LOAD_WATCH_H
 
@@ -32,14 +42,14 @@ namespace mpdem {
 
 class LoadWatch {
  public:
-  static constexpr double kGone = 0.01;  // of the largest load
-  static constexpr int kSums = 13;       // time; load and motion times time
+  static constexpr double kGone = 0.01;  // share of the largest load
+  static constexpr int kSums = 13;       // time, then load and motion times time
   using Sums = std::array<double, kSums>;
-  static double radius_of(const Body& body);  // l
+  static double radius_of(const Body& body);  // l of the formula above
 
-  // Of a row of the table, the same on all ranks.
+  // Largest load of a row of the table, and the motion with it. The same on all ranks.
   struct Largest {
-    double load = 0.0, motion = 0.0;  // force, length
+    double load = 0.0, motion = 0.0;  // units: force, length
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& l, Visitor& visit) {
@@ -52,12 +62,14 @@ class LoadWatch {
     largest_.resize(rows);
     sums_.resize(rows, Sums{});
   }
-  // At the end of a step: what the sides of the grains of this rank have, of bonds that are not condensed. Those that are have no damage that grows.
+  // Call at the end of a step. Adds loads and motion of the sides of this rank, for bonds that are not condensed.
+  // Damage of condensed bonds does not grow.
   void add(const BondedGrains& grains, const std::vector<Body>& table, double dt);
-  // Collective. Ends the windows that are long enough; rows that carry nothing any more, ascending, the same on all ranks.
+  // Collective. Ends the windows that are long enough. Returns rows that carry nothing any more, ascending, the same on
+  // all ranks.
   std::vector<int> look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed);
 
-  // For restart files. The sums of all ranks; those that are restored are of one rank. Collective.
+  // Collective. Sums over all ranks, for restart files. Sums that are restored are on one rank.
   std::vector<Sums> sums_of_all(MPI_Comm comm) const;
   const Largest& largest(std::size_t row) const { return largest_[row]; }
   void restore(std::vector<Largest> largest, std::vector<Sums> sums) {
@@ -67,7 +79,7 @@ class LoadWatch {
 
  private:
   std::vector<Largest> largest_;
-  std::vector<Sums> sums_;  // of the present window, by this rank
+  std::vector<Sums> sums_;  // sums over the present window, of this rank
 };
 
 }  // namespace mpdem

@@ -33,7 +33,7 @@ void NodalForces::let_go(Bond& b) {
   if (scene_.penalty) cracks_.watch(b);
 }
 
-// Traction laws may dissipate and let go of points that hold.
+// Traction laws may dissipate, and let go of points that hold.
 void NodalForces::follow_links(Bond& b) {
   b.links.follow(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
   scene_.books.dissipate(b.link_step.dissipated);
@@ -44,7 +44,7 @@ void NodalForces::follow_links(Bond& b) {
   cracks_.watch_links(b);
 }
 
-// Everything but the internal force, which is on the nodes already.
+// Adds everything but the internal force, which is on the nodes already.
 void NodalForces::add_link_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
@@ -69,8 +69,8 @@ void NodalForces::complete(Bond& b, double kick) {
   if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
 }
 
-// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over them takes time to
-// bring them there.
+// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over
+// them takes time to bring them there.
 void NodalForces::begin_completing() {
   completes_early_ = true;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
@@ -83,7 +83,7 @@ void NodalForces::complete_early(Bond& b) {
   scene_.grains.sum_up(b);
 }
 
-// Forces of nodes from those of points and links, and the accelerations.
+// Finds the forces of nodes from those of points and links, and the accelerations.
 void NodalForces::complete() {
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Grid& g) { return g.force.data(); }, 3);
@@ -95,7 +95,7 @@ void NodalForces::complete() {
   find_grain_accelerations();
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
   if (condensed_.any()) condensed_.pack()->find_inertial_loads();
-  // Backwards, since the last bonds are those that are still in cache, and the next step begins with the first.
+  // Goes backwards, since the last bonds are those that are still in cache. The next step begins with the first bonds.
   scene_.bonds.for_each_awake_backwards([this](Bond& b, const Bond* next) {
     if (next) next->prefetch_nodes();
     b.added.accelerate(b.grid, scene_.grains.side_of(b));
@@ -110,8 +110,8 @@ void NodalForces::find_grain_accelerations() {
   scene_.timer.start(StepTimer::kNodes);
 }
 
-// With N the inertia of nodes, added mass and grains, of which the nodes have the lumped mass, and a = N^-1 f, the accelerations are
-// N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
+// N is the inertia of nodes, added mass and grains, in which the nodes have the lumped mass. With a = N^-1 f, the
+// accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
 void NodalForces::add_inertial_forces() {
   find_grain_accelerations();
   for (Bond& b : scene_.bonds.awake()) {

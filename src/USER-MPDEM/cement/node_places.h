@@ -9,7 +9,7 @@
 
 namespace mpdem {
 
-// Place of a node in the grid of its bond, and the key of that of a part.
+// place_of() is the place of a node in the grid of its bond. key_at() is the key of the node of a part at a place.
 inline Place place_of(const Key& k) { return k.place(); }
 inline Key key_at(int body, int part, const Place& p) { return {field_of(body, part), p[0], p[1], p[2]}; }
 

@@ -8,7 +8,8 @@ namespace mpdem {
 
 namespace {
 
-// Those of cut bonds, which all their ranks average together. Ascending, the same on all ranks.
+// Returns the rows of cut bonds near their threshold, which all their ranks average together. Ascending, the same on
+// all ranks.
 std::vector<int> cut_rows_near_threshold(const Scene& scene) {
   std::vector<int> mine;
   for (const Bond& b : scene.bonds.awake())

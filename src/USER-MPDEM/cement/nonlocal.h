@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nonlocal damage: averages of the drive over a length, of bonds that are near the threshold. See mpm/drive_average.h.
+// Nonlocal damage: averages the drive over a length, for bonds that are near the threshold. See mpm/drive_average.h.
 #ifndef MPDEM_CEMENT_NONLOCAL_H
 #define MPDEM_CEMENT_NONLOCAL_H
 
@@ -11,10 +11,12 @@
 
 namespace mpdem {
 
-// Collective. Leaves the averages with the grids, for the pass over the points; nothing without nonlocal damage. any_bond_is_cut: by ranks, on any rank.
+// Collective. Leaves the averages with the grids, for the pass over the points. Does nothing without nonlocal damage.
+// any_bond_is_cut: do ranks cut a bond, on any rank?
 void average_drives(Scene& scene, bool any_bond_is_cut);
 
-// Collective. The averages of bonds that ranks cut, with the strain that their points have. rows: the same on all ranks.
+// Collective. Averages the drives of bonds that ranks cut, by the strain that their points have. rows: the same on all
+// ranks.
 void average_cut_drives(Scene& scene, const std::vector<int>& rows);
 
 }  // namespace mpdem

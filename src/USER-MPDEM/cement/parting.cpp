@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes that split (splits.h) change a bond in place. Points that go to other parts get blocks of their own, new nodes come
-// into the grid, and the ties and masses of those that are touched are found anew; all else stays where it is. What comes of it is what a layout of
-// the same state gives, to the bit. A bond that ranks cut is laid out as a whole.
+// Nodes that split (splits.h) change a bond in place. Points that go to other parts get blocks of their own. New nodes
+// come into the grid. Ties and masses of nodes that are touched are found anew. All else stays where it is. The result
+// is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a whole.
 #include "parting.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace mpdem {
 
 namespace {
 
-// Blocks that have one of these nodes, and those that share a node with them.
+// Returns the blocks that have one of these nodes, and the blocks that share a node with them.
 std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const std::vector<int>& nodes) {
   std::vector<char> near(grid.size(), 0);
   for (int i : nodes) near[i] = 1;
@@ -71,7 +71,7 @@ std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
   return divisions_.cracks.ahead(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
 }
 
-// Bonds that hold by bridges alone that are narrower than a cell come apart there.
+// Bonds that hold only by bridges narrower than a cell come apart there.
 Cracks::Found Parting::look_at_bonds(bool debris) {
   Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, scene_.keeps_skins(), debris);
   if (!scene_.options.split) return found;
@@ -83,13 +83,13 @@ Cracks::Found Parting::look_at_bonds(bool debris) {
   return found;
 }
 
-// Of bonds whose points hold to other grains now.
+// Finds the damping of bonds whose points hold to other grains now.
 void Parting::find_relaxation(const std::vector<int>& rows) {
   for (int row : rows)
     if (Bond* b = scene_.bonds.find(row)) arrangement_.find_relaxation(*b);
 }
 
-// Where parts came apart. Links have other nodes then, and their added mass another energy.
+// Lays out bonds where parts came apart. Links have other nodes then, and their added mass has another energy.
 void Parting::lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts) {
   if (rows.empty()) return;
   scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); },
@@ -105,8 +105,8 @@ void Parting::split_nodes() {
   part_bonds(split.lay_out, std::move(split.parts));
 }
 
-// Mass stays with its copy and copies move as the node did, so momentum and energy are what they were; edges that are tied no longer
-// give mass back, see give_back_motion(). Answers the nodes whose ties and masses are new.
+// Mass stays with its copy, and copies move as the node did. So momentum and energy are what they were. Edges that are
+// tied no longer give mass back, see give_back_motion(). Returns the nodes whose ties and masses are new.
 std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const double kick = scene_.kick();
   const BondMotion before = motion_of(b.grid, kick);
@@ -116,7 +116,7 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const auto add = [&more](const std::vector<Key>& nodes) { more.insert(more.end(), nodes.begin(), nodes.end()); };
   for (int n : moved.blocks) {
     BlockMeta& m = b.points.meta[n];
-    m.borrowed = BlockMeta::kOwn;  // until they are found anew
+    m.borrowed = BlockMeta::kOwn;  // borrowed nodes are found anew below
     add(divisions_.splits.standing_for(m, support(scene_.options.basis)));
     if (!borrowed.may_borrow(m)) add(Splits::nodes_of(m, support(scene_.options.basis)));
   }
@@ -153,7 +153,7 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   return nodes;
 }
 
-// Links have other nodes then, and their added mass another energy. Those that let go give theirs up.
+// Links have other nodes then, and their added mass has another energy. Links that let go give theirs up.
 void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
   if (rows.empty()) return;
   std::vector<int> mine;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bonds that come apart in a run: when they are looked at, and what follows. Parts get nodes of their own by a new layout, or with `cracks split` by
-// nodes that split in place. What added mass gives up is booked as released. All functions are collective, but for those of one line here.
+// Parts bonds that come apart in a run: when they are looked at, and what follows. Parts get nodes of their own by a
+// new layout, or with `cracks split` by nodes that split in place. What added mass gives up is booked as released. All
+// functions are collective, except those of one line here.
 #ifndef MPDEM_CEMENT_PARTING_H
 #define MPDEM_CEMENT_PARTING_H
 
@@ -21,16 +22,17 @@ class Parting {
   Parting(Scene& scene, Divisions& divisions, Arrangement& arrangement, AddedMasses& added)
       : scene_(scene), divisions_(divisions), arrangement_(arrangement), added_(added) {}
 
-  // After the layout of a run: bonds that are new may be cracked.
+  // Call after the layout of a run. Bonds that are new may be cracked, so it looks at them.
   void take_up();
-  // At the start of a step, after a check and where a path of intact points is cut; not in the check, where the forces of the step are still to be
-  // shown, and which may be the step of a restart file. Throws BadState if the step is too long for what came of it.
+  // Call at the start of a step. Looks at bonds after a check, and where a path of intact points is cut. It is not part
+  // of the check itself. There the forces of the step are still to be shown, and the step may be that of a restart
+  // file. Throws BadState if the step is too long for what came of it.
   void look();
-  // At the end of a step: loads by which a bond is known that carries nothing any more.
+  // Call at the end of a step. Notes loads that tell when a bond carries nothing any more.
   void watch_loads() {
     if (scene_.can_break()) load_watch_.add(scene_.grains, scene_.bonds.table, scene_.dt_last);
   }
-  // Ligaments of bonds that hold, rows of the table, ascending.
+  // Ligaments of bonds that hold. rows: rows of the table, ascending.
   std::vector<Cracks::Ahead> ahead(const std::vector<int>& rows);
 
   LoadWatch& load_watch() { return load_watch_; }  // for restart files

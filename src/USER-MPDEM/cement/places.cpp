@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Which points places go on to is chosen by places of the reference alone, so all ranks together choose as one does.
+// Places go on to points that are chosen by places of the reference alone. So all ranks together choose as one rank
+// does.
 #include "places.h"
 
 #include <array>
@@ -44,7 +45,7 @@ std::vector<int> move_places(Scene& scene) {
     std::vector<std::array<int, 2>> gone;
   };
   std::map<int, OfBond> moves;
-  std::vector<FreedPlaces::Mover> abroad;  // of bonds that have points on other ranks
+  std::vector<FreedPlaces::Mover> abroad;  // places of bonds that have points on other ranks
   for (Bond& b : scene.bonds.awake()) {
     if (!b.places_may_move) continue;
     b.places_may_move = false;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Places that let go of the grains (coupling/freed_places.h): when they open, and when they go on to other points, which may be on
-// other ranks. What opens gives up energy, which is booked as released. Only where places touch, Scene::touches().
+// Opens places that let go of the grains (coupling/freed_places.h), and moves them to other points, which may be on
+// other ranks. The energy that a place stores when it opens or moves is taken from the released energy of the books.
+// Places matter only where they touch, Scene::touches().
 #ifndef MPDEM_CEMENT_PLACES_H
 #define MPDEM_CEMENT_PLACES_H
 
@@ -12,12 +13,14 @@
 
 namespace mpdem {
 
-// Of a bond: places of points that failed, and of links that let go of points that hold; both by slot, ascending.
+// Opens places of a bond: those of points that failed, and those of links that let go of points that hold. Both lists
+// are ascending.
 void open_places(Scene& scene, Bond& b, const std::vector<int>& failed, const std::vector<int>& links);
-// At the start of a run: those of bonds that are new and failed in a file.
+// Call at the start of a run. Opens places of new bonds that were cracked in their file.
 void open_places_of_files(Scene& scene);
-// Collective, at the start of a step. Places whose points failed go on to the nearest that hold, where the scene watches. Nodes and grains are where
-// they were at the end of the last step. Answers the bonds where some did, ascending, the same on all ranks.
+// Collective, at the start of a step. Places whose points failed go on to the nearest points that hold, in steps in
+// which the scene watches. Nodes and grains are where they were at the end of the last step. Returns the bonds where
+// some did, ascending, the same on all ranks.
 std::vector<int> move_places(Scene& scene);
 
 }  // namespace mpdem

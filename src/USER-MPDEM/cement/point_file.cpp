@@ -19,7 +19,7 @@ namespace mpdem {
 
 namespace {
 
-// Columns that come together or not at all.
+// Names of columns that come together or not at all.
 using Group = std::vector<std::string>;
 template <std::size_t n>
 Group group(const char* const (&names)[n]) {
@@ -29,12 +29,12 @@ const Group kPosition = group(PointRow::kPlace), kAxis = group(PointRow::kAxis),
             kPrincipal = {"d1", "d2", "d3", "v1x", "v1y", "v1z", "v2x", "v2y", "v2z"}, kFailed = group(PointRow::kFailed),
             kGrains = group(PointRow::kGrain), kArea = group(PointRow::kArea), kFoot = group(PointRow::kFoot), kAttached = group(PointRow::kAttached),
             kLinkDamage = group(PointRow::kLinkDamage);
-// Attached points can be centroids of cells cut by the surface, feet of patches those of neighbours.
+// Attached points can be centroids of cells that the surface cuts. Feet of patches can be those of neighbours.
 constexpr double kFurthestFoot = 4.0;  // spacings
-// So neither area nor volume of a point can be larger than what lies within that distance of it.
+// Neither area nor volume of a point can be larger than what lies within that distance of it.
 constexpr double kLargestArea = 4.0 * kFurthestFoot * kFurthestFoot;                    // squares of the spacing
 constexpr double kLargestVolume = 8.0 * kFurthestFoot * kFurthestFoot * kFurthestFoot;  // cubes of the spacing
-constexpr double kMostOfSphere = 1.05;  // of its surface may be attached; patches are flat
+constexpr double kMostOfSphere = 1.05;  // share of the surface of a sphere that may be attached; patches are flat
 
 template <class... T>
 [[noreturn]] void stop(const T&... parts) {
@@ -46,10 +46,10 @@ template <class... T>
 
 class Reader {
  public:
-  // Spreadsheets begin a file with a mark of the order of bytes.
+  // Skips the mark of the order of bytes with which spreadsheets begin a file.
   Reader(const std::string& text, const std::string& name) : text_(text), name_(name), at_(text.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0) {}
 
-  // Words of the next line that has any, without comments; false at the end.
+  // Reads the words of the next line that has any, without comments. Returns false at the end.
   bool next(std::vector<std::string>& words) {
     words.clear();
     while (words.empty() && at_ < text_.size()) {
@@ -72,7 +72,7 @@ class Reader {
   int line_ = 0;
 };
 
-// Columns by name; a group is there as a whole or not at all.
+// Columns by name. A group is there as a whole or not at all.
 class Columns {
  public:
   Columns(const std::vector<std::string>& names, const std::string& place) : count_(names.size()) {
@@ -125,7 +125,7 @@ bool flag(double v, const std::string& column, const std::string& place) {
   return v == 1.0;
 }
 
-// An ID of a grain.
+// Returns the ID of a grain.
 int grain_of(double v, const std::string& column, const std::string& place) {
   if (v != std::floor(v) || v < 1.0 || v > std::numeric_limits<int>::max())
     stop(place, "column '", column, "' is ", v, "; the ID of a grain is needed, a whole number of at least 1");
@@ -158,7 +158,8 @@ std::array<long, 3> cell_of(const Vector3& x, double spacing) {
   return c;
 }
 
-// Order of the points by their cells from `corner`; first pair that shares one, or -1.
+// Sorts the points by their cells from `corner`. Returns the second point of the first pair that shares a cell and sets
+// `other` to the first, or returns -1.
 int shared_cell(const std::vector<FillPoint>& p, const Vector3& corner, double spacing, int& other) {
   std::vector<std::pair<std::array<long, 3>, int>> cells;
   for (std::size_t i = 0; i < p.size(); ++i) cells.emplace_back(cell_of(p[i].X - corner, spacing), static_cast<int>(i));
@@ -179,7 +180,7 @@ bool on_a_face(const std::vector<FillPoint>& p, double spacing) {
   return false;
 }
 
-// Half a spacing beside the mean place of the points in their cells (a mean of angles).
+// Returns the place half a spacing beside the mean place of the points in their cells (a mean of angles).
 Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   Vector3 corner;
   for (int d = 0; d < 3; ++d) {
@@ -193,7 +194,8 @@ Vector3 beside_the_points(const std::vector<FillPoint>& p, double spacing) {
   return corner;
 }
 
-// Do these lie within a small part of the spacing of the middle of their cells, and all points in cells of their own?
+// Do the points of `full` lie close to the middle of their cells, measured by the spacing, and all points in cells of
+// their own?
 bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& full, const Vector3& corner, double spacing) {
   for (const FillPoint& f : full)
     for (int d = 0; d < 3; ++d)
@@ -202,24 +204,24 @@ bool is_lattice(const std::vector<FillPoint>& p, const std::vector<FillPoint>& f
   return shared_cell(p, corner, spacing, other) < 0;
 }
 
-// That of which the points of full cells lie in the middle of cells, if there is one.
+// Lattice in which the points of full cells lie in the middle of cells, if there is one.
 struct Lattice {
   double largest_volume = 0.0;
   Vector3 corner;
   bool regular;
   Lattice(const std::vector<FillPoint>& points, double spacing) {
     for (const FillPoint& p : points) largest_volume = std::max(largest_volume, p.volume);
-    std::vector<FillPoint> full;  // cut cells have their centroids off the middle
+    std::vector<FillPoint> full;  // centroids of cut cells are off the middle
     for (const FillPoint& p : points)
       if (p.volume > 0.99 * largest_volume) full.push_back(p);
     corner = beside_the_points(full, spacing);
-    // one that is within rounding of where shapes have theirs is it
+    // a corner that is within rounding of the corner that shapes use becomes that corner
     if (corner.cwiseAbs().maxCoeff() < 1e-3 * spacing) corner.setZero();
     regular = is_lattice(points, full, corner, spacing);
   }
 };
 
-// A row of the file as far as it has columns for it.
+// Reads a row of the file, as far as the file has columns for it.
 class RowReader : public record_detail::Visitor<RowReader> {
  public:
   RowReader(const Columns& columns, const std::vector<double>& numbers, const std::string& place)
@@ -337,7 +339,7 @@ class PointFile {
       if (!take_area(row.side[s], place, p, k)) return;
     } else {
       if (r - R > attach_) return;
-      // Where the cement is thinner than a layer it is the layer.
+      // Where the cement is thinner than a layer, the cement is the layer.
       const double z = p.X.dot(pair_.n), rho = std::sqrt(std::max(p.X.squaredNorm() - z * z, 0.0));
       const bool between = z > pair_.height(0) && z < pair_.height(1) && rho < std::min(pair_.R1, pair_.R2);
       const double layer = between ? std::min(attach_, std::max(pair_.thickness(rho), 1e-3 * attach_)) : attach_;
@@ -347,7 +349,7 @@ class PointFile {
     p.link[p.links++] = k;
   }
 
-  // As the file gives it; false if there is none.
+  // Takes the area that the file gives. Returns false if there is none.
   bool take_area(const PointRow::Side& side, const std::string& place, const FillPoint& p, FillPoint::Attachment& k) const {
     const int s = k.side;
     k.area = side.area;
@@ -390,7 +392,7 @@ class PointFile {
     }
   }
 
-  // Those of the box, unless the points have a lattice along those of the bond alone.
+  // Takes the axes of the box, unless the points have a lattice only along those of the bond.
   void choose_axes() {
     if (Lattice(cloud_.points, o_.spacing).regular) return;
     const BondAxes axes = bond_axes(pair_.n);
@@ -452,8 +454,8 @@ class PointFile {
   Columns columns_;
   double attach_;
   PointCloud cloud_;
-  Vector3 n_ = pair_.n;    // in the axes of the points
-  std::vector<int> line_;  // of each point
+  Vector3 n_ = pair_.n;    // direction of the line of centres, in the axes of the points
+  std::vector<int> line_;  // line of each point
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
   MPI_Allreduce(MPI_IN_PLACE, v.data(), static_cast<int>(v.size()), MPI_DOUBLE, MPI_MAX, comm);
 }
 
-// What nodes that count on this rank tell: kinetic energy, that which central differences keep, momenta about the origin of the box.
+// Sums over nodes that count on this rank: kinetic energy, the kinetic energy that central differences keep, and
+// momenta about the origin of the box.
 struct NodeSums {
   double kinetic = 0, discrete_kinetic = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
@@ -58,7 +59,8 @@ struct NodeSums {
   }
 };
 
-// Force, torque and position of the grain from the origin of the body, in the axes of the box. of_other_substeps: part of the impulse of a step.
+// Writes force, torque, and position of the grain from the origin of the body, in the axes of the box.
+// of_other_substeps: part of the impulse of a step that other sub-steps have.
 void tell(const GrainSide& s, double of_other_substeps, double* row) {
   const std::array<double, 6> load = in_box(s, s.force, s.torque), impulse = in_box(s, s.impulse, s.impulse + 3);
   const std::array<double, 3> x = turned(s.axes, s.x);
@@ -66,8 +68,8 @@ void tell(const GrainSide& s, double of_other_substeps, double* row) {
   std::copy(x.begin(), x.end(), row + 6);
 }
 
-// With positions rounded as they are in the box, springs and cement have energies of this order even at rest, more where the rounding of
-// many steps adds up. reach: of the box, in cells.
+// Energy of rounding. Positions are rounded as they are in the box, so springs and cement have energies of this order
+// even at rest. They have more where the rounding of many steps adds up. reach: reach of the box, in cells.
 double rounded_energy(double stiffness, double reach) {
   const double strain = std::numeric_limits<double>::epsilon() * reach;
   return 100.0 * stiffness * strain * strain;
@@ -89,7 +91,8 @@ CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
   count_separated(cracks_, t);
   if (!scene_.laid_out) return t;
-  // of points, then nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates
+  // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
+  // accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
          kReleased, kDamped, kRubbed, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
@@ -153,7 +156,7 @@ CementTotals Report::totals(double reach_of_box) const {
   t.external_work = sum[kWork];
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
   const double scale = std::max(std::fabs(t.external_work), spent);
-  // What central differences keep is not m/2 v.v but m/2 v-.v+, of the velocities half a step before and after.
+  // Central differences do not keep m/2 v.v but m/2 v-.v+, with the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
   const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
   const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
@@ -276,7 +279,8 @@ int Report::awake_bonds() const {
   return static_cast<int>(std::count_if(scene_.bonds.table.begin(), scene_.bonds.table.end(), [](const Body& b) { return !b.condensed; }));
 }
 
-// v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where they are.
+// Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where
+// they are.
 void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const {
   std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * scene_.dt_last * bond.grid.acceleration[i];

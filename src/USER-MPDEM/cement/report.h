@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What is told of the cement: sums over all, a row a bond, the motion of points. Nothing here runs in a step that prints nothing, and nothing here
-// changes the state, but for the strain of points that show_condensed_points() writes for who looks. Consistent units.
+// Reports of the cement: sums over all bonds, a row for each bond, and the motion of points. Nothing here runs in a
+// step that prints nothing. Nothing here changes the state, except the strain of points that show_condensed_points()
+// writes. Consistent units.
 #ifndef MPDEM_REPORT_H
 #define MPDEM_REPORT_H
 
@@ -19,17 +20,17 @@ class Report {
  public:
   Report(const Scene& scene, const Cracks& cracks, const CondensedBonds& condensed) : scene_(scene), cracks_(cracks), condensed_(condensed) {}
 
-  // Collective. reach_of_box: the largest coordinate, by which positions are rounded.
+  // Collective. Totals over all bonds. reach_of_box: the largest coordinate, by which positions are rounded.
   CementTotals totals(double reach_of_box) const;
-  // Collective. A row a bond of the table.
+  // Collective. Returns a row for each bond of the table.
   const std::vector<BondState>& bond_states();
-  // As above, but columns that need points (needs_points()) are 0. Cheap enough for every step.
+  // Does the same, but columns that need points (needs_points()) are 0. Cheap enough for every step.
   const std::vector<BondState>& bond_loads();
-  // Collective. Added mass: at either side of each bond, over all ranks.
+  // Collective. Added mass at either side of each bond, over all ranks.
   std::vector<double> added_mass_of_sides() const;
-  double cement_mass() const;  // of this rank, with the mass scale
-  int awake_bonds() const;     // of all ranks
-  int bonds_solved() const { return condensed_.solved_last(); }  // at the last layout, by this rank
+  double cement_mass() const;  // mass on this rank, with the mass scale
+  int awake_bonds() const;     // number over all ranks
+  int bonds_solved() const { return condensed_.solved_last(); }  // number at the last layout, of this rank
   int bonds_without_field() const { return condensed_.without_field_last(); }
   std::size_t memory_usage() const { return scene_.bonds.memory_usage(); }  // bytes, on this rank
 
@@ -38,10 +39,10 @@ class Report {
     vd u[3], v[3];
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
-  // Strain of the points of condensed bonds, for who looks at points.
+  // Writes the strain of points of condensed bonds, for code that looks at points.
   void show_condensed_points() const;
 
-  // The largest tension of each bond that was told so far, for restart files.
+  // The largest tension of each bond that was reported so far, for restart files.
   std::vector<double> peaks() const;
   void restore(const std::vector<double>& peaks);
 

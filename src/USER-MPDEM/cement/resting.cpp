@@ -35,8 +35,8 @@ void Resting::add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side) 
   bool rests = asleep_, same = links_kept_;
   for (int n = 0; n < 2 && rests; ++n) {
     const GrainSide& s = side[n];
-    for (int d = 0; d < 3; ++d) rests = rests && s.v[d] == 0.0 && s.omega[d] == 0.0;  // dampers
-    // to the bit, so that the sign of a zero counts
+    for (int d = 0; d < 3; ++d) rests = rests && s.v[d] == 0.0 && s.omega[d] == 0.0;  // dampers act on sides that move
+    // compares to the bit, so the sign of a zero counts
     same = same && std::memcmp(s.x, side_[n].x, sizeof s.x) == 0 && std::memcmp(&s.R, &side_[n].R, sizeof s.R) == 0;
   }
   if (rests && same) {

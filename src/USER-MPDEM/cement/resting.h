@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bond at rest sleeps: while all its nodes on this rank have velocity zero, a pass over its points changes nothing,
-// and its internal force is that of the step before. While its grains rest too, where they were, so is the force of
-// its links. Both are kept and handed out again. Exact: a bond sleeps only once a pass has left every bit of its
-// points as it was (a viscous law may go on at rest). `total` kinematics only.
+// A bond at rest sleeps. While all its nodes on this rank have velocity zero, a pass over its points changes nothing,
+// and its internal force is that of the step before. While its grains rest too, where they were, the force of its links
+// stays as well. Both forces are kept and handed out again. Sleep is exact: a bond sleeps only once a pass has left
+// every bit of its points as it was (a viscous law may go on at rest). `total` kinematics only.
 #ifndef MPDEM_CEMENT_RESTING_H
 #define MPDEM_CEMENT_RESTING_H
 
@@ -17,18 +17,19 @@ namespace mpdem {
 
 class Resting {
  public:
-  // advance_points(), left out in sleep.
+  // Calls advance_points(), or leaves it out in sleep.
   void advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
-  // PenaltyLinks::add_force() after advance(), left out in sleep; forces of the sides are clear before.
+  // Calls PenaltyLinks::add_force() after advance(), or leaves it out in sleep. Forces of the sides must be clear
+  // before.
   void add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side);
 
-  bool asleep() const { return asleep_; }  // in the last step
+  bool asleep() const { return asleep_; }  // true if the bond slept in the last step
 
  private:
   bool settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
 
   bool asleep_ = false, links_kept_ = false;
-  std::vector<double> internal_force_, force_;  // on the nodes
+  std::vector<double> internal_force_, force_;  // kept forces on the nodes
   struct Side {
     double x[3];
     Mat3<double> R;

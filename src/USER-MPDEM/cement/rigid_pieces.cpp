@@ -55,8 +55,8 @@ std::vector<signed char> grains_that_hold_nodes(Bond& bond) {
   return grain;
 }
 
-// Dust goes by its part: piece 0 stays with the first grain, piece 1 with the second (mpm/body.h). That of other parts, and of nodes that split, whose
-// parts are other ones, goes with the nearer grain.
+// Dust goes by its part: piece 0 stays with the first grain, piece 1 with the second (mpm/body.h). Dust of other parts
+// goes with the nearer grain. So does dust of nodes that split, whose parts are other ones.
 std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split) {
   std::vector<signed char> grain = grains_that_hold_nodes(bond);
   for (std::size_t i = 0; i < grain.size(); ++i) {
@@ -89,7 +89,7 @@ Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const C
 
 namespace {
 
-// f(s, motion): the twelve numbers of piece s.
+// Calls f(s, motion, sides), which returns the twelve numbers of piece s.
 template <class F>
 GrainLoads loads_of_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, F f) {
   GrainLoads loads;

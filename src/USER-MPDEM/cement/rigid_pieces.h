@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A bond that came apart and is condensed: what holds to a grain is a rigid piece of it. It has the mass, the weight and the inertia of its nodes, no
-// force else, for any motion of the two grains. It is a condensed bond (coupling/condensed_bond.h) between its grain and the same grain once more,
+// A bond that came apart and is condensed: what holds to a grain is a rigid piece of it. The piece has the mass, the
+// weight and the inertia of its nodes. It has no other force, for any motion of the two grains. It is a condensed bond
+// (coupling/condensed_bond.h) between its grain and the same grain once more,
 //
-//   d = 0,   K = 0,   q = (w_0, omega_0, w_0, omega_0),   M_00 = sum m P^T P,   all other blocks zero,
+//   d = 0,   K = 0,   q = (w_0, omega_0, w_0, omega_0),   M_00 = sum m P^T P,   all other blocks zero.
 //
-// so loads, masses, energy and ranks are those of the other condensed bonds.
+// So loads, masses, energy and ranks are handled as for the other condensed bonds.
 //
-// Dust, points that failed and points that hold to no grain, goes with the piece whose nodes it has, or the nearer one. A bond with kLeastLoose
-// (fracture/separation.h) or more points that hold to no grain stays as it is: a loose piece follows none.
+// Dust is points that failed and points that hold to no grain. It goes with the piece whose nodes it has, or with the
+// nearer one. A bond with kLeastLoose (fracture/separation.h) or more points that hold to no grain stays as it is,
+// since a loose piece follows no grain.
 #ifndef MPDEM_RIGID_PIECES_H
 #define MPDEM_RIGID_PIECES_H
 
@@ -23,29 +25,33 @@
 
 namespace mpdem {
 
-// The body as its piece on grain s sees it: both grains are that one.
+// The body as its piece on grain s sees it: both grains are that grain.
 Body body_of_piece(const Body& body, int s);
-// Both sides of it.
+// Both sides of a piece.
 std::array<GrainSide, 2> sides_of_piece(const GrainSide& side);
 
-// Points of this rank that hold but to no grain. The bond came apart.
+// Number of points of this rank that did not fail and hold to no grain. The bond came apart.
 int loose_points(const PointStore& points);
 
-// The energy of dust: that of its motion, of nodes that are -1 here, and of the strain of crumbs.
+// Energy of dust: energy of the motion of nodes that are -1 in `holding`, and of the strain of points that hold to no
+// grain.
 double energy_of_dust(const Bond& bond, const std::vector<signed char>& holding, const Law& law, double dt_last);
 
-// The grain, 0 or 1, that each node holds to; -1 of dust. Collective for the ranks that share the nodes.
+// The grain, 0 or 1, that each node holds to; -1 for dust. Collective for the ranks that share the nodes.
 std::vector<signed char> grains_that_hold_nodes(Bond& bond);
-// The grain, 0 or 1, that each node of a bond that came apart goes with. split: nodes split where material parts, CementOptions::split. Collective for
-// the ranks that share its nodes.
+// The grain, 0 or 1, that each node of a bond that came apart goes with. split: nodes split where material parts,
+// CementOptions::split. Collective for the ranks that share the nodes.
 std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split);
 
-// The models of both pieces, by the nodes that count on this rank and have a grain. middle: of the contact at the creation.
+// The models of both pieces, from the nodes that count on this rank and have a grain. middle: middle of the contact at
+// the creation.
 std::vector<CondensedModel> models_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const Eigen::Vector3d& middle);
 
-// Momentum of a node and its angular momentum about where the grains have the middle, by its stored velocity and in the axes of `motion`.
+// Momentum of a node, and its angular momentum about the point to which the grains have brought the middle. By the
+// stored velocity, in the axes of `motion`.
 Eigen::Matrix<double, 6, 1> momentum_of_node(const Grid& grid, int node, const CondensedMotion& motion);
-// Momentum of both pieces half a step behind, as loads on the sides of the body: that of their nodes, and that of the models with the motion of the sides.
+// Momentum of both pieces half a step behind, as loads on the sides of the body. momentum_of_pieces() is the momentum
+// of their nodes. momentum_of_rigid_pieces() is that of the models with the motion of the sides.
 GrainLoads momentum_of_pieces(const Bond& bond, const std::vector<signed char>& grain_of_node, const std::vector<CondensedModel>& models, const Body& body,
                               const GrainSide* side);
 GrainLoads momentum_of_rigid_pieces(const std::vector<CondensedModel>& models, const Body& body, const GrainSide* side, double half);

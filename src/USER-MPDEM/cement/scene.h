@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What the parts of the cement share and none of them owns: bonds and grains, how they are computed, the clock, and the books in which whoever
-// changes energy writes it down. Cement has it and gives it to its parts by reference; parts that only look have it as const.
+// Scene holds what the parts of the cement share and none of them owns: bonds and grains, how they are computed, the
+// clock, and the books of energy. Whoever changes energy writes it down in the books. Cement has the scene and gives it
+// to its parts by reference. Parts that only look have it as const.
 //
 // Consistent units. Functions that say so are collective.
 #ifndef MPDEM_CEMENT_SCENE_H
@@ -25,28 +26,28 @@
 
 namespace mpdem {
 
-// What the engine asks of its host, seldom.
+// Interface by which the engine asks its host. Calls are rare.
 class CementHost {
  public:
   virtual ~CementHost() = default;
   // Velocity of a point of this rank that has not moved yet, by its tag.
   virtual std::array<double, 3> initial_velocity(int tag) = 0;
-  // Points of a bond failed in this step, Bond::failed; before they get other slots.
+  // Points of a bond failed in this step, see Bond::failed. Called before they get other slots.
   virtual void points_failed(const Bond& bond) = 0;
-  // Links of a bond let go of points that did not fail, Bond::link_step.
+  // Links of a bond let go of points that did not fail, see Bond::link_step.
   virtual void links_let_go(const Bond& bond) = 0;
   // Slots of points of a bond changed.
   virtual void slots_changed(const Bond& bond) = 0;
-  // All forces of a step are on the nodes, those of tied nodes on their masters: adds forces from outside, which the books of energy do not
-  // know, or holds nodes. Ranks that share a node do the same to it.
+  // Adds forces from outside, or holds nodes. All forces of a step are on the nodes then, those of tied nodes on their
+  // masters. The books of energy do not know what is added here. Ranks that share a node have to do the same to it.
   virtual void add_node_forces(Bond&) {}
 };
 
-// When, and what acts everywhere.
+// The clock of a step, and what acts everywhere.
 struct StepInput {
-  std::int64_t number = 0;  // of this step
-  double dt = 0;            // with sub-steps: of one of them
-  int substeps = 1;         // that the cement takes in a step of the host
+  std::int64_t number = 0;  // number of this step
+  double dt = 0;            // time step; with sub-steps the length of one of them
+  int substeps = 1;         // number of sub-steps that the cement takes in a step of the host
   double gravity[3] = {0, 0, 0};
 };
 
@@ -58,14 +59,14 @@ struct Scene {
   CementHost& host;
   CementOptions options;
   std::shared_ptr<const Law> law;
-  std::optional<PenaltyParameters> penalty;  // of the links; none: no links
+  std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
   double inertia = 0.0;                      // density of the calcite with the mass scale
   BondedGrains grains;
   EnergyBooks books;
   StepTimer timer;
 
   StepInput now;
-  int substep = 1;         // counted from 1
+  int substep = 1;         // number of the sub-step, counted from 1
   double dt_last = 0.0;    // length of the last step; stored velocities belong to its middle
   int bodies_started = 0;  // number of rows at the head of the table that have moved; later rows are where they were made
   bool laid_out = false;   // bonds have a layout, and grains their sides
@@ -87,11 +88,12 @@ struct Scene {
   bool keeps_skins() const { return penalty && penalty->law->keeps_skins(); }
   // Can points fail, or links let go?
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
-  // Do places that let go still touch? Faces of cracks?
+  // Do places that let go still touch? Do faces of cracks touch?
   bool touches() const { return penalty && penalty->friction >= 0.0; }
   bool faces_touch() const { return touches() && options.split; }
 
-  // The acceleration by gravity that acts on the inertia of the cement, in the axes of the box; that of gravity in those of a bond.
+  // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.
+  // gravity_of() is the acceleration of gravity in the axes of a bond.
   std::array<double, 3> weight() const;
   std::array<double, 3> gravity_of(const Bond& b) const;
   double shear_speed() const;
@@ -99,7 +101,7 @@ struct Scene {
   double eigenvalue_bound() const;
 
   std::vector<int> all_rows() const;
-  // Collective. Those that some rank names, ascending.
+  // Collective. Returns the rows that some rank names, ascending.
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;
 };
 

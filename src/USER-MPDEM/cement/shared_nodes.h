@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes that ranks share, of all bonds that are awake: one message to each rank sums them. Numbers are those of the nodes, in their units.
+// Sums numbers of nodes that ranks share, for all bonds that are awake, by one message to each rank. Numbers are in the
+// units of the nodes.
 #ifndef MPDEM_CEMENT_SHARED_NODES_H
 #define MPDEM_CEMENT_SHARED_NODES_H
 
@@ -16,11 +17,11 @@ class SharedNodes {
  public:
   explicit SharedNodes(const Scene& scene) : scene_(scene) {}
 
-  // Collective. After a layout, or when bonds wake or are condensed.
+  // Collective. Call after a layout, or when bonds wake or are condensed.
   void bind();
-  // Collective. Numbers of the nodes, `width` a node, of all bonds that ranks cut.
+  // Collective. Sums numbers of the nodes, `width` a node, of all bonds that ranks cut.
   void sum(double* (*values)(Grid&), int width);
-  // The same of bonds that have such numbers, ascending.
+  // Does the same for bonds that have such numbers, ascending.
   void sum(const std::vector<double*>& of_bonds, int width) { sums_.sum(of_bonds, width); }
   // Do ranks cut any bond, on any rank? Known with nonlocal damage only.
   bool any_bond_is_cut() const { return any_bond_is_cut_; }

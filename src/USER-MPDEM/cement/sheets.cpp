@@ -47,7 +47,7 @@ NewPartsOfBonds Sheets::divide(MPI_Comm comm, const Bonds& bonds, const CementOp
   const int ranks = ranks_of(comm);
   const double reach = sheet_reach(options.basis, options.cell);
   std::vector<std::vector<Sent>> out(ranks);
-  std::vector<std::vector<signed char>> sheet;  // of the slots of each bond
+  std::vector<std::vector<signed char>> sheet;  // sheets of the slots of each bond
   for (const Bond& bond : bonds) {
     sheet.emplace_back();
     if (!wanted[bond.body] || !options.tied) continue;

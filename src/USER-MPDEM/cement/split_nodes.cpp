@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of copies, their ties and volumes (splits.h).
+// Nodes of copies, and their ties and volumes (splits.h).
 #include <algorithm>
 
 #include "node_places.h"
@@ -11,7 +11,7 @@ namespace mpdem {
 
 namespace {
 
-// Of all its cells.
+// Calls f for each node of all cells of a block.
 template <class F>
 void for_each_node(const BlockMeta& m, int S, F f) {
   for (int i = 0; i < nodes_along(m, 0, S); ++i)
@@ -34,7 +34,7 @@ void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges
   for (EdgeTie& t : edges) rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
 }
 
-// What stands for a node of the start now; none if that has been split.
+// Returns the node that stands now for a node of the start, or none if that node has been split.
 Key Splits::now(const Key& at_start) const {
   const int body = body_of(at_start.field());
   const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start.field()), place_of(at_start));
@@ -102,8 +102,8 @@ void Splits::find_users(Row& row) const {
   row.users.erase(std::unique(row.users.begin(), row.users.end()), row.users.end());
 }
 
-// Nodes of all parts at the places that split, and edges that were tied to nodes there at the start. Most parts are small, so each is looked
-// through by itself.
+// Finds nodes of all parts at the places that split, and edges that were tied to nodes there at the start. Most parts
+// are small, so each is searched by itself.
 std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::vector<Key>& split) {
   Row& row = rows_[body];
   if (row.users.empty()) find_users(row);

@@ -76,7 +76,7 @@ CopyLattice::Line line_of(const Body& body, double cell) {
   double apart[3], length = 0.0, widest = 0.0;
   for (int d = 0; d < 3; ++d) {
     apart[d] = body.centre[1][d] - body.centre[0][d];
-    length += std::fabs(apart[d]);  // along one axis
+    length += std::fabs(apart[d]);  // the distance, if the centres lie along one axis
     if (std::fabs(apart[d]) > widest) {
       widest = std::fabs(apart[d]);
       line.axis = d;
@@ -87,7 +87,7 @@ CopyLattice::Line line_of(const Body& body, double cell) {
   return line;
 }
 
-// Where the sides of a bond come close without touching.
+// Finds where the sides of a bond come close without touching.
 Crevice crevice_of(const std::vector<SentPoint>& points, const Body& body, const CementOptions& options) {
   const double reach = sheet_reach(options.basis, options.cell);
   std::vector<SheetPoint> near;
@@ -103,7 +103,7 @@ void for_each_point(const PointStore& points, F f) {
       if (points.meta[b].occupied >> l & 1) f(b, l);
 }
 
-// Points of the bonds asked for, on the ranks that look at these. Collective.
+// Brings the points of the bonds asked for to the ranks that look at these bonds. Collective.
 std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
   std::vector<std::vector<SentPoint>> out(ranks);
@@ -119,7 +119,7 @@ std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, c
 
 }  // namespace
 
-// What changed, from the ranks that looked to those that have points of the bonds.
+// Sends what changed from the ranks that looked to those that have points of the bonds.
 NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes) {
   const int ranks = ranks_of(comm);
   std::vector<std::vector<int>> here(ranks);
@@ -194,7 +194,7 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& 
     Row& row = rows_[r];
     row.known = true;
     std::vector<CopyPoint> points = copy_points(whole[r]);
-    std::map<int, int> parts;  // of another fix, before this one
+    std::map<int, int> parts;  // parts that another fix made before this one
     for (CopyPoint& p : points) {
       if (p.part != 0) parts[p.tag] = p.part;
       p.part = 0;
@@ -209,7 +209,7 @@ NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& 
       for (const auto& p : parts) changes.back().moved.push_back({p.first, 0});
       continue;
     }
-    // a bond of a file has its copies from there
+    // a bond of a file has its copies from the file
     changes.back() = CopyChange();
     row.copies.forget_rows();
   }
@@ -228,7 +228,7 @@ std::map<Key, NodeCopies::Row> Splits::rows_to_keep(MPI_Comm comm) const {
   return kept;
 }
 
-// Collective. Points of those bonds that have to come as a whole.
+// Collective. Makes the lattices of those bonds whose points have to come as a whole.
 void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   std::vector<char> to_come(wanted.size(), 0);
   for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
@@ -315,7 +315,7 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int r = 0; r < first(); ++r) {
     Row& row = rows_[r];
     if (r % ranks == me) continue;
-    if (!bonds.find(r)) {  // what is known of it grows old, but for what all ranks have to agree on
+    if (!bonds.find(r)) {  // what is known of the bond grows old, except what all ranks have to agree on
       const bool edges_known = row.edges_known;
       row = Row();
       row.edges_known = edges_known;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What of the load F of the host acts in each sub-step of its next step, see substeps.cpp: a mean S of F over the steps before. Any S leaves the impulse of F
-// and its moment as they are. Means that lag behind a load that swings feed energy into it, so they have to be slow; behind one that changes for good
-// they have to be fast, since what S lacks acts in kicks. With e = F - S, and <> an average over some ten steps, the share
+// Finds what of the load F of the host acts in each sub-step of its next step, see substeps.cpp: a mean S of F over the
+// steps before. Any S leaves the impulse of F and its moment as they are. Means that lag behind a load that swings feed
+// energy into it, so they have to be slow. Means that lag behind a load that changes for good have to be fast, since
+// what S lacks acts in kicks. With e = F - S, and <> an average over some ten steps, the share
 //
 //   |<e>|^2 / <|e|^2>
 //
-// is next to 0 of a swing and 1 of a change. Means are the faster the larger it is. Torques count by the radius.
+// is next to 0 for a swing and 1 for a change. The larger it is, the faster are the means. Torques count divided by the
+// radius.
 #include <cmath>
 
 #include "bonded_grains.h"
@@ -15,11 +17,11 @@
 namespace mpdem {
 
 namespace {
-constexpr double kWeight = 0.1;              // of the last load in <>
+constexpr double kWeight = 0.1;              // weight of the last load in <>
 constexpr double kSlow = 0.02, kFast = 0.5;  // weight of the last load in a mean
-constexpr double kSwing = 0.5;               // shares below are a swing
+constexpr double kSwing = 0.5;               // a load whose share is below this swings
 
-// Brings what is known of how far loads are off up to date, and returns the weight.
+// Brings the differences between loads and means up to date. Returns the weight of the last load in a mean.
 double weight_of_last(const double* load, double radius, GrainState& s) {
   double squared = 0.0, of_mean = 0.0;
   for (int d = 0; d < 6; ++d) {

@@ -28,19 +28,19 @@ double StableStep::relaxation_rate(double share) const {
 }
 
 double StableStep::step_for(double eigenvalue, double relax) const {
-  // Damping acts on the velocity of half a step ago: w^2 dt^2 + 2 p dt <= B.
+  // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.options.stability_bound();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
-  if (!(step > 0.0))  // as if nothing limited the step, were it compared with
+  if (!(step > 0.0))  // a step of zero would pass in a comparison as if nothing limited it
     throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ", scene_.density(),
                            " of the cement and stiffness ", scene_.law->elasticity().largest_stiffness(),
                            "; use densities, moduli and penalties that go together in these units"));
   return step;
 }
 
-// The damping that is admitted takes a tenth: with that step, p of step_for() is (B - w^2 dt^2)/(2 dt), and grows by a rate
-// that is proportional to the damping.
+// The damping that is admitted takes a tenth of the step. With that step, p of step_for() is (B - w^2 dt^2)/(2 dt). It
+// grows by a rate that is proportional to the damping.
 StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
   constexpr double kKept = 0.9;
   DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
@@ -51,8 +51,9 @@ StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
   return d;
 }
 
-// With the stiffness K_ss of its bonds against each grain alone, 2 |R_0.K R_1| <= R_0.K R_0 + R_1.K R_1 has twice the largest eigenvalue of M^-1 sum K_ss as
-// a bound for all grains together. Of a free pair of equal grains it is exact.
+// Uses the stiffness K_ss of the bonds of each grain against that grain alone. Since 2 |R_0.K R_1| <= R_0.K R_0 + R_1.K
+// R_1, twice the largest eigenvalue of M^-1 sum K_ss is a bound for all grains together. It is exact for a free pair of
+// equal grains.
 double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
   std::map<int, Matrix6> stiffness;
   for (std::size_t row = 0; row < found.size(); ++row) {
@@ -84,7 +85,8 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() { return eigenvalue_of(scene_.all_rows(), nullptr); }
 
-// Of patches, which are looked at as nodes split, coarsely where that is enough: the estimate is value and residual, so it is on the safe side.
+// Patches are looked at as nodes split, coarsely where that is enough. The estimate is value and residual, so it is on
+// the safe side.
 EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
@@ -108,8 +110,8 @@ double StableStep::find() {
   return step_for(e.value + e.residual, scene_.options.relax);
 }
 
-// What was found before is kept unless it is well below: the added mass, which has a margin for that, hangs
-// on it, and has to be the same in runs that are divided or restarted otherwise.
+// The eigenvalue that was found before is kept unless it is well below. The added mass depends on it, and has a margin
+// for that. It has to be the same in runs that are divided or restarted otherwise.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds) mine = std::max(mine, b.grid.largest_tie_factor());
@@ -122,9 +124,10 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   return e.value + e.residual;
 }
 
-// Other nodes and weights, other eigenvalue: that of the bonds in question, since those of the others stay. One that was never asked for is
-// no matter: then the step is below the bound, which holds for points anywhere. The layout has the added mass for what was known before.
-// Where nodes split, patches are blocks about them, one support further than those that changed: the modes that are new are as short as a cell.
+// Other nodes and weights have another eigenvalue. Only the bonds in question matter, since the eigenvalues of the
+// others stay. If no eigenvalue was ever asked for, the step is below the bound, which holds for points anywhere. The
+// layout has the added mass for what was known before. Where nodes split, patches are blocks about them, one support
+// further than those that changed: the new modes are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0 || scene_.options.updated) return false;
   const int n = scene_.now.substeps;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What time step is stable: by the largest eigenvalue of the cement, by the damping of `quasistatic`, by the grains. It keeps the largest
-// eigenvalue that it found so far, on which the added mass of links hangs.
+// Finds what time step is stable: by the largest eigenvalue of the cement, by the damping of `quasistatic`, and by the
+// grains. It keeps the largest eigenvalue that it found so far, on which the added mass of links depends.
 //
-// Steps are times, eigenvalues are squares of frequencies. All functions are collective, but for those about the known eigenvalue.
+// Steps are times, eigenvalues are squares of frequencies. All functions are collective, except those about the known
+// eigenvalue.
 #ifndef MPDEM_CEMENT_STABLE_STEP_H
 #define MPDEM_CEMENT_STABLE_STEP_H
 
@@ -22,33 +23,38 @@ class StableStep {
  public:
   StableStep(const Scene& scene, CondensedBonds& condensed) : scene_(scene), condensed_(condensed) {}
 
-  // Largest stable step in the present state, from the largest eigenvalue of the cement and the stiffness that the links give to free grains.
+  // Largest stable step in the present state, from the largest eigenvalue of the cement and the damping of the options.
   double find();
   EigenvalueEstimate eigenvalue();
-  // That of a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is stable.
+  // Largest stable step for a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is
+  // stable.
   double step_for(double eigenvalue, double relax) const;
   // Largest step with which grains on massless bonds of this static stiffness would be stable.
   double of_grains(const std::vector<StiffnessOfBond>& found) const;
-  // What the damping of `quasistatic` takes of the step, and the damping that takes a tenth at most.
+  // Effect of the damping of `quasistatic` on the step. step: with damping. undamped: without it. admitted: damping
+  // that takes a tenth of the step at most.
   struct DampedStep {
     double step, undamped, admitted;
   };
   DampedStep damped_step(double eigenvalue) const;
-  // Of `quasistatic` with the damping `share` of critical: the largest rate of any node against its grains, which when free are slowed too.
+  // Largest rate of any node against its grains by `quasistatic`, with the damping `share` of critical. Free grains are
+  // slowed too.
   double relaxation_rate(double share) const;
-  double largest_mass_ratio() const;  // of grains that follow forces
+  double largest_mass_ratio() const;  // largest ratio of grains that follow forces
 
-  // The bound will do for steps below it; the eigenvalue itself costs some passes.
+  // Returns the bound of the eigenvalue if dt is stable with it, else the eigenvalue. The eigenvalue itself costs some
+  // passes.
   double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr); }
-  // The largest that was found so far, 0: none was asked for.
+  // The largest eigenvalue that was found so far; 0: none was asked for.
   double known_eigenvalue() const { return known_; }
   bool eigenvalue_is_known() const { return known_ > 0.0; }
   void restore(double eigenvalue) { known_ = eigenvalue; }
 
   // Blocks of points of a bond, by row of the table.
   using Patches = std::map<int, std::vector<int>>;
-  // After the layout of these bonds changed in a run; event: why. patches: blocks that alone need a look, or null. Is the known eigenvalue
-  // another one now? Throws BadState if the step is too long.
+  // Call when the layout of these bonds changed in a run. event: reason of the change, for the message. patches: blocks
+  // that alone need a look, or null. Returns whether the known eigenvalue is another one now. Throws BadState if the
+  // step is too long.
   bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
 
  private:

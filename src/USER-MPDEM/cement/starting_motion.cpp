@@ -13,13 +13,13 @@ namespace mpdem {
 void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
   const int first = scene.bodies_started, rows = static_cast<int>(scene.bonds.table.size()) - first;
   if (rows == 0) return;
-  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 a body.
+  // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 for each body.
   constexpr int kNormal = 28;
   std::vector<double> sums(static_cast<std::size_t>(kNormal) * rows, 0.0);
   struct New {
     Bond* bond;
     const std::vector<char>* fresh;
-    std::vector<double> velocity;  // of the slots
+    std::vector<double> velocity;  // velocities of the slots
   };
   std::vector<New> fresh;
   for (const BondLayout& l : layouts) {
@@ -79,7 +79,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
         grid.velocity[3 * i + d] = v;
       }
     }
-    // not those in motion, to which it would do nothing but round
+    // only fresh nodes; for those in motion it would do nothing but round
     std::vector<double> extended(grid.velocity);
     grid.ties.extend(extended.data());
     for (std::size_t i = 0; i < extended.size(); ++i)

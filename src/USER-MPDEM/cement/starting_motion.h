@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodal velocities of bonds that are new from the velocities of their points: the linear field that fits each bond
-// best is taken over exactly, so a translation or rotation starts without strain, the rest by lumped projection.
+// Finds nodal velocities of new bonds from the velocities of their points. The linear field that fits each bond best is
+// taken over exactly, so a translation or rotation starts without strain. The rest comes by lumped projection.
 #ifndef MPDEM_CEMENT_STARTING_MOTION_H
 #define MPDEM_CEMENT_STARTING_MOTION_H
 
@@ -13,7 +13,8 @@
 
 namespace mpdem {
 
-// Collective. Of bonds that have not started yet, on the nodes that are fresh. layouts: what the bonds of the scene were laid out by.
+// Collective. Sets the velocities of fresh nodes of bonds that have not started yet. layouts: layouts by which the
+// bonds of the scene were laid out.
 void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts);
 
 }  // namespace mpdem

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// State of the cement that points and grains do not hold, for restart files: cement_restart.h.
+// State of the cement that points and grains do not hold, for restart files. cement_restart.h has its records.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +29,7 @@ void check_restored(const CementHead& head, const CementOptions& o, const VtiCon
     throw BadState(text_of("'basis ", name_of(o.basis), "' and 'kinematics ", name(o.updated),
                            "' but the motion of the nodes in the restart file is that of basis ", name_of(head.basis),
                            " and kinematics ", name(head.updated), "; use these"));
-  const auto differ = [](double a, double b) { return std::fabs(a - b) > 1e-5 * std::fabs(b); };  // as printed
+  const auto differ = [](double a, double b) { return std::fabs(a - b) > 1e-5 * std::fabs(b); };  // beyond the rounding of printed numbers
   const std::array<double, 5> now = numbers_of(elastic);
   if (!std::equal(now.begin(), now.end(), head.elastic, std::not_fn(differ)))
     throw BadState(text_of("'", words_of(now.data()), "' but the cement of the steps before has '", words_of(head.elastic), "', and the load of the bonds would jump; use that"));
@@ -88,7 +88,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   return all;
 }
 
-// Rows of bonds that follow the head.
+// Reads the rows of bonds that follow the head.
 void Cement::restore_bonds(int bodies, RecordReader& in) {
   const int me = rank_in(scene_.comm);
   std::vector<Cracks::State> cracks(bodies);
@@ -110,7 +110,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
   divisions_.cracks.restore(std::move(cracks));
 }
 
-// Cement may have been made since.
+// Cement may have been made since the file was written.
 void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
   check_restored(head, scene_.options, scene_.law->elasticity().constants);
   const std::size_t table = scene_.bonds.table.size();

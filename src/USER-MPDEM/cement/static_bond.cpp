@@ -16,20 +16,22 @@ namespace mpdem {
 namespace {
 
 using Vector3 = Eigen::Vector3d;
-using Motion = double[2][6];  // of both grains, about their centres
+using Motion = double[2][6];  // motions of both grains, about their centres
 
-// The iteration ends when the residual, or what a quarter of its steps took of the energy, is this share of the energy that it began with. The
-// fields are good to its root. Where points failed, nodes beside them hold next to nothing, and the energy does not wait for them.
+// The iteration ends when the residual is the share kResidual of the energy that it began with. It also ends when a
+// quarter of its steps took less than the share kDecline of that energy. The fields are good to its root. Where points
+// failed, nodes beside them hold next to nothing, and the energy does not wait for them.
 constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
 constexpr int kLeastSteps = 40;
 
-// What a force moves is held back by this share of the largest stiffness of a node over its mass, times the mass of each. Nodes beside points
-// that failed may hold next to nothing, and the inertia of such a node asks for metres. A motion whose square of the frequency is r times that share
-// is found but for 1/(1 + r).
+// Nodes that a force moves are held back by this share of the largest stiffness of a node over its mass, times the mass
+// of each node. Nodes beside points that failed may hold next to nothing, and the inertia of such a node asks for
+// metres. Let the square of the frequency of a motion be r times the stiffness over mass that holds back. Then the
+// motion is found but for 1/(1 + r).
 constexpr double kHeld = 1e-4;
 constexpr int kMostStepsOfForce = 1000;
 
-// The nodes of one bond as unknowns. Vectors have three numbers a node; those of tied nodes are no unknowns.
+// The nodes of one bond as unknowns. Vectors have three numbers a node. Tied nodes are no unknowns.
 class Equations {
  public:
   Equations(MPI_Comm comm, const StaticParts* parts, double held = 0.0) : comm_(comm), parts_(parts) {
@@ -59,7 +61,8 @@ class Equations {
     }
   }
 
-  // out = the force on the nodes by displacements x and motions of the grains; load: that on the grains. x gets its tied nodes.
+  // Finds the force `out` on the nodes by displacements x and motions of the grains, and the force `load` on the
+  // grains. x gets its tied nodes.
   void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
     for (auto& of_grain : load) std::fill(of_grain, of_grain + 6, 0.0);
     if (!parts_) return;
@@ -72,7 +75,7 @@ class Equations {
     grid.halo.sum(out.data(), 3);
   }
 
-  // Sums over the nodes: r.P r, and a.b.
+  // Sums over the nodes: size_of() is r.P r, and dot() is a.b.
   double size_of(const std::vector<double>& r) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < inverse_.size(); ++i)
@@ -86,10 +89,10 @@ class Equations {
     return all(sum);
   }
   double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
-  // The force that holds the node of i back, over its displacement.
+  // The force that holds the node of component i back, over its displacement.
   double held(std::size_t i) const { return held_[i / 3]; }
 
-  // Largest and sum over the ranks of the bond.
+  // Largest number and sum over the ranks of the bond.
   double largest(double mine) const {
     if (comm_ == MPI_COMM_SELF) return mine;
     double most;
@@ -109,11 +112,11 @@ class Equations {
   MPI_Comm comm_;
   const StaticParts* parts_;
   std::vector<PenaltyLinks::Secant> secants_;
-  std::vector<double> inverse_;  // of the preconditioner, a node
-  std::vector<double> held_;     // likewise
+  std::vector<double> inverse_;  // diagonal of the preconditioner, one number a node
+  std::vector<double> held_;     // force that holds a node back over its displacement, one number a node
 };
 
-// Motion j about the middle, of the second grain about its centre.
+// Motion of the second grain about its centre, by motion j about the middle.
 void motion_of(int j, const Vector3& arm, double* motion) {
   Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
   (j < 3 ? t : turn)[j % 3] = 1.0;
@@ -124,7 +127,8 @@ void motion_of(int j, const Vector3& arm, double* motion) {
 
 Vector3 centre(const GrainSide& s) { return Vector3(s.x[0], s.x[1], s.x[2]); }
 
-// Nodes follow the second grain by their place between the two, none of them beyond its surface.
+// Nodes follow the second grain by their place between the surfaces of the two. A node inside one grain follows that
+// grain.
 std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, int j) {
   const Grid& grid = p.grid;
   std::vector<double> x(3 * grid.size());
@@ -140,12 +144,13 @@ std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, in
   return x;
 }
 
-// Conjugate gradients from x on, with the residual r of x, whose energy is given. Returns the steps, more than `most` if it did not end.
+// Iterates conjugate gradients from x on. r: residual of x. energy: energy of x. Returns the number of steps, which is
+// more than `most` if the iteration did not end.
 int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
   const Motion at_rest = {};
   Motion load;
   std::vector<double> p(r.size(), 0.0), Kp(r.size());
-  std::vector<double> taken;  // of the energy, by each step
+  std::vector<double> taken;  // energy that each step took
   double rho = equations.size_of(r), before = 0.0;
   while (rho > kResidual * energy) {
     const double beta = before > 0.0 ? rho / before : 0.0;
@@ -190,7 +195,7 @@ BondFrame frame_of(const Body& body, const GrainSide* side) {
 StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   StaticBond bond;
   Equations equations(comm, parts);
-  std::array<std::vector<double>, 6> force;  // of each field on the nodes
+  std::array<std::vector<double>, 6> force;  // force of each field on the nodes
   double load_of[6][2][6];
   Motion motion[6] = {};
   const auto energy = [&](int i, int j) {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// One bond in static equilibrium under small relative motions of its grains: the stiffness of the bond, 6 by 6, and the six fields that
-// go with it. The operator is that of the step: the same grid, ties, links and damage (mpm/stiffness_force.h,
-// PenaltyLinks::add_small_force()), about the present state.
+// One bond in static equilibrium under small relative motions of its grains. The result is the stiffness of the bond, 6
+// by 6, and the six fields that go with it. The operator is that of the step, about the present state: the same grid,
+// ties, links and damage (mpm/stiffness_force.h, PenaltyLinks::add_small_force()).
 //
-// Motion j is that of the second grain against the first, which is held: j = 0, 1, 2 a translation along x, y, z of the body, 3, 4, 5 a
-// turn about x, y, z and the middle of the contact. K_ij is the force (i < 3) or the moment about the middle (i > 2) that holds
-// the second grain there. The middle lies on the line of centres, half-way between the surfaces. K is symmetric, and zero
-// for a bond that holds one grain only.
+// Motion j is that of the second grain against the first, which is held. j = 0, 1, 2 is a translation along x, y, z of
+// the body. j = 3, 4, 5 is a turn about x, y, z and the middle of the contact. K_ij is the force (i < 3) or the moment
+// about the middle (i > 2) that holds the second grain there. The middle lies on the line of centres, half-way between
+// the surfaces. K is symmetric, and zero for a bond that holds one grain only.
 //
-// The nodes are found by conjugate gradients without a matrix, with a diagonal as preconditioner: that of the points, and the row
-// sums of the links that the added mass has, too. It takes a few vectors of the nodes. A sparse Cholesky factor of the same problem was
-// measured: doc/bond_stiffness.md. K is found from the energies of the fields, so its error is the square of theirs.
+// Conjugate gradients find the nodes, without a matrix. The preconditioner is a diagonal: that of the points, and the
+// row sums of the links that the added mass has, too. The method takes a few vectors of the nodes.
+// doc/bond_stiffness.md has measurements of a sparse Cholesky factor of the same problem. K is found from the energies
+// of the fields, so its error is the square of theirs.
 #ifndef MPDEM_STATIC_BOND_H
 #define MPDEM_STATIC_BOND_H
 
@@ -32,18 +33,18 @@ namespace mpdem {
 // The frame of a bond, in the coordinates of its body.
 struct BondFrame {
   Eigen::Vector3d axis;    // unit vector from the first grain to the second
-  Eigen::Vector3d middle;  // of the contact
+  Eigen::Vector3d middle;  // middle of the contact
 };
-// side: its first side, the second is behind it.
+// side: first side of the bond, followed by the second.
 BondFrame frame_of(const Body& body, const GrainSide* side);
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// Of the iteration, for each field. What holds by next to nothing may need more: BadState is thrown then.
+// Most iterations for each field. A bond that holds by next to nothing may need more: BadState is thrown then.
 constexpr int kMostStaticSteps = 20000;
-constexpr int kMostStepsOfCandidate = 2000;  // of a bond that need not be condensed; intact ones take some hundred
+constexpr int kMostStepsOfCandidate = 2000;  // most iterations for a bond that need not be condensed; intact bonds take some hundred
 
-// Bond on its layout. side as above.
+// A bond on its layout. side: first side of the bond, followed by the second.
 struct StaticParts {
   const PointStore& points;
   Grid& grid;
@@ -57,23 +58,24 @@ struct StaticBond {
   BondFrame frame{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   Matrix6 stiffness = Matrix6::Zero();
   std::array<std::vector<double>, 6> displacement;   // three numbers a node, of tied nodes too
-  std::array<std::vector<Sym3<vd>>, 6> strain;       // of each block, in the material frames
-  int products = 0;       // with the operator, of all fields
+  std::array<std::vector<Sym3<vd>>, 6> strain;       // strain of each block, in the material frames
+  int products = 0;       // products with the operator, for all fields
   std::size_t memory_usage() const;
 };
 
-// Collective among the ranks that share the bond if it is cut, with a communicator of theirs: the same bond on all of them, or on some
-// and nothing (parts null) on the others. Throws BadState if the iteration does not end.
+// Collective over comm: if ranks cut the bond, the ranks that share it. All of them pass their parts of the same bond,
+// or null if they have nothing of it. Throws BadState if the iteration does not end.
 StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most = kMostStaticSteps);
-// Of a bond that no other rank shares.
+// Solves a bond that no other rank shares.
 inline StaticBond solve_static(const StaticParts& parts) { return solve_static(MPI_COMM_SELF, &parts); }
 
-// What a force on the nodes, complete and with that of tied nodes on their masters, moves them by while both grains are held. Nodes that hold next
-// to nothing move little: inertia holds all of them back, and so slow motions of the bond a little. Collective as solve_static().
+// Displacement of the nodes by a force on them, while both grains are held. The force is complete, with that of tied
+// nodes on their masters. Nodes that hold next to nothing move little: inertia holds all of them back. So slow motions
+// of the bond are held back a little, too. Collective as solve_static().
 std::vector<double> static_displacement(MPI_Comm comm, const StaticParts* parts, std::vector<double> force);
 
-// The stiffness in the frame of the bond. Those across it are the two principal values, the smaller one first. In each the other five
-// motions are held.
+// The stiffness in the frame of the bond. Values across the axis are the two principal ones, the smaller one first. For
+// each value, the other five motions are held.
 struct PrincipalStiffness {
   double tension, shear[2], torsion, bending[2];
 };

@@ -17,7 +17,7 @@ namespace mpdem {
 
 namespace {
 
-// In the axes of the body, until into_box().
+// Results are in the axes of the body, until into_box().
 void write(const StaticBond& found, StiffnessOfBond& to) {
   for (int d = 0; d < 3; ++d) {
     to.middle[d] = found.frame.middle[d];
@@ -43,7 +43,7 @@ class StiffnessFinder {
     for (const BondLayout& l : layouts_) told_.push_back(l.body);
   }
 
-  // Bonds of this rank alone.
+  // Solves bonds of this rank alone.
   void solve_whole() {
     std::unordered_multimap<std::size_t, int> solved;  // layouts by the hash of their description
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
@@ -63,7 +63,7 @@ class StiffnessFinder {
     }
   }
 
-  // Collective.
+  // Collective. Solves bonds that ranks cut.
   void solve_cut(MPI_Comm comm) {
     std::vector<char> cut(table_.size(), 0);
     std::vector<int> at(table_.size(), -1);
@@ -76,7 +76,7 @@ class StiffnessFinder {
       if (cut[row]) solve_one(comm, static_cast<int>(row), at[row]);
   }
 
-  // Bonds without points, of this rank if it has their first grain: those of a pattern are equal.
+  // Solves bonds without points. A rank reports a bond if it has its first grain. Bonds of a pattern are equal.
   void solve_patterns(std::vector<CondensedBonds::OfPattern> laid_out) {
     std::map<int, StiffnessOfBond> solved;
     for (CondensedBonds::OfPattern& o : laid_out) {
@@ -93,7 +93,7 @@ class StiffnessFinder {
     }
   }
 
-  // Those of condensed bonds are solved at their creation: their points and nodes are there.
+  // Turns results of condensed bonds to the present. They are solved at the creation, where their points and nodes are.
   void turn_condensed() {
     for (int row : told_) {
       if (!table_[row].condensed) continue;
@@ -140,7 +140,7 @@ class StiffnessFinder {
     const BondLayout& l = layouts_[layout];
     return BondDescription(l.points, l.grid, table_[l.body], side_of(l.body));
   }
-  // layout: -1, this rank has nothing of the bond.
+  // layout: -1 if this rank has nothing of the bond.
   void solve_one(MPI_Comm comm, int row, int layout) {
     if (layout < 0) {
       solve_static(comm, nullptr);
@@ -157,7 +157,7 @@ class StiffnessFinder {
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
   std::vector<int> told_;  // rows that this rank knows
-  mutable std::map<int, SidesAtCreation> creation_;  // of condensed bonds
+  mutable std::map<int, SidesAtCreation> creation_;  // sides at the creation of condensed bonds
 };
 
 }  // namespace

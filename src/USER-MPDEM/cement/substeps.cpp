@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sub-steps: two clocks. The host moves its grains with a long step, the cement and the free grains that it holds take n short ones in it, all of
-// them by the same central difference. The load of the host is known at the ends of its step. What it was on the average acts in each sub-step (spread_loads.cpp), the
-// rest at the ends, as an impulse of the whole step. This is
-// the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step alone, momentum is exact, and with n = 1
-// nothing is left but the step itself. The impulse moves grains and cement together, see coupling/shared_impulse.h.
+// Sub-steps: two clocks. The host moves its grains with a long step. The cement, and the free grains that it holds,
+// take n short ones in it, all of them by the same central difference. The load of the host is known at the ends of its
+// step. Its average acts in each sub-step (spread_loads.cpp). The rest acts at the ends, as an impulse of the whole
+// step. This is the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step
+// alone, momentum is exact, and with n = 1 nothing is left but the step itself. The impulse moves grains and cement
+// together, see coupling/shared_impulse.h.
 //
-// With the velocity w of the grain in a sub-step dt, the load F of the host and f of the cement on it, its mass M, the mean S of F, and what is spread in the steps
-// before and after the end of a step, u = (1 - 1/n) (S + S')/2:
+// Let w be the velocity of the grain in a sub-step dt, F the load of the host and f that of the cement on it, M its
+// mass, S the mean of F. u = (1 - 1/n) (S + S')/2 is what is spread in the steps before and after the end of a step.
+// Then
 //
 //   start of the step    w = v + dt/2 (n (F - u) + f)/M,  v the velocity at the end of the last step
 //   within it            w <- w + dt (S + f)/M
@@ -40,8 +42,9 @@ void Substeps::begin() {
     }
 }
 
-// Of motion that is prescribed, places and velocities at both ends of the step are known: a cubic between, so that the velocity is continuous. Where
-// the velocities are not those of the motion, as when a grain starts at once, motion is even within the step.
+// The places and velocities of prescribed motion are known at both ends of the step. The motion between is a cubic, so
+// that the velocity is continuous. At times the velocities are not those of the motion, as when a grain starts at once.
+// Then motion is even within the step.
 void Substeps::find_ways() {
   const int n = scene_.now.substeps;
   const double dt = scene_.now.dt;
@@ -79,7 +82,7 @@ void Substeps::move_grains() {
       g.x[d] = g.free[d] ? before + dt * g.velocity[d] : ways_[i].place(d, n * dt, double(scene_.substep) / n);
       g.moved[d] = g.x[d] - before;
       g.state->x[d] = scene_.ends_step() ? before : g.x[d];
-      // to the mean of both ends of the step, beginning at its start
+      // adds up to the mean of both ends of the step, beginning at its start
       if (scene_.substep == 1) g.state->bent[d] = 0.0;
       g.state->bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - ways_[i].from[d]) : ways_[i].from[d] - g.x[d];
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// `total` kinematics, with transfers of velocity every N steps or a new reference when the cement has distorted, if asked for.
+// `total` kinematics. If asked for, velocities are transferred every N steps, or a new reference is taken when the
+// cement has distorted.
 #include <algorithm>
 #include <cmath>
 
@@ -66,15 +67,15 @@ class Total : public Kinematics {
   }
 
  private:
-  // The kinetic energy that a projection leaves out counts as damped: that at the step, where
-  // velocity is half a kick ahead of what is stored.
+  // The kinetic energy that a projection leaves out counts as damped. It is the energy at the step, where the velocity
+  // is half a kick ahead of what is stored.
   void reproject(Bond& b) {
     const double half = 0.5 * scene_.dt_last, kick = scene_.kick();
     const GrainSide* side = scene_.grains.side_of(b);
     scene_.books.damp_by(
         [&] { return work_.kinetic_energy(b, half) + (b.body < scene_.bodies_started ? b.added.energy_ahead(b.grid, side, kick) : 0.0); },
         [&] { reproject_velocity(b.points, b.grid, b.added.of_nodes(), scene_.inertia, scene_.options.transfer, kick, b.jump); });
-    // the energy of added mass, too, is that at the step; the reaction goes to the grains
+    // the energy of added mass is that at the step, too; the reaction goes to the grains
     scene_.books.damp(half * b.added.power(b.grid, side, b.jump) - b.added.work_of_reaction(b.grid, side, b.jump));
     scene_.books.do_work(half * work_.gravity_power(b, b.jump));
   }
@@ -95,7 +96,7 @@ class Total : public Kinematics {
     return all > scene_.options.reproject_distortion;
   }
 
-  // The present becomes the reference of points and links; velocities go over by transfer.
+  // Makes the present the reference of points and links. Velocities go over by transfer.
   void take_new_reference() {
     const auto energy = [this] {
       double sum = 0.0;

@@ -63,7 +63,7 @@ class Updated : public Kinematics {
   void account_for_accelerations() override {
     for (const Bond& b : scene_.bonds) {
       scene_.books.damp(work_.half_kick(b, b.jump));
-      scene_.books.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));  // nodes came here without that
+      scene_.books.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));  // nodes came here without the velocity of the jump
     }
   }
 
@@ -73,7 +73,8 @@ class Updated : public Kinematics {
   }
 
  private:
-  // Lays out bonds whose points come near the end of their grid. Blocks fill badly when points went through many cells.
+  // Lays out bonds whose points come near the end of their grid. Blocks of points that went through many cells fill
+  // badly, so these points are arranged anew.
   void follow_points() {
     std::vector<int> mine, sparse;
     for (const Bond& b : scene_.bonds)
@@ -124,20 +125,20 @@ class Updated : public Kinematics {
       v[i] += kick * b.grid.acceleration[i];
       b.jump[i] = v[i] - kicked[i];
     }
-    // before the nodes move, unlike the transfer
+    // this happens before the nodes move, unlike the transfer
     scene_.books.damp(-work_.half_kick(b, b.jump));
     scene_.books.do_work(0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));
     b.filtered = b.jump;
   }
 
-  // Share of the inertia of added mass that takes part in the transfer: the velocity that points take from nodes is theirs and the
-  // added mass' together; what flip keeps in the points is theirs alone.
+  // Share of the inertia of added mass that takes part in the transfer. The velocity that points take from nodes
+  // belongs to these and to the added mass together. What flip keeps in the points is theirs alone.
   double shared() const {
     const Transfer& t = scene_.options.transfer;
     return t.method == Transfer::flip ? 1.0 - t.flip_share : 1.0;
   }
 
-  // A node with neither mass keeps what it has.
+  // A node with neither mass of its own nor added mass keeps its velocity.
   void take_velocities(Bond& b, double kinetic_before) {
     scene_.timer.start(StepTimer::kNodes);
     Grid& grid = b.grid;
@@ -154,11 +155,11 @@ class Updated : public Kinematics {
     scene_.books.damp(kinetic_before - work_.kinetic_energy(b, 0.0));
     GrainSide* side = scene_.grains.side_of(b);
     b.added.add_reaction(grid, b.jump, shared() * shared() / scene_.now.dt, side);
-    scene_.books.damp(-shared() * shared() * b.added.work_of_reaction(grid, side, b.jump));  // which goes to the grains
+    scene_.books.damp(-shared() * shared() * b.added.work_of_reaction(grid, side, b.jump));  // the work of the reaction goes to the grains
   }
 
-  // Links whose place left its cell go into other blocks; where the grid ends, it is laid out anew
-  // in the next step, and until then the margin has the nodes.
+  // Links whose place left its cell go into other blocks. Where the grid ends, it is laid out anew in the next step.
+  // Until then the margin has the nodes.
   void move_links(Bond& b) {
     scene_.timer.start(StepTimer::kCoupling);
     const bool moved = b.links.move_places(b.points);
@@ -169,7 +170,7 @@ class Updated : public Kinematics {
     b.links.drop_inertia(b.points);
   }
 
-  std::vector<double> kinetic_, inertial_;  // of each bond, before points and nodes exchange velocity
+  std::vector<double> kinetic_, inertial_;  // energies of each bond before points and nodes exchange velocity
 };
 
 std::unique_ptr<Kinematics> make_updated(const MovingParts& parts) { return std::make_unique<Updated>(parts); }

@@ -25,7 +25,7 @@ double WorkOfStep::energy_of(const Bond& b) const {
 
 double WorkOfStep::kinetic_energy(const Bond& b, double later) {
   const Grid& grid = b.grid;
-  double twice[3] = {};  // of each component: their sums do not wait for each other
+  double twice[3] = {};  // one sum for each component, so that the sums do not wait for each other
   for (int i = 0; i < grid.size(); ++i) {
     if (!grid.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) {
@@ -71,7 +71,7 @@ double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& veloc
 
 double WorkOfStep::half_kick(const Bond& b, const std::vector<double>& jump) const {
   if (jump.empty()) return 0.0;
-  double power[3] = {};  // of each component: their sums do not wait for each other
+  double power[3] = {};  // one sum for each component, so that the sums do not wait for each other
   for (int i = 0; i < b.grid.size(); ++i) {
     if (!b.grid.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) power[d] += b.grid.mass[i] * b.grid.acceleration[3 * i + d] * jump[3 * i + d];

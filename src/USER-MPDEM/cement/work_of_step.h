@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Energy of motion and the work of a step, as central differences keep them: what goes into the books (energy_books.h), and what a change
-// of velocities takes. It changes nothing. Each number is this rank's share, of the nodes that count here: energies, and powers.
+// Energy of motion and the work of a step, as central differences keep them: what goes into the books (energy_books.h),
+// and what a change of velocities takes. The functions change nothing. Each number is the share of this rank, over the
+// nodes that count here. Numbers are energies and powers.
 #ifndef MPDEM_CEMENT_WORK_OF_STEP_H
 #define MPDEM_CEMENT_WORK_OF_STEP_H
 
@@ -19,23 +20,25 @@ class WorkOfStep {
 
   WorkOfStep(const Scene& scene, const CondensedBonds& condensed) : scene_(scene), condensed_(condensed) {}
 
-  // Of the nodes of a bond, with the velocity that is so long of the acceleration later than the stored one.
+  // Kinetic energy of the nodes of a bond. Velocities are ahead of the stored ones by `later` times the acceleration.
   static double kinetic_energy(const Bond& b, double later);
-  // Of points, nodes and links of a bond that is awake, all of it.
+  // Energy of points, nodes and links of a bond that is awake.
   double energy_of(const Bond& b) const;
-  // Of the weight of the nodes of a bond on a velocity of these, or none.
+  // Power of the weight of the nodes of a bond on a velocity of these. An empty velocity gives 0.
   double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
-  // What a change of velocity takes of the energy that central differences keep, beyond that of the stored velocity: it meets
-  // the acceleration, too. jump: of the nodes, or none.
+  // Energy that a change of velocity takes of that which central differences keep, beyond that of the stored velocity.
+  // The change meets the acceleration, too. jump: change of the velocities of the nodes, or empty.
   double half_kick(const Bond& b, const std::vector<double>& jump) const;
 
-  // On the cement of bodies from first_body on: of grains, gravity and impulses of the host; of inertial forces (`mass_order 2`).
+  // Work on the cement of bodies from first_body on. of_loads() is the work of grains, gravity and impulses of the
+  // host. of_inertial_forces() is that of inertial forces (`mass_order 2`).
   StepWork of_loads(int first_body) const;
   StepWork of_inertial_forces(int first_body) const;
-  // What dampers take of bodies from first_body on, and what friction of crack faces takes.
+  // of_dampers() is the power that dampers take of bodies from first_body on. of_rubbing() is the power that friction
+  // of crack faces takes.
   Power of_dampers(int first_body) const;
   Power of_rubbing() const;
-  // Work of such a power in this step.
+  // Work of a power in this step.
   StepWork over_step(const Power& power) const;
 
  private:

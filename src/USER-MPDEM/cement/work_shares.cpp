@@ -30,12 +30,12 @@ double unevenness(const std::vector<double>& work) {
 std::vector<BondMove> even_out(const std::vector<BrickPlace>& bricks, std::vector<MovableBond> bonds, std::vector<double> work) {
   if (unevenness(work) <= kUneven) return {};
   std::sort(bonds.begin(), bonds.end(), [](const MovableBond& a, const MovableBond& b) { return a.row < b.row; });
-  std::map<int, int> moved;  // row, rank
+  std::map<int, int> moved;  // rank by row
   while (unevenness(work) > kEvenEnough) {
     const int from = static_cast<int>(std::max_element(work.begin(), work.end()) - work.begin());
     MovableBond* best = nullptr;
     int to = from;
-    double most = 0.0;  // by which the larger work of both ranks falls
+    double most = 0.0;  // how much the larger work of both ranks falls
     for (MovableBond& b : bonds) {
       if (b.rank != from) continue;
       for (std::size_t rank = 0; rank < work.size(); ++rank) {

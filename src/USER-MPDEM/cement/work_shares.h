@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Which rank has which bond. A host deals its atoms out by place, in bricks of the box. Awake bonds take all the time, and a crack gathers
-// them in a few bricks. So whole bonds go from ranks with much work to ranks with less. They stay beside their place: the bricks of both touch, so
-// that the host can bring a bond there and back by one exchange with neighbours, and messages are between neighbours as before.
+// Decides which rank has which bond. A host deals its atoms out by place, in bricks of the box. Awake bonds take all
+// the time, and a crack gathers them in a few bricks. So whole bonds go from ranks with much work to ranks with less.
+// They stay beside their place: the bricks of both ranks touch. So the host can bring a bond there and back by one
+// exchange with neighbours, and messages are between neighbours as before.
 #ifndef MPDEM_CEMENT_WORK_SHARES_H
 #define MPDEM_CEMENT_WORK_SHARES_H
 
@@ -17,7 +18,7 @@ using BrickPlace = std::array<int, 3>;  // number of a brick along each directio
 // A bond that is whole on a rank.
 struct MovableBond {
   int row = 0, rank = 0;
-  double work = 0.0;              // in any unit
+  double work = 0.0;              // work in any unit
   BrickPlace low = {}, high = {};  // the bricks in which its points lie
 };
 
@@ -25,18 +26,19 @@ struct BondMove {
   int row, rank;
 };
 
-// Does the brick of a rank touch all of these, or is it one of them?
+// Does the brick of a rank touch all of these bricks, or is it one of them?
 bool is_beside(const BrickPlace& brick, const BrickPlace& low, const BrickPlace& high);
 
-// The largest work of a rank over the mean, 1 if there is none.
+// The largest work of a rank over the mean; 1 if there is none.
 double unevenness(const std::vector<double>& work_of_ranks);
 
-// Below this the work counts as even.
+// Unevenness below which the work counts as even.
 constexpr double kUneven = 1.1;
 
-// Moves from the rank that has most, one at a time and the best first, until it has 2 % more than the mean or no move makes it less; none where the
-// work is even already. bricks: of each rank. work: of each rank, with that of its movable bonds. What comes out hangs on the numbers
-// alone, so that ranks that have the same numbers agree.
+// Returns moves from the rank that has most work, one at a time and the best first. They end when that rank has at most
+// 2 % more than the mean, or when no move makes it less. There are none if the work is even already. bricks: brick of
+// each rank. work: work of each rank, with that of its movable bonds. The result depends on the numbers alone, so ranks
+// that have the same numbers agree.
 std::vector<BondMove> even_out(const std::vector<BrickPlace>& bricks, std::vector<MovableBond> bonds, std::vector<double> work);
 
 }  // namespace mpdem

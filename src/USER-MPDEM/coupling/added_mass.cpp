@@ -9,7 +9,7 @@
 
 namespace mpdem {
 
-// The node's added mass belongs to its links by their share of its stiffness.
+// The added mass of a node is divided between its two sides by their shares of its stiffness.
 void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places) {
   constexpr double kMargin = 1.05;
   std::vector<double> penalty(2 * grid.size(), 0.0);
@@ -104,7 +104,7 @@ void for_each_share(const AddedMass& added, F f) {
   }
 }
 
-// Calls f(node, mass, side, place from its centre) for all added mass.
+// Calls f(node, mass, side, vector from the centre of its grain) for all added mass.
 template <class Side, class F>
 void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
   for_each_share(added, [&](const AddedMass::Share& a) {

@@ -3,7 +3,7 @@
 //
 // Added mass of the nodes of one bond. It makes the penalty of the links semi-implicit.
 //
-// Where the row sum k of the penalty stiffness is too stiff for the time step, the inertia of the node is raised just
+// If the row sum k of the penalty stiffness is too stiff for the time step, the inertia of the node is raised just
 // enough. A damper g acts on the velocity of half a step ago and counts as a spring 2 g/dt. A step is stable if
 //   k dt^2 + 2 g dt <= 4 m.
 // Added mass c is the inertia of the motion u - R of the node against its grain, R being the motion of the grain at
@@ -31,32 +31,32 @@ namespace mpdem {
 // `side` always points to the first of the two sides of the bond. The second follows it.
 class AddedMass {
  public:
-  // What is known of the eigenvalues of the cement. These are squares of angular frequencies.
+  // The time step and the largest eigenvalue of the cement. Eigenvalues are squares of angular frequencies.
   struct Stability {
     double dt = 0;
-    double lambda = 0;             // largest of the cement
-    bool lambda_is_bound = false;  // that of a grid without ties, see Grid::tie_factor()
-    double bound = 4;              // largest dt^2 lambda
+    double lambda = 0;             // largest eigenvalue of the cement
+    bool lambda_is_bound = false;  // lambda is a bound for a grid without ties, see Grid::tie_factor()
+    double bound = 4;              // largest stable dt^2 lambda
   };
-  // Collective among the ranks that share the nodes. Finds the least mass that keeps the central difference stable
-  // when the penalty of links and freed places comes on top of the cement: of every node dt^2 (lambda m + k) <= bound (m + c).
-  // Most nodes need none.
+  // Collective among the ranks that share the nodes. Finds the least mass c that keeps the central difference stable
+  // when the penalty k of links and freed places comes on top of the cement. At every node dt^2 (lambda m + k) <= bound
+  // (m + c) holds. Most nodes need no added mass.
   void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places = {});
 
-  // Added mass of a node, on whatever rank the links are.
+  // Added mass of a node. The links may be on any rank.
   struct Share {
     int node;
-    double mass[2];  // of the links to either side
+    double mass[2];  // of the links to each side
     // Vector from the centre of a grain to the node.
     void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
       for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
     }
   };
   std::vector<Share> shares() const;
-  // They are kept eight side by side. What bonds of one shape have alike is apart.
+  // Shares are kept eight side by side. EightNodes has what is equal in bonds of one shape.
   struct EightMasses {
-    vd mass[2];  // 0 in the lanes beyond the last share, whose nodes are its first
-    vd added;    // of the nodes
+    vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
+    vd added;    // added mass of the nodes, of both sides
   };
   struct EightNodes {
     vd counted;  // 1 where this rank counts the node, 0 where not and in the lanes beyond the last share
@@ -66,49 +66,48 @@ class AddedMass {
   const std::vector<EightMasses>& masses() const { return masses_; }
   const SharedList<EightNodes>& nodes() const { return nodes_; }
   bool empty() const { return masses_.empty(); }
-  // Of each node.
+  // Added mass of each node.
   const SharedList<double>& of_nodes() const { return mass_; }
 
   // Adds the force that takes the added mass along with its grains to the nodes, without its reaction.
   void take_along(Grid& grid, const GrainSide* side) const;
-  // Accelerations of the nodes, whose sum of forces over ranks is complete. Added mass moves with its grain: the force that takes it along is added
-  // to the nodes, and its reaction to the grains, whose sum is still to come.
+  // Finds the accelerations of the nodes. The forces on nodes must be summed over ranks. Added mass moves with its
+  // grain: the force that takes it along is added to the nodes, and its reaction to the grains, before their sum over ranks.
   void accelerate(Grid& grid, GrainSide* side) const;
-  // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c
-  // / (m + c) of a jump. Adds rate times this share to the accelerations, and grain_rate times the reaction to the
-  // forces of jumps on the grains.
+  // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
+  // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the forces of jumps on the grains.
   void follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const;
-  // The same as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is the
-  // velocity of the grains less that of the nodes.
+  // Adds the jumps as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is
+  // the velocity of the grains less that of the nodes.
   void add_jumps(Grid& grid, GrainSide* side, bool at_start) const;
   // Adds the reaction to a transfer to the grains. The transfer changes the velocity of nodes as the acceleration
   // scale * field does.
   void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSide* side) const;
 
-  // Work of that reaction on the grains, over its scale.
+  // Work of the reaction of add_reaction() on the grains, divided by its scale.
   double work_of_reaction(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
   // Power of added mass times its acceleration relative to the grains, on the velocity `field` of the nodes.
   double power(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
-  // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w
-  // that plus `late` times the acceleration.
+  // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w is
+  // v with `late` in the place of `early`.
   double energy(const Grid& grid, const GrainSide* side, double early = 0.0, double late = 0.0) const;
-  // Kinetic energy at the end of a drift whose grains have moved already: their velocities are taken without the last
-  // jumps, those of nodes with `later` times the acceleration.
+  // Kinetic energy relative to the grains at the end of a drift whose grains have moved already. The velocities of the
+  // grains are taken without the last jumps. Those of nodes include `later` times the acceleration.
   double energy_ahead(const Grid& grid, const GrainSide* side, double later) const;
-  // Adds the mass at either side, of the nodes that this rank counts.
+  // Adds the added mass of each side to mass[2], for the nodes that this rank counts.
   void add_to_sides(const Grid& grid, double* mass) const;
 
-  // Holds with others what these have alike.
+  // Shares lists with other bonds that have equal ones.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
   void carry(Grid& grid, GrainSide* side) const;
   void keep(const std::vector<Share>& shares, const Grid& grid);
-  SharedList<double> mass_;  // a node
+  SharedList<double> mass_;  // one number for each node
   std::vector<EightMasses> masses_;
   SharedList<EightNodes> nodes_;
-  SharedList<std::array<int, 2>> without_;  // first nodes, and ends, of rows of nodes that are not tied and have none
+  SharedList<std::array<int, 2>> without_;  // [first, end) of rows of nodes that are not tied and have no added mass
 };
 
 }  // namespace mpdem

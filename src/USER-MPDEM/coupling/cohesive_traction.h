@@ -9,12 +9,12 @@
 //   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
 //   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
 //   traction     (1 - d) of the penalty, 1 - d/2 of it under compression; none once d is 1
-//   released     kn <-delta_n>^2/4 of the change of d by shear, and as much again when d has come to 1: what a link under compression stores
+//   released     kn <-delta_n>^2/4 times the change of d by shear, and kn <-delta_n>^2/4 when d reaches 1: energy of a link under compression
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
-// A half under compression, since added mass (added_mass.h) leaves a node that only links hold just stable. A crumb that bounces between a link that is
-// closed at that stiffness and one that is open and soft gets three times its energy in each bounce, by the mean over the phases of the steps. With a
-// half of it that is 1.01 times.
+// Stiffness under compression falls to a half, since added mass (added_mass.h) leaves a node that only links hold just
+// stable. Take a crumb that bounces between a link that is closed at full stiffness and one that is open and soft. It
+// gets three times its energy in each bounce, averaged over the phases of the steps. With half the stiffness the factor is 1.01.
 //
 // So a link bears tn and takes Gn under opening, and tt and Gt under shear, however large the steps are. The onset is
 // the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the opening of
@@ -51,13 +51,12 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
       : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {}
 
   std::vector<double> parameters() const override { return {tn_, tt_, Gn_, Gt_}; }
-  // Of the softer direction.
+  // Uses the softer direction of the material.
   std::vector<SofteningLength> softening_lengths(const VtiConstants& e) const override {
     const double E = std::min(e.Ep, e.Ez), G = std::min(e.Gzp, 0.5 * e.Ep / (1.0 + e.nu_p));
     return {{E * Gn_ / (tn_ * tn_), "E Gn/tn^2", "a larger 'Gn' or a smaller 'tn'"}, {G * Gt_ / (tt_ * tt_), "G Gt/tt^2", "a larger 'Gt' or a smaller 'tt'"}};
   }
-  // The elastic energy at the strength has to be below G in every mode. It is below G in mixed modes if it is so in
-  // both pure ones.
+  // The elastic energy at the strength must be below G in each mode. Mixed modes meet this if both pure modes do.
   std::string trouble() const override {
     const double of_n = 0.5 * tn_ * tn_ / stiffness().kn, of_t = 0.5 * tt_ * tt_ / stiffness().kt;
     const auto told = [](const char* G, double value, double least, const char* t, const char* k) {

@@ -135,7 +135,7 @@ CondensedMotion::Vector12 CondensedMotion::rate(const GrainSide* side) const {
   return of_sides(a[0], a[1]);
 }
 
-// Places have moved on since: what they turned by since then is centripetal, and is not in the momentum of that time.
+// The places have moved on since then. Their rotation since then appears as centripetal acceleration. It is not in the momentum of that time.
 CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const GrainSide* side, double half) const {
   GrainSide turning_alone[2] = {side[0], side[1]};
   for (GrainSide& s : turning_alone)

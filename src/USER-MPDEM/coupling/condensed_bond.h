@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A condensed bond: cement in static equilibrium under its two grains, as six numbers d of their relative motion. It has no state but
-// the motion of its grains.
+// A condensed bond: cement in static equilibrium under its two grains. Six numbers d, their relative motion, describe
+// it. It has no state but the motion of its grains.
 //
-// Q_s is the rotation of grain s since the creation, c the middle of the contact then, p_s the place of the grain that was at c:
+// Q_s is the rotation of grain s since the creation, c the middle of the contact at that time, and p_s the place in grain s that was at c:
 //
 //   theta = log(Q_0^T Q_1)     Q = Q_0 exp(theta/2)     delta = Q^T (p_1 - p_0)     d = (delta, theta)     U = d.K d/2
 //
-// Forces and moments are derivatives of U. It does not change when both grains move as one, so they keep momentum, angular momentum and
-// energy for any rotation. They are those of the resolved bond up to terms of the order of its strain.
+// Forces and moments are derivatives of U. U does not change when both grains move as one, so momentum, angular
+// momentum and energy are kept for any rotation. Forces and moments differ from those of the resolved bond by terms of the order of its strain.
 //
-// The nodes move with q = (w_0, omega_0, w_1, omega_1), velocity of p_s and angular velocity in the axes Q:
+// The nodes move with q = (w_0, omega_0, w_1, omega_1): velocity of p_s and angular velocity, in the axes Q:
 //
 //   v(X) = Q [ (P - u) (w_0, omega_0) + u (w_1, omega_1) ],   P = rigid motion about the middle, u = the six static fields
 //
-// With M = sum m (P - u, u)^T (P - u, u) the kinetic energy is q.M q/2 and the inertia loads are -M q', where q' has the
-// centripetal accelerations of p_s; what nodes have of it beyond these is N : (omega omega^T - omega^2).
+// With M = sum m (P - u, u)^T (P - u, u) the kinetic energy is q.M q/2 and the inertia loads are -M q'. Here q'
+// includes the centripetal accelerations of p_s. Nodes have further centripetal accelerations. Their load is N : (omega omega^T - omega^2).
 #ifndef MPDEM_CONDENSED_BOND_H
 #define MPDEM_CONDENSED_BOND_H
 
@@ -38,11 +38,11 @@ struct CondensedModel {
   Vector3 middle = Vector3::Zero();  // of the contact at the creation, from the origin of the body
   Matrix6 K = Matrix6::Zero();
   Matrix12 M = Matrix12::Zero();
-  Eigen::Matrix<double, 12, 9> N = Eigen::Matrix<double, 12, 9>::Zero();  // by the rows of a 3 by 3 matrix
+  Eigen::Matrix<double, 12, 9> N = Eigen::Matrix<double, 12, 9>::Zero();  // its columns follow the rows of a 3 by 3 matrix
 
   // Adds a node of mass m at X with its row of the six fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
-  // Of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1, the largest.
+  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1.
   double coupling() const;
   static constexpr int kNumbers = 3 + 36 + 144 + 108;
   void pack(double* numbers) const;
@@ -55,7 +55,7 @@ struct GrainLoads {
   void add_to(GrainSide* side) const;
 };
 
-// The motion of the grains as a condensed bond sees it. side: its first side, the second is behind it.
+// The motion of the grains as a condensed bond sees it. `side` points to the first of its two sides. The second follows it.
 class CondensedMotion {
  public:
   using Vector3 = Eigen::Vector3d;
@@ -70,21 +70,22 @@ class CondensedMotion {
   double energy(const CondensedModel& model) const { return 0.5 * d_.dot(model.K * d_); }
   GrainLoads elastic(const CondensedModel& model) const;
 
-  // Velocities (v, omega) of the sides plus `later` times their accelerations, and the rates of those, as q and q'.
+  // velocity() returns the velocities (v, omega) of the sides plus `later` times their accelerations, as q. rate()
+  // returns the accelerations as q'.
   Vector12 velocity(const GrainSide* side, double later) const;
   Vector12 rate(const GrainSide* side) const;
-  // The same of six numbers each of both sides, about their centres.
+  // Converts six numbers of each side, about its centre, to the form of q.
   Vector12 of_sides(const double* first, const double* second) const;
-  // A uniform field.
+  // Converts the uniform field g to the form of q.
   Vector12 uniform(const double* g) const;
-  // Loads of generalized forces on q, and the other way from six numbers of each side.
+  // loads() converts generalized forces on q to loads on the grains. generalized() converts six numbers of each side back.
   GrainLoads loads(const Vector12& generalized) const;
   Vector12 generalized(const double* first, const double* second) const;
-  // What the centripetal acceleration of nodes beyond that of the p_s asks for.
+  // Generalized force of the centripetal acceleration of nodes beyond that of the p_s.
   Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
-  // M q of half a step before, while the sides have velocities of that time but places of now.
+  // M q of half a step before, for sides with the velocities of that time and the places of now.
   Vector12 momentum_before(const CondensedModel& model, const GrainSide* side, double half) const;
-  // All loads on the grains while the sides have these velocities and accelerations: elastic, of inertia and of weight.
+  // All loads on the grains for these velocities and accelerations of the sides: elastic, of inertia and of weight.
   GrainLoads all(const CondensedModel& model, const GrainSide* side, const double* gravity) const;
 
   const Matrix3& axes() const { return Q_; }

@@ -28,10 +28,10 @@ void multiply(const vd* p, const vd* q, vd* r) {
   r[3] = p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1];
 }
 
-// q x q^T
+// Returns q x q^T.
 Mat turned(const Mat& q, const Mat& x) { return product(product(q, x), transpose(q)); }
 
-// x [r], and [r] x, where [r] v = r x v.
+// Returns x [r], where [r] v = r x v. cross_times() returns [r] x.
 Mat times_cross(const Mat& x, const Vec& r) {
   Mat y;
   for (int i = 0; i < 3; ++i) {
@@ -80,7 +80,7 @@ void CondensedPack::fill(Block& b, int lane, const Part& part) {
   for (int i = 0; i < 6; ++i)
     for (int c = 0; c < 6; ++c)
       b.N[6 * i + c][lane] = column[c][0] == column[c][1] ? m.N(6 + i, column[c][0]) : m.N(6 + i, column[c][0]) + m.N(6 + i, column[c][1]);
-  // both grains as one: first and second moments of the mass about the middle
+  // First and second moments of the mass about the middle, for both grains moving as one.
   const Eigen::Matrix<double, 6, 9> rigid = m.N.topRows<6>() + m.N.bottomRows<6>();
   for (int d = 0; d < 3; ++d) b.first[d][lane] = rigid(0, d);
   const double second[6] = {rigid(5, 3), -rigid(5, 1), rigid(4, 2), rigid(4, 1), rigid(4, 0), -rigid(5, 0)};
@@ -114,7 +114,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   shared_.build({&halo_});
   blocks_.resize((parts.size() + kLanes - 1) / kLanes);
   double most = 0.0;
-  for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // lanes that are left over have the last bond, which they do not add
+  for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // lanes that are left over have the last bond, but do not add its loads
     Block& b = blocks_[n / kLanes];
     const int lane = static_cast<int>(n % kLanes);
     const Part& part = parts[std::min(n, parts.size() - 1)];
@@ -183,7 +183,7 @@ void CondensedPack::find_loads(const double* gravity) {
   for (std::size_t i = 0; i < weight_.size(); ++i) load_[i] += weight_[i];
 }
 
-// generalized: forces on the twelve velocities in the axes, with the other sign.
+// generalized: forces on the twelve velocities in the axes Q, with the opposite sign.
 void CondensedPack::add_loads(const Block& b, const RelativeMotion<vd>& m, const vd* generalized, std::vector<double>& to) const {
   vd l[2][6];
   for (int s = 0; s < 2; ++s) {
@@ -231,7 +231,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
     arm[s] = Vec{{b.arm[s][0], b.arm[s][1], b.arm[s][2]}};
   }
   const RelativeMotion<vd> m(turn, arm, x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}});
-  // elastic
+  // Elastic loads.
   vd f[6], *const d = b.d;
   for (int c = 0; c < 3; ++c) {
     d[c] = m.delta.a[c];
@@ -246,7 +246,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   Vec force, moment;
   m.load(Vec{{f[0], f[1], f[2]}}, Vec{{f[3], f[4], f[5]}}, force, moment);
   const Vec moment0 = cross(force, m.apart) - moment;
-  // what of the inertia does not hang on the accelerations
+  // Inertia that does not depend on the accelerations.
   Vec to_axis[2];
   for (int s = 0; s < 2; ++s) to_axis[s] = turned_back(m.Q, cross(omega[s], cross(omega[s], m.r[s])));
   const Vec w = splat(0.5) * turned_back(m.Q, omega[0] + omega[1]);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The condensed bonds of a rank in a step: those whose grains it owns, and those that it has points of. Numbers of eight bonds lie side by side, one
-// bond a lane, and one pass over them finds all loads and masses. The equations are those of condensed_bond.h.
+// The condensed bonds of a rank in a step: those of the grains that it owns, and those that it has points of. Numbers
+// of eight bonds lie side by side, one bond a lane. One pass over them finds all loads and masses. The equations are those of condensed_bond.h.
 //
-// Grains have slots here: those that this rank owns, and others of its bonds, whose motion their owners hand out. Every owner of a grain has
-// all condensed bonds of it, so that it finds their loads itself, in the same order on any number of ranks.
+// Grains have slots here: the grains that this rank owns, and others of its bonds, whose owners hand out their motion.
+// Every owner of a grain has all condensed bonds of it. So it finds their loads itself, in the same order on any number of ranks.
 //
-// Models are in the axes of their bodies, Q takes these to the box; loads and masses are in those of the box.
+// Models are in the axes of their bodies, and Q takes these to the box. Loads and masses are in the axes of the box.
 //
-// A load is that on a grain by all its condensed bonds, force and moment about its centre. Loads by accelerations are
+// A load on a grain is that of all its condensed bonds, force and moment about its centre. Loads due to accelerations
+// are
 //
 //   -(sum M_ss) a - sum M_st a_t,   M in the coordinates of the grains, by the axes of the box.
 #ifndef MPDEM_CONDENSED_PACK_H
@@ -33,7 +34,7 @@ class CondensedPack {
   struct Part {
     const CondensedModel* model;
     const Body* body;
-    const double* bound;  // of the root of the drive by each motion, see mpm/field_drive.h
+    const double* bound;  // bounds of the root of the drive for each motion, see mpm/field_drive.h
   };
   // Collective. grains: those that this rank owns, ascending in tag.
   void build(MPI_Comm comm, const std::vector<Part>& parts, const std::vector<Grain>& grains);
@@ -41,50 +42,51 @@ class CondensedPack {
   bool empty() const { return blocks_.empty(); }
   bool any() const { return any_; }
 
-  // Collective. Motion of the grains to all who have a slot of it; accelerations are those that are expected.
+  // Collective. Hands out the motion of the grains to all ranks with a slot for them. Accelerations are the expected ones.
   void distribute(const std::vector<Grain>& grains);
-  // Collective. Six numbers of each owned grain.
+  // Collective. Hand out six numbers of each owned grain.
   void set_accelerations(const double* of_owned);
   void set_jumps(const double* of_owned);
 
-  // Loads without those of accelerations, masses, and how near the bonds are to their threshold. gravity: acts on their mass.
+  // Finds the loads that do not depend on accelerations, the masses, and how near the bonds are to their threshold.
+  // gravity acts on their mass.
   void find_loads(const double* gravity);
-  // Loads of jumps of velocity, as forces over the step. Does nothing without jumps.
+  // Finds the loads due to jumps of velocity, as forces over the step. Does nothing without jumps.
   void find_jump_loads(double dt);
-  // Loads by the accelerations, once these are known.
+  // Finds the loads due to accelerations. Call it once these are known.
   void find_inertial_loads();
 
-  // Of an owned grain.
+  // Component d of the loads on an owned grain.
   double load(int grain, int d) const { return load_[6 * slot_of_owned_[grain] + d]; }
   double jump_load(int grain, int d) const { return jump_load_.empty() ? 0.0 : jump_load_[6 * slot_of_owned_[grain] + d]; }
   double inertial_load(int grain, int d) const { return inertial_load_[6 * slot_of_owned_[grain] + d]; }
   double weight(int grain, int d) const { return weight_.empty() ? 0.0 : weight_[6 * slot_of_owned_[grain] + d]; }
-  // Sum of M_ss, and its largest share of sum M_st in the sense of CondensedModel::coupling().
+  // mass() is the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling() of all bonds.
   const double* mass(int grain) const { return &mass_[kSym6 * slot_of_owned_[grain]]; }
   double coupling() const { return coupling_; }
-  // Six numbers of each owned grain less sum M_st a_t.
+  // Subtracts sum M_st a_t from the six numbers of each owned grain.
   void take_coupling(double* of_owned);
-  bool at_rest() const;  // has no grain here an acceleration?
+  bool at_rest() const;  // true if no grain here has an acceleration
 
-  // part: place in the list. The six numbers of its relative motion.
+  // Component j of the relative motion of a part. part: its place in the list of build().
   double relative(int part, int j) const { return blocks_[part / kLanes].d[j][part % kLanes]; }
-  // An upper bound of the root of the drive over its threshold.
+  // Upper bound of the root of the drive over its threshold.
   double level(int part) const { return blocks_[part / kLanes].level[part % kLanes]; }
   bool any_level_reaches(double level) const;
   // The grains of a part as its sides.
   std::array<GrainSide, 2> sides(int part, const Body& body) const;
-  int orphan() const;  // the tag of a grain that no rank owns, 0: there is none
+  int orphan() const;  // tag of a grain that no rank owns; 0 if there is none
 
   std::size_t memory_usage() const;
 
  private:
   struct Block {
     int slot[2][kLanes], count;
-    vd back[2][4];            // of the orientations at the creation, reversed
-    vd arm[2][3], shift[3];   // from centres to the middle; between the coordinates of both grains
-    vd K[kSym6], M[78], N[36], first[3], second[6];  // lower triangles by rows; N: by xx, yy, zz, yz, xz, xy of a 3 by 3 matrix for each of the second six
+    vd back[2][4];            // inverse of the orientations at the creation
+    vd arm[2][3], shift[3];   // arm: from centres to the middle; shift: between the coordinates of both grains
+    vd K[kSym6], M[78], N[36], first[3], second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
     vd bound[6], d[6], level;
-    vd C[36];                 // M_01 by the axes of the box, by rows
+    vd C[36];                 // M_01 in the axes of the box, by rows
   };
   static void fill(Block& b, int lane, const Part& part);
   void find_loads(Block& b, const double* gravity);
@@ -97,7 +99,7 @@ class CondensedPack {
   static constexpr int kMotion = 24;  // present, x, q, omega, v, a, jump, mass_ratio
   enum { kX = 1, kQ = 4, kOmega = 8, kV = 11, kA = 14, kJump = 17, kRatio = 23 };
   std::vector<Block> blocks_;
-  std::vector<int> tags_, slot_of_owned_;  // of slots, ascending
+  std::vector<int> tags_, slot_of_owned_;  // tags_: of slots, ascending
   std::vector<char> owned_;
   HaloSum halo_;
   HaloSums shared_;

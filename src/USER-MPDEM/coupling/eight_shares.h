@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Added mass of eight nodes side by side: loops over all of it, in every step, are on these.
+// Added mass of eight nodes side by side. Loops over all added mass in every step use these.
 #ifndef MPDEM_EIGHT_SHARES_H
 #define MPDEM_EIGHT_SHARES_H
 
@@ -28,7 +28,7 @@ struct EightShares {
   void lever_arm(const GrainSide& s, vd* r) const {
     for (int d = 0; d < 3; ++d) r[d] = x[d] - s.x[d];
   }
-  // Values of the nodes, three numbers each.
+  // Reads values of the nodes, three numbers each. put() writes them.
   void take(const double* values, vd* out) const {
     const double* p[kLanes];
     for (int l = 0; l < kLanes; ++l) p[l] = values + 3 * static_cast<long>(nodes.node[l]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Row sums of the stiffness of what acts at places of the cement, at free nodes: the added mass goes by them.
+// Row sums of the stiffness of springs at places of the cement, added up at free nodes. Added mass is in proportion to them.
 #ifndef MPDEM_FREE_WEIGHTS_H
 #define MPDEM_FREE_WEIGHTS_H
 
@@ -12,12 +12,13 @@
 
 namespace mpdem {
 
-// Weights that a place has at free nodes: those of its nodes, or of their masters where they are tied.
+// Weights of a place at free nodes. A tied node passes its weight to its masters.
 class FreeWeights {
  public:
   explicit FreeWeights(const Grid& grid) : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
-  // Adds the row sums of a link of stiffness k at a place: its columns, and lane l of its weights. Two numbers a node.
+  // Adds the row sums of a link of stiffness k at a place, given by its columns and lane l of its weights. `sums` has
+  // two numbers a node, and the first of them is changed.
   template <class Type>
   void add_row_sums(const int* column, const Weights<Type>& w, int l, double k, double* sums) {
     constexpr int S = Type::kSupport;
@@ -58,7 +59,7 @@ class FreeWeights {
   std::vector<int> row_;        // of each node, see EdgeTies::row()
   std::vector<double> weight_;  // of each node
   std::vector<char> used_;
-  std::vector<int> nodes_;      // that have one
+  std::vector<int> nodes_;      // nodes with a weight
 };
 
 }  // namespace mpdem

@@ -14,7 +14,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr double kOneSided = 2.0;  // stiffness for the added mass, over that of the spring
+constexpr double kOneSided = 2.0;  // factor of the stiffness in the search for added mass, see the header
 
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
@@ -31,7 +31,7 @@ double distance(const double* a, const double* b) {
 
 bool before(const FreedPlace& a, const FreedPlace& b) { return a.slot != b.slot ? a.slot < b.slot : a.grain < b.grain; }
 
-// The place of the store, or null.
+// Finds a place of the store; null if there is none.
 FreedPlace* find(std::vector<FreedPlace>& places, int slot, int grain) {
   FreedPlace wanted;
   wanted.slot = slot;
@@ -47,7 +47,7 @@ FreedPlaces::FreedPlaces(const PointStore& points, const Body& body, const Penal
   lay_out(points, body, grid);
 }
 
-// Blocks of places of one side, in the order of their points' tags.
+// Lays out the places in blocks of one side, in the order of the tags of their points.
 void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid& grid) {
   blocks_.clear();
   const auto key = [&](int i) {
@@ -85,7 +85,7 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
       grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
                         &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]);
     }
-    for (; lane < kLanes; ++lane)  // at the place of the first
+    for (; lane < kLanes; ++lane)  // empty lanes have the place of the first lane
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
         b.base[d][lane] = b.base[d][0];
@@ -128,14 +128,14 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
     if (!b.closed && !was) continue;
     const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
     const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
-    const vmask slips = lanes(was) & (size > (1.0 + 1e-9) * bears);  // not again by rounding; all of it where a place opens, which bears nothing
-    const vd share = select(slips, 1.0 - bears / size, vd{});  // of e, by which it slips
+    const vmask slips = lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where a place opens, since bears is 0
+    const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
     for (int i = 0; i < 3; ++i) {
       const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
       const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
       b.stick[i] = select(starts, at, b.stick[i] + slip);
     }
-    // the slip happened between the last step and this
+    // The slip happened between the last step and this one.
     const vd rubs = select(size > (1.0 - 1e-9) * bears, bears, size);
     rubbed += sum_lanes(of(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
     b.rubs = of(b.closed, rubs);
@@ -204,7 +204,7 @@ void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double*
 
 namespace {
 
-// Where a link acts, in the reference.
+// Freed place of a link, at the point where the link acts in the reference.
 FreedPlace opened_by(const PointStore& points, const Link& k, bool at_surface) {
   FreedPlace p;
   p.slot = k.slot;
@@ -251,7 +251,7 @@ double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid,
   std::vector<FreedPlace> opened;
   for (int slot : failed) {
     const auto [k, end] = of_slot(points.links, slot);
-    // a link that let go before has its place already
+    // A link that let go before has a place already.
     for (auto link = k; link != end; ++link)
       if (!link->attached && !find(points.places, slot, link->grain)) opened.push_back(opened_by(points, *link, p_.at_surface));
   }
@@ -266,7 +266,7 @@ void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& gri
   take(points, body, grid, side, std::move(opened), false);
 }
 
-// just_now: a link that was pressed goes on so.
+// just_now: the links let go in this step. A link that was under pressure keeps its pressure then.
 double FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened,
                          bool just_now) {
   if (opened.empty()) return 0.0;
@@ -337,7 +337,7 @@ FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m
 
 namespace {
 
-// Half a spacing before a point, towards the grain.
+// Freed place half a spacing before a point, towards the grain.
 FreedPlace before_point(const PointStore& points, const Body& body, int slot, int grain) {
   FreedPlace p;
   p.slot = slot;
@@ -357,13 +357,13 @@ FreedPlace before_point(const PointStore& points, const Body& body, int slot, in
 double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
                          const std::vector<std::array<int, 2>>& gone) {
   struct Sum {
-    double area = 0, pressed = 0, slip[3] = {0, 0, 0};  // pressed, slip: area times -g, and e, of one that is closed
+    double area = 0, pressed = 0, slip[3] = {0, 0, 0};  // pressed and slip: sums over closed places of area times -g, and of area times e
   };
-  std::map<std::pair<int, int>, Sum> sums;  // of slot and grain
+  std::map<std::pair<int, int>, Sum> sums;  // by slot and grain
   double before_it = 0.0, after = 0.0;
   add_energy(grid, side, before_it);
   for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.mover.area;
-  // what they find there keeps its force
+  // Places that are there already keep their force.
   for (const Block& b : blocks_) {
     Touch t;
     touch(b, grid, side[b.side], t);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What the cement needs to know of a bonded grain in a step. A grain is a rigid sphere. Arrays of six have three
+// The data of a bonded grain that the cement needs in a step. A grain is a rigid sphere. Arrays of six have three
 // components of translation, then three of rotation about the centre.
 #ifndef MPDEM_GRAIN_H
 #define MPDEM_GRAIN_H
@@ -24,15 +24,15 @@ struct Grain {
   bool free[6] = {};                       // the component follows forces; otherwise it is prescribed
   double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
   double moved[3] = {0, 0, 0};             // displacement in this step
-  // With sub-steps only: the velocity at the start of the step, the load of the cement at the present time, what of it is the impulse
-  // of other sub-steps, and what accelerates the grain in the next sub-step.
+  // Used with sub-steps only. start: velocity at the start of the step. of_cement: load of the cement at the present
+  // time. unshown: the part of it that is the impulse of other sub-steps. kick: load that accelerates the grain in the next sub-step.
   double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
-  double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: that which is expected of prescribed motion, or that found by the cement
-  double made_for = 0;                     // the radius when its cement was made
+  double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: expected for prescribed motion, or found by the cement
+  double made_for = 0;                     // radius when its cement was made
   GrainState* state = nullptr;
   std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 
-  // Of the load of the host at the end of a step of n sub-steps: what acts within the steps before and after it, and not there.
+  // Part of the load of the host at the end of a step of n sub-steps that acts within the steps before and after this time, and not at this time.
   double spread(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->between[d] : 0.0; }
   bool any_free() const { return std::find(free, free + 6, true) != free + 6; }
 };

@@ -12,14 +12,14 @@ namespace mpdem {
 
 namespace {
 
-// Of the energy that is kept, not of the momentum. Condensed bonds have a small share of it.
+// Relative errors of the iteration. They affect the energy that is kept, but not the momentum. Condensed bonds have a small share of the energy.
 constexpr double kPrecision = 1e-10, kPrecisionOfCondensed = 1e-8;
-constexpr int kMostSweeps = 20000;  // where links of both grains share nodes, and grains are far lighter than the mass that these links add
+constexpr int kMostSweeps = 20000;  // reached if links of both grains share nodes and grains are far lighter than the mass that these links add
 
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
 
-// Sum of [r][q]^T with second moments T of r and q: (r.q) - q r^T.
+// Sum of [r][q]^T for the second moments T of r and q. A single term is (r.q) - q r^T.
 Matrix3 turning(const Matrix3& T) { return T.trace() * Matrix3::Identity() - T.transpose(); }
 
 Vector3 distance(const GrainSide& from, const GrainSide& to) { return Eigen::Map<const Vector3>(from.x) - Eigen::Map<const Vector3>(to.x); }
@@ -34,7 +34,7 @@ void add_first(vd v, int count, double* to) {
   for (int l = 0; l < count; ++l) to[l] += v[l];
 }
 
-// From the axes of a side to those of the box.
+// Rotation of six numbers from the axes of a side to those of the box.
 Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = matrix_of(s.axes);
@@ -66,7 +66,7 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
   return B;
 }
 
-// Of the nodes that count on this rank. Eight nodes side by side, so their lanes are added up last.
+// Sums over the nodes that this rank counts. Eight nodes lie side by side, so their lanes are added up last.
 void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
   const Grid& grid = *bond.grid;
   vd of_side[2][kPadded] = {};
@@ -94,7 +94,7 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
       add_first(sum_lanes_of_8(of_side[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.side + s) + i]);
 }
 
-// Returns a bound of the spectral radius.
+// Sets up the equations. Returns a bound of the spectral radius.
 double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh,
                                   const CondensedPack* condensed, bool loads_of_condensed) {
   const std::vector<int>& owned = sides.owned();
@@ -143,7 +143,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
         if (!grain.free[j]) sum[i] -= D[sym6(i, j)] * grain.acceleration[j];
       u.load[i][lane] = sum[i];
     }
-    // rows and columns of what is given become those of the identity
+    // Rows and columns of prescribed components become those of the identity.
     for (int i = 0; i < 6; ++i) {
       if (grain.free[i]) continue;
       for (int j = 0; j < 6; ++j) D[sym6(i, j)] = i == j ? 1.0 : 0.0;
@@ -161,7 +161,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
   return radius;
 }
 
-// One of block Jacobi, accelerated by omega.
+// One sweep of block Jacobi, accelerated by omega.
 void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed) {
   from_others_.assign(6 * kLanes * unknowns_.size(), 0.0);
   for (const Coupling& c : couplings_) {

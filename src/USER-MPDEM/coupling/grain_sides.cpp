@@ -9,7 +9,7 @@ namespace mpdem {
 namespace {
 constexpr int kMotion = 27;  // present, x, v, omega, q, a, alpha, mass_ratio, jump
 
-// A vector of the box into the axes of a side.
+// Turns a vector from the axes of the box to those of a side.
 void take(const GrainSide& s, const double* of_box, double* to) {
   const std::array<double, 3> v = turned_back(s.axes, of_box);
   std::copy(v.begin(), v.end(), to);
@@ -66,7 +66,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
     b[20] = m.mass_ratio;
     std::copy(m.jump, m.jump + 6, b + 21);
   }
-  // All but the owner contribute zero, so the sum is the owner's word, exactly.
+  // All ranks but the owner contribute zero, so the sum is exactly the value of the owner.
   halo_.sum(buffer_.data(), kMotion);
   orphan_ = -1;
   for (std::size_t i = 0; i < sides.size(); ++i) {

@@ -14,7 +14,7 @@
 namespace mpdem {
 
 namespace {
-// Of the links that the bits name, zero elsewhere.
+// Value in the lanes of `which`, zero in the others.
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
 
 LinkSeparation separation_of(const vd* delta, const vd* n) {
@@ -22,14 +22,14 @@ LinkSeparation separation_of(const vd* delta, const vd* n) {
 }
 }  // namespace
 
-// Where the link was when its body was created.
+// Place of the link when its body was created.
 double PenaltyLinks::created(const PointStore& points, const Link& k, int d) const {
   const int b = k.slot / kLanes, l = k.slot % kLanes;
   if (p_.at_surface) return k.foot[d];
   return points.motion.empty() ? points.blocks[b].X[d][l] : points.motion[b].X0[d][l];
 }
 
-// Where it acts, in the reference.
+// Place at which the link acts, in the reference.
 double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) const {
   return p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
 }
@@ -73,7 +73,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
     std::fill(b.link, b.link + kLanes, -1);
     int lane = 0;
     for (; lane < kLanes && i != items.end() && i->key[0] == b.side; ++lane, ++i) set_lane(n, lane, points, i->link);
-    for (; lane < kLanes; ++lane)  // at the place of the first, without area
+    for (; lane < kLanes; ++lane)  // empty lanes have the place of the first lane, and no area
       for (int d = 0; d < 3; ++d) {
         b.X[d][lane] = b.X[d][0];
         if (!created_.empty()) created_[n].X[d][lane] = created_[n].X[d][0];
@@ -109,7 +109,7 @@ void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& point
   }
 }
 
-// Before places move.
+// Stores the places of creation. Must be called before places move.
 void PenaltyLinks::keep_created() {
   if (!created_.empty()) return;
   created_.resize(blocks_.size());
@@ -134,7 +134,7 @@ typename L::State PenaltyLinks::state(const L&, std::size_t block) const {
   return s;
 }
 
-// Cell of its point.
+// Finds the cell of the point of a link.
 void PenaltyLinks::base_of(const PointStore& points, const Link& k, int* base) const {
   for (int d = 0; d < 3; ++d) base[d] = support_base(points.blocks[k.slot / kLanes].X[d][k.slot % kLanes], inverse_h_, cell_shift(basis_));
 }
@@ -152,7 +152,7 @@ bool PenaltyLinks::find_columns(const Grid& grid) {
   std::vector<Grid::Cell> cells;
   add_cells(cells);
   bool all = true;
-  const Grid::Cell* last = nullptr;  // links of a cell follow each other
+  const Grid::Cell* last = nullptr;  // links of one cell follow each other
   for (const Grid::Cell& c : cells) {
     if (last && last->key() == c.key()) std::copy_n(last->column, columns_of_cell_, c.column);
     else all = grid.find_columns(c.field, c.base, c.column) && all;
@@ -191,7 +191,7 @@ bool PenaltyLinks::move_places(PointStore& points) {
       base_of(points, k, base);
       for (int d = 0; d < 3; ++d) {
         k.moved[d] += moved[d][l];
-        b.X[d][l] = acts_at(points, k, d);  // not moved itself: blocks are those of a new layout, to the bit
+        b.X[d][l] = acts_at(points, k, d);  // found anew and not moved, so that blocks are to the bit those of a new layout
         left = left || base[d] != b.base[d][l];
       }
       gone_ = gone_ || !(k.attached || k.inert);
@@ -252,18 +252,18 @@ void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, cons
     }
 }
 
-// Current vector q from the grain's centre, its deviation from R q0 and the direction n.
+// Finds the current vector q from the centre of the grain, its deviation delta from R q0, and the direction n.
 template <class Type>
 void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const {
   vd u[3], r[3], at[3], q0[3];
   gather(grid.displacement, b, w, u);
-  // in the grain's frame
+  // q0 in the frame of the grain.
   const vd* created = created_at(b);
   const Mat3<double>& R = orientation_[b.side];
   for (int d = 0; d < 3; ++d) at[d] = created[d] - centre_[b.side][d];
   for (int d = 0; d < 3; ++d) q0[d] = R.a[0][d] * at[0] + R.a[1][d] * at[1] + R.a[2][d] * at[2];
   for (int d = 0; d < 3; ++d) {
-    // u last: what it is rounded to then is a part of itself and not of the place, so ranks agree
+    // u is added last. It is then rounded by an amount that depends on u and not on the place, so ranks agree.
     const vd X = b.X[d] - s.x[d];
     r[d] = s.R.a[d][0] * q0[0] + s.R.a[d][1] * q0[1] + s.R.a[d][2] * q0[2];
     q[d] = X + u[d];
@@ -392,7 +392,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
           freed |= static_cast<std::uint8_t>(1u << l);
           step.let_go.push_back(b.link[l]);
         }
-        // With friction a place takes over the pressure of a link that lets go.
+        // With friction, a freed place takes over the pressure of a link that lets go.
         const vmask handed_on = lanes(p_.friction < 0.0 ? 0 : freed) & (apart.n < 0.0);
         const vd released = select(handed_on, area * u.released, taken - area * u.dissipated);
         release(i, freed, released, false, points, step.released);
@@ -403,8 +403,9 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
   std::sort(step.let_go.begin(), step.let_go.end());
 }
 
-// Per area, what a spring whose stiffness changes in a step takes of central differences: delta(t - dt).(K(t - dt) - K(t)).delta(t)/2. It is what damage
-// spends and what closed links give up, but for what the damage of a step that jumps over the peak does not see, and for links that open or close.
+// Energy per area that a spring with a stiffness that changes in a step takes from central differences: delta(t -
+// dt).(K(t - dt) - K(t)).delta(t)/2. This is what damage dissipates and closed links release, with two exceptions: the
+// damage of a step that jumps over the peak, and links that open or close.
 template <class L>
 vd PenaltyLinks::taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n, const vd* v, double dt) {
   vd old[3];
@@ -426,8 +427,8 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
   holding_[block].attached &= static_cast<std::uint8_t>(~freed);
 }
 
-// A force that ends within a step works with its last value on half of the way of that step, so k delta(t) delta(t - dt)/2 is released. Stiff
-// links swing by much in a step.
+// Energy that is released if a force ends within a step, k delta(t) delta(t - dt)/2. The force works with its last
+// value over half of the motion of that step. Stiff links swing by much in a step.
 template <class L>
 vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const {
   const LinkBlock& b = blocks_[block];
@@ -446,7 +447,7 @@ vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& g
 }
 
 std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
-  std::vector<int> of_failed;  // ascending; most points have none
+  std::vector<int> of_failed;  // ascending; most points have no links
   for (int slot : failed) {
     const auto [first, end] = of_slot(points.links, slot);
     for (auto k = first; k != end; ++k) of_failed.push_back(static_cast<int>(k - points.links.begin()));

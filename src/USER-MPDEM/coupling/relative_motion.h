@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Relative motion of two grains in the axes half-way between them, over `double` or the eight-lane `vd`, one bond a lane. See
-// condensed_bond.h for the symbols.
+// Relative motion of two grains in the axes half-way between them. T is `double`, or the eight-lane `vd` with one bond
+// a lane. See condensed_bond.h for the symbols.
 #ifndef MPDEM_RELATIVE_MOTION_H
 #define MPDEM_RELATIVE_MOTION_H
 
@@ -15,7 +15,7 @@
 
 namespace mpdem {
 
-// Functions of the square of an angle, by their series below 0.2 and exact above.
+// Functions of the square of an angle. They use a series for squares below kSmall, and exact formulas above.
 namespace turns {
 
 constexpr double kSmall = 0.04;
@@ -57,7 +57,7 @@ inline T cotangent(T a2) {
   constexpr double c[] = {1.0 / 12, 1.0 / 720, 1.0 / 30240, 1.0 / 1209600, 1.0 / 47900160, 691.0 / 1307674368000.0};
   return value(c, a2, [](double a) { return (1.0 - 0.5 * a / std::tan(0.5 * a)) / (a * a); });
 }
-// a/sin a of an angle below half a turn. Of the square of its sine, where the cosine has lost its digits.
+// Returns a/sin a for an angle a below half a turn. The argument is the square of the sine, since the cosine of a small angle has lost its digits.
 inline double over_sine(double sine2, double cosine) {
   constexpr double c[] = {1.0, 1.0 / 6, 3.0 / 40, 5.0 / 112, 35.0 / 1152, 63.0 / 2816, 231.0 / 13312, 143.0 / 10240, 6435.0 / 557056,
                           12155.0 / 1245184, 46189.0 / 5505024};
@@ -115,12 +115,12 @@ inline Three<T> turned_back(const Mat3<T>& q, const Three<T>& x) {
 
 template <class T>
 struct RelativeMotion {
-  Mat3<T> Q0, Q;                // of the first grain, and half-way to the second
+  Mat3<T> Q0, Q;                // axes of the first grain, and axes half-way to the second
   Three<T> r[2], delta, theta;  // r: from the centres to the p_s
   Three<T> apart;               // from centre to centre
 
   RelativeMotion() = default;
-  // turn: of both grains since the creation. arm: from their centres to the middle of the contact then.
+  // turn: rotations of both grains since the creation. arm: from their centres to the middle of the contact at the creation.
   RelativeMotion(const Mat3<T>* turn, const Three<T>* arm, const Three<T>& from_centre_to_centre) : Q0(turn[0]), apart(from_centre_to_centre) {
     for (int s = 0; s < 2; ++s) r[s] = turned(turn[s], arm[s]);
     const Mat3<T> E = product(transpose(turn[0]), turn[1]);
@@ -143,13 +143,13 @@ struct RelativeMotion {
     delta = turned_back(Q, apart + r[1] - r[0]);
   }
 
-  // Force and moment on the second grain, about its centre, with the derivatives of the energy by delta and theta. The first has the
-  // opposite force, and -M - apart x F.
+  // Finds force and moment on the second grain, about its centre, from the derivatives of the energy by delta and
+  // theta. The first grain has the opposite force, and the moment -M - apart x F.
   void load(const Three<T>& of_delta, const Three<T>& of_theta, Three<T>& F, Three<T>& M) const {
     const T half = T{} + 0.5;
     const Three<T> h = half * theta, turn = cross(of_delta, delta), once = cross(h, turn);
     const T h2 = dot(h, h);
-    // the axes turn with half of theta
+    // The axes rotate by half of theta.
     const Three<T> y = of_theta + half * (turn + turns::cosine(h2) * once + turns::rest_of_sine(h2) * cross(h, once));
     const Three<T> first = cross(theta, y);
     const Three<T> z = y + half * first + turns::cotangent(dot(theta, theta)) * cross(theta, first);

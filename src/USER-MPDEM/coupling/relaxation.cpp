@@ -19,7 +19,7 @@ double Relaxation::rate(const Body& body, double critical_share, double shear_sp
 
 std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
   const std::vector<int> row = grid.ties.row_of_each(grid.size());
-  // a copy moves as the one node that it is tied to
+  // A copy moves as the single node that it is tied to.
   const auto that_moves = [&](int i) {
     int masters = 0, master = i;
     if (row[i] >= 0)
@@ -63,7 +63,7 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, c
     }
     const double sum = depth[0] + depth[1];
     share[i] = sum > 0.0 ? depth[0] / sum : 0.5;
-    if (!held.empty() && held[i] != kHoldsBoth) share[i] = held[i] - 1.0;  // 0 the first, 1 the second, -1 none
+    if (!held.empty() && held[i] != kHoldsBoth) share[i] = held[i] - 1.0;  // 0: the first grain, 1: the second, -1: none
   }
   return share;
 }

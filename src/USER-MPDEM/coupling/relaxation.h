@@ -9,9 +9,9 @@
 // angular frequency of a shear wave across the thickest place, 2 pi c_s/thickness. This is critical damping of about
 // the slowest motion.
 //
-// Once a bond has come apart, each side follows the grain alone that it still holds to, and loose pieces are not damped: the force of
-// one grain at the place of another, in flight, has a lever arm that grows until the step is unstable. For the same
-// reason a node that is farther than kReach radii from a grain is not damped.
+// Once a bond has come apart, each piece follows only the grain that it still holds to, and loose pieces are not
+// damped. The force of one grain at the place of another, in flight, would have a lever arm that grows until the step
+// is unstable. For the same reason a node that is farther than kReach radii from a grain is not damped.
 #ifndef MPDEM_RELAXATION_H
 #define MPDEM_RELAXATION_H
 
@@ -24,24 +24,23 @@
 
 namespace mpdem {
 
-// Grains to which the points hold that have a node in their support, and have not failed: bits as in PointRecord::holds. A copy that is tied to
-// one node has those of that node. Collective for the ranks that share nodes.
+// For each node the bits (as in PointRecord::holds) of the grains to which unfailed points with this node in their
+// support hold. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
 std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 
-// s of each node; below 0: of a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.
+// s of each node. Below 0 for a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.
 std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, const std::vector<char>& held);
 
 // Damping of one bond. `side` always points to the first of its two sides. The second follows it.
 class Relaxation {
  public:
   Relaxation() = default;
-  // To be made after the layout of the grid. held: nodes_held() of a bond that came apart, else empty. critical_share: share of critical
-  // damping.
+  // Must be made after the layout of the grid. held: nodes_held() of a bond that came apart, else empty.
+  // critical_share: share of critical damping.
   Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed);
   static double rate(const Body& body, double critical_share, double shear_speed);
 
-  // Adds the force to nodes, whose sum over ranks is complete, and the reaction to grains, whose sum is still to
-  // come.
+  // Adds the force to nodes after their sum over ranks, and the reaction to grains before their sum over ranks.
   void add_force(Grid& grid, GrainSide* side) const;
   // Power that damping takes from the nodes that this rank counts. The force is that of the stored velocity. The
   // velocity is the stored one plus `later` times the acceleration.
@@ -50,8 +49,8 @@ class Relaxation {
  private:
   struct Node {
     int at;
-    double share[2];  // of the grains in its motion
-    double r[2][3];   // from their centres
+    double share[2];  // shares of the grains in its motion
+    double r[2][3];   // vectors from the centres of the grains
     double v[3];      // relative to the motion of its grains
     double scale;     // rate times inertia
   };

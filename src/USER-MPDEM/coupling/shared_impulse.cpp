@@ -36,7 +36,7 @@ void take_from_grain(const double* r, const double* f, double scale, GrainSide& 
 
 SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held) : share_(shares_of_second_grain(grid, body, held)) {}
 
-// The mass of a bond of which nothing failed is that of its nodes, to the bit.
+// If nothing failed, the mass is to the bit that of the nodes.
 void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
   if (empty()) return;
   const bool cut = grid.halo.shares_any();
@@ -53,7 +53,7 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
   if (cut) holding_ = here_;
 }
 
-// Share of the mass of a node that is of points that hold.
+// Share of the mass of a node that belongs to points that hold.
 double SharedImpulse::part_held(const Grid& grid, int node) const {
   return holding_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, holding_[node] / grid.mass[node]);
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A traction law of the links between cement and grains: the force per area by the separation of their two places. A law is one
-// class in one file, derived from TractionLawOf<itself>, and one line in traction_laws.h. It knows nothing of nodes, grains and
-// added mass: these ask it for its stiffness alone.
+// A traction law of the links between cement and grains: the force per area as a function of the separation of the two
+// places. A law is one class in one file, derived from TractionLawOf<itself>, and one line in traction_laws.h. It does
+// not depend on nodes, grains and added mass. These only ask it for its stiffness.
 //
-// The virtual functions of TractionLaw are asked once a run. The members below are asked in the loop over blocks of
-// links. They belong to the class itself, and with_traction() of traction_laws.h compiles them into the loop. They
-// work on eight links at a time, in the frame of the normal n of the grain's surface:
+// The virtual functions of TractionLaw are called once a run. The members below are called in the loop over blocks of
+// links. They belong to the class itself, and with_traction() of traction_laws.h compiles them into the loop. They work
+// on eight links at a time, in the frame of the normal n of the grain's surface:
 //
 //   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
 //                           They go from 0, in a link that was never loaded, to 1; the first is the damage of the link.
@@ -17,9 +17,9 @@
 //   secant(delta, state)    stiffness kn and kt by which the traction is kn delta_n n + kt delta_t. At most stiffness().
 //   energy(delta, state)    per area, stored
 //
-// and of laws with a state
+// Laws with a state also have
 //
-//   update(delta, state)    what the separation does to the state, see TractionUpdate. The same separation again changes nothing.
+//   update(delta, state)    changes the state by the separation, see TractionUpdate. The same separation again changes nothing.
 #ifndef MPDEM_TRACTION_LAW_H
 #define MPDEM_TRACTION_LAW_H
 
@@ -40,18 +40,18 @@ struct TractionStiffness {
 // Separation of eight links.
 struct LinkSeparation {
   vd n;       // delta_n, positive where the place moved away from the grain
-  vd square;  // of the length of all of it
+  vd square;  // square of the length of the whole separation
   vd tangential_square() const { return max(square - n * n, vd{}); }
 };
 
 struct TractionSecant {
   vd kn, kt;
-  // Energy per area of springs as stiff as that.
+  // Energy per area of springs with this stiffness.
   vd energy(const LinkSeparation& s) const { return 0.5 * (kt * s.square + (kn - kt) * s.n * s.n); }
 };
 
 struct TractionUpdate {
-  vd dissipated, released;  // energies per area, since the state before: spent by damage; stored, and given up as it softens under pressure or lets go
+  vd dissipated, released;  // energies per area in this update: spent by damage; stored before, and given up as the link softens under pressure or lets go
   vmask grown, let_go;      // the state changed; the link carries nothing from now on
 };
 
@@ -69,13 +69,14 @@ class TractionLaw {
   const TractionStiffness& stiffness() const { return stiffness_; }
   virtual const char* name() const = 0;
   virtual int fields() const = 0;
-  // Does a link stay attached when its point fails? The failed point is then a skin on the grain, free of force, and the crack is inside the cement.
+  // True if a link stays attached when its point fails. The failed point is then a skin on the grain without force, and
+  // the crack is inside the cement.
   virtual bool keeps_skins() const = 0;
-  // Values of its words, in their order, at most LinksSoFar::kMostParameters: later runs must have the same.
+  // Values of its words, in their order, at most LinksSoFar::kMostParameters. Later runs must have the same values.
   virtual std::vector<double> parameters() const { return {}; }
-  // Those that cells have to resolve; empty if there are none.
+  // Lengths that cells must resolve. Empty if there are none.
   virtual std::vector<SofteningLength> softening_lengths(const VtiConstants&) const { return {}; }
-  // What is wrong with the words together; empty if nothing is.
+  // Text of what is wrong with the words in combination, or an empty string.
   virtual std::string trouble() const { return ""; }
 
  protected:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The traction laws that there are. A new one takes its include and its place in `TractionLaws`: the words of fix mpm/couple, its
-// messages and the loop over links follow. Its place is the last: restart files number the laws.
+// The list of traction laws. A new law needs its include and the last place in `TractionLaws`, since restart files
+// number the laws. The words of fix mpm/couple, its messages and the loop over links follow from the list.
 #ifndef MPDEM_TRACTION_LAWS_H
 #define MPDEM_TRACTION_LAWS_H
 
@@ -16,19 +16,19 @@ namespace mpdem {
 
 using TractionLaws = LawList<PenaltyTraction, CohesiveTraction>;
 
-// Calls f with the law as an object of its own class, so that f is compiled for each of them. Once a pass over a bond, never
-// inside a loop over links.
+// Calls f with the law as an object of its own class, so that f is compiled for each class. Call it once in a pass over
+// a bond, not inside a loop over links.
 template <class F>
 decltype(auto) with_traction(const TractionLaw& law, F f) {
   return pick_law(TractionLaws(), law, f);
 }
 
-// From 1 on, in the order of `TractionLaws`.
+// Number of a law, from 1, in the order of `TractionLaws`.
 inline int traction_law_number(const TractionLaw& law) {
   return with_traction(law, [](const auto& l) { return number_of<std::decay_t<decltype(l)>>(TractionLaws()); });
 }
 
-// What fix mpm/couple needs to read a law from a script.
+// Data with which fix mpm/couple reads a law from a script.
 struct TractionEntry : NamedLaw {
   std::shared_ptr<const TractionLaw> (*make)(TractionStiffness stiffness, const LawValues& values);
 };

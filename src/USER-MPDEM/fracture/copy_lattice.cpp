@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// How nodes split (node_copies.h).
+// Splits nodes, see node_copies.h.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,7 +13,7 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kOut = -2, kIn = -1;  // of seen_: not of the group; not reached yet
+constexpr int kOut = -2, kIn = -1;  // values of seen_: not in the group; not reached yet
 
 int copy_of(const NodeCopies::Row& row, int part) {
   for (const NodeCopies::Entry& e : row)
@@ -67,7 +67,7 @@ void CopyLattice::for_each_node(const int* base, F f) const {
       for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
 }
 
-// The same number.
+// Number that for_each_node() gives to a node of the support with this base.
 int CopyLattice::number_of(const Place& node, const Place& base) const {
   return (S_ * (node[0] - base[0]) + node[1] - base[1]) * S_ + node[2] - base[2];
 }
@@ -83,7 +83,7 @@ void CopyLattice::for_each_point(const Place& node, F f) const {
       }
 }
 
-// Those connected with a point; all of a cell are.
+// Calls f for the points connected with a point. All points of one cell are connected.
 template <class F>
 void CopyLattice::for_each_neighbour(int i, F f) const {
   const CopyPoint& p = points_[i];
@@ -131,8 +131,9 @@ CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
   return split(nodes, copies);
 }
 
-// A point that failed parts a node only if what touches it does not hang together about it, in the support. Most hang together
-// in the 26 about it, so few nodes are looked at as a whole. Points that fail at once count one after the other.
+// Adds the nodes that a failed point may part. It parts a node only if the points that touch it are not connected
+// around it in the support. Most are connected over the 26 points around it, so few nodes must be examined as a whole.
+// Points that fail at once count one after the other.
 void CopyLattice::add_nodes_parted_by(int i, const NodeCopies& copies, std::vector<Place>& nodes) const {
   const CopyPoint& p = points_[i];
   if (!one_a_cell_) {
@@ -181,13 +182,14 @@ CopyChange CopyLattice::split(const std::vector<Place>& nodes, NodeCopies& copie
   return wanted_.empty() ? CopyChange() : colour(copies);
 }
 
-// Within a component all points have the same side and piece where these count, so its first stands for all.
+// True if `to` may be in the component of `from`. All points of a component have the same side and piece where these
+// count, so its first point stands for all.
 bool CopyLattice::is_way(int from, int to) const {
   const CopyPoint &a = points_[from], &b = points_[to];
   return a.piece == b.piece && !(apart_ && a.nearer != b.nearer);
 }
 
-// The copies of a node: do the points of one fall apart?
+// Examines the copies of a node: the points of a copy may fall apart.
 void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   std::map<int, std::vector<int>> groups;
   if (const NodeCopies::Row* row = copies.row(node)) for_each_point(node, [&](int p) { groups[copy_of(*row, points_[p].part)].push_back(p); });
@@ -197,7 +199,7 @@ void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   for (const auto& g : groups) part_group(node, g.second, g.first, next, copies);
 }
 
-// Points times their weights at a node.
+// Volumes of points times their weights at a node.
 double CopyLattice::volume_at(const Place& node, const std::vector<int>& points) const {
   double sum = 0.0;
   with_basis(basis_, [&](auto type) {
@@ -212,7 +214,7 @@ double CopyLattice::volume_at(const Place& node, const std::vector<int>& points)
   return sum;
 }
 
-// The largest component keeps the copy, the others are the next ones.
+// Shares the volume of a copy between its components. The largest keeps the copy, and the others are the next copies.
 void CopyLattice::share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
                                const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   double whole = -1.0, holds = 0.0;
@@ -247,7 +249,7 @@ void CopyLattice::part_group(const Place& node, const std::vector<int>& group, i
       });
   }
   if (components.size() > 1) {
-    // the largest keeps the node
+    // The largest component keeps the copy.
     std::vector<int> rank(components.size()), of(components.size());
     std::iota(rank.begin(), rank.end(), 0);
     std::stable_sort(rank.begin(), rank.end(), [&](int a, int b) { return components[a].size() > components[b].size(); });
@@ -279,14 +281,14 @@ void CopyLattice::find_middles(const std::vector<std::vector<int>>& components, 
   }
 }
 
-// Along the line of centres, and the two axes after that.
+// Place of a point relative to the middle: along the line of centres, then along the next two axes.
 std::array<double, 3> CopyLattice::place_from_middle(int i) const {
   const auto along = [&](int d) { return points_[i].base[d] + points_[i].at[d] - line_.middle[d]; };
   return {along(line_.axis), along((line_.axis + 1) % 3), along((line_.axis + 2) % 3)};
 }
 
-// Of two components as near, the larger; of those alike, that whose middle is nearer; then by the line of centres: mirrored and turned cracks
-// split alike.
+// True if point i goes with component a rather than b, which are at equal distance. The larger one wins, then the one
+// whose middle is nearer, then the criteria of the line of centres. These let mirrored and turned cracks split alike.
 bool CopyLattice::goes_with(int i, int a, int b) const {
   if (middles_[a].size != middles_[b].size) return middles_[a].size > middles_[b].size;
   long long distance[2] = {0, 0};
@@ -304,13 +306,13 @@ bool CopyLattice::goes_with(int i, int a, int b) const {
     const double aside = p[1] * m[2] - p[2] * m[1];
     order[n] = {m[1] * m[1] + m[2] * m[2], std::fabs(m[0]), -std::fabs(aside), -aside, -p[0] * m[0]};
   }
-  constexpr double kAlike = 1e-6;  // of a cell
+  constexpr double kAlike = 1e-6;  // in cells
   for (std::size_t k = 0; k < order[0].size(); ++k)
     if (std::fabs(order[0][k] - order[1][k]) > kAlike) return order[0][k] < order[1][k];
   return a < b;
 }
 
-// Failed points go with the nearest that hold; what cannot be reached stays.
+// Assigns failed points to the nearest component. Points that no component reaches stay with the first one.
 void CopyLattice::grow(const std::vector<int>& group) {
   std::vector<int> front;
   for (int i : group)
@@ -341,8 +343,8 @@ bool CopyLattice::Class::operator<(const Class& o) const {
 }
 
 CopyChange CopyLattice::colour(NodeCopies& copies) {
-  std::map<Class, std::vector<int>> classes;  // of the points that changed
-  Class was{{}, -1, {}};                      // points of a class mostly follow each other
+  std::map<Class, std::vector<int>> classes;  // points that change, by their new class
+  Class was{{}, -1, {}};                      // old class of the last point; points of a class mostly follow each other
   for (const auto& w : wanted_) {
     const CopyPoint& p = points_[w.first];
     if (was.part != p.part || was.base != place(p.base)) {
@@ -353,7 +355,7 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     for (const auto& n : w.second) c.copy[number_of(n.first, c.base)].copy = n.second;
     classes[c].push_back(w.first);
   }
-  // rows of their nodes, as the points that did not change have them
+  // Rows of the nodes concerned, from the points that do not change.
   std::map<Place, RowNow> rows;
   for (const auto& n : split_now_) rows[n.first];
   for (const auto& c : classes)
@@ -364,7 +366,7 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
   for (const auto& w : wanted_) changes[w.first] = 1;
   for (auto& r : rows) {
     const NodeCopies::Row* before = copies.row(r.first);
-    int last = -1;  // points of a part are mostly next to each other
+    int last = -1;  // points of a part mostly follow each other
     for_each_point(r.first, [&](int p) {
       const int part = points_[p].part;
       if (changes[p] || part == last) return;
@@ -373,7 +375,7 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
     });
   }
   CopyChange change;
-  std::vector<RowNow*> of_class;  // of each node, null: it is whole
+  std::vector<RowNow*> of_class;  // row of each node; null if the node is whole
   for (const auto& c : classes) {
     of_class.clear();
     for_each_node(c.first.base.data(), [&](const Place& n, int) {
@@ -424,7 +426,7 @@ int CopyLattice::free_part(const Class& c, const std::vector<RowNow*>& rows) con
   return part;
 }
 
-// By the classes, which know what each of their nodes is.
+// Finds the connections from the classes, since these know the copy of each of their nodes.
 void CopyLattice::find_towards(NodeCopies& copies) const {
   std::map<Place, std::map<int, std::array<int, 6>>> found;
   constexpr int kUnknown = -2, kNone = -1;
@@ -450,7 +452,7 @@ void CopyLattice::find_towards(NodeCopies& copies) const {
       });
   }
   copies.towards().clear();
-  // A node that cells beside these have too is whole, and so are its neighbours there.
+  // If only cells without split nodes have a pair of neighbours, both nodes are whole.
   for (const auto& n : found) {
     const bool split = copies.row(n.first);
     for (const auto& c : n.second) {

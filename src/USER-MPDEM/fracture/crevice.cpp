@@ -21,10 +21,10 @@ double space_ahead(const SheetPoint& p, const Body& body, int d, int side) {
 
 namespace {
 
-constexpr double kGapFound = 0.5;       // of what crosses where all rows do
-constexpr double kShareJoined = 0.125;  // of bridges in what crosses
+constexpr double kGapFound = 0.5;       // share of the weight of all rows
+constexpr double kShareJoined = 0.125;  // share of bridges in all crossings
 
-// Crossings of a node, weighted.
+// Sum of the weights of the crossings of a node.
 struct Crossings {
   double bridge = 0.0, gap = 0.0;
 };
@@ -35,7 +35,7 @@ struct NodeHash {
 };
 using Table = std::unordered_map<std::array<int, 3>, Crossings, NodeHash>;
 
-// What crosses along axis d from point a to point b of a row, to the nodes that have both in their support.
+// Adds a crossing along axis d, from point a to point b of a row, to the nodes that have both in their support.
 template <class Type>
 void add_crossing(const SheetPoint& a, const SheetPoint& b, int d, const Body& body, double inverse_h, bool bridge, Table& table) {
   constexpr int S = Type::kSupport;
@@ -61,7 +61,7 @@ void add_crossing(const SheetPoint& a, const SheetPoint& b, int d, const Body& b
       }
 }
 
-// Calls f(a, b, axis) for neighbours of a row, lower first, that are of different sheets.
+// Calls f(a, b, axis) for adjacent points of a row, lower first, that are of different sheets.
 template <class F>
 void for_each_crossing(std::vector<SheetPoint>& points, F f) {
   for (int d = 0; d < 3; ++d) {
@@ -77,14 +77,14 @@ void for_each_crossing(std::vector<SheetPoint>& points, F f) {
 
 }  // namespace
 
-// Comparisons are made by a margin: no share of a lattice is near enough for rounding to decide.
+// Comparisons have a margin. No share of a lattice is near enough to a limit for rounding to decide.
 Crevice find_crevice(std::vector<SheetPoint>& points, const Body& body, Basis basis, double cell) {
   Crevice result;
   const double all_rows = std::pow(cell / body.spacing, 2);
   with_basis(basis, [&](auto type) {
     using Type = decltype(type);
     const auto adjacent = [](const SheetPoint& a, const SheetPoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
-    Table gaps;  // most bodies have none
+    Table gaps;  // most bodies have no gaps
     for_each_crossing(points, [&](const SheetPoint& a, const SheetPoint& b, int d) {
       if (!adjacent(a, b, d)) add_crossing<Type>(a, b, d, body, 1.0 / cell, false, gaps);
     });

@@ -11,13 +11,13 @@ namespace mpdem {
 
 namespace {
 
-// As many paths from grain to grain as there can be with no point in common: the largest flow through the graph in
-// which each point is an entry and an exit, joined by an arc of capacity one. Augmenting paths are looked for in
-// sweeps that pass each entry and exit once, the nearest to the second grain first, whatever their length: among many small
-// gaps paths of all lengths are wanted, and a sweep for each length (Dinic) takes several times as long.
+// Finds the largest number of paths from grain to grain with no point in common. It is the largest flow through the
+// graph in which each point is an entry and an exit, joined by an arc of capacity one. Augmenting paths are searched in
+// sweeps. A sweep passes each entry and exit once, starting nearest to the second grain, for paths of any length. Among
+// many small gaps paths of all lengths are needed, and a sweep for each length (Dinic) takes several times as long.
 class Flow {
  public:
-  // Points that may be passed, in an order of their own; near: across their faces, kNone where there is none.
+  // near: for each point that may be passed the points across its faces, kNone if there is none. attached: for each point and grain.
   Flow(std::vector<std::array<int, 6>> near, std::vector<std::array<char, 2>> attached)
       : near_(std::move(near)), attached_(std::move(attached)), before_(near_.size(), kNone), after_(near_.size(), kNone),
         level_(2 * near_.size()), met_(2 * near_.size()) {
@@ -30,7 +30,7 @@ class Flow {
     }
   }
 
-  // Points of the least cut nearest to a grain (0, 1): the last that still lead on from there.
+  // Points of the least cut nearest to a grain (0, 1): the last points that can be reached from there.
   std::vector<int> cut_near(int grain) {
     if (grain == 0) spread_from_first();
     else spread_from_second();
@@ -56,7 +56,7 @@ class Flow {
     queue_.push_back(node);
   }
 
-  // Steps that are left from each entry and exit to the second grain, 0 where none lead there.
+  // Finds the steps from each entry and exit to the second grain, 0 if no way leads there.
   void spread_from_second() {
     level_.assign(level_.size(), 0);
     queue_.clear();
@@ -93,7 +93,7 @@ class Flow {
     }
   }
 
-  // Where to go on from here towards the second grain: the node with the fewest steps left that was not met yet, or kNone.
+  // Next node on the way from here to the second grain: that with the fewest steps left that this sweep has not met, or kNone.
   int step(int node) const {
     const int i = node / 2;
     int best = kNone;
@@ -111,7 +111,7 @@ class Flow {
     return best;
   }
 
-  // One more path from this point at the first grain, if there is one that meets none of this sweep.
+  // Adds a path from this point at the first grain, if there is one that meets no node of this sweep. Returns true if there is.
   bool augment(int start) {
     walk_.assign(1, entry(start));
     met_[entry(start)] = 1;
@@ -130,9 +130,9 @@ class Flow {
     before_[start] = kGrain;
     for (std::size_t k = 0; k + 1 < walk_.size(); ++k) {
       const int a = walk_[k], b = walk_[k + 1], i = a / 2, j = b / 2;
-      if (a != exit(i)) continue;  // through a point, or back along a path: the arcs beside it say so
+      if (a != exit(i)) continue;  // arcs through a point, or back along a path, follow from the arcs beside them
       if (i == j) {
-        before_[i] = after_[i] = kNone;  // a path that was there leaves the point
+        before_[i] = after_[i] = kNone;  // the earlier path leaves the point
       } else {
         after_[i] = j;
         before_[j] = i;
@@ -148,7 +148,7 @@ class Flow {
   std::vector<char> met_;
 };
 
-// The flow over the points that pass, and which these are.
+// The flow over the points that may be passed, and these points.
 struct Bond {
   std::vector<int> points;
   Flow flow;
@@ -175,7 +175,7 @@ Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Pass
   return {std::move(passed), Flow(std::move(across), std::move(held))};
 }
 
-// Damage of the point or of a link that still holds it, whichever is more.
+// Damage of the point, or of a link that still holds it if that is larger.
 double weakness(const CrackPoint& p) {
   float most = p.damage;
   for (int g = 0; g < 2; ++g)
@@ -183,8 +183,8 @@ double weakness(const CrackPoint& p) {
   return most;
 }
 
-// Points of the cut that lead to a grain over others behind them, beside what they hold by themselves: such a point is the only way on from the one
-// grain, and has to fail.
+// Marks the points of the cut that are attached to a grain and also lead to it over other points. Such a point is the
+// only way on from the other grain, so it must fail.
 std::vector<char> leading_on(const std::vector<int>& cut, const std::vector<CrackPoint>& points, const Neighbours& near) {
   std::vector<char> in_cut(points.size(), 0), leads_on(points.size(), 0);
   for (int i : cut) in_cut[i] = 1;

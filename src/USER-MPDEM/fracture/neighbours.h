@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Which points of a bond hold together if they are intact: those whose lattice cells share a face and, if they are
-// of different sheets (crevice.h) and none of them in the middle, whose material touches there and in whose supports there is a
-// node at which the sheets are joined. What the separation (separation.h) and the ligament (ligament.h) of a bond go by.
+// Finds which points of a bond hold together if they are intact: those whose lattice cells share a face. Points of
+// different sheets (crevice.h), none of them in the middle, need more: their material must touch there, and there must
+// be a node in both supports at which the sheets are joined. Separation (separation.h) and ligament (ligament.h) of a bond use these neighbours.
 #ifndef MPDEM_NEIGHBOURS_H
 #define MPDEM_NEIGHBOURS_H
 
@@ -15,42 +15,44 @@ namespace mpdem {
 
 struct CrackPoint {
   int tag;
-  int cell[3];              // of the lattice
-  int part;                 // so far; piece_of(), see body.h
+  int cell[3];              // cell of the lattice
+  int part;                 // present piece, piece_of() of body.h
   int sheet;
   int base[3];              // first node of its support
   float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
   float damage;             // largest eigenvalue
   bool failed;
-  bool attached[2];         // holds to this grain; if it failed, it is a skin on it
+  bool attached[2];         // holds to this grain; if the point failed, it is a skin on the grain
   double link_area[2];      // projected area of its links, let go or not
-  float link_damage[2];     // of its link to this grain, as far as the traction law knows damage
+  float link_damage[2];     // damage of its link to this grain, if the traction law knows damage
   int nearer;               // grain, by nearer_side() of body.h
-  bool middle;              // of both sheets, in_the_middle() of body.h
-  float above[2];           // distance from the surface of either grain
+  bool middle;              // belongs to both sheets, in_the_middle() of body.h
+  float above[2];           // distance from the surface of each grain
   int holds = 3;            // PointRecord::holds
 };
 
-// Ascending.
+// Nodes at which sheets are joined, ascending.
 using JoinedNodes = std::vector<std::array<int, 3>>;
 
-// Points that a bridge may have to be wide at most: those of a cell in one direction.
+// Most points that a cell may have in one direction, and so the largest value of `across`.
 constexpr int kMostAcross = 16;
 
 class Neighbours {
  public:
-  // joined: where there are sheets; support: nodes a direction.
-  // across: points that a bridge is wide at least, in both directions, up to kMostAcross. A face between points that hold belongs to a bridge if a square of
-  // so many faces around it has no failed point beside it; at a rim, one of the squares that hold most faces. A narrower bridge is not
-  // resolved by a grid whose cells are as wide: it has fewer strains than its nodes have ways to move, and carries next to nothing.
+  // joined: needed if there are sheets. support: nodes in each direction.
+  // across: least width of a bridge in points, in both directions, up to kMostAcross. A face between points that hold
+  // belongs to a bridge if there is a square of so many faces around it without a failed point beside it. At a rim the
+  // square must be one of those that hold most faces. A grid whose cells are as wide does not resolve a narrower
+  // bridge: the bridge has fewer strains than its nodes have ways to move, and carries next to nothing.
   explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0, int across = 1);
-  // Points across the faces -x, +x, -y, +y, -z, +z; -1 where there is none, or none that holds.
+  // Points across the faces -x, +x, -y, +y, -z, +z, whether they failed or not. -1 if there is none, or if the two
+  // points are of different sheets that are not connected there.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
-  // Is there a point across that face, do both hold, and is the face one of a bridge?
+  // True if there is a point across that face, both points hold, and the face belongs to a bridge.
   bool bridged(int i, int face) const { return square(i, face, nullptr); }
-  // Points beside the square of faces that makes it one, i and that across the face among them.
+  // Points beside the square of faces that makes the face part of a bridge, including i and the point across the face.
   std::vector<int> bridge(int i, int face) const;
-  // Points in the order of their cells: what goes by it does not depend on the order in which they are given.
+  // Points in the order of their cells. Results found in this order do not depend on the order in which the points are given.
   const std::vector<int>& order() const { return order_; }
 
  private:
@@ -61,7 +63,7 @@ class Neighbours {
   const std::vector<CrackPoint>& points_;
   int across_;
   std::vector<std::pair<std::array<int, 3>, int>> cells_;  // ascending
-  std::vector<int> first_;                                  // of cells_, behind those of an x
+  std::vector<int> first_;                                  // first_[x - least_x_]: first of cells_ with this x; the last entry is their number
   int least_x_ = 0;
 };
 

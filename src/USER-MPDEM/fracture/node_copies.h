@@ -1,26 +1,33 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A node is split into as many copies as there are connected parts of material in its support: what a crack has
-// parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way leads from one to the
-// other that stays in the support, over points that hold and whose lattice cells share a face. At the tip of a crack there is such a way
-// around it, and the node is whole. Where the cement of one grain runs close to that of the other without touching it, as coatings do
-// beyond the ring in which they meet, nodes are split from the start: faces of lattice cells between the two count only if the material
-// reaches them (touches()), and at nodes where enough of it does (crevice.h). Copies never join again.
+// A node is split into as many copies as there are connected parts of material in its support. Material that a crack
+// has parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way
+// leads from one to the other that stays in the support, over points that hold and whose lattice cells share a face. At
+// the tip of a crack there is such a way around it, and the node is whole. The cement of one grain may run close to
+// that of the other without touching it, as coatings do beyond the ring in which they meet. There nodes are split from
+// the start: faces of lattice cells between the two count only if the material reaches them (touches()), and at nodes
+// where enough of it does (crevice.h). Copies never join again.
 //
-// Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl. Mech. Engrg. 193,
-// 2004, 3523-3540). The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
-// its bond (body.h), and a part has one node at a place: classes are coloured, so that those of a part agree wherever they
-// meet. Nodes of several parts that are one copy are tied to that of the first part (`canonical`), whole nodes to that of part 0.
+// Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl.
+// Mech. Engrg. 193, 2004, 3523-3540).
 //
-// The mass of a copy is that which it had when it was made: where a copy is split, those that follow share its mass as they share the
-// material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed between them, and no copy has
-// less mass than the material that holds in it. Points that failed carry nothing. They go with the nearest that hold, in steps from cell
-// to cell in the support, so that they are shown where the crack left them; those as near to several with the largest, or of those alike
-// with that whose middle is nearer. Cells are few, so middles are often as near, too. Then the line of centres decides by what a mirror at the plane
-// between the grains and quarter turns about the line leave as it is: the middle nearer to the line, nearer to that plane, more to a side of the
-// plane through the line and the point (next: on its left), or on the point's side of the plane between.
-// Serial, on all points of one bond; the result does not depend on their order.
+// The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
+// its bond (body.h), and a part has one node at a place. So classes are coloured: those of one part agree wherever they
+// meet. If several parts have nodes of one copy, these are tied to the node of the first part (`canonical`). A whole node is that of part 0.
+//
+// A copy keeps the mass that it had when it was made. When a copy is split, the new copies share its mass in proportion
+// to the material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed
+// between them, and no copy has less mass than the material that holds in it.
+//
+// Failed points carry nothing. They go with the nearest points that hold, in steps from cell to cell in the support, so
+// that they are shown where the crack left them. Among components at equal distance they go with the largest, then with
+// the one whose middle is nearer. Cells are few, so middles are often at equal distance, too. Then the line of centres
+// decides, by criteria that a mirror at the plane between the grains and quarter turns about the line do not change. In
+// this order: the middle is nearer to the line; it is nearer to that plane; it is more to a side of the plane through
+// the line and the point, then on the left of it; it is on the point's side of the plane between the grains.
+//
+// The code is serial and takes all points of one bond. The result does not depend on their order.
 #ifndef MPDEM_NODE_COPIES_H
 #define MPDEM_NODE_COPIES_H
 
@@ -35,7 +42,7 @@
 
 namespace mpdem {
 
-using Place = std::array<int, 3>;  // of a node, or a cell
+using Place = std::array<int, 3>;  // place of a node, or of a cell
 
 struct PlaceHash {
   std::size_t operator()(const Place& n) const {
@@ -43,39 +50,40 @@ struct PlaceHash {
   }
 };
 
-// Number by number: the library compares arrays as bytes, by a call.
+// Compares number by number. The library compares such arrays as bytes, with a call.
 struct SamePlace {
   bool operator()(const Place& a, const Place& b) const { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
 };
 
-// Of one bond: the nodes that are split.
+// The split nodes of one bond.
 class NodeCopies {
  public:
   struct Entry {
     int part, copy;
     int first;      // copy at the start
-    double volume;  // of the copy: its mass over the density
+    double volume;  // volume of the copy: its mass over the density
   };
   using Row = std::vector<Entry>;  // ascending in part
 
   bool empty() const { return rows_.empty(); }
   const Row* row(const Place& node) const;
-  // Entry of a part; of a node that is whole {part, 0, 0, 0}. The part must be known there.
+  // Entry of a part at a node, {part, 0, 0, 0} if the node is whole. A split node must have the part.
   Entry at(int part, const Place& node) const { return entry_of(row(node), part); }
   static Entry entry_of(const Row* row, int part);
-  // Part whose node stands for that of this part.
+  // First part that has the same copy of the node. Its node stands for that of this part.
   int canonical(int part, const Place& node) const;
-  // The part whose node stands for the copy `first` of the start; -1 if that has been split since.
+  // Part whose node stands for the copy `first` of the start; -1 if that copy has been split since.
   int canonical_of_first(int first, const Place& node) const;
   using Rows = std::unordered_map<Place, Row, PlaceHash, SamePlace>;
   const Rows& rows() const { return rows_; }
   void set(const Place& node, Row row) { rows_[node] = std::move(row); }
   void forget_rows() { rows_.clear(); }
   void clear() { *this = NodeCopies(); }
-  // What there is now is the start.
+  // Makes the present copies those of the start.
   void start();
 
-  // Copy of the start that a copy of the start meets at the next node in direction -x +x -y +y -z +z; -1: none, or several.
+  // Copy of the start at the next node in direction -x +x -y +y -z +z that continues this copy of the start. -1 if
+  // there is none, or if there are several.
   int toward(const Place& node, int first, int direction) const;
   struct Toward {
     int first;
@@ -86,19 +94,19 @@ class NodeCopies {
 
  private:
   Rows rows_;
-  std::map<Place, std::vector<Toward>> towards_;  // of nodes that are split at the start, and of those beside them
+  std::map<Place, std::vector<Toward>> towards_;  // for nodes that are split at the start, and for their neighbours
 };
 
-// A point of the bond.
+// A point of the bond, as CopyLattice needs it.
 struct CopyPoint {
   int tag;
-  int cell[3];  // of the lattice
+  int cell[3];  // cell of the lattice
   int base[3];  // first node of its support
   int part;
-  int nearer;      // as in CrackPoint
+  int nearer;      // nearer and space: as in CrackPoint
   float space[6];
   bool failed, middle;
-  double at[3];  // from the first node of its support, in cells of the grid
+  double at[3];  // place relative to the first node of its support, in cells of the grid
   double volume;
   int piece = 0;
 };
@@ -108,32 +116,32 @@ struct CopyChange {
     int tag, part;
   };
   std::vector<Moved> moved;  // points that change their part
-  // Node of a part, and the part whose node stood for that of its points there before.
+  // Node of a part, and the part whose node stood for that of its points before the change.
   struct Source {
     Place node;
     int part, from;
   };
   std::vector<Source> sources;
-  std::vector<Place> rows;  // of the copies, that changed
+  std::vector<Place> rows;  // nodes whose rows in NodeCopies changed
 };
 
 // The points of a bond, for as long as they stay in their cells.
 class CopyLattice {
  public:
-  // The line of centres of the bond, along an axis of its coordinates, and the middle between the grains, in cells of the grid.
+  // The line of centres of the bond, which is along an axis of its coordinates, and the middle between the grains, in cells of the grid.
   struct Line {
     int axis = 2;
     double middle[3] = {0, 0, 0};
   };
   CopyLattice(std::vector<CopyPoint> points, Basis basis, const Line& line);
   CopyLattice(std::vector<CopyPoint> points, Basis basis) : CopyLattice(std::move(points), basis, Line()) {}
-  // At the start: all nodes. In a crevice (crevice.h) there are those that are not joined: no way leads there from what is nearer to the one
-  // grain to what is nearer to the other.
+  // Splits all nodes at the start. In a crevice (crevice.h) these are the nodes that are not joined: there no way leads
+  // from the material nearer to the one grain to that nearer to the other.
   CopyChange start(NodeCopies& copies, const Crevice& crevice = {});
-  // These points failed, by their tags.
+  // Splits nodes after the points with these tags failed.
   CopyChange fail(const std::vector<int>& tags, NodeCopies& copies);
-  // The bond has come apart: points, by their tags, and the piece (separation.h) that each goes with. Those of different pieces are not
-  // connected, whatever narrow bridge is between them.
+  // Splits nodes after the bond came apart. pieces: tags of the points, and the piece (separation.h) that each goes
+  // with. Points of different pieces are not connected, even if a narrow bridge is between them.
   struct OfPiece {
     int tag, piece;
   };
@@ -143,12 +151,12 @@ class CopyLattice {
  private:
   struct Class {
     Place base;
-    int part;  // so far
-    std::vector<NodeCopies::Entry> copy;  // of each node of the support
+    int part;  // present part
+    std::vector<NodeCopies::Entry> copy;  // copy of each node of the support
     bool operator<(const Class& o) const;
   };
   struct Now : NodeCopies::Entry {
-    int was;  // part of some of its points before
+    int was;  // part that some of its points had before
   };
   using RowNow = std::map<int, Now>;
   class Around;
@@ -179,26 +187,26 @@ class CopyLattice {
 
   std::vector<CopyPoint> points_;  // ascending in cell and tag
   Basis basis_;
-  int S_;  // nodes a direction
+  int S_;  // nodes in each direction
   Line line_;
   std::unordered_map<Place, int, PlaceHash, SamePlace> at_;  // first point of a cell of the lattice
   bool one_a_cell_ = true;
-  std::vector<std::array<int, 6>> next_;  // first points of the cells across the faces -x +x -y +y -z +z of each; -1: none
+  std::vector<std::array<int, 6>> next_;  // for each point the first points of the cells across its faces -x +x -y +y -z +z; -1: none
   std::vector<int> by_tag_;               // points
   std::vector<int> by_base_;                                        // points
-  std::unordered_map<Place, std::pair<int, int>, PlaceHash, SamePlace> base_;  // of those with a base: the first, and behind the last
-  // while nodes are looked at
-  std::vector<int> seen_;                       // a point
-  const Crevice* crevice_ = nullptr;            // at the start
+  std::unordered_map<Place, std::pair<int, int>, PlaceHash, SamePlace> base_;  // range in by_base_ of the points with a base
+  // State while a node is examined.
+  std::vector<int> seen_;                       // one number for each point
+  const Crevice* crevice_ = nullptr;            // set during start() alone
   struct Middle {
     int size;
-    long long sum[3];  // of the cells
+    long long sum[3];  // sum of the cells
     double place[3];   // along the line of centres and across, from the middle
   };
   std::vector<Middle> middles_;                 // of the components of a copy
-  bool apart_ = false;                          // sides, at this node
-  std::map<int, std::map<Place, int>> wanted_;  // point, node, new copy
-  std::map<Place, std::map<int, double>> split_now_;  // nodes, volumes of their new copies
+  bool apart_ = false;                          // the two sides are apart at this node
+  std::map<int, std::map<Place, int>> wanted_;  // by point and node: the new copy
+  std::map<Place, std::map<int, double>> split_now_;  // by node and new copy: the volume
 };
 
 }  // namespace mpdem

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points about one of a lattice, and the ways between them: for copy_lattice.cpp alone.
+// The points around a point of a lattice, and the ways between them. Only copy_lattice.cpp uses it.
 #ifndef MPDEM_POINTS_AROUND_H
 #define MPDEM_POINTS_AROUND_H
 
@@ -15,7 +15,7 @@ inline bool connected(const CopyPoint& a, const CopyPoint& b, int face) {
 
 inline Place place(const int* p) { return {p[0], p[1], p[2]}; }
 
-// The 26 points about one, as bits of a mask: those that hold, and the ways from one to the next.
+// The 26 points around a point that hold, as bits of a mask, and the ways from one to the next.
 class CopyLattice::Around {
  public:
   static constexpr int kPlaces = 27, kMiddle = 13;
@@ -41,7 +41,7 @@ class CopyLattice::Around {
     }
   }
 
-  // Do those of the mask that share a face with the middle hang together over others of it?
+  // True if the points of the mask that share a face with the middle are connected over points of the mask.
   bool hang_together(unsigned mask) const {
     const unsigned ends = faces & mask;
     if ((ends & (ends - 1)) == 0) return true;

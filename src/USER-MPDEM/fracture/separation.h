@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Has a bond come apart, and how? The crack is the set of failed points; intact points hold
-// together as neighbours.h says. A bond is separated when no such piece is attached to both grains. Then
-// * the cement gets parts that share no nodes: what is attached to the first grain, to the
-//   second, and every loose piece of at least kLeastLoose points. Failed points and smaller
-//   crumbs go with the nearest of these (in steps from cell to cell) of their part: of a grain's and a loose one as near with the
-//   grain's, of two loose ones with the larger. As near to what is attached to the first grain and to the second, or where no
-//   step leads, they go with the grain whose surface is nearer (nearer_side() of body.h);
-// * the separating surface lies where the material that goes with the first grain meets the
-//   material that goes with the second: inside the cement, or at a grain where that grain's
-//   own links are to material of the other. What lies inside but lower than `reach` above a grain is at that grain, too: there the band
-//   of damage about a crack reaches the grain, and no cell tells where in its band a crack runs. If that is so at both grains, it is half
-//   at each. Points as near to either count half to each, whichever part they got. Where neither
-//   grain holds to anything but there is a loose piece, it is the surface of both. Its areas are projected on the plane across the
-//   line of centres.
-// Which of the grains is the first does not matter but for what is told of either.
-// While a path of intact points leads from grain to grain the bond holds. The one that is named is one whose most
-// damaged point or link is the least damaged, since it is expected to hold longest: so there is seldom reason to look
-// again.
-// Serial, on all points of one body; the result does not depend on their order.
+// Finds whether a bond has come apart, and how. The crack is the set of failed points. Intact points hold together as
+// neighbours.h says. A bond is separated when no such piece is attached to both grains. Then
+// * the cement gets parts that share no nodes: the material attached to the first grain, that attached to the
+//   second, and every loose piece of at least kLeastLoose points. Failed points and smaller crumbs go with the
+//   nearest of these in their part, in steps from cell to cell. At equal distance a grain's material comes before a
+//   loose piece, and of two loose pieces the larger. Points at equal distance from the material of both grains go
+//   with the grain whose surface is nearer (nearer_side() of body.h). So do points that no step reaches at the first
+//   separation. Later such points keep their part;
+// * the separating surface lies where the material that goes with the first grain meets that of the second. This
+//   is inside the cement, or at a grain whose own links are to material of the other grain. A part inside that is
+//   lower than `reach` above a grain counts as at that grain, too: there the band of damage about a crack reaches
+//   the grain, and no cell tells where in its band a crack runs. If this holds for both grains, half counts at
+//   each. Points at equal distance from both count half to each, whichever part they got. If neither grain holds
+//   to anything but there is a loose piece, the surface is that of both grains. Areas are projected on the plane
+//   across the line of centres.
+// The order of the grains has no effect but on the results that name a grain.
+//
+// While a path of intact points leads from grain to grain the bond holds. The path that is returned is one whose most
+// damaged point or link is the least damaged. It is expected to hold longest, so there is seldom reason to search again.
+//
+// The code is serial and takes all points of one body. The result does not depend on their order.
 #ifndef MPDEM_SEPARATION_H
 #define MPDEM_SEPARATION_H
 
@@ -32,7 +34,7 @@ namespace mpdem {
 
 struct SeparatingSurface {
   bool separated = false;
-  double at_grain[2] = {0, 0}, inside = 0;  // area, projected: at either grain, and inside
+  double at_grain[2] = {0, 0}, inside = 0;  // projected areas: at each grain, and inside
 
   double debonded_share() const {
     const double all = at_grain[0] + at_grain[1] + inside;
@@ -48,20 +50,19 @@ struct SeparatingSurface {
 };
 
 struct Separation : SeparatingSurface {
-  // New part of each point, in the order given; without sheets too.
+  // New part of each point, in the order given. It counts pieces, as CrackPoint::part does.
   std::vector<int> part;
-  std::vector<char> between;  // of each point: as near to what holds to the first grain as to what holds to the second
-  // Of each point, once separated: bits of the grains that its piece is attached to; 0 of failed ones.
+  std::vector<char> between;  // for each point: true if it is at equal distance from the material of both grains
+  // For each point of a separated bond the bits of the grains that its piece is attached to, 0 for failed points.
   std::vector<char> holds;
-  // Tags of the points, ascending, of that path: while none of them fails the bond is not separated.
+  // Tags of the points of the path, ascending. The bond is not separated while none of them fails.
   std::vector<int> path;
 };
 
 constexpr int kLeastLoose = 64;
 
-// face_area[d]: projected area of a lattice face across direction d. joined: ascending, where there are sheets;
-// support: nodes a direction; across: of Neighbours; again: the bond was separated before, so that points have the parts of a separation;
-// reach: see above, 0 for a crack without a band.
+// face_area[d]: projected area of a lattice face across direction d. joined, support, across: see Neighbours. again:
+// the bond was separated before, so points have the parts of a separation. reach: see above, 0 for a crack without a band.
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
                     bool again = false, int across = 1, double reach = 0.0);
 

@@ -8,9 +8,9 @@
 
 namespace mpdem {
 
-// Axes for the lattice and the grid of a bond along the unit vector n: the smallest rotation that takes the axis of the box nearest to n,
-// in either sense, to n. Of axes equally near, up to kAlike, it is the first. Both senses of n give the same axes. A bond along an axis of the box keeps those
-// of the box, to the bit.
+// Axes for the lattice and the grid of a bond along the unit vector n. They result from the smallest rotation that
+// takes the axis of the box nearest to n, in either sense, to n. Of axes equally near, up to kAlike, it is the first.
+// Both senses of n give the same axes. A bond along an axis of the box keeps the axes of the box to the bit.
 struct BondAxes {
   Eigen::Quaterniond turn;  // from these axes to those of the box
   Eigen::Vector3d n;        // the vector in these axes: one component is 1 or -1, the others are 0

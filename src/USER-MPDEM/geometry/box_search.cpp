@@ -14,7 +14,7 @@ BoxSearch::BoxSearch(std::vector<Box> boxes) : boxes_(std::move(boxes)) {
     ++count;
   }
   if (count > 0) {
-    // no more bins along an axis than there would be in a cube of some bins a box
+    // Limits the bins along an axis to those along an edge of a cube that has eight bins for each box.
     const double most = std::cbrt(8.0 * count) + 1.0;
     for (int d = 0; d < 3; ++d) {
       const double size = bounds_.sizes()[d];

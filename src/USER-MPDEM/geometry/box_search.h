@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Finds the boxes, along the axes, that hold a place or meet another box. Boxes are sorted into bins as wide as the
-// widest of them, so that a search costs what is near, not what there is.
+// Finds the axis-parallel boxes that hold a place or meet another box. Boxes are sorted into bins as wide as the widest
+// of them, so the cost of a search depends on the boxes nearby and not on their total number.
 #ifndef MPDEM_BOX_SEARCH_H
 #define MPDEM_BOX_SEARCH_H
 
@@ -20,12 +20,12 @@ using Box = Eigen::AlignedBox3d;
 
 class BoxSearch {
  public:
-  // Empty boxes are not found.
+  // Takes the boxes to search. Empty boxes are never found.
   explicit BoxSearch(std::vector<Box> boxes);
 
   const Box& box(int n) const { return boxes_[n]; }
 
-  // f(number of the box) for each that holds x, ascending.
+  // Calls f(number of the box) for each box that holds x, ascending.
   template <class F>
   void holding(const Vector3& x, F f) const {
     if (!bounds_.contains(x)) return;
@@ -34,7 +34,7 @@ class BoxSearch {
       if (boxes_[item_[i]].contains(x)) f(item_[i]);
   }
 
-  // f(number of the box) for each that meets this one, once each.
+  // Calls f(number of the box) once for each box that meets this one.
   template <class F>
   void meeting(const Box& other, F f) const {
     if (other.isEmpty() || !bounds_.intersects(other)) return;
@@ -47,7 +47,7 @@ class BoxSearch {
           for (int n = begin_[b]; n < begin_[b + 1]; ++n) {
             const Box& box = boxes_[item_[n]];
             if (!box.intersects(other)) continue;
-            // in the first of the bins that both reach
+            // Only in the first of the bins that both boxes reach.
             const Cell start = cell(box.min());
             bool first = true;
             for (int d = 0; d < 3; ++d) first = first && here[d] == std::max(start[d], from[d]);
@@ -69,7 +69,7 @@ class BoxSearch {
   Box bounds_;
   Vector3 width_ = Vector3::Ones();
   int bins_[3] = {1, 1, 1};
-  std::vector<int> begin_, item_;  // of each bin
+  std::vector<int> begin_, item_;  // begin_: first of item_ for each bin; item_: numbers of boxes
 };
 
 }  // namespace mpdem

@@ -13,7 +13,7 @@ namespace mpdem {
 namespace {
 constexpr double kDegree = M_PI / 180.0;
 
-// Largest polar angle about centre `side` of the points of its shell inside the other's.
+// Largest polar angle, about the centre of grain `side`, of the points of its shell inside the other shell.
 double overlap_angle(const GrainPair& p, int side, double t) {
   const double d = p.distance(), R = p.radius(side), S = p.radius(1 - side) + t;
   const auto cosine = [&](double r) { return (r * r + d * d - S * S) / (2.0 * r * d); };
@@ -56,13 +56,13 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
     }
   };
   const double largest = std::min(pair.R1, pair.R2);
-  // With a cap the thickest coating is the one whose overlap just fits into it.
+  // With a cap, the thickest coating is that whose overlap just fits into the cap.
   double most = largest;
   if (cap < M_PI)
     most = bisect_rising(
         [&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *
         (1.0 - 1e-12);
-  if (volume_of(most) == 0.0) Coating(pair, most, cap, inner);  // whose message tells what is wrong beside the volume
+  if (volume_of(most) == 0.0) Coating(pair, most, cap, inner);  // throws with a message about what is wrong besides the volume
   if (!(volume > 0.0) || volume_of(most) < volume) {
     std::ostringstream why;
     why << "a coating of volume " << volume << " does not fit: on these grains it holds more than 0 and at most "

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Coating: a shell of even thickness t on both grains; where the shells meet they are the
-// bond. `cap`: only what lies within this polar angle of the contact, seen from the grain.
+// Coating: a shell of even thickness t on both grains. Where the shells meet they are the bond. `cap`: the shell ends
+// at this polar angle from the contact, seen from the grain.
 //   V = sum_i (2 pi/3)(1 - cos cap)[(R_i + t)^3 - R_i^3] - [lens(R1+t, R2+t) - lens(R1, R2)]
-// as long as the cap holds all of the overlap.
+// This holds if all of the overlap is within the cap.
 #ifndef MPDEM_COATING_H
 #define MPDEM_COATING_H
 
@@ -21,7 +21,7 @@ class Coating : public Shape {
   static double thickness_for_volume(const GrainPair& pair, double volume, double cap, double inner);
 
   double thickness() const { return t_; }
-  // Radius of the ring in which the shells' outer surfaces meet; 0 if they do not.
+  // Radius of the ring in which the outer surfaces of the shells meet; 0 if they do not meet.
   double ring() const;
 
   double volume() const override;

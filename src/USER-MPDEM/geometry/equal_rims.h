@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A shape that meets both spheres in circles of one radius about the line of centres, the outer radius. Between the
+// A shape that meets both spheres in circles about the line of centres with one radius, the outer radius. Between the
 // circles the outline is nowhere wider.
 #ifndef MPDEM_EQUAL_RIMS_H
 #define MPDEM_EQUAL_RIMS_H

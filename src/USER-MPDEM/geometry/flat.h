@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Flat bond: what a cylinder about the line of centres holds between the two spheres,
-// from an inner radius (0: none) to an outer one, at most the smaller grain's.
+// Flat bond: the space between the two spheres inside a cylinder about the line of centres. It reaches from an inner
+// radius (0: none) to an outer one, which is at most that of the smaller grain.
 #ifndef MPDEM_FLAT_H
 #define MPDEM_FLAT_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Axes of a transversely isotropic material whose third is given.
+// Finds axes for a transversely isotropic material whose third axis is given.
 #ifndef MPDEM_FRAME_ALONG_H
 #define MPDEM_FRAME_ALONG_H
 
@@ -8,7 +8,7 @@
 
 namespace mpdem {
 
-// The smallest rotation that takes the axis z to `axis`, a unit vector; half a turn around x where that is -z.
+// The smallest rotation that takes the axis z to `axis`, a unit vector. If `axis` is -z, it is half a turn around x.
 // Accurate to rounding in every direction, unlike Eigen's FromTwoVectors, which is off by 1e-7 near -z.
 inline Eigen::Quaterniond frame_along(const Eigen::Vector3d& axis) {
   const double across = std::hypot(axis.x(), axis.y());

@@ -15,7 +15,7 @@ namespace {
 
 double smaller(const GrainPair& pair) { return std::min(pair.R1, pair.R2); }
 
-// L c/(2 a^2), c the height of the centre of the smaller grain over the circle of radius a: 1 - waist^2 is at most this.
+// Upper bound of 1 - waist^2: L c/(2 a^2), with c the height of the centre of the smaller grain over the circle of radius a.
 double room(const GrainPair& pair, double a) {
   const double R = smaller(pair);
   return pair.thickness(a) * std::sqrt(std::max((R - a) * (R + a), 0.0)) / (2.0 * a * a);
@@ -57,8 +57,8 @@ Hourglass::Hourglass(const GrainPair& pair, double outer, double waist, double i
   k2_ = (outer_ - neck_) * (outer_ + neck_) / (half * half);
 }
 
-// The volume rises with the outer radius wherever there is an hourglass, by at least 2/3 waist^2 of what a cylinder's does;
-// the radii for which there is one follow each other without a gap.
+// The volume rises with the outer radius wherever there is an hourglass, by at least 2/3 waist^2 times the rise for a
+// cylinder. The radii for which there is an hourglass form one interval.
 double Hourglass::outer_for_volume(const GrainPair& pair, double volume, double waist, double inner) {
   const auto volume_of = [&](double a) {
     return pair.volume_within(a) - taken_by_the_waist(pair, a, waist) - pair.volume_within(std::max(inner, pair.contact_radius()));
@@ -104,7 +104,7 @@ double Hourglass::top(double z) const {
   return std::sqrt(neck_ * neck_ + k2_ * u * u);
 }
 
-// On a way of length d the function r^2 - w^2 - k^2 u^2 changes by at most |its gradient| d + max(1, k^2) d^2.
+// Over a distance d the function r^2 - w^2 - k^2 u^2 changes by at most |its gradient| d + max(1, k^2) d^2.
 double Hourglass::top_clearance(double r, double z) const {
   const double u = z - middle_;
   const double f = std::fabs(r * r - neck_ * neck_ - k2_ * u * u);

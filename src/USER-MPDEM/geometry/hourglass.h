@@ -26,7 +26,7 @@ class Hourglass : public EqualRims {
   double volume() const override;
   double top(double z) const override;
   double top_clearance(double r, double z) const override;
-  // At the neck: further out the grains' surfaces face the outline, not each other.
+  // This is the thickness at the neck. Further out the surfaces of the grains face the outline, not each other.
   double largest_thickness() const override { return pair().thickness(neck_); }
   std::string describe() const override;
 

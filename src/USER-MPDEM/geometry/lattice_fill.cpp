@@ -11,14 +11,14 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSubSamples = 6;        // a direction, in cut cells
-constexpr int kSharedSamples = 16;    // a direction, in cells that neighbours cut
-constexpr int kSurfaceSamples = 6;    // a spacing, on the grains
+constexpr int kSubSamples = 6;        // in each direction, in cut cells
+constexpr int kSharedSamples = 16;    // in each direction, in cells that neighbours cut
+constexpr int kSurfaceSamples = 6;    // in a length of one spacing, on the grains
 
 using Cell = std::array<int, 3>;
 
 struct Patch {
-  Vector3 sum = Vector3::Zero();  // of sample times area
+  Vector3 sum = Vector3::Zero();  // sum of sample times area
   double area = 0;
 };
 
@@ -28,7 +28,7 @@ Cell cell_of(const Vector3& x, double spacing) {
   return c;
 }
 
-// The part of the material at x, which is inside the shape, that is the shape's own.
+// Share of the shape in the material at x, which must be inside the shape.
 double share(const std::vector<Neighbour>& neighbours, const Vector3& x) {
   const double own = x.squaredNorm();
   int ties = 1;
@@ -43,12 +43,12 @@ double share(const std::vector<Neighbour>& neighbours, const Vector3& x) {
 
 enum class Owner { shape, neighbour, several };
 
-// Who owns what is inside the shape within `reach` of x.
+// Finds the owner of the material inside the shape within `reach` of x.
 Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, double reach) {
   Owner owner = Owner::shape;
   for (const Neighbour& n : neighbours) {
     const double apart = n.middle.norm();
-    const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // before the plane between the middles
+    const double beyond = 0.5 * apart - x.dot(n.middle) / apart;  // distance before the plane between the middles
     if (beyond > reach) continue;
     const bool whole = n.shape->clearance(n.own(x)) >= reach, inside = n.shape->inside(n.own(x));
     if (whole && !inside) continue;
@@ -58,7 +58,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
   return owner;
 }
 
-// Index of the point whose cell holds x, or the nearest one around it.
+// Index of the point whose cell holds x, or of the nearest one in cells around it; -1 if there is none within three cells.
 int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& points, const Vector3& x,
              double spacing) {
   const Cell at = cell_of(x, spacing);
@@ -87,7 +87,7 @@ int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& point
   return -1;
 }
 
-// Cuts the attached band of one grain into patches, one a point.
+// Cuts the attached band of one grain into patches, one for each point.
 void attach(const Shape& shape, int side, double spacing, const std::vector<Neighbour>& neighbours, const std::vector<Cell>& cells,
             std::vector<FillPoint>& points) {
   const GrainPair& pair = shape.pair();
@@ -119,7 +119,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
       const double phi = 2.0 * M_PI * (j + 0.5) / around;
       const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
       const Vector3 x = pair.centre(side) + R * out;
-      // Shapes begin above the surface.
+      // Tested above the surface, where shapes begin.
       const double part = neighbours.empty() ? 1.0 : share(neighbours, x + 1e-3 * spacing * out);
       const double area = part * ring_area / around;
       all += ring_area / around;
@@ -155,8 +155,8 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
   }
 }
 
-// Cells of the lattice that the shape fills or cuts, by halving boxes of cells: a box whose
-// middle is further from the surface than its corners is all in or all out.
+// Finds the cells of the lattice that the shape fills or cuts, by halving boxes of cells. A box whose middle is further
+// from the surface than from its corners is all inside or all outside.
 void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell& to, std::vector<Cell>& full,
                 std::vector<Cell>& cut) {
   Vector3 middle, size;
@@ -184,7 +184,7 @@ void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell
   find_cells(shape, spacing, lower, to, full, cut);
 }
 
-// Share and centroid of the part of a cell that is inside, of samples that weigh from 0 to 1 by weight(x).
+// Sum of weights and their centroid over samples in a cell. weight(x) is from 0 to 1. Returns false if the sum is zero.
 template <class Weight>
 bool sample_cell(double spacing, const Cell& cell, int samples, Weight weight, double& sum, Vector3& centroid) {
   const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
@@ -203,7 +203,7 @@ bool sample_cell(double spacing, const Cell& cell, int samples, Weight weight, d
   return true;
 }
 
-// Volume and centroid of the part of a cut cell that is inside; false if nothing is.
+// Finds volume and centroid of the part of a cut cell that is inside. Returns false if nothing is inside.
 bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p) {
   double count;
   if (!sample_cell(spacing, cell, kSubSamples, [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; }, count, p.X)) return false;
@@ -211,7 +211,7 @@ bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p
   return true;
 }
 
-// Leaves a point what neighbours do not take of its cell; false if that is nothing.
+// Leaves to a point the part of its cell that neighbours do not take. Returns false if that is nothing.
 bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>& neighbours, const Cell& cell, FillPoint& p) {
   const Vector3 centre = spacing * Vector3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5);
   const Owner owner = owner_around(neighbours, centre, 0.5 * std::sqrt(3.0) * spacing);

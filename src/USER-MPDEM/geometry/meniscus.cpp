@@ -24,7 +24,7 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
         << ", a right angle less the contact angle";
   if (!why.str().empty()) throw ShapeError(why.str());
 
-  // Radius and height from the line of centres, heights from the centre of grain 1.
+  // Radii are from the line of centres, heights from the centre of grain 1.
   const double R1 = pair.R1, R2 = pair.R2, d = pair.distance(), b = filling_angle, t = contact_angle;
   const double pr = R1 * std::sin(b), pz = R1 * std::cos(b);
   const double mr = std::sin(b + t), mz = std::cos(b + t);
@@ -35,8 +35,8 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
   z0_ = pz + rho_ * mz;
   const double s = std::sin(0.5 * (0.5 * M_PI - b - t));
   waist_ = pr - 2.0 * rho_ * s * s;
-  // On grain 2 the arc's centre is seen at b2 + alpha from the pole, with the triangle of
-  // centre, contact point and arc centre known in all three sides.
+  // From the centre of grain 2 the centre of the arc appears at the angle b2 + alpha from the pole. The triangle of
+  // centre, contact point and centre of the arc has three known sides.
   const double w = std::hypot(r0_, d - z0_);
   const double alpha = std::atan2(rho_ * std::sin(t), R2 + rho_ * std::cos(t));
   b_[0] = b;
@@ -60,8 +60,8 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
 
 namespace {
 
-// Filling angle at which `measure` of the meniscus takes a value. Volume and neck rise with
-// the angle wherever there is a meniscus; below the first that spans the gap they count as 0.
+// Filling angle at which `measure` of the meniscus takes a value. Volume and neck rise with the angle wherever there is
+// a meniscus. Below the first meniscus that spans the gap they count as 0.
 template <class F>
 double filling_for(const GrainPair& pair, double value, double contact_angle, double inner, const char* name, F measure) {
   const auto measure_of = [&](double b) {
@@ -71,8 +71,7 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
       return 0.0;
     }
   };
-  // On the larger of two grains the angle ends before a right angle, where the arc leaves the
-  // girth of the smaller.
+  // On the larger of two grains the angle ends before a right angle, where the arc leaves the girth of the smaller grain.
   double limit = (0.5 * M_PI - contact_angle) * (1.0 - 1e-9);
   constexpr int kScan = 1000;
   for (int k = kScan - 1; k > 0 && measure_of(limit) == 0.0; --k) {
@@ -106,13 +105,13 @@ double Meniscus::filling_for_neck(const GrainPair& pair, double neck, double con
 }
 
 double Meniscus::neck() const {
-  // The arc is narrowest beside its centre, unless that lies beyond a sphere.
+  // The arc is narrowest at the height of its centre, unless that lies beyond a sphere.
   const double z = std::min(std::max(z0_, z_[0]), z_[1]);
   return top(z);
 }
 
-// Integral of r(z)^2 with r = waist + q, q = rho - sqrt(rho^2 - u^2): in closed form, or for
-// a wide arc, where that cancels and q is smooth, by Gauss-Legendre quadrature.
+// Integral of r(z)^2 with r = waist + q, q = rho - sqrt(rho^2 - u^2). It uses the closed form. For a wide arc this
+// cancels, but q is smooth, so it uses Gauss-Legendre quadrature.
 double Meniscus::profile_integral(double from, double to) const {
   if (std::max(std::fabs(from), std::fabs(to)) > 0.3 * rho_) {
     const auto primitive = [this](double u) {

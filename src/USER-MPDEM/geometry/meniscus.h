@@ -6,7 +6,7 @@
 // direction from there to the centre O of the arc, at b + t from the line of centres, the
 // radius rho of the arc follows from |O - c2|^2 = R2^2 + rho^2 + 2 R2 rho cos t:
 //   rho = (|P1 - c2|^2 - R2^2) / (2 (R2 cos t - m.(P1 - c2))).
-// Volume: the solid of revolution under the arc less the caps of the spheres in it.
+// The volume is that of the solid of revolution under the arc, less the caps of the spheres in it.
 #ifndef MPDEM_MENISCUS_H
 #define MPDEM_MENISCUS_H
 

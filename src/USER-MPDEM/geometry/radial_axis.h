@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Axis of elasticity that grows out of the grains (`axis radial`): the normal of the nearer of two spheres.
-// The normals of both spheres differ where the point is as near to one as to the other, the more the further
-// it is from the line of centres. Taking one of them there would leave the choice to rounding and break every symmetry of a pair.
-// So the axis turns from the one to the other in a layer one spacing thick:
+// Axis of elasticity that grows out of the grains (`axis radial`): the normal of the nearer of two spheres. The normals
+// of both spheres differ where a point is equally near to both, the more the further it is from the line of centres. A
+// choice of one of them there would depend on rounding and break every symmetry of a pair. So the axis turns from the
+// one to the other in a layer one spacing thick:
 //
 //   w = S(1/2 + (d1 - d0)/spacing),  S(t) = t^2 (3 - 2t) between 0 and 1,  axis = w n0 - (1 - w) n1,
 //
-// with the distances d and the outward normals n. S has no kink at its ends. The axis is a line, so n0 and -n1, both
-// pointing from the first sphere to the second, are of the same sense. Their sum is zero only where n0 = n1 and d0 = d1,
-// which needs one sphere inside the other.
+// Here d are the distances and n the outward normals. S has no kink at its ends. The axis is a line, so n0 and -n1,
+// which both point from the first sphere to the second, have the same sense. Their sum is zero only if n0 = n1 and d0 =
+// d1, which needs one sphere inside the other.
 #ifndef MPDEM_RADIAL_AXIS_H
 #define MPDEM_RADIAL_AXIS_H
 
@@ -20,7 +20,7 @@
 
 namespace mpdem {
 
-// Unit vector of either sense: swapping the spheres may turn it round. centre, radius: of both spheres.
+// Unit vector of either sense. Swapping the spheres may reverse it. centre, radius: of both spheres.
 inline Vector3 radial_axis(const Vector3& X, const Vector3* centre, const double* radius, double spacing) {
   Vector3 normal[2];
   double distance[2];

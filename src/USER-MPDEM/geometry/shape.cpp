@@ -34,8 +34,7 @@ double GrainPair::contact_radius() const {
 double GrainPair::volume_within(double a) const {
   const double c = contact_radius();
   if (a <= c) return 0.0;
-  // Integral of 2 pi r sag(R, r) from 0 to a, pi a^2 s less the cap of height s, put so
-  // that thin bonds do not cancel.
+  // Integral of 2 pi r sag(R, r) from 0 to a: pi a^2 s less the cap of height s. The form avoids cancellation for thin bonds.
   const auto under = [](double R, double r) {
     const double s = sag(R, r);
     return M_PI * s * s * (R - 2.0 * s / 3.0);
@@ -158,12 +157,12 @@ double volume_by_quadrature(const Shape& shape) {
   std::sort(at.begin(), at.end());
   double first = 0.0;
   for (std::size_t i = 0; i + 1 < at.size(); ++i) first += rule(shape, at[i], at[i + 1]);
-  // What a slice has of rounding: it is the difference of two disks that may be nearly equal.
+  // Rounding error of a slice, which is the difference of two disks that may be nearly equal.
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * M_PI * shape.widest() * shape.widest();
   double total = 0.0;
   for (std::size_t i = 0; i + 1 < at.size(); ++i) {
     if (at[i + 1] <= at[i]) continue;
-    // Parts, so that no kink between shapes hides from the first rule.
+    // The parts make sure that the first rule does not miss a kink between shapes.
     constexpr int kParts = 16;
     const double step = (at[i + 1] - at[i]) / kParts;
     for (int k = 0; k < kParts; ++k) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What a cement shape has to tell about itself. All shapes are bodies of revolution about the
-// line of centres that lie on the grains: at height z along the line they reach from the
-// grains' surface, or from the inner radius where that is further out, to top(z). Coordinates
-// are relative to the origin of the body: on the line of centres, in the middle of the gap.
+// The interface of a cement shape. All shapes are bodies of revolution about the line of centres that lie on the
+// grains. At height z along the line they reach from the surface of the grains, or from the inner radius if that is
+// further out, to top(z). Coordinates are relative to the origin of the body: on the line of centres, in the middle of the gap.
 #ifndef MPDEM_SHAPE_H
 #define MPDEM_SHAPE_H
 
@@ -17,20 +16,20 @@ namespace mpdem {
 
 using Vector3 = Eigen::Vector3d;
 
-// Two spheres and the line of centres; `gap` may be negative.
+// Two spheres and the line of centres. `gap` may be negative.
 struct GrainPair {
   double R1, R2, gap;
   Vector3 n;  // unit vector from grain 1 to grain 2
 
   double distance() const { return R1 + R2 + gap; }
   double radius(int side) const { return side == 0 ? R1 : R2; }
-  // Height of a centre on the line.
+  // Height of the centre of a grain on the line.
   double height(int side) const { return side == 0 ? -(R1 + 0.5 * gap) : R2 + 0.5 * gap; }
   Vector3 centre(int side) const { return height(side) * n; }
 
   // Distance between the surfaces along the line at radius r, at most the smaller radius.
   double thickness(double r) const;
-  // Radius of the circle in which overlapping spheres meet, 0 for others.
+  // Radius of the circle in which overlapping spheres meet, 0 if they do not overlap.
   double contact_radius() const;
   // Volume between the spheres inside the cylinder of radius a.
   double volume_within(double a) const;
@@ -38,24 +37,24 @@ struct GrainPair {
   double radius_of_thickness(double t) const;
 };
 
-// Of grains whose centres are `between` apart. Not inline: gap and direction are the same to the bit wherever they are asked for.
+// Pair of grains whose centres are `between` apart. Not inline: gap and direction are the same to the bit for all callers.
 GrainPair pair_between(double R1, double R2, const Vector3& between);
 
-// R - sqrt(R^2 - r^2) without the cancellation at small r.
+// Returns R - sqrt(R^2 - r^2) without the cancellation at small r.
 double sag(double R, double r);
 
-// Volume common to two balls at distance d.
+// Volume common to two balls at distance d; 0 if they are apart. Not valid if one ball holds the other.
 double lens_volume(double S1, double S2, double d);
 
-// Thrown for dimensions that do not make a body; the text names word, value and cure.
+// Thrown for dimensions that do not make a body. The text names word, value and cure.
 struct ShapeError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 class Shape {
  public:
-  // inner: nothing closer to the line of centres than this between the two centres; at
-  // least the contact radius.
+  // inner: radius about the line of centres within which there is no cement between the two centres. The contact radius
+  // is used if that is larger. Throws ShapeError if inner is negative.
   Shape(const GrainPair& pair, double inner);
   virtual ~Shape() = default;
 
@@ -63,26 +62,26 @@ class Shape {
   double inner() const { return inner_; }
 
   bool inside(const Vector3& x) const;
-  // Not more than the distance from x to the surface of the body.
+  // Lower bound of the distance from x to the surface of the body.
   double clearance(const Vector3& x) const;
   // Half-widths of a box around the origin that holds the body.
   Vector3 half_extent() const;
-  // Polar angles about the contact normal between which the grain's surface is attached.
+  // Polar angles about the contact normal between which the surface of a grain is attached.
   void attached_band(int side, double& from, double& to) const;
-  // Exact.
+  // Exact area of the attached surface of a grain.
   double attached_area(int side) const;
   virtual double volume() const = 0;
 
-  // Outer radius at height z; 0 where there is no cement.
+  // Outer radius at height z; 0 if there is no cement.
   virtual double top(double z) const = 0;
-  // Not more than the distance from (r, z) to the outer surface.
+  // Lower bound of the distance from (r, z) to the outer surface.
   virtual double top_clearance(double r, double z) const = 0;
   virtual double lowest() const = 0;
   virtual double highest() const = 0;
   virtual double widest() const = 0;
   // Polar angle up to which the grain is covered.
   virtual double covered_angle(int side) const = 0;
-  // Thickness of the cement where it is largest, for the check against the grid.
+  // Largest thickness of the cement, for the check against the grid.
   virtual double largest_thickness() const = 0;
   double smallest_thickness() const;
   virtual std::string describe() const = 0;
@@ -92,7 +91,7 @@ class Shape {
   virtual void add_breaks(std::vector<double>& at) const;
 
  protected:
-  // What the cylinder of the inner radius takes away from a body that has none.
+  // Volume between the grains within the inner radius, to be subtracted from that of a shape without inner radius.
   double volume_within_inner() const { return pair_.volume_within(inner_); }
 
  private:
@@ -100,8 +99,8 @@ class Shape {
   double inner_;
 };
 
-// Volume of the body of revolution by adaptive quadrature, relative error below 1e-12: for
-// shapes without a closed form, and to check those that have one.
+// Volume of the body of revolution by adaptive quadrature, for shapes without a closed form and to check the others.
+// The relative error is below 1e-12 unless the shell is thin: rounding adds an error of about 1e-15 R/t for a thickness t on radius R.
 double volume_by_quadrature(const Shape& shape);
 
 // Root of a function that rises from f(lo) <= 0 to f(hi) >= 0, to the last bit.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Table of the shapes that a script can name: name, own words, factory. A new shape has one file in this
-// folder, which holds its class and a function NAME_style(), and one line in the table of shape_styles.cpp.
-// Whoever reads a script takes words, ranges, defaults and messages from here.
+// Table of the shapes that a script can name: name, own words, factory. A new shape has one file in this folder with
+// its class and a function NAME_style(), and one line in the table of shape_styles.cpp. Readers of scripts take words,
+// ranges, defaults and messages from this table.
 #ifndef MPDEM_SHAPE_STYLES_H
 #define MPDEM_SHAPE_STYLES_H
 
@@ -18,7 +18,7 @@ namespace mpdem {
 
 // A word of a shape that a number follows.
 struct ShapeWord {
-  enum Role { size, detail };  // of the sizes and `content` exactly one is given; details have a value if they are not
+  enum Role { size, detail };  // exactly one of the sizes and `content` is given; a detail has a default
   enum Range { positive, not_negative };
   std::string name;
   Role role = size;
@@ -26,12 +26,12 @@ struct ShapeWord {
   Range range = positive;
 };
 
-// What a shape is made of.
+// The data from which a shape is made.
 struct ShapeRequest {
   const GrainPair& pair;
-  double inner;   // radius
-  double volume;  // outside `inner`, if `content` was given
-  const std::map<std::string, double>& values;  // of all details and of the size that was given
+  double inner;   // inner radius
+  double volume;  // volume outside `inner`, if `content` was given
+  const std::map<std::string, double>& values;  // values of all details and of the size that was given
 
   bool has(const std::string& word) const { return values.count(word) != 0; }
   double operator[](const std::string& word) const { return values.at(word); }
@@ -39,24 +39,24 @@ struct ShapeRequest {
 
 struct ShapeStyle {
   std::string name;
-  std::vector<ShapeWord> words;  // beside `content`, which every shape has
+  std::vector<ShapeWord> words;  // words besides `content`, which every shape has
   std::unique_ptr<Shape> (*make)(const ShapeRequest& request);  // throws ShapeError
 
-  const ShapeWord* word(const std::string& key) const;  // null if it has none of that name
+  const ShapeWord* word(const std::string& key) const;  // null if it has no word of that name
 };
 
-// In the order of the table.
+// All styles, in the order of the table.
 const std::vector<ShapeStyle>& shape_styles();
-// Null if there is none.
+// Style of this name; null if there is none.
 const ShapeStyle* shape_style(const std::string& name);
 
-// One `shape` of a script: its style, and the numbers of words as far as they are given (`content` among them).
+// One `shape` of a script: its style, and the numbers of the given words (`content` among them).
 struct ShapeWords {
   const ShapeStyle* style = nullptr;
   std::map<std::string, double> given;
 };
 
-// volume: of the cement where `content` is given. Throws ShapeError, also if not exactly one size is given.
+// volume: volume of the cement, used if `content` is given. Throws ShapeError, also if not exactly one size is given.
 std::unique_ptr<Shape> make_shape(const ShapeWords& words, const GrainPair& pair, double volume, double inner);
 
 }  // namespace mpdem

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Text of an error on every path. LIGGGHTS ends a run that fails on one rank by MPI_Abort,
-// which takes with it what stdio still buffers: with output to a file or a pipe that is the
-// error itself, and the log never gets it, since only the first rank has it open. The
-// definitions below take precedence over those of the libraries, see registration.cpp. LIGGGHTS'
-// own also follow one error in five with a joke that they have freed before it is printed.
+// Makes sure that the text of an error is written on every path. LIGGGHTS ends a run that fails on one rank by
+// MPI_Abort. This discards the buffers of stdio. With output to a file or a pipe the buffers have the error itself, and
+// the log never gets it, since only the first rank has it open. The definitions below take precedence over those of the
+// libraries, see registration.cpp. LIGGGHTS' own definitions also follow one error in five with a joke that they have freed before it is printed.
 #include <fcntl.h>
 #include <mpi.h>
 #include <unistd.h>
@@ -25,7 +24,7 @@
 namespace mpdem {
 
 namespace {
-std::string log_name;  // of this world, known to all of its ranks
+std::string log_name;  // log file of this world, known to all of its ranks
 }
 
 void learn_log_name(LAMMPS_NS::LAMMPS* lmp) {
@@ -33,7 +32,7 @@ void learn_log_name(LAMMPS_NS::LAMMPS* lmp) {
   if (lmp->logfile) {
     std::fflush(lmp->logfile);
     const int fd = fileno(lmp->logfile);
-    // What other ranks append must not be overwritten by what this one still buffers.
+    // Opens for appending: otherwise the buffer of this rank would overwrite what other ranks append.
     fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_APPEND);
     const std::string link = "/proc/self/fd/" + std::to_string(fd);
     const ssize_t n = readlink(link.c_str(), name, sizeof name - 1);
@@ -55,7 +54,7 @@ namespace LAMMPS_NS {
 void Error::one(const char* file, int line, const char* text) {
   int me;
   MPI_Comm_rank(world, &me);
-  // With `-screen file` only the first rank has a screen, with `-screen none` not even that.
+  // With `-screen file` only the first rank has a screen, and with `-screen none` no rank has one.
   std::fprintf(screen ? screen : stderr, "ERROR on proc %d: %s (%s:%d)\n", me, text, file, line);
   if (universe->nworlds > 1 && universe->uscreen)
     std::fprintf(universe->uscreen, "ERROR on proc %d: %s (%s:%d)\n", universe->me, text, file, line);
@@ -64,7 +63,7 @@ void Error::one(const char* file, int line, const char* text) {
   MPI_Abort(world, 1);
 }
 
-// Called by all ranks of the world.
+// Must be called by all ranks of the world.
 void Error::all(const char* file, int line, const char* text) {
   MPI_Barrier(world);
   int me;

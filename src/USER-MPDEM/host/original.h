@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The function of LIGGGHTS' library that one of this program of the same name hides. Member functions
-// take the object as first argument, as the Itanium C++ ABI passes it.
+// The executable defines some functions of the LIGGGHTS library anew, and its definitions hide those of the library.
+// original() finds the hidden function by its mangled name, so that the new one can call it. A member function takes
+// its object as first argument, as in the Itanium C++ ABI. Ends the program if the library has no such symbol.
 #ifndef MPDEM_ORIGINAL_H
 #define MPDEM_ORIGINAL_H
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Puts the package's styles into LIGGGHTS' shared library without a patch. Fix, compute
-// and command styles live in run-time maps that are filled anew for every set of
-// top-level classes (also after `clear`), right before LAMMPS::post_create(); atom styles
-// are a compile-time chain inside Atom::new_avec(); the list of `-h` is LAMMPS::help().
-// They are called through the symbol table, so the definitions below take
-// precedence over the library's when the executable exports its symbols (-rdynamic);
-// they call the originals first or last. So does LAMMPS::init(), which begins every run.
+// Puts the package's styles into LIGGGHTS' shared library without a patch. Fix, compute and command styles live in
+// run-time maps. These are filled anew for every set of top-level classes (also after `clear`), right before
+// LAMMPS::post_create(). Atom styles are a compile-time chain inside Atom::new_avec(). LAMMPS::help() prints the list
+// of `-h`. LIGGGHTS calls these functions through the symbol table. So the definitions below take precedence over the
+// library's when the executable exports its symbols (-rdynamic). They call the originals first or last. So does
+// LAMMPS::init(), which begins every run.
 #include <cstring>
 
 #include "../styles/atom_vec_mpdem.h"

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Restart files that are known to be whole. LIGGGHTS reads what a restart file says unchecked: one
-// that is truncated or has a flipped byte crashes it, hangs it, or goes on with a wrong state. With
-// atom_style mpdem every file that `write_restart` or `restart` writes therefore ends with a seal,
-// behind what LIGGGHTS reads, and read_restart looks at it first. Files of other atom styles are left
-// as they are; so are those of a LIGGGHTS that has the package compiled in, which say so in the head
-// of the data of atom_style mpdem.
+// Makes sure that restart files are whole. LIGGGHTS reads a restart file unchecked. A file that is truncated or has a
+// flipped byte crashes it, hangs it, or makes it go on with a wrong state. So with atom_style mpdem every file that
+// `write_restart` or `restart` writes ends with a seal, after the data that LIGGGHTS reads. read_restart checks the
+// seal first. Files of other atom styles are left as they are. So are files of a LIGGGHTS that has the package compiled
+// in. Such a file says so in the head of the data of atom_style mpdem.
 #include <mpi.h>
 #include <sys/stat.h>
 
@@ -35,12 +34,12 @@ using LAMMPS_NS::AtomVecMpdem;
 struct Seal {
   char magic[8];
   std::uint64_t length;  // of the file without the seal, bytes
-  std::int64_t files;    // that go with a base file (name with '%'), else 0
-  std::int64_t step;     // at which the file was written
-  std::uint64_t sum;     // over the file and the members above
+  std::int64_t files;    // number of files that go with a base file (name with '%'), else 0
+  std::int64_t step;     // step at which the file was written
+  std::uint64_t sum;     // check sum over the file and the members above
 };
 constexpr char kSealMagic[8] = {'M', 'P', 'D', 'E', 'M', 'e', 'n', 'd'};
-// Less than any restart file, more than what precedes the data of the atom style, and those of one without bodies.
+// Bytes. Every restart file is longer. The part before the data of the atom style, and these data without bodies, are shorter.
 constexpr std::int64_t kShortest = 500;
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
@@ -55,7 +54,7 @@ struct Sum {
   }
 };
 
-// Sum of the first `length` bytes; false if there are less.
+// Adds the first `length` bytes to the sum. Returns false if there are fewer.
 bool sum_of(std::FILE* f, std::uint64_t length, Sum& sum) {
   std::vector<char> buffer(1 << 20);
   while (length > 0) {
@@ -73,15 +72,15 @@ std::int64_t size_of(const std::string& name) {
   return stat(name.c_str(), &s) == 0 && S_ISREG(s.st_mode) ? s.st_size : -1;
 }
 
-std::string with(const std::string& name, const std::string& text) {  // in place of '%'
+std::string with(const std::string& name, const std::string& text) {  // puts `text` in the place of '%'
   const std::size_t at = name.find('%');
   return at == std::string::npos ? name : name.substr(0, at) + text + name.substr(at + 1);
 }
 
-// Both return the complaint, empty if all is well.
+// write_seal() and check_seal() return the complaint, which is empty if there is none.
 
-// tail: bytes of the blocks of atoms, the last of the file; block: size that the first of them begins
-// with. A full disk shows there, since LIGGGHTS does not look whether its writing succeeded.
+// tail: bytes of the blocks of atoms, which are the last of the file. block: size that the first block begins with. A
+// full disk shows there, since LIGGGHTS does not check that its writing succeeded.
 std::string write_seal(const std::string& name, std::uint64_t tail, int block, std::int64_t files, std::int64_t step) {
   const std::string failed = "write_restart: file '" + name + "' could not be written whole; use a disk with free space";
   const std::int64_t size = size_of(name);
@@ -109,7 +108,7 @@ std::string write_seal(const std::string& name, std::uint64_t tail, int block, s
   return std::fclose(f.release()) == 0 && written ? "" : failed;
 }
 
-// sealed: whether the file has a seal, which is then in `seal`. A file that is not there is left to LIGGGHTS.
+// sealed: set if the file has a seal, which is then in `seal`. A missing file is left to LIGGGHTS.
 std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   sealed = false;
   const std::string cure = "; use another restart file";
@@ -133,8 +132,8 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   }
   if (size < kShortest)
     return mpdem::text_of("read_restart: file '", name, "' is truncated, it has ", size, " bytes", cure);
-  // Without one: of another atom style, of a program that writes none, or not whole. The head of
-  // the data of atom_style mpdem follows its name, close to the beginning.
+  // A file without a seal is of another atom style, of a program that writes no seals, or truncated. The head of the
+  // data of atom_style mpdem follows its name, close to the beginning.
   std::vector<char> front(std::min<std::int64_t>(size, 4096));
   if (std::fread(front.data(), 1, front.size(), f.get()) != front.size()) return "read_restart: file '" + name + "' cannot be read" + cure;
   const std::string text(front.begin(), front.end());
@@ -143,7 +142,7 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
   int head[AtomVecMpdem::kRestartHead];
   const bool whole = at != std::string::npos && at + sizeof AtomVecMpdem::kRestartMagic + sizeof head <= text.size();
   if (whole) std::memcpy(head, &text[at + sizeof AtomVecMpdem::kRestartMagic], sizeof head);
-  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // for the atom style to judge
+  if (whole && (head[0] != AtomVecMpdem::kRestartVersion || !head[AtomVecMpdem::kRestartSealed])) return "";  // the atom style checks this
   return mpdem::text_of("read_restart: file '", name, "' is truncated: its ", size, " bytes do not end as they were written", cure);
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Incremental Jaumann rate in a co-rotated frame (Hughes & Winget, Int. J. Numer.
-// Meth. Engng 15 (1980) 1862). The frame q turns with the spin of the material; strain
-// and damage are kept in its components, so stress, damage and elastic axes convect
-// with one and the same spin and the stress is a function of the state, never summed.
-// Exact for a finite rigid rotation in one step, second order in a simple shear.
+// Incremental Jaumann rate in a co-rotated frame (Hughes & Winget, Int. J. Numer. Meth. Engng 15 (1980) 1862). The
+// frame q rotates with the spin of the material. Strain and damage are kept in its components. So stress, damage and
+// elastic axes convect with one and the same spin, and the stress is a function of the state, never summed. The update
+// is exact for a finite rigid rotation in one step, and second order in a simple shear.
 #ifndef MPDEM_COROTATIONAL_H
 #define MPDEM_COROTATIONAL_H
 
@@ -19,7 +18,7 @@ struct Frame {
   vd w, x, y, z;
 };
 
-// two: 2 over the square of its length, which need not be 1.
+// Rotation matrix of q. two: 2 over the square of the length of q, which need not be 1.
 inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
   const vd xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
   const vd xy = q.x * q.y, xz = q.x * q.z, yz = q.y * q.z;
@@ -29,7 +28,7 @@ inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
            {two * (xz - wy), two * (yz + wx), 1.0 - two * (xx + yy)}}};
 }
 
-// (1, v/2) q. Its length is not 1.
+// Returns (1, v/2) q. Its length is not 1.
 inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
   const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
   return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y,
@@ -37,8 +36,8 @@ inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
 }
 inline vd square_of(const Frame& q) { return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z; }
 
-// Squares of lengths of frames that a step has turned are next to 1. Series then take the place of divisions and roots, which the
-// rest of a step would wait for; they are cut where rounding is more.
+// After the rotation of a step, squares of the lengths of frames are next to 1. Series then replace divisions and
+// roots, which would delay the rest of a step. They are cut where rounding is larger.
 constexpr double kNextToOne = 5e-4;
 inline bool all_next_to_one(vd square) { return !any(abs(square - 1.0) > kNextToOne); }
 inline vd inverse_next_to_one(vd square) {
@@ -50,9 +49,9 @@ inline vd inverse_root_next_to_one(vd square) {
   return 1.0 + e * (0.5 + e * (0.375 + e * (0.3125 + e * 0.2734375)));
 }
 
-// Frame after the Cayley rotation of axial vector v: (1, v/2)/|.| q, from p = turned(q, v).
+// Frame after the Cayley rotation by the axial vector v: (1, v/2)/|.| q, from p = turned(q, v).
 inline Frame spun(const Frame& p, vd vx, vd vy, vd vz) {
-  // Normalising p itself keeps |q| = 1 over any number of steps; without spin q keeps its bits.
+  // Normalising p itself keeps |q| = 1 over any number of steps. Without spin q keeps its bits.
   const vd square = square_of(p);
   const vd r = all_next_to_one(square) ? inverse_root_next_to_one(square) : 1.0 / sqrt(square);
   const vd n = select((vx == 0.0) & (vy == 0.0) & (vz == 0.0), splat(1.0), r);
@@ -66,10 +65,10 @@ inline void advance_strain(const Mat3<vd>& F, const Mat3<vd>& dF, Frame& q, Sym3
   Mat3<vd> mid;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) mid.a[i][j] = F.a[i][j] + 0.5 * dF.a[i][j];
-  // the product does not wait for the division
+  // Written so that the product does not wait for the division.
   const Mat3<vd> c = cofactor(mid);
   const vd inverse = 1.0 / (mid.a[0][0] * c.a[0][0] + mid.a[0][1] * c.a[0][1] + mid.a[0][2] * c.a[0][2]);
-  const Mat3<vd> G = product(dF, transpose(c));  // over `inverse`
+  const Mat3<vd> G = product(dF, transpose(c));  // to be multiplied by `inverse`
   const vd half = 0.5 * inverse;
   const Sym3<vd> de{inverse * G.a[0][0],
                     inverse * G.a[1][1],

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The map M^-1 of energy equivalence: x = M^-1 : e solves phi x + x phi = 2 e with
-// phi = A^-1, A = 1 - D. In the principal axes of D it multiplies e_ij by the harmonic mean of
-// 1 - D_i and 1 - D_j. It needs no axes: the symmetric part of phi x is e, so that
+// The map M^-1 of energy equivalence: x = M^-1 : e solves phi x + x phi = 2 e with phi = A^-1, A = 1 - D. In the
+// principal axes of D it multiplies e_ij by the harmonic mean of 1 - D_i and 1 - D_j. It needs no axes: the symmetric
+// part of phi x is e, so that
 //   phi x = e + W,   x = A (e + W),   A W + W A = e A - A e
-// with a skew W. The axial vector of A W + W A is (tr A 1 - A) that of W, so that of W is
-// K axial(e A - A e), K = (tr A 1 - A)^-1. K has eigenvalues 1/(A_i + A_j): the map is as
-// accurate as A for every D, and without damage it leaves every bit of e.
+// with a skew W. The axial vector of A W + W A is (tr A 1 - A) times that of W. So that of W is K axial(e A - A e) with
+// K = (tr A 1 - A)^-1. K has the eigenvalues 1/(A_i + A_j). The map is as accurate as A for every D, and without damage it leaves every bit of e.
 #ifndef MPDEM_EFFECTIVE_STRAIN_H
 #define MPDEM_EFFECTIVE_STRAIN_H
 
@@ -15,7 +14,7 @@
 
 namespace mpdem {
 
-// A skew tensor W_ij = -eps_ijk w_k by its axial vector.
+// Axial vector w of a skew tensor W_ij = -eps_ijk w_k.
 template <class T>
 struct Axial {
   T x, y, z;
@@ -50,7 +49,7 @@ inline Axial<T> commutator(const Sym3<T>& e, const Sym3<T>& a) {
           e.yz * a.xz - a.yz * e.xz + e.xy * (a.xx - a.yy) + a.xy * (e.yy - e.xx)};
 }
 
-// s m, symmetric because its factors are: upper triangle.
+// s m, from its upper triangle. The factors must be such that the product is symmetric.
 template <class T>
 inline Sym3<T> symmetric_product(const Sym3<T>& s, const Mat3<T>& m) {
   return {s.xx * m.a[0][0] + s.xy * m.a[1][0] + s.xz * m.a[2][0], s.xy * m.a[0][1] + s.yy * m.a[1][1] + s.yz * m.a[2][1],
@@ -76,9 +75,9 @@ class EffectiveStrain {
   const Sym3<T>& A() const { return A_; }
   const Sym3<T>& K() const { return K_; }
 
-  // phi x = e + W for x = M^-1 : e
+  // Returns phi x = e + W for x = M^-1 : e.
   Mat3<T> amplified(const Sym3<T>& e) const { return plus(e, K_ * commutator(e, A_)); }
-  // x of that
+  // Returns x, given phi x = e + W.
   Sym3<T> reduced(const Mat3<T>& e_plus_W) const { return symmetric_product(A_, e_plus_W); }
 
   Sym3<T> operator()(const Sym3<T>& e) const { return reduced(amplified(e)); }

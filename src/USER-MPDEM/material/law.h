@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A law of damage: elasticity, and what takes stiffness from it until a point fails. A law is one class in one
-// file, derived from LawOf<itself>, and one line in laws.h.
+// A law of damage: elasticity, and how it loses stiffness until a point fails. A law is one class in one file, derived
+// from LawOf<itself>, and one line in laws.h.
 //
-// What is asked once a run or once a report are the virtual functions of Law. What is asked in a loop over points are
-// members of the class itself, compiled into the loops by with_law() of laws.h. They work on eight points at a time,
-// in the material frame:
+// Virtual functions of Law are called once a run or once a report. The members below are called in loops over points.
+// They belong to the class itself, and with_law() of laws.h compiles them into the loops. They work on eight points at
+// a time, in the material frame:
 //
 //   kName, kFields        its word after `damage`; numbers that a point keeps, at most kMostFields.
 //                         All of them are 0 in a point without damage.
@@ -28,8 +28,7 @@
 //   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
 //   column(k, strain, state)  column k of columns()
 //
-// `strength` is the factor on B of each lane. A law without fields, one that does no damage, needs words() and
-// what output asks for alone.
+// `strength` is the factor on B of each lane. A law without fields does no damage. It needs only words() and the members that output uses.
 #ifndef MPDEM_LAW_H
 #define MPDEM_LAW_H
 
@@ -44,27 +43,27 @@
 
 namespace mpdem {
 
-// Energy by which a step of damage is booked.
+// Result of a step of damage, with its energies.
 struct LawUpdate {
   Sym3<vd> stress;
   vd dissipated;  // energy per volume spent in this step by growth of damage
   vd released;    // energy per volume given up by lanes that fail now
   vmask grown, failed;
-  int evaluations;  // of the law, or of its derivative, for eight points each
+  int evaluations;  // evaluations of the law or of its derivative, for eight points each
 };
 
-// Stress, and bounds without eigenvalues: damage may grow where square_bound is above the square of the threshold.
+// Stress, and bounds without eigenvalues. Damage may grow only if square_bound is above the square of least_threshold.
 struct LawTrial {
   Sym3<vd> stress;
-  vd square_bound;     // of Yeq^2, from above
-  vd least_threshold;  // of B, from below
+  vd square_bound;     // upper bound of Yeq^2
+  vd least_threshold;  // lower bound of B
 };
 
 struct LawDrive {
   vd Yeq, B;
 };
 
-// What the parameters mean for uniaxial stress along a direction of modulus E.
+// Strength that the parameters imply for uniaxial stress along a direction of modulus E.
 struct ImpliedStrength {
   double tensile_strength, onset_strain, failure_strain, work_per_volume;
 };
@@ -79,40 +78,40 @@ class Law {
   const VtiElasticity& elasticity() const { return elasticity_; }
   virtual const char* name() const = 0;
   virtual int fields() const = 0;
-  // No damage: points have no state, and none fails.
+  // True if the law does no damage. Points then have no state, and none fails.
   bool inert() const { return fields() == 0; }
 
   // Largest damage of a point that has not failed.
   virtual double cutoff() const { return 0.0; }
   virtual ImpliedStrength implied_strength(double E) const = 0;
-  // The rest of "cement fails at a strain of 3, ...", with the numbers that make it so and what to check.
+  // The rest of the message "cement fails at a strain of 3, ...": the numbers that cause this and what to check.
   virtual std::string advice_on_strain() const { return ""; }
   // Lines of the report of fix mpm.
   virtual std::string report(double cell) const = 0;
-  // Those of implied_strength(), along the axis and in the plane.
+  // Lines with implied_strength() along the axis and in the plane.
   std::string report_of_strength() const;
 
-  // Can its softening be chosen so that a crack takes the energy G_f per area?
+  // True if its softening can be chosen so that a crack takes the energy G_f per area.
   virtual bool has_crack_energy() const { return false; }
-  // Does that. Throws std::domain_error with the range if there is no such softening.
+  // Chooses its softening so. Throws std::domain_error with the allowed range if there is no such softening.
   virtual void set_crack_energy(double /* G_f */, double /* cell */) {}
 
-  // The length that its strain is averaged over, see mpm/drive_average.h; 0: none.
+  // Length over which its strain is averaged, see mpm/drive_average.h; 0: none.
   double length() const { return length_; }
   void set_length(double length) { length_ = length; }
-  // Its curve in uniaxial tension, for the band that a length implies. None if it has none.
+  // Its curve in uniaxial tension, for the band that a length implies. Empty if the law has no curve.
   virtual std::optional<SofteningCurve> softening_curve() const { return std::nullopt; }
-  // With a length: the band in which it breaks, if it is known.
+  // Band in which the material breaks, for a law with a length. Empty if it is not known.
   std::optional<Localisation> crack_band() const;
-  // With has_crack_energy(): chooses its softening so that a crack takes the energy G_f with the present length. Throws as
-  // set_crack_energy().
+  // Chooses its softening so that a crack takes the energy G_f with the present length. For laws with
+  // has_crack_energy(). Throws as set_crack_energy() does.
   virtual void set_nonlocal_energy(double /* G_f */) {}
 
-  // Its own columns of compute mpm/atom.
+  // Names of its own columns of compute mpm/atom.
   virtual std::vector<std::string> columns() const { return {}; }
-  // Is the state a damage tensor (xx yy zz yz xz xy) in the material frame?
+  // True if the state is a damage tensor (xx yy zz yz xz xy) in the material frame.
   virtual bool state_is_tensor() const { return false; }
-  // Numbers of the state from a damage tensor (xx yy zz yz xz xy) that a file gave. Throws std::domain_error
+  // Finds the numbers of the state from a damage tensor (xx yy zz yz xz xy) that a file gave. Throws std::domain_error
   // if no state has that damage.
   virtual void state_from_tensor(const double* D, double* state) const = 0;
 
@@ -120,7 +119,7 @@ class Law {
   // Laws are copied as objects of their own class alone.
   Law(const Law&) = default;
   Law& operator=(const Law&) = default;
-  // Line of the report of fix mpm: band and energy of a crack that the length implies.
+  // Line of the report of fix mpm with band and energy of a crack that the length implies.
   std::string report_of_band(double cell) const;
 
  private:

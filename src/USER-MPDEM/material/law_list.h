@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Laws as a list of types: laws of damage (laws.h), traction laws of links (coupling/traction_laws.h). The class of an object is looked
-// up once a pass, so that loops are compiled for each class and make no virtual call. Words of a script after the name of a law.
+// Lists of laws as types: laws of damage (laws.h), and traction laws of links (coupling/traction_laws.h). The class of
+// an object is found once a pass, so loops are compiled for each class and make no virtual call. The header also has
+// the words of a script that follow the name of a law.
 #ifndef MPDEM_LAW_LIST_H
 #define MPDEM_LAW_LIST_H
 
@@ -40,8 +41,8 @@ constexpr int number_of(LawList<L, Rest...>) {
 struct LawWord {
   std::string name;
   bool (*allowed)(double);
-  std::string range;                 // "must ..." of the numbers that are allowed
-  std::string needed_for;            // what it is, if the law cannot do without it
+  std::string range;                 // text "must ..." about the allowed numbers
+  std::string needed_for;            // text of what it is, if the law needs it
   std::vector<std::string> choices;  // the value is the place in this list; empty: a number
 };
 
@@ -63,7 +64,7 @@ inline bool is_positive(double v) { return v > 0.0; }
 inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
 inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
 
-// What a script says of a law: its name and its words.
+// The words for a law in a script: its name and its own words.
 struct NamedLaw {
   std::string name;
   std::vector<LawWord> words;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The laws of damage that there are. A new one takes its include and its place in `Laws`: the words of fix mpm, its
-// messages, the kernels and the output follow. Its place is the last: restart files number the laws.
+// The list of laws of damage. A new law needs its include and the last place in `Laws`, since restart files number the
+// laws. The words of fix mpm, its messages, the kernels and the output follow from the list.
 #ifndef MPDEM_LAWS_H
 #define MPDEM_LAWS_H
 
@@ -17,21 +17,21 @@ namespace mpdem {
 
 using Laws = LawList<NoDamage, TensorDamage, MazarsDamage>;
 
-// Calls f with the law as an object of its own class, so that f is compiled for each of them. Once a pass over
-// a bond, never inside a loop over points.
+// Calls f with the law as an object of its own class, so that f is compiled for each class. Call it once in a pass over
+// a bond, not inside a loop over points.
 template <class F>
 decltype(auto) with_law(const Law& law, F f) {
   return pick_law(Laws(), law, f);
 }
 
-// From 1 on, in the order of `Laws`.
+// Number of a law, from 1, in the order of `Laws`.
 template <class L>
 constexpr int kLawNumber = number_of<L>(Laws());
 inline int law_number(const Law& law) {
   return with_law(law, [](const auto& l) { return kLawNumber<std::decay_t<decltype(l)>>; });
 }
 
-// What fix mpm needs to read a law from a script.
+// Data with which fix mpm reads a law from a script.
 struct LawEntry : NamedLaw {
   std::unique_ptr<Law> (*make)(const VtiElasticity& elasticity, const LawValues& values);
 };

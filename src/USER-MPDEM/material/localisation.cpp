@@ -10,14 +10,14 @@ namespace mpdem {
 namespace {
 
 constexpr int kPerLength = 8;
-constexpr double kHalfBar = 10.0;  // lengths
+constexpr double kHalfBar = 10.0;  // in lengths
 constexpr int kPoints = static_cast<int>(kHalfBar * kPerLength);
-constexpr int kSteps = 60;         // of the damage in the middle
+constexpr int kSteps = 60;         // steps of the damage in the middle
 constexpr double kTolerance = 1e-10;
 constexpr int kMostIterations = 60;
 constexpr double kLongestStep = 0.3;
 
-// Of points i + 1/2 of a half bar, with its mirror images at both ends.
+// Averaging matrix of the points at i + 1/2 of a half bar, with mirror images at both ends.
 Eigen::MatrixXd kernel() {
   Eigen::MatrixXd K(kPoints, kPoints);
   const auto gauss = [](double distance) { return std::exp(-0.5 * distance * distance / (kPerLength * kPerLength)); };
@@ -27,7 +27,7 @@ Eigen::MatrixXd kernel() {
   return K;
 }
 
-// x of the points, and the logarithm of the stress over that at the onset.
+// x of the points, and the logarithm of the ratio of the stress to that at the onset.
 struct State {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(kPoints);
   double log_stress = 0.0;
@@ -37,7 +37,8 @@ class Bar {
  public:
   explicit Bar(const SofteningCurve& curve) : curve_(curve), K_(kernel()) {}
 
-  // The state with x = middle in the middle in which damage grows at the first `growing` points alone; false if Newton's method finds none.
+  // Finds the state with x = `middle` in the middle in which damage grows at the first `growing` points alone. Returns
+  // false if Newton's method finds none.
   bool solve(int growing, double middle, const State& before, State& s) const {
     s.x.tail(kPoints - growing) = before.x.tail(kPoints - growing);
     s.x[0] = middle;
@@ -103,7 +104,7 @@ std::optional<Localisation> localise(const SofteningCurve& curve, double cutoff)
     State found;
     bool any = false;
     if (step == 1) {
-      // the longest interval without a point that would heal
+      // Searches the longest interval without a point that would heal.
       for (int n = 2; n < kPoints; ++n) {
         State s;
         s.log_stress = -0.1 * middle;

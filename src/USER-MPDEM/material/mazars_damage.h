@@ -11,8 +11,8 @@
 //   failure      d reaches the cut-off: stress zero from then on
 //
 // J. Mazars, Eng. Fract. Mech. 25 (1986) 729. His second pair of parameters, for compression, is left out: damage of
-// compressed cement comes from the strain across the load. The stiffness does not come back in compression.
-// A weaker point (s below 1) is the same curve with all strains multiplied by s.
+// compressed cement comes from the strain across the load. The stiffness does not come back in compression. A weaker
+// point (s below 1) has the same curve with all strains multiplied by s.
 #ifndef MPDEM_MAZARS_DAMAGE_H
 #define MPDEM_MAZARS_DAMAGE_H
 
@@ -51,7 +51,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   double growth(double) const { return 1.0; }
   double cutoff() const override { return cutoff_; }
 
-  // Uniaxial stress along a direction of modulus E: Yeq is the strain if the strains across it are not positive.
+  // For uniaxial stress along a direction of modulus E. Yeq is the strain if the strains across it are not positive.
   ImpliedStrength implied_strength(double E) const override {
     const double peak = std::clamp(1.0 / Bt_, kappa0_, kappa_at_cutoff_);
     return {E * std::max(kappa0_, (1.0 - damage_at(peak)) * peak), kappa0_, kappa_at_cutoff_, E * work(kappa_at_cutoff_)};
@@ -68,7 +68,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
                    implied_strength(elasticity().constants.Ez).work_per_volume * band * cell, " for a crack ", band,
                    " cells wide: it is proportional to the cell\n");
   }
-  // Uniaxial tension: strain over stress 1/(1 - d), threshold of the strain kappa/kappa0.
+  // Curve of uniaxial tension: strain over stress is 1/(1 - d), and the threshold of the strain is kappa/kappa0.
   std::optional<SofteningCurve> softening_curve() const override {
     const auto log_kappa = [law = *this](double x) { return std::log(law.kappa_of(-std::expm1(-x)) / law.kappa0_); };
     const double step = 1e-4;
@@ -79,7 +79,8 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
                           }};
   }
 
-  // As that of tensor_damage.h: where the two layers of points beside a crack fail, the next two have reached a third of the strain.
+  // Width of the band in cells, as localisation_cells() of tensor_damage.h: when the two layers of points beside a
+  // crack fail, the next two have reached a third of the strain.
   double localisation_cells() const {
     const double third = kappa_at_cutoff_ / 3.0, spent = work(third) - 0.5 * (1.0 - damage_at(third)) * third * third;
     return 1.0 + spent / work(kappa_at_cutoff_);
@@ -114,7 +115,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return {stress(strain, s), contract(strain, strain), max(s.kappa, splat(kappa0_))};
   }
 
-  // In closed form. The energies are those of TensorDamage::update, which balance to the order of the step, squared.
+  // Step of the damage, in closed form. The energies are those of TensorDamage::update. Their sum balances to second order of the step.
   LawUpdate update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, State& s, vmask active, vd strength, double) const {
     LawUpdate u;
     const vd kappa = equivalent(strain) / strength;
@@ -131,7 +132,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return u;
   }
 
-  // d of an equivalent strain, 0 up to kappa0 to the bit.
+  // Damage d of an equivalent strain. It is exactly 0 up to kappa0.
   double damage_at(double kappa) const {
     const double k = std::max(kappa, kappa0_), share = kappa0_ / k;
     return 1.0 - share + At_ * (share - std::exp(-Bt_ * (k - kappa0_)));
@@ -143,7 +144,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return sqrt(contract(p, p));
   }
 
-  // The other way round, by bisection: d rises with kappa.
+  // Inverts damage_at() by bisection, since d rises with kappa.
   double kappa_of(double d) const {
     double low = kappa0_, high = 2.0 * kappa0_;
     while (damage_at(high) < d) high *= 2.0;

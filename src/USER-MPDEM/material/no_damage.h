@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Elastic cement: `damage none`. No state, no damage, no failure.
+// Elastic cement, `damage none`: no state, no damage, no failure.
 #ifndef MPDEM_NO_DAMAGE_H
 #define MPDEM_NO_DAMAGE_H
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The step of the damage: D = D_n + Delta N, Delta the first root of Yeq - B at the end of the step.
+// The step of the damage: D = D_n + Delta N, where Delta is the first root of Yeq - B at the end of the step.
 //
-// Near the surface N is the direction of the drive at the middle of the step: half its strain, half the growth that
-// the tangent at (strain at the end, D_n) gives along the drive there. D is of second order in the step
-// with that; with N at D_n, or solved for at the end of the step, it is of first order at the
-// same cost, see bench/law.cpp. On the surface it ends with any N.
-// A jump far beyond the surface has no such middle: N is the direction at D_n, then twice that at the D it led to. So
-// it is with literal Y, whose roots are not single anywhere.
+// Near the surface N is the direction of the drive at the middle of the step. This is at half the strain and half the
+// growth that the tangent at (strain at the end, D_n) gives along the drive there. D is then of second order in the
+// step. With N at D_n, or solved for at the end of the step, it is of first order at the same cost, see bench/law.cpp.
+// With any N it ends on the surface. A jump far beyond the surface has no such middle. N is then the direction at D_n,
+// and after that twice the direction at the D that it led to. The same is done with literal Y, whose roots are not single anywhere.
 //
-// No lane's arithmetic depends on its neighbours: lanes stop and branch by masks.
+// The arithmetic of a lane does not depend on its neighbours: lanes stop and branch by masks.
 #include <cmath>
 
 #include "tensor_damage.h"
@@ -22,22 +21,21 @@ namespace {
 // The root is found when the next change of D would be smaller than this.
 constexpr double kTolerance = 2e-11;
 constexpr int kMostSteps = 8;
-// Two values nearer than this give no slope.
+// Two values nearer than this do not give a slope.
 constexpr double kLeastSecant = 1e-10;
 constexpr int kMarchSteps = 16;
-// With a threshold that falls, Yeq - B may dip below zero for a short while only.
+// If the threshold falls, Yeq - B may dip below zero for only a short while. So the march takes small steps.
 constexpr double kNearMarch = 1.1;
-// A trial state this close to the surface has a single root along Y (checked on 1200
-// states); further out the march to the first root of the full range is needed.
+// A trial state with Yeq below this factor times B has a single root along Y (checked on 1200 states). Further out the
+// march to the first root of the full range is needed.
 constexpr double kNearSurface = 1.2;
-// cos of the largest angle between the drives at the middle and at the trial state. A step that turns more
-// than that says nothing of what happens within: the trial state counts.
+// Cosine of the largest angle between the drives at the middle and at the trial state. If a step turns the drive more,
+// the middle says nothing of what happens within the step, and the trial state counts.
 constexpr double kLargestTurn = 0.5;
 constexpr int kMostDirections = 3;
 constexpr double kSameDirection = 1e-10;
-// With viscosity D only comes near the cut-off; a lane whose growth aims at the cut-off has
-// failed when its largest eigenvalue is this share of it. From D = 0 that takes 4.6 relaxation
-// times. The rest of the way is gone in that step.
+// With viscosity D only comes near the cut-off. A lane whose growth aims at the cut-off has failed when its largest
+// eigenvalue is this share of it. From D = 0 that takes 4.6 relaxation times. The rest is added in that step.
 constexpr double kViscousFailure = 0.99;
 
 Sym3<vd> scaled(const Sym3<vd>& h, const Sym3<vd>& x) {
@@ -48,14 +46,14 @@ Sym3<vd> unit(const Sym3<vd>& Y) { return (1.0 / max(sqrt(contract(Y, Y)), splat
 
 }  // namespace
 
-// What the search for the new D starts from.
+// The start of the search for the new D.
 struct TensorDamage::Search {
-  Sym3<vd> strain, damage;  // at the end, at the start of the step
+  Sym3<vd> strain, damage;  // strain at the end of the step, damage at its start
   vd B_scale;
   int evaluations = 0;
 };
 
-// A state D at the strain of the end.
+// A state D at the strain at the end of the step.
 struct TensorDamage::Place {
   Evaluation state;
   Sym3<vd> D, drive;
@@ -65,7 +63,7 @@ struct TensorDamage::Place {
       : state(law.evaluate(strain, damage)), D(damage), drive(state.Y), Yeq(law.drive_by(drive)) {}
 };
 
-// Where the search ended.
+// The end of the search.
 struct TensorDamage::Found {
   Sym3<vd> D, stress, drive;
   void take(vmask lanes, const Place& x) {
@@ -82,8 +80,8 @@ TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
   return x;
 }
 
-// Derivative of the excess in D. That of Y is symmetric, as a second derivative of the energy, and that of
-// <Y>_+:<Y>_+/2 is <Y>_+: one derivative of Y, along the drive, gives Yeq in all directions.
+// Derivative of the excess by D. The derivative of Y is symmetric, as a second derivative of the energy. That of
+// <Y>_+:<Y>_+/2 is <Y>_+. So one derivative of Y, along the drive, gives the derivative of Yeq in all directions.
 Sym3<vd> TensorDamage::gradient(Search& s, const Place& x) const {
   ++s.evaluations;
   const Sym3<vd> G = splat(std::sqrt(0.5)) * slope(x.state, unit(x.drive));
@@ -92,8 +90,8 @@ Sym3<vd> TensorDamage::gradient(Search& s, const Place& x) const {
   return G - ((x.Yeq - x.excess) * p_.exponent / (1.0 - top.value)) * top.slope;
 }
 
-// Largest Delta with max eig(D + Delta N) <= Dcut. With A = Dcut 1 - D positive
-// definite, A - Delta N stays so up to Delta = 1 / max eig(A^-1/2 N A^-1/2).
+// Largest Delta with max eig(D + Delta N) <= Dcut. With A = Dcut 1 - D positive definite, A - Delta N stays positive
+// definite up to Delta = 1 / max eig(A^-1/2 N A^-1/2).
 vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const {
   const Spectral d = eigen(damage);
   vd r[3];
@@ -101,13 +99,12 @@ vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& directio
   const Sym3<vd> n = rotate_back(d.axes, direction);
   const Spectral m = eigen(scaled(
       {r[0] * r[0], r[1] * r[1], r[2] * r[2], r[1] * r[2], r[0] * r[2], r[0] * r[1]}, n));
-  // Only with literal Y can the largest eigenvalue be so small: nothing grows towards
-  // the cut-off, ten units of Delta leave every surface behind.
+  // The largest eigenvalue can be so small only with literal Y. Then nothing grows towards the cut-off, and ten units
+  // of Delta leave every surface behind.
   return 1.0 / max(largest(m), splat(0.1));
 }
 
-// Is the largest eigenvalue of D at `share` of the cut-off? (1 - tiny) share Dcut 1 - D loses
-// definiteness.
+// True if the largest eigenvalue of D is at `share` of the cut-off: (1 - tiny) share Dcut 1 - D is then not positive definite.
 vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
   const double c = share * p_.Dcut * (1.0 - 1e-12);
   const vd xx = c - D.xx, yy = c - D.yy;
@@ -115,7 +112,7 @@ vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
   return ~((xx > 0.0) & (xx * yy - D.xy * D.xy > 0.0) & (determinant(m) > 0.0));
 }
 
-// N, for the trial state x and the derivative G of its excess.
+// Direction N, from the trial state x and the derivative G of its excess.
 Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G,
                                  vmask lanes) const {
   const Sym3<vd> N = unit(x.drive);
@@ -133,10 +130,10 @@ Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const 
   return blend(contract(middle, N) > kLargestTurn, middle, N);
 }
 
-// Root along N. Newton's first step from the trial state, then one on the parabola through value and slope there and the
-// value it led to, then secants: their slopes are as good as the derivative, for a value less each.
-// A lane ends where the next step would be below the tolerance. Returns the lanes that are not
-// sure of their root.
+// Finds the root along N. The first step is Newton's, from the trial state. The second is on the parabola through value
+// and slope there and the value that the first step led to. Then secants follow: their slopes are as good as the
+// derivative and save an evaluation each. A lane ends when the next step would be below the tolerance. Returns the
+// lanes that are not sure of their root.
 vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const {
   vd delta = -excess / slope, step = delta;
   vmask open = lanes & (slope < 0.0) & ~at_cutoff(s.damage + delta * N), done = splat_mask(false);
@@ -158,10 +155,10 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
   return lanes & ~done;
 }
 
-// First Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached at `limit`: in constant factors
-// from a millionth of the range, in small ones from `start` where that is given; then Newton's method within
-// the bracket, with bisection where it leaves that. Returns the lanes that stay above the
-// surface: they get the end of the range.
+// Finds the first Delta > 0 at which Yeq(D_n + Delta N) falls to B, before the cut-off is reached at `limit`. The march
+// starts at a millionth of the range and has a constant factor. If `start` is given, it begins there and has a small
+// factor. Then Newton's method follows within the bracket, with bisection if it leaves that. Returns the lanes that
+// stay above the surface. They get the end of the range.
 vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const {
   const vd factor = select(start > 0.0, splat(kNearMarch), splat(std::pow(10.0, 6.0 / kMarchSteps)));
   vd low{}, high = limit, delta = limit;
@@ -193,7 +190,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
   return missing;
 }
 
-// Both return the lanes that fail.
+// small_step() and jump() return the lanes that fail.
 vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const {
   const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
   const vd along = contract(G, N);
@@ -202,7 +199,8 @@ vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Pl
   const vd limit = largest_growth(s.damage, N);
   vmask failed = splat_mask(false);
   if (p_.exponent >= 0.0) {
-    // Next to the surface there is one root at most (kNearSurface), so one look at the end of the range tells whether it lies before.
+    // Next to the surface there is one root at most (kNearSurface). So one evaluation at the end of the range tells
+    // whether the root lies before it.
     const Place end = look_at(s, s.damage + limit * N);
     failed = unsure & (along < 0.0) & (end.excess > 0.0);
     found.take(failed, end);

@@ -11,19 +11,19 @@ namespace mpdem {
 
 namespace {
 
-// Energy that a volume has spent on damage D = 1 - keep, over sqrt(2) B0.
+// Energy that a volume has spent on the damage D = 1 - keep, over sqrt(2) B0.
 double spent_work(double m, double keep) {
   const double log_keep = std::log(keep), x = (1.0 - m) * log_keep;
-  // -log_keep (1 - e^x)/(-x) at m = 1 is -log_keep
+  // -log_keep (e^x - 1)/x tends to -log_keep at m = 1.
   return std::fabs(x) < 1e-12 ? -log_keep : -log_keep * std::expm1(x) / x;
 }
 
-// Work of a volume pulled to failure, over sqrt(2) B0.
+// Work on a volume that is pulled to failure, over sqrt(2) B0.
 double band_work(double m, double Dcut) {
   return spent_work(m, 1.0 - Dcut) + 0.5 * std::exp((1.0 - m) * std::log(1.0 - Dcut));
 }
 
-// m in (-1,3) at which the rising function work(m) is `wanted`; false if there is none.
+// Finds m in (-1,3) at which the rising function work(m) is `wanted`. Returns false if there is none.
 template <class F>
 bool find_exponent(F work, double wanted, double& least, double& most, double& m) {
   double lo = -1.0 + 1e-9, hi = 3.0 - 1e-9;
@@ -39,7 +39,7 @@ bool find_exponent(F work, double wanted, double& least, double& most, double& m
   return true;
 }
 
-// a^y for a > 0 to 1e-4, for bounds: logarithm by its series about sqrt(2), 2^f by its own.
+// a^y for a > 0 with a relative error of 1e-4, for bounds. The logarithm is a series about sqrt(2), and 2^f has its own series.
 vd rough_power(vd a, double y) {
   const vmask bits = reinterpret_cast<vmask>(a), one = splat_mask(false) + 0x3ff0000000000000;
   const vd mantissa = reinterpret_cast<vd>((bits & 0x000fffffffffffff) | one);
@@ -97,7 +97,7 @@ SofteningCurve softening_curve(const DamageParameters& p) {
 }
 
 double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
-  // beyond, the band is not resolved by cells of the length, or as wide as nine lengths
+  // Outside this range the band is not resolved by cells of the length, or is as wide as nine lengths.
   constexpr double kLeast = -0.5, kMost = 2.0;
   const double unit = std::sqrt(2.0) * p.B0 * length;
   const auto log_energy = [&p](double m) {
@@ -115,7 +115,7 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
                                     unit * std::exp(at_lo), " and ", unit * std::exp(at_hi), ", or for this G_f the length between ",
                                     length * std::exp(wanted - at_hi), " and ", length * std::exp(wanted - at_lo)));
   }
-  // the logarithm is nearly a straight line: secants, each end moved in turn
+  // The logarithm is nearly a straight line, so this uses secants, with a bisection every third time.
   double m = lo;
   for (int k = 0; k < 40 && hi - lo > 1e-7; ++k) {
     const double secant = at_hi > at_lo ? lo + (hi - lo) * (wanted - at_lo) / (at_hi - at_lo) : lo;
@@ -210,23 +210,22 @@ vd TensorDamage::threshold(const Sym3<vd>& damage) const {
 }
 
 Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
-  // The same call as in update(), so that a state gives the same stress to the bit there
-  // and here.
+  // This is the same call as in update(), so a state gives to the bit the same stress there and here.
   return evaluate(strain, damage).stress;
 }
 
 TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
   const Evaluation s = evaluate(strain, damage);
-  // Cutting the negative part of Y only shortens it, and the tension weight is at most one: no eigenvalues below.
+  // Cutting the negative part of Y only shortens it, and the tension weight is at most one. So the bounds need no eigenvalues.
   return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage)};
 }
 
-// A bound of B from below without eigenvalues, exact but for a thousandth where D has one principal value.
+// Lower bound of B without eigenvalues. It is exact to a thousandth if D has one principal value.
 vd TensorDamage::least_threshold(const Sym3<vd>& D) const {
   const double m = p_.exponent;
   if (m == 0.0) return splat(p_.B0);
   const vd square = contract(D, D), sum = max(trace(D), splat(1e-300));
-  // sum d_i^2 / sum d_i is no more than the largest d_i >= 0, and that no more than the norm.
+  // sum d_i^2 / sum d_i is at most the largest d_i >= 0, and that is at most the norm.
   const vd some = p_.monotone ? square / sum : max(max(D.xx, D.yy), D.zz);
   const vd keep = 1.0 - (m > 0.0 ? max(some, vd{}) : sqrt(square));
   return (0.999 * p_.B0) * rough_power(max(keep, splat(1e-6)), -m);

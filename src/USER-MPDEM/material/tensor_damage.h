@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Second-order tensor damage by energy equivalence, eight points at a time, all
-// tensors in the co-rotated material frame.
+// Second-order tensor damage by energy equivalence, eight points at a time. All tensors are in the co-rotated material frame.
 //
 //   effective strain  eps_e = M^-1 : eps, effective stress sigma_e = C0 : eps_e,
 //   stress            sigma = M^-1 : sigma_e,   M : s = sym(phi s),  phi = (1 - D)^-1
@@ -12,10 +11,9 @@
 //   failure           max eig D reaches the cut-off Dcut (with viscosity: it aims at Dcut and
 //                     has reached 0.99 Dcut; the rest is added then): stress zero from then on
 //
-// Effective stress of Cordebois & Sidoroff type; Chow & Wang, Int. J. Fracture 33
-// (1987) 3. The tension weight s = r + (1 - r) zeta^2, r = sum<s_i>/sum|s_i| of the
-// principal effective stresses (Lee & Fenves, J. Eng. Mech. 124 (1998) 892), is frozen
-// during the step and makes f_c = f_t/zeta; zeta = 1 is the symmetric law.
+// The effective stress is of Cordebois & Sidoroff type; Chow & Wang, Int. J. Fracture 33 (1987) 3. The tension weight
+// is s = r + (1 - r) zeta^2, with r = sum<s_i>/sum|s_i| of the principal effective stresses (Lee & Fenves, J. Eng.
+// Mech. 124 (1998) 892). It is frozen during the step and gives f_c = f_t/zeta. zeta = 1 is the symmetric law.
 #ifndef MPDEM_TENSOR_DAMAGE_H
 #define MPDEM_TENSOR_DAMAGE_H
 
@@ -35,34 +33,33 @@ struct DamageParameters {
   double Dcut = 0.9;         // in (0,1)
   double exponent = 0.0;     // m of the crack band, in (-1,3)
   double zeta = 1.0;         // f_t/f_c in (0,1]
-  bool monotone = true;      // <Y>_+ drives; false: Y itself
+  bool monotone = true;      // true: <Y>_+ drives the damage; false: Y itself
   double interface = 1.0;    // factor on B0 of points attached to a grain
   double viscosity = 0.0;    // relaxation time of damage growth (Duvaut-Lions), 0: none
 };
 
 // Exponent m that spends G_f on a crack of width `band`:
 //   sqrt(2) B0 band W(m) = G_f,  W(m) = [1-(1-Dcut)^(1-m)]/(1-m) + (1-Dcut)^(1-m)/2,
-// after Bazant & Oh, Mater. Struct. 16 (1983) 155. Throws std::domain_error, with the range
-// of bands that G_f allows, if there is none in (-1,3).
+// after Bazant & Oh, Mater. Struct. 16 (1983) 155. Throws std::domain_error, with the range of bands that G_f allows,
+// if there is no exponent in (-1,3).
 double crack_band_exponent(const DamageParameters& p, double G_f, double band);
 
-// Width of the band, in cells, in which a body of quadratic B-splines with two points a cell and
-// direction breaks across a grid axis. The narrowest strain that the splines have is a hat of
-// two cells, on a face between the halves of two cells: 3/4 of its top in the two nearest layers of
-// points, which fail together, and 1/4 in the next two, which damage as far as a third
-// of the strain at failure takes them. A layer is half a cell wide, so that with
-// 1 - D = (e/e0)^(-2/(1+m)) the width is 1 + w/W, w the energy a volume spends on D at e_f/3.
-// Measured by tests/verification/softening_bar.py.
+// Width of the band, in cells, in which a body breaks across a grid axis. It holds for quadratic B-splines with two
+// points in a cell in each direction. The narrowest strain that the splines have is a hat of two cells, on a face
+// between the halves of two cells: 3/4 of its top in the two nearest layers of points, and 1/4 in the next two. The
+// nearest layers fail together. The next two get the damage of a third of the strain at failure. A layer is half a cell
+// wide. So with 1 - D = (e/e0)^(-2/(1+m)) the width is 1 + w/W, where w is the energy that a volume spends on D at
+// e_f/3. Measured by tests/verification/softening_bar.py.
 double localisation_cells(const DamageParameters& p);
-// Exponent m that spends G_f on a crack of that width. Throws like crack_band_exponent.
+// Exponent m that spends G_f on a crack of this width. Throws as crack_band_exponent() does.
 double crack_cell_exponent(const DamageParameters& p, double G_f, double cell);
 
-// Uniaxial tension: strain over stress (1 - D)^-2, threshold of the strain (1 - D)^(-(1+m)/2).
+// Curve of uniaxial tension: strain over stress is (1 - D)^-2, and the threshold of the strain is (1 - D)^(-(1+m)/2).
 SofteningCurve softening_curve(const DamageParameters& p);
-// Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws like crack_band_exponent.
+// Exponent m, in [-1/2, 2], that spends G_f on a crack if strain is averaged over a length. Throws as crack_band_exponent() does.
 double nonlocal_exponent(const DamageParameters& p, double G_f, double length);
 
-// Theory: s = E e0^4/e^3 past the onset for exponent 0.
+// Strength by theory, for example s = E e0^4/e^3 past the onset for exponent 0.
 ImpliedStrength implied_strength(const DamageParameters& p, double E);
 
 class TensorDamage final : public LawOf<TensorDamage> {
@@ -97,12 +94,12 @@ class TensorDamage final : public LawOf<TensorDamage> {
   const Sym3<vd>& opening(const Sym3<vd>&, const Sym3<vd>& D) const { return D; }
   vd column(int, const Sym3<vd>&, const Sym3<vd>&) const { return vd{}; }
 
-  // No eigenvalue needed, since dropping the negative part of Y only shortens it and s <= 1.
+  // Needs no eigenvalue, since dropping the negative part of Y only shortens it, and s <= 1.
   static vd square_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) {
     const Sym3<vd> Y = sym_product(stress, strain);
     return 0.5 * contract(Y, Y);
   }
-  // |sym(a b)| <= |a| |b|, and rounding.
+  // Uses |sym(a b)| <= |a| |b|, with a margin for rounding.
   static vd rough_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) {
     constexpr double kHalf = 0.5 * (1.0 + 1e-12);
     return kHalf * contract(stress, stress) * contract(strain, strain);
@@ -110,28 +107,25 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   vd undamaged_drive(const Sym3<vd>& strain) const;
 
-  // Stress for given strain and damage; `active` lanes only matter, D of the others may
-  // be anything with eigenvalues below one.
+  // Stress for given strain and damage. In lanes whose result is not used, D may be any tensor with eigenvalues below one.
   Sym3<vd> stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
-  // The same, and a bound of Yeq and one of B. Where the first is below the second points keep their damage.
+  // Finds the stress, a bound of Yeq and one of B. Points keep their damage if the first bound is below the second.
   using Trial = LawTrial;
   Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
   using Update = LawUpdate;
 
-  // Step of `damage` from strain_start to strain: on the surface at its end, along the drive at its middle, see
-  // return_map.cpp. Lanes outside `active` (already failed, or empty) keep their damage and
-  // return zero stress. The result of a lane depends on no other, to the bit.
-  // The energies are what is left of the trapezoidal work of the step when the change of
-  // stored energy is taken away, eps_n : (C(D_n) - C(D_n+1)) : eps_n+1 / 2, so that a sum
-  // over the steps balances to the order of the step, squared.
-  // strength: factor on B0 of each lane. growth: share of the growth that the step allows,
-  // dt/(viscosity + dt), 1 without viscosity.
+  // Does a step of `damage` from strain_start to strain. It ends on the surface, and grows along the drive at the
+  // middle of the step, see return_map.cpp. Lanes outside `active` (failed, or empty) keep their damage and return zero
+  // stress. The result of a lane is to the bit independent of the others.
+  // The energies are the trapezoidal work of the step less the change of stored energy, eps_n : (C(D_n) - C(D_n+1)) :
+  // eps_n+1 / 2. So a sum over the steps balances to second order of the step.
+  // strength: factor on B0 of each lane. growth: share of the growth that the step allows, dt/(viscosity + dt), 1 without viscosity.
   Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active,
                 vd strength = splat(1.0), double growth = 1.0) const;
 
-  // Driving force s Yeq at the given state, and B(D): for output and tests.
+  // Driving force s Yeq at the given state, and B(D). For output and tests.
   using Drive = LawDrive;
   Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
 
@@ -139,12 +133,12 @@ class TensorDamage final : public LawOf<TensorDamage> {
   struct Evaluation {
     EffectiveStrain<vd> effective;
     Mat3<vd> strain_A, stress_A;   // phi eps_e and phi sigma
-    Sym3<vd> stress_e, stress, Y;  // Y complete, see drive_by()
+    Sym3<vd> stress_e, stress, Y;  // Y with its negative part, see drive_by()
   };
   __attribute__((noinline)) Evaluation evaluate(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
   // Derivative of Y along N.
   Sym3<vd> slope(const Evaluation& s, const Sym3<vd>& N) const;
-  // Turns Y into what drives (its positive part if monotone) and returns its Yeq.
+  // Replaces Y by the part that drives (its positive part if monotone) and returns its Yeq.
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
   vd threshold(const Sym3<vd>& damage) const;

@@ -42,7 +42,7 @@ double VtiElasticity::fastest_wave(double density) const {
 }
 
 double VtiElasticity::largest_stiffness() const {
-  // The shears are eigenvectors; the axial part couples xx + yy with zz.
+  // The shears are eigenvectors. The axial part couples xx + yy with zz.
   const double a = C11 + C12, b = C33;
   const double half = 0.5 * (a + b);
   const double axial = half + std::sqrt(0.25 * (a - b) * (a - b) + 2.0 * C13 * C13);

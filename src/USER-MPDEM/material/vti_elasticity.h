@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Transversely isotropic (VTI) elasticity in the material frame: axes x, y span the
-// plane of isotropy (p), z is the symmetry axis. Engineering constants are those of
-// the compliance
+// Transversely isotropic (VTI) elasticity in the material frame. The axes x, y span the plane of isotropy (p), and z is
+// the symmetry axis. Engineering constants are those of the compliance
 //   S11 = S22 = 1/Ep, S33 = 1/Ez, S12 = -nu_p/Ep, S13 = S23 = -nu_zp/Ez,
 //   S44 = S55 = 1/Gzp, S66 = 2 (1 + nu_p)/Ep,
 // nu_zp = -eps_p/eps_z under sigma_z alone. Moduli in units of pressure.
@@ -21,14 +20,14 @@ struct VtiConstants {
 
   static VtiConstants isotropic(double E, double nu) { return {E, E, nu, nu, 0.5 * E / (1.0 + nu)}; }
 
-  // Empty if the strain energy is positive for every strain, otherwise which of the
-  // five necessary and sufficient conditions fails.
+  // Text of the first condition that fails; empty if there is none. Five conditions are necessary and sufficient for a
+  // positive energy of every strain. A sixth asks for finite moduli.
   std::string violated_condition() const;
 };
 
 struct VtiElasticity {
   double C11, C12, C13, C33, C44, C66;
-  VtiConstants constants;  // that it was made from
+  VtiConstants constants;  // constants that it was made from
 
   // The constants must be positive definite (VtiConstants::violated_condition).
   explicit VtiElasticity(const VtiConstants& c);

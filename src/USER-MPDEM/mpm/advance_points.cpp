@@ -11,9 +11,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kAhead = 2;  // blocks: about as long as memory takes to answer
+constexpr int kAhead = 2;  // blocks to prefetch ahead: their time is about that of a memory access
 
-// Of one block, with its weights s: strain at the end of the step, and the force if the stress does not wait.
+// Advances one block with its weights s. Finds the strain at the end of the step, and scatters the force if the stress does not have to wait.
 template <class L, class W>
 inline void advance_block(PointStore& points, int b, const W& s, const Grid& grid, double* force, double dt, PointStress<L>& stress_at_end,
                           PassClock& clock) {
@@ -25,7 +25,7 @@ inline void advance_block(PointStore& points, int b, const W& s, const Grid& gri
   clock.gathered();
 
   const Sym3<vd> strain_start = p.strain;
-  // The debris of a crack may turn inside out; its state is frozen.
+  // The debris of a crack may turn inside out, so its state is frozen.
   if (m.failed) dF = keep(lanes(m.failed), Mat3<vd>{}, dF);
   advance_strain(p.F, dF, p.q, p.strain);
   for (int i = 0; i < 3; ++i)

@@ -21,24 +21,24 @@
 
 namespace mpdem {
 
-// What work may be left out where it cannot matter.
+// Work that a pass may leave out because it cannot change the result.
 struct AdvanceOptions {
-  bool skip_undamaged = true;  // no return map where a bound says that nothing grows
-  bool skip_failed = true;     // nor anything else in blocks all of whose points failed
-  bool skip_resting = true;    // nor in bodies all of whose nodes are at rest, see resting.h
-  // Damage is driven by averages, see drive_average.h. Points whose drive has none keep their damage.
+  bool skip_undamaged = true;  // leave out the return map where a bound shows that no damage grows
+  bool skip_failed = true;     // leave out blocks all of whose points failed
+  bool skip_resting = true;    // leave out bodies all of whose nodes are at rest, see cement/resting.h
+  // Averages drive the damage, see drive_average.h. Points without an average keep their damage.
   bool nonlocal = false;
 };
 
 struct AdvanceResult {
   double dissipated = 0.0, released = 0.0;  // energy of this step
   std::vector<int> failed;                  // slots that failed in this step, ascending
-  bool near_threshold = false;              // is_near_threshold() or has grown, nonlocal damage only
+  bool near_threshold = false;              // nonlocal damage only: some point is near its threshold, or damage has grown
   PassTicks ticks;
 };
 
-// Advances the points of the blocks [first, last) by dt with the nodal velocity and adds the
-// internal force at the end of the step. Failed points keep their state and give no force.
+// Advances the points of the blocks [first, last) by dt with the nodal velocity. Adds the internal force at the end of
+// the step. Failed points keep their state and give no force.
 void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt,
                     const AdvanceOptions& options, AdvanceResult& result);
 
@@ -46,7 +46,7 @@ inline void advance_points(PointStore& points, Grid& grid, const Law& law, doubl
   advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, AdvanceOptions(), result);
 }
 
-// Adds the internal force of the present state; changes no point.
+// Adds the internal force of the present state. Changes no point.
 void add_internal_force(const PointStore& points, Grid& grid, const Law& law);
 
 }  // namespace mpdem

@@ -19,34 +19,34 @@ namespace mpdem {
 
 class UpdatedPass {
  public:
-  // Cells around those with points that the grid must have at every bind().
+  // Number of cells around those with points for which the grid must have nodes at every bind().
   static constexpr int kMargin = 3;
 
-  // To be called after points or grid were laid out anew.
+  // Must be called after points or grid were laid out anew.
   void bind(const PointStore& points, const Grid& grid);
 
   // Gives points that have no velocity yet the velocity of the nodes.
   static void start(PointStore& points, const Grid& grid, int first_body);
 
-  // Needs grid.velocity at the middle of the step. For flip, dt_v times grid.acceleration must have gone into it.
-  // Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
+  // Needs grid.velocity at the middle of the step. With flip, the caller must have added dt_v times grid.acceleration
+  // to it. Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
   void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
                const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
 
-  // Gives mass, momentum and force of the points to the nodes; moves no point.
+  // Gives mass, momentum and force of the points to the nodes. Moves no point.
   static void project(const PointStore& points, Grid& grid, const Law& law, double density,
                       const Transfer& transfer);
 
   // Slot of a point before and after the last step. A point changes its slot when it goes to another cell, or to
-  // another block of its cell. Ascending.
+  // another block of its cell. moves() ascends in `from`.
   struct Move {
     int from, to;
   };
   const std::vector<Move>& moves() const { return moves_; }
   int crossings() const { return crossings_; }
-  // Whether a point is near the end of the margin. The grid must then be laid out anew before the next step.
+  // True if a point is near the end of the margin. The grid must then be laid out anew before the next step.
   bool layout_is_stale() const { return stale_; }
-  // Tag of a point that went further than the nodes reach, or whose place is not finite; 0 if there is none.
+  // Tag of a point that went beyond the nodes of the grid, or whose place is not finite. 0 if there is none.
   int lost() const { return lost_; }
 
  private:
@@ -56,8 +56,7 @@ class UpdatedPass {
   void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
   bool pack(PointStore& points, const Grid& grid, int node);
 
-  // The blocks of a cell are a list: the first one, by the first node of the cell, and the next one of each block; -1
-  // ends it.
+  // The blocks of a cell are a list. The first node of the cell leads to the first block, and each block to the next one. -1 ends the list.
   std::vector<int> first_in_cell_, next_in_cell_;
   std::vector<Move> moves_, packed_;
   struct Traveller {

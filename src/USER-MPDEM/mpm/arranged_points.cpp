@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Which points share a block, and which lane each has, see PointStore::arrange().
+// Decides which points share a block and which lane each point has, see PointStore::arrange().
 #include <algorithm>
 #include <array>
 #include <map>
@@ -15,7 +15,7 @@ namespace {
 
 struct Item {
   int body, part, base[3], tag, slot;
-  int to_part;  // that of the block; `part` is what blocks are planned by
+  int to_part;  // part of the block it goes to; blocks are planned by `part`
 };
 
 bool same_cell(const Item& a, const Item& b) {
@@ -30,7 +30,7 @@ bool cell_before(const Item& a, const Item& b) {
   return false;
 }
 
-// Items of a block: from the first cell, and from others in a row with it, if there are any.
+// Items of a block: those of its first cell, and those of further cells in a row with it.
 struct Plan {
   int first = 0, count = 0;
   int joined = kOneCell;
@@ -38,7 +38,7 @@ struct Plan {
     int first = 0, count = 0;
   } more[kMostReach];
   int total() const { return count + more[0].count + more[1].count; }
-  int lane[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};  // of the items, one after the other
+  int lane[kLanes] = {0, 1, 2, 3, 4, 5, 6, 7};  // lane of each item, in the order of the items
   // Item of each lane, -1 if it is empty.
   std::array<int, kLanes> by_lane() const {
     std::array<int, kLanes> items;
@@ -53,14 +53,15 @@ struct Plan {
   }
 };
 
-// Looks for cells with which blocks share theirs.
+// Finds cells in a row whose partial blocks can share one block.
 class Joiner {
  public:
-  // partial: plans of blocks that are not full, in the order of their cells.
+  // partial: the plans of blocks that are not full, in the order of their cells.
   Joiner(const std::vector<Item>& items, std::vector<Plan>& plans, const std::vector<int>& partial)
       : items_(items), plans_(plans), partial_(partial), gone_(plans.size(), 0) {}
 
-  // The fullest block, of two cells rather than of three, along the last direction first, where a column just gets longer.
+  // Joins partial block a with those of next cells, if they fit together. Takes the choice with most points. Among
+  // equals, two cells come before three, and the last direction comes first, since columns there just get longer.
   void join(int a) {
     Plan& p = plans_[a];
     if (gone_[a] || p.joined != kOneCell) return;
@@ -95,7 +96,7 @@ class Joiner {
 
  private:
   int count(int a) const { return a < 0 ? 0 : plans_[a].count; }
-  // The block of the cell so far ahead, if it may be taken, else -1.
+  // The partial block of the cell `reach` ahead along d, or -1 if there is none that may be taken.
   int beside(int a, int d, int reach) const {
     Item next = items_[plans_[a].first];
     next.base[d] += reach;
@@ -110,10 +111,10 @@ class Joiner {
   std::vector<char> gone_;
 };
 
-// Blocks of items that are sorted by cells.
+// Plans blocks for items that are sorted by cells. join: partial blocks may share a block.
 std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   std::vector<Plan> plans;
-  std::vector<int> partial;  // blocks that are not full: the last of their cell, whose order they have
+  std::vector<int> partial;  // blocks that are not full: each is the last of its cell; ordered by cell
   const int n = static_cast<int>(items.size());
   for (int i = 0; i < n;) {
     Plan p;
@@ -132,7 +133,8 @@ std::vector<Plan> plan_blocks(const std::vector<Item>& items, bool join) {
   return plans;
 }
 
-// Lanes of the items of one cell, if they are in columns of a lattice. Which side of the cell they are on tells the columns of a box apart.
+// Finds the lanes of the items of one cell, if these are in columns of a lattice. The columns of a box are told apart
+// by the side of the cell that they are on.
 void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
   int lane[kLanes];
   const double *height[2] = {}, *column[4] = {};
@@ -158,7 +160,8 @@ void place_in_columns(Plan& p, const double (*X)[3], const double* middle) {
   std::copy_n(lane, p.count, p.lane);
 }
 
-// Gives empty lanes the place along d of a lane with the same number of `groups`; false if points of a group are at different places.
+// Gives empty lanes the coordinate of the points in their group. A group without points takes the coordinate of another
+// group. Returns false, and changes nothing, if points of a group have different coordinates.
 bool share_places(vd& X, std::uint8_t occupied, const int (&group)[kLanes], int groups) {
   double place[4];
   unsigned found = 0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Nodes of a block, of all cells that it has in a row. Most blocks have columns of nodes that are neighbours in memory. Blocks that borrow nodes
-// (BlockMeta::borrowed) have a list of them: what these have is put in columns for the kernels of gather.h and scatter.h, and back.
+// Nodes of a block, including those of all cells that it has in a row. The nodes of most blocks are columns of
+// neighbours in memory. A block that borrows nodes (BlockMeta::borrowed) has a list of them instead. The values of
+// these nodes are copied into columns for the kernels of gather.h and scatter.h, and sums are copied back.
 #ifndef MPDEM_BLOCK_NODES_H
 #define MPDEM_BLOCK_NODES_H
 
@@ -17,7 +18,7 @@ namespace mpdem {
 inline int count_of_columns(const BlockMeta& m, int support) { return nodes_along(m, 0, support) * nodes_along(m, 1, support); }
 inline int count_of_nodes(const BlockMeta& m, int support) { return count_of_columns(m, support) * nodes_along(m, 2, support); }
 
-// Calls f(node).
+// Calls f(node) for each node of all cells of a block.
 template <class F>
 void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
   const int S = support(grid.basis);
@@ -31,7 +32,7 @@ void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
     for (int k = 0; k < length; ++k) f(m.column[c] + k);
 }
 
-// The same for those of the cell of a lane.
+// Calls f(node) for each node of the cell in which the point of a lane lies.
 template <class F>
 void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) {
   const int S = support(grid.basis), J = nodes_along(m, 1, S), K = nodes_along(m, 2, S);
@@ -46,7 +47,7 @@ void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) 
   });
 }
 
-// Room for what the nodes of a block have, so many numbers each.
+// Columns with the values of the borrowed nodes of a block, kWidth numbers each.
 template <int kWidth>
 class BlockColumns {
  public:
@@ -62,7 +63,7 @@ class BlockColumns {
     for (int n = 0; n < count_; ++n)
       for (int c = 0; c < kWidth; ++c) field[kWidth * static_cast<long>(nodes_[n]) + c] += values[kWidth * n + c];
   }
-  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] = {};  // and what a kernel reads beyond the last
+  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] = {};  // the last lanes are room for what a kernel reads beyond the nodes
   int column[kMostColumns];
 
  private:
@@ -70,7 +71,7 @@ class BlockColumns {
   int count_;
 };
 
-// Calls f(values, columns) with a field of so many numbers a node.
+// Calls f(values, columns) with the values of a nodal field, kWidth numbers a node.
 template <int kWidth, class F>
 void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f) {
   if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);
@@ -79,7 +80,7 @@ void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f)
   f(static_cast<const double*>(own.values), static_cast<const int*>(own.column));
 }
 
-// Calls f(sums, columns), which adds to the sums of a field.
+// Calls f(sums, columns), where f adds to the sums of a nodal field, kWidth numbers a node.
 template <int kWidth, class F>
 void with_sums(const Grid& grid, const BlockMeta& m, double* field, F f) {
   if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);

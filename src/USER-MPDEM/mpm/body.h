@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A body is the cement between two grains as it was created: origin and axes of its coordinates, its grains as
-// they were then, and its lattice of points. The table of bodies is the same on every rank.
+// A body is the cement between two grains as it was created: origin and axes of its coordinates, its grains at that
+// time, and its lattice of points. The table of bodies is the same on every rank.
 //
-// Coordinates of a body have axes of their own, so that its lattice and its grid lie along the line of centres whichever way that points in the
-// box: bonds of one shape have one answer and one cost. All that is stored of a body, its points, nodes and links is in these axes, but for
-// what says otherwise. They turn into those of the box where cement meets grains (GrainSides), gravity, and who looks at it.
+// Coordinates of a body have their own axes. So lattice and grid lie along the line of centres, whatever its direction
+// in the box, and bonds of one shape have the same answer and the same cost. Everything stored of a body, its points,
+// nodes and links is in these axes, unless its comment says otherwise. Values are turned into the axes of the box where
+// cement meets grains (GrainSides), for gravity, and for output.
 #ifndef MPDEM_BODY_H
 #define MPDEM_BODY_H
 
@@ -24,27 +25,27 @@ enum class AxisRule { none, radial, bond, global };
 
 struct Body {
   int grain[2] = {0, 0};                              // tags, ascending
-  double origin[3] = {0, 0, 0};                       // of its coordinates, in those of the box
-  double turn[4] = {1, 0, 0, 0};                      // from its axes to those of the box
+  double origin[3] = {0, 0, 0};                       // origin of its coordinates, in the box
+  double turn[4] = {1, 0, 0, 0};                      // rotation from its axes to those of the box
   double radius[2] = {0, 0};                          // of the grains
-  double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // of the grains, from the origin
-  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // of the grains at creation, to the axes of the body
-  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from unwrapped coordinates of LIGGGHTS to those of the body
+  double centre[2][3] = {{0, 0, 0}, {0, 0, 0}};       // centres of the grains, from the origin
+  double orientation[2][4] = {{1, 0, 0, 0}, {1, 0, 0, 0}};  // orientation of the grains at creation, to the axes of the body
+  double shift[2][3] = {{0, 0, 0}, {0, 0, 0}};        // from unwrapped coordinates of LIGGGHTS to coordinates of the body
   double attached_area[2] = {0, 0};
-  double box[3] = {0, 0, 0};                          // period, 0 where there is none; shifts are multiples of it
+  double box[3] = {0, 0, 0};                          // period of the box, 0 where there is none; shifts are multiples of it
   AxisRule axis_rule = AxisRule::none;                // none: no frames yet
-  double axis[3] = {0, 0, 0};                         // its direction, in the axes of the box
-  bool in_motion = false;                             // a step was taken: displacements are those of nodes
-  bool condensed = false;                             // displacements are those of the grains, see coupling/condensed_bond.h
+  double axis[3] = {0, 0, 0};                         // direction of its axis, in the axes of the box
+  bool in_motion = false;                             // a step was taken, and displacements are those of nodes
+  bool condensed = false;                             // displacements follow those of the grains, see coupling/condensed_bond.h
   double volume = 0;
-  double spacing = 0;                                 // of the lattice of the points
-  double lattice[3] = {0, 0, 0};                      // one of its corners, reference coordinates
-  bool regular = true;                                // points of full cells lie in the middle of them
-  double thickness = 0;  // of the cement between the grains, where it is largest
+  double spacing = 0;                                 // spacing of the lattice of points
+  double lattice[3] = {0, 0, 0};                      // a corner of the lattice, reference coordinates
+  bool regular = true;                                // points of full cells lie in the middle of their cells
+  double thickness = 0;  // largest thickness of the cement between the grains
   int points = 0;
-  int pattern = 0;       // of a bond whose points are not made yet, counted from 1, see point_pattern.h
-  bool wants_points = false;  // they are to be made before the next step
-  int home = 0;          // the rank that has its points, counted from 1, 0: that of their places, see cement/work_shares.h
+  int pattern = 0;       // number of its pattern, from 1, while its points are not made yet (point_pattern.h); else 0
+  bool wants_points = false;  // its points must be made before the next step
+  int home = 0;          // rank that has its points, counted from 1; 0: points go by their places, see cement/work_shares.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -79,7 +80,7 @@ struct Body {
 };
 
 inline Mat3<double> axes_of(const Body& body) { return rotation_of(body.turn); }
-// From coordinates of a body to those of the box. axes: of the body.
+// Converts coordinates of a body to those of the box. axes: axes_of(body).
 inline std::array<double, 3> place_in_box(const Body& body, const Mat3<double>& axes, const double* X) {
   std::array<double, 3> x = turned(axes, X);
   for (int d = 0; d < 3; ++d) x[d] = body.origin[d] + x[d];
@@ -90,7 +91,7 @@ inline int lattice_cell(const Body& body, int d, double X) {
   return static_cast<int>(std::floor((X - body.lattice[d]) / body.spacing));
 }
 
-// Distance of X from the surface of that grain.
+// Distance of X from the surface of a grain, negative inside it.
 inline double above_grain(const Body& body, int side, const double* X) {
   double r2 = 0.0;
   for (int d = 0; d < 3; ++d) r2 += (X[d] - body.centre[side][d]) * (X[d] - body.centre[side][d]);
@@ -101,11 +102,11 @@ inline double above_grain(const Body& body, int side, const double* X) {
 inline double nearer_to_first(const Body& body, const double* X) { return above_grain(body, 1, X) - above_grain(body, 0, X); }
 
 inline double rounding_of_places(const Body& body) { return 1e-6 * body.spacing; }
-// Whether both surfaces are equally near, up to rounding.
+// True if both surfaces are equally near, up to rounding.
 inline bool in_the_middle(const Body& body, double nearer_to_first) { return std::fabs(nearer_to_first) <= rounding_of_places(body); }
 
-// The grain (0 or 1) whose surface is nearer. In the middle it is the grain of smaller x, with equal x that of
-// smaller y, with equal y that of smaller z. So the order of the grains does not matter.
+// The grain (0 or 1) whose surface is nearer. In the middle it is the grain of smaller x, with equal x that of smaller
+// y, with equal y that of smaller z. So the result does not depend on the order of the grains.
 inline int nearer_side(const Body& body, double nearer_to_first) {
   if (!in_the_middle(body, nearer_to_first)) return nearer_to_first < 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -115,10 +116,10 @@ inline int nearer_side(const Body& body, double nearer_to_first) {
   return 0;
 }
 
-// A body has parts. Each part has nodes of its own, which are a field of the grid. A body that came apart has pieces:
+// A body has parts. Each part has its own nodes, which are a field of the grid. A body that came apart has pieces:
 // piece 0 stays with the first grain, piece 1 with the second, and others are loose. A body that holds is piece 0. A
-// piece is one part. If the body has a crevice (fracture/crevice.h), it is two parts, which are called sheets.
-// Bonds are as many as an int counts. A part that has 27 nodes takes some 10 kB, so memory ends before the parts of a bond do.
+// piece is one part. If the body has a crevice (fracture/crevice.h), a piece is two parts, which are called sheets.
+// There may be as many bonds as an int counts. A part with 27 nodes takes some 10 kB. So memory ends before a bond runs out of parts.
 constexpr int kMaxParts = 1 << kPartBits;
 constexpr int kMaxPieces = kMaxParts / 2;
 inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }

@@ -15,10 +15,10 @@
 namespace mpdem {
 
 namespace {
-// Debris may turn inside out: what is squeezed to less than this, or is torn away further, has no crack any more.
+// Debris may turn inside out. A point has no crack any more if its volume ratio is outside these bounds.
 constexpr double kLeastVolume = 0.2, kMostVolume = 5.0;
 
-// lambda_0 of a point with the crack n0; along: n n in the frame of the material.
+// lambda_0 of a point with the crack normal n0. along: n n in the frame of the material.
 double width_when_closed(const PointStore& points, int slot, const std::array<double, 3>& n0, const Sym3<double>& along, double K) {
   const int block = slot / kLanes, l = slot % kLanes;
   const Mat3<vd> back = mpdem::inverse(points.blocks[block].F);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Gradients and values at the points of a block that stand in columns, and forces of their stress, see gather.h and scatter.h. Lanes 2n
-// and 2n + 1 are column n, its lower and its upper point. All lower points are at one height, and all upper ones, as in a lattice
-// with two points a cell in each direction. If the columns are the corners of a rectangle, too, with n = 2a + b, the points are
-// those of a box. Weights are then two numbers for each node and direction, or four across columns that stand anywhere. Lanes are
-// summed over the points of a column, and the columns of a rectangle, as soon as the weights are there, and split only when they
-// are needed. (This is the sum factorisation of spectral elements, Orszag 1980.) That takes less than half of the multiplications
-// of eight points anywhere, which is what the kernels wait for.
+// Gradients and values at the points of a block that stand in columns, and forces of their stress (see gather.h and
+// scatter.h). Lanes 2n and 2n + 1 are the lower and the upper point of column n. All lower points are at one height,
+// and so are all upper ones. A lattice with two points a cell in each direction gives such blocks. If the columns are
+// also the corners of a rectangle, with n = 2a + b, the points are those of a box. Each node and direction then has two
+// different weights, or four across columns that stand anywhere. Lanes are summed over the points of a column, and over
+// the columns of a rectangle, as soon as the weights are known. They are split only when they are needed. (This is the
+// sum factorisation of spectral elements, Orszag 1980.) It takes less than half of the multiplications of eight points
+// anywhere, which limit the speed of the kernels.
 //
-// In between a vector has the lanes 2 component + c, with c = 1 for upper points; lanes 6 and 7 are not used.
+// Intermediate vectors have the lanes 2 component + c, with c = 1 for upper points. Lanes 6 and 7 are not used.
 #ifndef MPDEM_COLUMNS_H
 #define MPDEM_COLUMNS_H
 
@@ -21,7 +22,7 @@
 
 namespace mpdem {
 
-// Where the points of a block are, beside what is true of all blocks.
+// Arrangement of the points of a block, if it is more regular than "anywhere in the cell".
 enum class Lattice : std::uint8_t { none, columns, box };
 
 template <class Type, Lattice kLattice>
@@ -42,7 +43,7 @@ struct ColumnWeights {
 
 namespace detail {
 
-// Columns of three components of a tensor.
+// Sorts three components by column: U[n] has those of column n.
 inline void by_column(const vd& x, const vd& y, const vd& z, vd (&U)[4]) {
   const vd low = __builtin_shufflevector(x, y, 0, 1, 2, 3, 8, 9, 10, 11);
   const vd high = __builtin_shufflevector(x, y, 4, 5, 6, 7, 12, 13, 14, 15);
@@ -52,7 +53,7 @@ inline void by_column(const vd& x, const vd& y, const vd& z, vd (&U)[4]) {
   U[3] = __builtin_shufflevector(high, z, 2, 3, 6, 7, 14, 15, 14, 15);
 }
 
-// The inverse.
+// Inverts by_column().
 inline void by_component(const vd (&U)[4], vd& x, vd& y, vd& z) {
   const vd low = __builtin_shufflevector(U[0], U[1], 0, 1, 2, 3, 8, 9, 10, 11);
   const vd high = __builtin_shufflevector(U[2], U[3], 0, 1, 2, 3, 8, 9, 10, 11);
@@ -63,7 +64,7 @@ inline void by_component(const vd (&U)[4], vd& x, vd& y, vd& z) {
   z = __builtin_shufflevector(near, far, 0, 1, 4, 5, 8, 9, 12, 13);
 }
 
-// Adds a column of three nodes, from what its nodes 0, 1 and 2 take of both c.
+// Adds to the three nodes of a column. of0, of1 and of2 have the shares of nodes 0, 1 and 2 from lower and upper points.
 inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of2) {
   const vd near01 = __builtin_shufflevector(of0, of1, 0, 2, 4, 8, 10, 12, 0, 2), far01 = __builtin_shufflevector(of0, of1, 1, 3, 5, 9, 11, 13, 1, 3);
   const vd near = __builtin_shufflevector(near01, of2, 0, 1, 2, 3, 4, 5, 8, 10);
@@ -77,11 +78,11 @@ inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of
 
 }  // namespace detail
 
-// Columns that have weights of their own along the second direction: all, or the two of a = 0.
+// Number of columns with different weights along the second direction: all four, or in a box the two of a = 0.
 constexpr int own_columns(Lattice lattice) { return lattice == Lattice::box ? 2 : 4; }
 
-// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d
-// A function of its own, as the next: single weights then come from memory, as operands, and need no instructions.
+// G.a[c][d] = sum_I nodal_Ic dN_I/dX_d This function and scatter_gradient() are not inlined. The compiler then reads
+// single weights as operands from memory, without instructions of their own.
 template <class Type, Lattice kLattice>
 __attribute__((noinline)) inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* column,
                                                           const ColumnWeights<Type, kLattice>& s) {

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The consistent mass M of the points, M_IJ = sum_p m_p N_I N_J, beside the lumped mass M_L of the nodes, which are its row
-// sums. M is never formed: one product is one gather and one scatter over the points.
+// The consistent mass M of the points, M_IJ = sum_p m_p N_I N_J. Its row sums are the lumped mass M_L of the nodes. M
+// is never formed: one product is one gather and one scatter over the points.
 //
-// With `mass_order` k the nodes are accelerated by the first k terms of
-//   M^-1 = sum over j of (1 - M_L^-1 M)^j M_L^-1,
-// as in the FMPM(k) of J. A. Nairn and C. C. Hammerquist (Comput. Methods Appl. Mech. Eng. 377 (2021) 113667).
-// The eigenvalues of M_L^-1 M lie in [0, 1]. So the inverse stays symmetric and positive definite, is at most k times that of the
-// lumped mass, and k times the largest eigenvalue of M_L^-1 K bounds that of the step.
+// The parameter `mass_order` k sets how many terms of this series accelerate the nodes:
+//   M^-1 = sum over j of (1 - M_L^-1 M)^j M_L^-1.
+// This is the FMPM(k) of J. A. Nairn and C. C. Hammerquist (Comput. Methods Appl. Mech. Eng. 377 (2021) 113667).
+// The eigenvalues of M_L^-1 M lie in [0, 1]. So the inverse stays symmetric and positive definite and is at most k times
+// that of the lumped mass. k times the largest eigenvalue of M_L^-1 K therefore bounds the largest one of the step.
 //
-// A tied node takes part as the mean of its heirs, which have its mass (edge_ties.h). So the row sums of M stay M_L, and momentum is kept.
-// Points that failed count in the lumped mass alone, since where nodes split their mass is shared out otherwise (fracture/node_copies.h).
+// A tied node takes part as the mean of its heirs, which have its mass (edge_ties.h). So the row sums of M stay M_L,
+// and momentum is kept. The inertial force leaves out failed points, which count in the lumped mass alone: where nodes
+// split, the mass of failed points is distributed in another way (fracture/node_copies.h).
 #ifndef MPDEM_CONSISTENT_MASS_H
 #define MPDEM_CONSISTENT_MASS_H
 
@@ -24,20 +25,20 @@ namespace mpdem {
 
 enum class MassOf { all_points, unfailed_points };
 
-// out += scale M field, three numbers a node, of the points of this rank. Values of tied nodes go to their heirs.
+// out += scale M field, three numbers a node, for the points of this rank. Values of tied nodes go to their heirs.
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, std::vector<double> field,
                          std::vector<double>& out);
 
-// Keeps the row sums of the M of a bond while its layout and its points stay.
+// Inertial force of one bond. Keeps the row sums of M as long as layout and points stay the same.
 class ConsistentMass {
  public:
   void forget() { row_sums_.clear(); }
-  // Sets Grid::inertial_force to (M_L - M) a, a the acceleration of the nodes, of the unfailed points of this rank.
+  // Sets Grid::inertial_force to (M_L - M) a with the acceleration a of the nodes. M and M_L are those of the unfailed points of this rank.
   void find_inertial_force(const PointStore& points, Grid& grid, double density);
   std::size_t memory_usage() const { return row_sums_.capacity() * sizeof(double); }
 
  private:
-  std::vector<double> row_sums_;  // of the nodes
+  std::vector<double> row_sums_;  // a number for each node
 };
 
 }  // namespace mpdem

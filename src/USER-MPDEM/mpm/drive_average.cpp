@@ -17,10 +17,10 @@ namespace mpdem {
 AverageSweeps sweeps_for(double length, double cell, Basis basis) {
   const double ratio = length / cell, degree_plus_1 = support(basis);
   const double sweeps = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
-  // a weight of next to nothing is rounding
+  // A tiny rest is rounding error.
   const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
   const double rest = sweeps - whole;
-  if (whole == 0) return {1, 1.0};  // L is the cell but for rounding
+  if (whole == 0) return {1, 1.0};  // L equals the cell, up to rounding
   return rest > 1e-6 * sweeps ? AverageSweeps{whole + 1, rest} : AverageSweeps{whole, 1.0};
 }
 

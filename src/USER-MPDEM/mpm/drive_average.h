@@ -6,21 +6,22 @@
 //
 //   ebar^(1/2) = S^k e^(1/2),   S f = sum_I N_I(X_p) (sum_q N_I(X_q) V_q f_q) / (sum_q N_I(X_q) V_q)
 //
-// where tied nodes (edge_ties.h), copies of split nodes among them, give their sums to their heirs and have the means of these.
-// S keeps constants, and with the volumes as weights it is symmetric and keeps the sum. It takes no neighbour list, and ends
-// where unfailed points share no node. With splines of degree p a sweep adds (p + 1)/6 h^2 to the variance of the kernel, and
-// the strain of a point is an average with the variance (p + 1)/12 h^2 already. All together has the variance L^2: some whole
-// sweeps and a last one of weight theta, (1 - theta) f + theta S f.
+// Tied nodes (edge_ties.h), including copies of split nodes, give their sums to their heirs and take the means of
+// these. S keeps constants. With the volumes as weights it is symmetric and keeps the sum. It needs no neighbour list,
+// and it ends where unfailed points share no node. With splines of degree p a sweep adds (p + 1)/6 h^2 to the variance
+// of the kernel. The strain of a point is itself an average with the variance (p + 1)/12 h^2. The sum of the variances
+// is L^2. So there are some whole sweeps and a last one of weight theta, (1 - theta) f + theta S f.
 //
-// The law is asked with its strain scaled by ebar/e, whose direction is that of the point: with a drive Yeq of degree n in the
-// strain, that is a threshold divided by the amplification a = (ebar/e)^n. Two choices make the band of a crack as wide for every
-// cell (doc/theory.md, tests/unit/test_localisation.cpp). The norm is that of the strain, not of the drive Yeq(D): where the
-// threshold B does not rise with damage, an average of Yeq(D) shrinks to a single layer of points. The root makes the band
-// nearly as wide in the end as in the beginning: the strain in it is some hundred times that beside it then.
+// The law takes the strain of the point scaled by ebar/e, with unchanged direction. For a drive Yeq of degree n in the
+// strain this divides the threshold by the amplification a = (ebar/e)^n. Two choices make the band of a crack equally
+// wide for every cell size (doc/theory.md, tests/unit/test_localisation.cpp). First, the norm is that of the strain,
+// not of the drive Yeq(D): if the threshold B does not rise with damage, an average of Yeq(D) shrinks to a single layer
+// of points. Second, the root makes the band nearly as wide at the end as at the beginning, when the strain in it is
+// some hundred times that beside it.
 //
-// Where e is next to nothing beside high averages its direction says nothing: a is at most kMostAmplification. The average is that of the
-// state that a step starts from, e that of its end: what waves do to a point within a step has no part in its drive. Failed points
-// have no part in averages.
+// The direction of the strain means nothing if e is tiny beside high averages. So a is at most kMostAmplification. The
+// average belongs to the state at the start of a step, e to the end of the step. So waves within a step do not change
+// the drive of a point. Failed points take no part in averages.
 #ifndef MPDEM_DRIVE_AVERAGE_H
 #define MPDEM_DRIVE_AVERAGE_H
 
@@ -33,11 +34,13 @@
 namespace mpdem {
 
 constexpr double kMostAmplification = 100.0;
-// A bond is averaged while the undamaged material would have this share of the lowest threshold at some point: no average of the
-// strain is above the largest. Once it has been averaged, find_limits() knows better.
+// A bond that was not averaged yet is averaged if the undamaged material would reach this share of the lowest threshold
+// at some point. This is safe, since no average of the strain is above the largest strain. Once a bond is averaged,
+// find_limits() gives a better criterion.
 constexpr double kNearThreshold = 0.9;
 
-// How often to sweep for the length L, and with what weight the last time. A single sweep is whole: a part of it would need the roots at the points.
+// Number of sweeps for the length L, and the weight of the last one. A single sweep has weight 1: with a smaller weight
+// it would need the roots at the points.
 struct AverageSweeps {
   int count = 0;
   double last_weight = 1.0;  // in (0, 1]
@@ -46,36 +49,38 @@ struct AverageSweeps {
 };
 AverageSweeps sweeps_for(double length, double cell, Basis basis);
 
-// Has a point that kNearThreshold share of a drive? By an upper bound of it.
+// True if the drive of some unfailed point reaches the share kNearThreshold of the lowest threshold. Uses an upper bound of the drive.
 bool is_near_threshold(const PointStore& points, const Law& law);
 
-// Of the points of a block with weights s. 0 without an average: nothing grows.
+// Average at the points of a block with weights s. Zero if the grid has no average, so no damage grows.
 template <class W>
 vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
   return grid.drive_average.empty() ? vd{} : gather_scalar(grid.drive_average.data(), m.column, s);
 }
 
-// One bond. find() is for one whose points are all on this rank. The average of points that are on other ranks, too, needs the sums of the nodes over
-// the ranks: after start() of volumes() and sums(), after every sweep() but the last of sums().
+// Averages of one bond. find() is for a bond whose points are all on this rank. If other ranks have points of the bond
+// as well, the caller must sum over the ranks: volumes() and sums() after start(), and sums() after every sweep() but the last.
 class DriveAverage {
  public:
   void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool volumes_stand = false) {
     start(points, grid, law, volumes_stand);
     for (int k = 0; k < sweeps.count; ++k) sweep(points, grid, sweeps, k);
   }
-  // Takes the roots of the norms to the nodes. volumes_stand: points are where they were in the last start. The volumes of the nodes are found anew then
-  // only if a point has failed since, or the nodes have changed.
+  // Scatters the roots of the norms to the nodes. volumes_stand: points are where they were in the last start(). The
+  // volumes of the nodes are then found anew only if a point has failed since, or if the grid has no average.
   void start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand = false);
-  // The kth of the sweeps. Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps it is taken to the points and
-  // back. After the last one the pass over the points interpolates it, whose weights are there already.
+  // Does sweep k. Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps the
+  // average is gathered at the points and scattered back. After the last sweep the pass over the points interpolates it
+  // with the weights that it has anyway.
   void sweep(const PointStore& points, Grid& grid, const AverageSweeps& sweeps, int k);
 
-  // An average is a mean of the roots of points with weights that are not negative: it grows by no more than the root grows that grows most. So
-  // there is nothing to average until some root has grown by what the largest average lacks of the threshold. Sets grid.drive_limit to the drives
-  // of that, and takes the averages away, if the largest is below the threshold. Else the points have no limits.
-  // After the sweeps, with the strain that was averaged; `largest` of the averages of all ranks.
+  // Sets grid.drive_limit and clears grid.drive_average if `largest` is below the threshold. Else the points have no
+  // limits. An average is a mean of roots of points with weights that are not negative. So it grows no more than the
+  // root that grows most, and no point needs an average until some root has grown by what `largest` lacks of the
+  // threshold. The limit is the square of the drive of that root. Call it after the sweeps, with the strain that was
+  // averaged. `largest` is the largest average on all ranks.
   static void find_limits(const PointStore& points, Grid& grid, const Law& law, double largest);
-  // The largest average of these points; infinite if some have damage, which grows under any average.
+  // Largest average of these points. Infinite if a point has damage, since damage may grow under any average.
   static double largest(const PointStore& points, const Grid& grid);
 
   double* volumes() { return volume_.data(); }
@@ -83,8 +88,8 @@ class DriveAverage {
   std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity()) * sizeof(double); }
 
  private:
-  std::vector<double> volume_, sum_;  // of the nodes
-  int holding_ = -1;                  // points that volume_ is of
+  std::vector<double> volume_, sum_;  // a number for each node
+  int holding_ = -1;                  // number of unfailed points in volume_
 };
 
 }  // namespace mpdem

@@ -15,16 +15,17 @@ namespace mpdem {
 
 namespace {
 
-// Shares of mass, kTiedBelow of the basis of that of the next node. None of them is near what a lattice gives whose cells are full, so that
-// rounding decides nothing.
+// Shares of mass: kTiedBelow of the basis is a share of the mass of the next node. No share is near those of a lattice
+// with full cells, so rounding decides nothing.
 double tied_below(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
 }
-constexpr double kSecond = 0.3;   // the second has at least this share of the next
+constexpr double kSecond = 0.3;   // a node is tied only if the second node has at least this share of the mass of the next
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-// Of a node: bit n, tied along direction n; the next or the second there is one of the other sheet; it is a copy.
+// Code of a node. Bit n: it is tied along direction n. Bit kNextOther + n: the next node in direction n is one of the
+// other sheet. Bit kSecondOther + n: so is the second. kCopy: it is a copy of the node of the first sheet.
 using Code = int;
 constexpr int kNextOther = kDirections, kSecondOther = 2 * kDirections;
 constexpr Code kCopy = 1 << 3 * kDirections;
@@ -54,7 +55,7 @@ int place_of(const std::vector<Key>& keys, const Key& k) {
 
 int directions_of(Code code) { return (code & kCopy) ? 1 : __builtin_popcount(code & ((1 << kDirections) - 1)); }
 
-// Calls f(master, weight, does it take mass) for what a code asks for.
+// Calls f(master, weight, whether it takes mass) for each master that a code names.
 template <class F>
 void for_each_term(const Next& next, const Key& k, Code code, F f) {
   if (code & kCopy) {
@@ -105,19 +106,19 @@ class Resolver {
   std::map<Key, EdgeTie> done_;
 };
 
-// What a node looks for in its neighbourhood: nodes of its own sheet, or of both where they are joined.
+// Masses around a node: those of nodes of its own sheet, or of both sheets where they are joined.
 class Surroundings {
  public:
-  static constexpr int kWidth = 2;  // mass, is it joined
+  static constexpr int kWidth = 2;  // mass, and whether the node is joined
 
-  // Collective. Nodes that stand for themselves or for both sheets, and their values, are looked up.
+  // Collective. Looks up the wanted nodes. keys and values: nodes of this rank that are not copies, kWidth values each.
   Surroundings(MPI_Comm comm, const Next& next, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
       : next_(next), wanted_(std::move(wanted)) {
     make_unique(wanted_);
     values_ = fetch_values(comm, kWidth, keys, values, wanted_, found_);
   }
 
-  // Mass of the node some steps on, 0 if there is none; `other` says that it is one of the other sheet.
+  // Mass of the node `steps` away in a direction, 0 if there is none. Sets `other` if it is a node of the other sheet.
   double mass(const Key& k, bool has_sheets, bool joined, int direction, int steps, bool& other) const {
     const int same = at(neighbour(next_, k, direction, steps));
     other = false;
@@ -141,7 +142,7 @@ class Surroundings {
   std::vector<double> values_;
 };
 
-// Codes of the nodes of this rank, the same on all ranks that hold a node, as sums over ranks are (halo_sum.h).
+// Codes of the nodes of this rank. All ranks that hold a node find the same code, since sums over ranks are equal on them (halo_sum.h).
 std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
   std::vector<Key> copies;
@@ -214,7 +215,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
       codes.emplace_hint(codes.end(), keys[i], static_cast<Code>(own[i]));
       open.push_back(keys[i]);
     }
-  // Are the masters that other ranks hold tied too, and their masters?
+  // Asks other ranks whether the masters that they hold are tied too, and then for the masters of these.
   for (int more = 1; more;) {
     std::vector<Key> ask;
     for (const Key& k : open)
@@ -241,9 +242,10 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 
 void EdgeTies::clear() { *this = EdgeTies(); }
 
-// Its weights are the last of the list. They go where the same ones follow each other before.
+// Ends a row, whose weights are the last of the list. If the same weights follow each other earlier in the list, the
+// row uses those, and its own are removed.
 void EdgeTies::Rows::end_row() {
-  constexpr std::size_t kLast = 256;  // more weights are seldom, and may be there twice
+  constexpr std::size_t kLast = 256;  // number of last weights to search; weights before these may be stored twice
   const std::size_t length = node_.size() - first_[first_.size() - 1], old = weight_.size() - length;
   const double* const row = weight_.begin() + old;
   const double* const at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
@@ -329,7 +331,7 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   if (whole) bind_chain(ties, keys);
 }
 
-// Unless nodes behind are not known or not here.
+// Makes the chain. Does nothing if some node behind is not known or not on this rank.
 void EdgeTies::bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys) {
   const int count = static_cast<int>(ties.size());
   std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
@@ -337,7 +339,7 @@ void EdgeTies::bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Ke
     for (const auto& b : ties[t].behind) behind[t].emplace_back(place_of(keys, b.first), b.second);
     if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
   }
-  // Those whose nodes behind are free come first. There are no circles.
+  // Slaves whose nodes behind are free come first. There are no circles.
   const std::vector<int> row = row_of_each(static_cast<int>(keys.size()));
   std::vector<int> depth(ties.size(), -1);
   const std::function<int(int)> find_depth = [&](int t) {
@@ -382,14 +384,14 @@ void EdgeTies::append_with_weights(const EdgeTies& other, int first, int end) {
   heirs_.append_with_weights(other.heirs_, first, end);
 }
 
-// Few ties change, so what lies between them goes over at once.
+// Few ties change, so the rows between them are copied together.
 bool EdgeTies::exchange(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted, const std::vector<Key>& keys) {
   EdgeTies fresh, next;
   fresh.bind(wanted, keys);
   next.masters_.take_weights(masters_);
   next.heirs_.take_weights(heirs_);
   bool freed = false;
-  int t = 0, f = 0;  // the next of these ties, and of the fresh ones
+  int t = 0, f = 0;  // next row of these ties, and next row of the fresh ones
   const auto keep_until = [&](int end) {
     next.append_with_weights(*this, t, end);
     t = end;
@@ -431,7 +433,7 @@ std::vector<EdgeTie> EdgeTies::by_key(const std::vector<Key>& keys) const {
 
 namespace {
 
-// Three numbers of a node, in two pieces: the same pieces are read that were written before, which a processor need not wait for.
+// Three numbers of a node, in two pieces. Reads use the pieces of earlier writes, so that the processor can forward them without waiting.
 struct Three {
   using v2 = double __attribute__((vector_size(16)));
   v2 xy;
@@ -492,7 +494,7 @@ void EdgeTies::pull_back_sizes(double* values) const {
 
 namespace {
 
-// Calls f with the width, which is a constant where it is 1: the compiler then drops the loop over it.
+// Calls f with the width. The width 1 is passed as a constant, so that the compiler drops the loop over it.
 template <class F>
 void with_width(int width, F f) {
   if (width == 1) f(std::integral_constant<int, 1>());

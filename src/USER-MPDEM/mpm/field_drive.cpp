@@ -23,7 +23,8 @@ double root(double share) {
   return L::kDegree == 2 ? std::sqrt(share) : share;
 }
 
-// Largest root of the drive of a strain of norm 1: Yeq is at most |stress| |strain|/sqrt(2) for laws of degree 2, |strain| for those of 1.
+// Largest root of the drive for a strain of norm 1. Yeq is at most |stress| |strain|/sqrt(2) for laws of degree 2, and
+// at most |strain| for laws of degree 1.
 template <class L>
 double root_of_unit_strain(const L& law) {
   return L::kDegree == 2 ? std::sqrt(law.elasticity().largest_stiffness() / std::sqrt(2.0)) : 1.0;
@@ -36,7 +37,7 @@ double largest(vmask active, vd values) {
   return most;
 }
 
-// Factor on the threshold of the points of a block.
+// Factor on the threshold for each point of a block.
 template <class L>
 vd strength_of(const BlockMeta& m, const L& law) {
   return select(lanes(m.linked), splat(law.interface()), splat(1.0));
@@ -172,7 +173,7 @@ void go_back_to_creation(PointStore& points) {
         }
       const Eigen::JacobiSVD<Eigen::Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
       const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
-      if (!(R.determinant() > 0.0)) continue;  // failed, and inside out
+      if (!(R.determinant() > 0.0)) continue;  // a failed point that is inside out
       const Eigen::Quaterniond q = (Eigen::Quaterniond(R).conjugate() * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
       p.q.w[l] = q.w();
       p.q.x[l] = q.x();

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Grid to points: values and gradients of a nodal vector field at the eight points of a
-// block. Its nodes are columns of consecutive nodes (`column`, index of the first); the sums
-// are contracted one direction at a time.
+// Grid to points: values and gradients of a nodal vector field at the eight points of a block. The nodes of a block are
+// columns of consecutive nodes (`column`, index of the first). The sums are contracted one direction at a time.
 #ifndef MPDEM_GATHER_H
 #define MPDEM_GATHER_H
 
@@ -18,7 +17,7 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
   using W = Weights<Type, Joined>;
   Mat3<vd> G;
   for (int c = 0; c < 3; ++c)
-    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // each for itself, else they lie in memory from the start
+    for (int d = 0; d < 3; ++d) G.a[c][d] = vd{};  // one by one: otherwise they lie in memory from the start
   const auto add_plane = [&](int i) __attribute__((always_inline)) {
     vd A[3]{}, B[3]{}, C[3]{};
     for (int j = 0; j < W::kJ; ++j) {
@@ -43,7 +42,7 @@ inline Mat3<vd> gather_gradient(const double* __restrict nodal, const int* colum
       G.a[c][2] += s.w[0][i] * C[c];
     }
   };
-  // Blocks of cells in a row have six such functions, which would fill the cache of instructions if their loops were unrolled.
+  // Blocks of cells in a row have six such functions. Unrolled loops of all of them would fill the instruction cache.
   if constexpr (Joined == kOneCell) {
 #pragma GCC unroll 4
     for (int i = 0; i < W::kI; ++i) add_plane(i);
@@ -90,7 +89,7 @@ inline vd gather_scalar(const double* __restrict nodal, const int* column, const
   return sum;
 }
 
-// Both at once.
+// Gathers values and gradients at once: out[c] = sum_I nodal_Ic N_I, and G as in gather_gradient().
 template <class Type, int Joined>
 inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s,
                                           vd* out) {

@@ -33,8 +33,8 @@ void sort_unique(std::vector<Key>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-// Keys, ascending and each once, with their neighbours from `low` to `high` in direction d. All moved by the same
-// are still ascending, so the copies are merged, not sorted.
+// Adds to each key its neighbours from `low` to `high` in direction d. Keys are ascending and unique, before and after.
+// Moved copies of all keys are still ascending, so they are merged and not sorted.
 void widen(std::vector<Key>& keys, int d, int low, int high) {
   const auto moved = [&](int by) {
     std::vector<Key> copy(keys);
@@ -67,7 +67,7 @@ bool Grid::find_columns(Field field, const int* base, int* column) const {
     for (int j = 0; j < S; ++j) {
       const int at[3] = {base[0] + i, base[1] + j, base[2]};
       column[S * i + j] = base_node(field, at);
-      // the whole column, or what lies there is no margin
+      // The column must be complete. Otherwise the node belongs to the margin alone.
       const Key last{field, at[0], at[1], at[2] + S - 1};
       const int end = column[S * i + j] + S - 1;
       if (column[S * i + j] < 0 || end >= size() || keys[end] != last) return false;
@@ -75,7 +75,8 @@ bool Grid::find_columns(Field field, const int* base, int* column) const {
   return true;
 }
 
-// Nodes, and the columns of the cells; bytes that they take, or more than most_bytes.
+// Lays out the nodes and finds the columns of the cells. Returns the bytes that they take. If that is more than
+// most_bytes, no nodes are laid out.
 double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes) {
   h = cell_size;
   std::vector<Key> unique;
@@ -88,7 +89,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
   const int S = support(basis), columns_of_cell = S * S;
   std::vector<Key> next = unique;
-  // Keys of the neighbours while they are merged, then all that is kept and carried of a node.
+  // Memory has two peaks: keys of neighbours while these are merged, and later all that is kept and carried of a node.
   constexpr double kBytesOfNode = 500.0;
   const double times = S + 2 * margin;
   double bytes = 0.0;
@@ -105,7 +106,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   keys.swap(next);
   keys.shrink_to_fit();
 
-  // Cells ascend, and so do the first nodes of the nth column of each.
+  // Cells ascend, and so do the first nodes of the nth column of all cells.
   std::vector<int> columns(columns_of_cell * unique.size()), walk(columns_of_cell, 0);
   for (std::size_t u = 0; u < unique.size(); ++u)
     for (int n = 0; n < columns_of_cell; ++n) {
@@ -122,7 +123,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
   for (const Cell& c : r.cells) {
     const int* of_cell = columns_at(c.key());
     const int more_i = reach_along(c.joined, 0), more_j = reach_along(c.joined, 1);
-    if (more_i + more_j == 0) {  // columns that just get longer, or one cell
+    if (more_i + more_j == 0) {  // one cell, or a row along the columns, which then just get longer
       std::copy(of_cell, of_cell + columns_of_cell, c.column);
       continue;
     }
@@ -142,7 +143,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
 namespace {
 
-// Node whose motion a node takes over.
+// Node whose motion node k takes over: k itself if it is not a new one.
 Key source_of(const Key& k, const GridRequest& r) {
   const auto own = r.source.find(k);
   if (own != r.source.end()) return own->second;
@@ -152,7 +153,8 @@ Key source_of(const Key& k, const GridRequest& r) {
 
 }  // namespace
 
-// From the values of the wanted nodes, ascending, among which are the sources of all of this grid.
+// Sets the motion of the nodes from values of the wanted nodes, which ascend and include the sources of all nodes of
+// this grid. Clears mass, forces and ties.
 void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found) {
   const std::size_t n = keys.size();
   velocity.resize(3 * n);
@@ -191,7 +193,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   if (most > most_bytes) throw GridTooLarge(most);
 
-  // One exchange for all of them. Keys of different bodies mix where there are parts.
+  // One exchange serves all grids. Keys of different bodies mix where there are parts, so they are sorted anew.
   int ranks;
   MPI_Comm_size(comm, &ranks);
   constexpr int W = NodeKinematics::kWidth;
@@ -272,7 +274,8 @@ void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells
 
 namespace {
 
-// So many numbers a node, of nodes that went to other places, in the same order. Rows of them move at once, the last one first.
+// Moves the values of nodes that went to other places in the same order, `width` numbers a node. New nodes get the
+// value `fresh`. Consecutive nodes move together, the last ones first.
 void spread(std::vector<double>& values, int width, const std::vector<int>& place, std::size_t size, double fresh) {
   if (values.empty()) return;
   values.resize(width * size, fresh);
@@ -382,11 +385,11 @@ std::vector<double> Grid::mass_here(const PointStore& points, double density, bo
 
 void Grid::lump_mass(const PointStore& points, double density) {
   std::vector<double> mass = mass_here(points, density);
-  // No less than that of the points that have stiffness, so the bound holds.
+  // A given volume is no less than the volume of the points that have stiffness. So the bound of the eigenvalue holds.
   for (std::size_t i = 0; i < given_volume.size(); ++i)
     if (given_volume[i] >= 0.0) mass[i] = halo.counts_here()[i] ? density * given_volume[i] : 0.0;
-  // The bound of the eigenvalue holds node by node of the untied grid, whose energy of motion takes
-  // (sum w v)^2 <= (sum |w|) (sum |w| v^2) of the masters.
+  // The bound of the eigenvalue holds for each node of the untied grid. Its kinetic energy satisfies (sum w v)^2 <=
+  // (sum |w|) (sum |w| v^2), with sums over the masters.
   tie_factor_.clear();
   largest_tie_factor_ = 1.0;
   if (any_ties_) {
@@ -396,8 +399,8 @@ void Grid::lump_mass(const PointStore& points, double density) {
   }
   ties.give_to_heirs(mass.data(), 1);
   halo.sum(mass.data(), 1);
-  // A node at whose support points just end has of them what rounding leaves: a mass that no time step is short enough for, and a force of the
-  // order of its root. It has neither.
+  // If points end just at the support of a node, rounding leaves a tiny mass there. No time step is short enough for
+  // that mass, and the force is of the order of its root. The mass is set to zero, and a node without inertia does not accelerate.
   constexpr double kRounding = 1e-24;
   for (double& m : mass)
     if (m < kRounding * density * h * h * h) m = 0.0;
@@ -471,8 +474,7 @@ std::size_t Grid::memory_usage() const {
 }
 
 bool Grid::finite() const {
-  // A sum is not finite if any term is not; overflow of the sum itself needs velocities
-  // beyond 1e150.
+  // A sum is not finite if any term is not. The sum itself overflows only with velocities beyond 1e150.
   double sum = 0.0;
   for (double v : velocity) sum += v * v;
   for (double u : displacement) sum += u * u;

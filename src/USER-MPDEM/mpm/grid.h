@@ -29,11 +29,11 @@ struct GridRequest;
 
 struct NodeKinematics {
   std::vector<Key> keys;       // ascending
-  std::vector<double> values;  // velocity, displacement, acceleration of each
+  std::vector<double> values;  // velocity, displacement and acceleration of each node
   static constexpr int kWidth = 9;
 };
 
-// Thrown with the number of bytes that some rank needs at least.
+// Thrown if the grids of some rank are too large. bytes: what that rank needs at least.
 struct GridTooLarge : std::length_error {
   explicit GridTooLarge(double bytes) : std::length_error("grid too large"), bytes(bytes) {}
   double bytes;
@@ -46,29 +46,31 @@ class Grid {
   std::vector<Key> keys;
   SharedList<double> mass;         // lumped
   std::vector<double> velocity, displacement, force, acceleration;
-  std::vector<double> momentum;  // of the points, `updated` only
-  std::vector<double> inertial_force;  // (M_L - M) a, see mpm/consistent_mass.h; empty with the lumped mass alone
+  std::vector<double> momentum;  // of the points, `updated` kinematics only
+  std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
   EdgeTies ties;
-  // Volume that stands in for the points' at a node, -1 where it is theirs. Empty: it is theirs at all nodes. See fracture/node_copies.h.
+  // Volume of a node that replaces the volume of its points, -1 where the points count. Empty if the points count at
+  // all nodes. See fracture/node_copies.h.
   std::vector<double> given_volume;
-  // Nodes of blocks that have none of their own, in the order of for_each_node(), see BlockMeta::borrowed.
+  // Nodes of the blocks that have no columns of their own, in the order of for_each_node(). See BlockMeta::borrowed.
   std::vector<int> borrowed;
-  // Interpolated, the average of the root of the norm of strain, see drive_average.h. Empty while nothing is averaged, and after the nodes or ties change.
+  // Nodal values whose interpolation is the average of the root of the norm of strain, see drive_average.h. Empty while
+  // nothing is averaged, and after the nodes or ties change.
   std::vector<double> drive_average;
-  // Of the points, block by block: while no square_bound() of the law is above it, no average reaches the threshold. Empty: not known, and after
-  // the nodes or ties change. See DriveAverage::find_limits().
+  // Limits for the points of each block: while no square_bound() of the law exceeds its limit, no average reaches the
+  // threshold. Empty if limits are not known, and after the nodes or ties change. See DriveAverage::find_limits().
   std::vector<vd> drive_limit;
 
   int size() const { return static_cast<int>(keys.size()); }
 
-  // A cell that needs its nodes, and where to put the first node of each column.
+  // A cell that needs nodes. `column` receives the first node of each column.
   struct Cell {
     Cell(Field field, const int* base, int* column, int joined = kOneCell)
         : field(field), base{base[0], base[1], base[2]}, column(column), joined(joined) {}
     Field field;  // field_of(body, part)
     int base[3];
     int* column;
-    int joined;  // with others in a row: columns of a block of them, see basis.h
+    int joined;  // code of a row of cells with one block, see basis.h; `column` then receives the columns of the whole row
     Key key() const { return {field, base}; }
     Key last() const {
       int last[3];
@@ -77,39 +79,38 @@ class Grid {
     }
   };
 
-  // Collective. Lays out the nodes of `cells`, carries the motion over from the nodes that any rank had before, and
-  // finds the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. The
-  // nodes of a new field take the motion of the field it came from. margin: so many cells around the wanted ones get
+  // Collective. Lays out the nodes of `cells`, takes over the motion of the nodes that any rank had before, and finds
+  // the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. The nodes
+  // of a new field take the motion of the field it came from. margin: number of cells around the wanted ones that get
   // nodes, too. extra: nodes that belong to no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
              std::vector<char>& fresh, const std::map<Field, Field>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
 
-  // Finds the columns of a cell after build(); false if the cell has no nodes on this rank. base_node() finds its
-  // first node alone.
+  // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() finds only the first node, or -1.
   bool find_columns(Field field, const int* base, int* column) const;
   int base_node(Field field, const int* base) const;
   int node_at(const Key& k) const;
-  // Is the cell with this first node at least one cell away from the end of the margin?
+  // True if the cell with this first node is at least one cell away from the end of the margin.
   bool well_inside(int base_node) const { return inside_[base_node]; }
 
-  // Of a grid that no other rank shares: adds nodes (ascending, none of them there yet), at rest; answers where each of the others went.
+  // Adds nodes at rest (ascending, none of them there yet) and returns where each of the old nodes went. No other rank may share the grid.
   std::vector<int> add_nodes(const std::vector<Key>& more);
-  // Nodes take over the motion that others have, which may be among them. Nodes that are not there are left out.
+  // Gives each node (first key) the motion that another node (second key) has at the call. Pairs with a node that is not here are left out.
   void take_over_motion(const std::map<Key, Key>& source);
-  // Columns of a block. Throws std::logic_error if the grid does not have its nodes.
+  // Finds the columns of a block. Throws std::logic_error if the grid does not have its nodes.
   void find_columns(BlockMeta& m) const;
-  // Of a grid that no other rank shares: ties of these nodes (ascending) are these now. Answers whether one is no longer tied as an edge as
-  // it was. Call lump_mass() then.
+  // Replaces the ties of these nodes (ascending). Returns true if a node is no longer tied as an edge in the same way.
+  // Call lump_mass() then. No other rank may share the grid.
   bool tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted);
 
-  // Ties nodes of this rank until the next build(). To be called before lump_mass(). any: whether some rank that
+  // Ties nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank that
   // shares the grid has ties.
   void tie(const std::vector<EdgeTie>& wanted, bool any);
 
-  // Finds the lumped mass of the points, whose density is uniform, or takes what is given. Mass of tied nodes goes to their heirs.
-  // Collective among the ranks that share nodes.
+  // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
+  // of tied nodes goes to their heirs. Collective among the ranks that share nodes.
   void lump_mass(const PointStore& points, double density);
-  // That of the points of this rank alone, each node for itself. holding: without points that failed.
+  // Lumped mass of the points of this rank alone, before ties. holding: without points that failed.
   std::vector<double> mass_here(const PointStore& points, double density, bool holding = false) const;
 
   void clear_force();
@@ -118,18 +119,20 @@ class Grid {
     halo.sum(force.data(), 3);
   }
 
-  // Ties raise a bound of the largest eigenvalue by a factor: that of a node, and the largest of the nodes of this
-  // rank.
+  // Ties raise a bound of the largest eigenvalue by a factor. tie_factor() is that of a node, largest_tie_factor() is
+  // the largest of the nodes of this rank.
   double tie_factor(int node) const { return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)]; }
   double largest_tie_factor() const { return largest_tie_factor_; }
 
-  // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Forces are lost: accelerations come to lie where they
-  // were, so that a step goes over one array and not over two.
+  // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Accelerations overwrite
+  // the forces in their array, so that a step passes over one array and not over two.
   void update_acceleration(const SharedList<double>& added_mass = {});
-  // The same in two parts: divides the forces of the nodes [first, end), which have no added mass and are not tied; all free nodes are done.
+  // Does the work of update_acceleration() in two parts. accelerate() divides the forces of the nodes [first, end),
+  // which must have no added mass and no tie. All free nodes must be divided before take_accelerations(), which extends
+  // them to tied nodes.
   void accelerate(int first, int end);
   void take_accelerations();
-  // Accelerations are no longer needed: forces of the step that begins come to lie there.
+  // Starts the forces of a step in the array of the accelerations, which are lost.
   void begin_forces() {
     force.swap(acceleration);
     clear_force();
@@ -140,7 +143,7 @@ class Grid {
   bool finite() const;
 
   NodeKinematics kinematics() const;
-  // Holds with others what these have alike.
+  // Shares lists with other grids that have equal ones.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
@@ -155,25 +158,25 @@ class Grid {
   double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
 
-  bool any_ties_ = false;  // on any rank
-  std::vector<double> tie_factor_;  // of the bound, of the nodes that are free; empty without ties
+  bool any_ties_ = false;  // true if any rank that shares the grid has ties
+  std::vector<double> tie_factor_;  // factor of the bound for each free node; empty without ties
   double largest_tie_factor_ = 1.0;
-  std::vector<char> inside_;  // of first nodes, with a margin only
+  std::vector<char> inside_;  // for first nodes of cells: well_inside(); empty without a margin
 };
 
 // The arguments of build() for one of many grids.
 struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
-  NodeKinematics before;            // motion that this rank knows of the body; may be that of all ranks
-  std::map<Field, Field> parent_field;  // of the parts that are new
-  std::map<Key, Key> source;  // nodes that take over the motion of others
+  NodeKinematics before;            // motion of the body that this rank knows; may be that of all ranks
+  std::map<Field, Field> parent_field;  // for each new field the field that it came from
+  std::map<Key, Key> source;  // for each node that takes over the motion of another node, that node
   std::vector<Key> extra;
-  std::vector<char> fresh;          // answer
+  std::vector<char> fresh;          // result: 1 for nodes that no rank had before
 };
 
-// Builds grids of different bodies, given in ascending order. Collective. Throws GridTooLarge on all ranks if the
-// grids of some rank would take more than most_bytes. All ranks give the same number.
+// Builds grids of different bodies, given in ascending order. Collective. Throws GridTooLarge on all ranks if the grids
+// of some rank would take more than most_bytes. All ranks must pass the same most_bytes.
 void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes, std::vector<GridRequest>& requests);
 
 }  // namespace mpdem

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// gather_value and scatter_value (gather.h, scatter.h) for eight points that need not be of one cell: each has columns of
-// its own. The vectors then run along a column, whose 3 kSupport doubles are consecutive, and not across the points. Where
-// points are few in their cells this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes of
-// one cell read the nodes once, and are added up before the nodes take them.
+// gather_value and scatter_value (gather.h, scatter.h) for eight points that need not be in one cell: each lane has its
+// own columns. The vectors run along a column, whose 3 kSupport doubles are consecutive, and not across the points. If
+// cells have few points, this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes of
+// one cell read the nodes once, and are summed before they are added to the nodes.
 #ifndef MPDEM_LANE_BY_LANE_H
 #define MPDEM_LANE_BY_LANE_H
 
@@ -44,7 +44,7 @@ struct ColumnRow {
   }
 };
 
-// Weights of the columns: those of the first two directions.
+// Weights of the columns: products of the weights in the first two directions.
 template <class Type>
 inline void column_weights(const Weights<Type>& s, vd* w) {
   for (int i = 0; i < Type::kSupport; ++i)
@@ -69,7 +69,7 @@ inline void transpose_8(const vd* a, vd* out) {
   }
 }
 
-// Rows of eight lanes to the values of eight lanes, and back.
+// Converts the rows of eight lanes to vectors across lanes. rows_of() converts back.
 template <int S>
 inline void values_of(const ColumnRow<S>* row, vd* values) {
   using Row = ColumnRow<S>;
@@ -106,8 +106,8 @@ inline void rows_of(const vd* values, ColumnRow<S>* row) {
   }
 }
 
-// Calls f(std::integral_constant of a number of lanes, the first of them) for lanes of `which` that follow each other in one cell, which is known
-// by the first of its nodes.
+// Calls f(std::integral_constant<int, N>, first lane) for each run of N lanes of `which` in one cell. A cell is
+// identified by its first node. N is at most 4, so longer runs are divided.
 template <int columns, class F>
 inline void for_each_cell(std::uint8_t which, const int* column, F f) {
   for (int l = 0; l < kLanes;) {
@@ -135,7 +135,7 @@ inline void for_each_cell(std::uint8_t which, const int* column, F f) {
 
 }  // namespace detail
 
-// out[c] = sum_I nodal_Ic N_I of the lanes of `which`, a bit each; zero in the others. column: kSupport^2 of each lane.
+// out[c] = sum_I nodal_Ic N_I for the lanes in the bits of `which`, zero in the others. column: kSupport^2 for each lane.
 template <class Type>
 inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, vd* out) {
   constexpr int S = Type::kSupport;
@@ -160,7 +160,7 @@ inline void gather_value_by_lane(const double* __restrict nodal, std::uint8_t wh
   }
 }
 
-// nodal_Ic += sum of T[c] N_I over the lanes of `which`.
+// nodal_Ic += sum of T[c] N_I over the lanes in the bits of `which`.
 template <class Type>
 inline void scatter_value_by_lane(double* __restrict nodal, std::uint8_t which, const int* column, const Weights<Type>& s, const vd* T) {
   constexpr int S = Type::kSupport;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMostProducts = 200;
 
-// The same number in [-1, 1] for a node on every rank and in every run.
+// Pseudo-random number in [-1, 1] that is the same for a node on every rank and in every run.
 double scrambled(const Key& k, int c) {
   std::uint64_t z = 0x9e3779b97f4a7c15ull * (c + 1);
   const std::uint32_t of_field = static_cast<std::uint32_t>(body_of(k.field())) ^ static_cast<std::uint32_t>(part_of_field(k.field())) << 20;
@@ -30,10 +30,11 @@ double scrambled(const Key& k, int c) {
   return static_cast<double>(z >> 11) * 0x1p-52 - 1.0;
 }
 
-// Nodes of one part that can move, ascending, and its slaves among them: of all blocks, or of those that count.
+// Nodes of one bond that can move, ascending: all nodes, or those of the blocks that count and the masters of these.
+// `slaves` are the tied nodes of the blocks that count. It is empty if all blocks count.
 struct Moving {
   struct Slave {
-    int node, row;  // of its tie
+    int node, row;  // row of its tie
   };
   std::vector<int> nodes;
   std::vector<Slave> slaves;
@@ -86,11 +87,11 @@ double eigenvalue_bound(Basis basis, double largest_stiffness, double density, d
 
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance) {
-  // The vectors have the nodes of one part behind those of another.
+  // The vectors have the nodes of all bonds, one bond after the other.
   std::vector<std::size_t> first(parts.size() + 1, 0);
   std::vector<HaloSum*> halos;
   std::vector<Moving> moving;
-  std::vector<int> nodes;  // that move, of all parts
+  std::vector<int> nodes;  // nodes that move, of all bonds
   for (std::size_t p = 0; p < parts.size(); ++p) {
     first[p + 1] = first[p] + static_cast<std::size_t>(parts[p].grid->size());
     halos.push_back(&parts[p].grid->halo);

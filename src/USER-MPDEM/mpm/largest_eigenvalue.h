@@ -22,16 +22,16 @@ namespace mpdem {
 
 struct EigenvalueEstimate {
   double value;     // 1/time^2
-  double residual;  // an eigenvalue lies within it of value
-  int products;     // with the operator
+  double residual;  // there is an eigenvalue within this distance of value
+  int products;     // number of products with the operator
 };
 
 // Points and grid of one bond.
 struct EigenvaluePart {
   const PointStore* points;
   Grid* grid;
-  bool failed_hold = false;  // points that failed count as whole ones: they may be stiff again, see closing_points.h
-  const std::vector<int>* blocks = nullptr;  // whose points count; null: all
+  bool failed_hold = false;  // points that failed count as undamaged: they may be stiff again, see closing_points.h
+  const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
@@ -43,10 +43,9 @@ inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& po
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }
 
-// Upper bound of the largest eigenvalue wherever the points are; 0 if the basis has none. With row-sum lumping the
-// largest eigenvalue is at most that of a single point (Fried 1972). That of a single point is at most the maximum
-// over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is kSteepest of
-// the basis.
+// Upper bound of the largest eigenvalue for any places of the points, or 0 if the basis has none. With row-sum lumping
+// the largest eigenvalue is at most that of a single point (Fried 1972). The eigenvalue of a single point is at most
+// the maximum over t of sum_I (dN_I/dt)^2 / N_I, times the largest stiffness over density h^2. The maximum is kSteepest of the basis.
 double eigenvalue_bound(Basis basis, double largest_stiffness, double density, double h);
 
 }  // namespace mpdem

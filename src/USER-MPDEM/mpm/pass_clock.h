@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Where the time of a pass over the points goes. Gather, material and scatter are fused, block
-// by block, so one block in 64 is timed and the time of the whole pass is split in the
-// proportion found. Ticks have no unit of their own.
+// Splits the time of a pass over the points into gather, material and scatter. These are fused, block by block. So one
+// block in 64 is timed, and the time of the whole pass is split in the proportion found. Ticks have no unit of their own.
 #ifndef MPDEM_PASS_CLOCK_H
 #define MPDEM_PASS_CLOCK_H
 
@@ -14,7 +13,7 @@ namespace mpdem {
 
 struct PassTicks {
   std::uint64_t gather = 0, material = 0, scatter = 0;
-  unsigned blocks = 0;  // counted on from one bond to the next, so that not always the first of a bond is timed
+  unsigned blocks = 0;  // the count runs on from bond to bond, so the timed block is not always the first of a bond
 };
 
 class PassClock {
@@ -29,7 +28,7 @@ class PassClock {
   void stressed() { if (timed_) lap(ticks_.material); }
   void scattered() { if (timed_) lap(ticks_.scatter); }
 
-  // Work for many blocks at once is timed whenever it is done, and counts like one of so many.
+  // Work for many blocks at once is timed each time it is done. Its ticks are divided by kEvery, since other blocks are timed only once in kEvery.
   void start_settling() { last_ = now(); }
   void settled() { lap(ticks_.material, kEvery); }
   void settled_scattered() { lap(ticks_.scatter, kEvery); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Points of a store that go to other parts in place, see PointStore::arrange().
+// Moves points of a store to other parts in place, see PointStore::arrange().
 #include <algorithm>
 #include <numeric>
 
@@ -86,7 +86,7 @@ std::map<int, PointStore::Family> PointStore::families_that_part(const std::map<
   return families;
 }
 
-// These blocks, without links and places.
+// Copies these blocks, without links and places.
 PointStore PointStore::some(const std::vector<int>& which) const {
   PointStore s;
   s.reserve_like(*this, which.size());
@@ -102,7 +102,8 @@ void PointStore::append_copy(const PointStore& from, int b) {
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 
-// Lanes of block b, a home as it was or a copy that is new, are those of its part, from a store in which block n was block place[n] before.
+// Fills block b with the points of its part and empties its other lanes. b is a home with its old points, or a new
+// copy. `from` has the old blocks, where old block n is block place[n].
 void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot,
                             double cell, Basis basis) {
   for (int l = 0; l < kLanes; ++l) {
@@ -127,7 +128,7 @@ void PointStore::find_damaged(int b) {
 PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis) {
   PartMove done;
   const std::map<int, Family> families = families_that_part(part_of_slot);
-  // what lanes are taken from
+  // Blocks from which lanes are taken.
   std::vector<int> sources;
   for (const auto& f : families) sources.push_back(f.first);
   for (int b = homes_; b < static_cast<int>(blocks.size()); ++b) sources.push_back(b);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points that a bond will have when they are made. Bonds of equal geometry are equal in the axes of their bodies, so one pattern
-// stands for all of them. Every rank has all patterns. Body::pattern names that of a bond without points.
+// The points that a bond will have when they are made. Bonds of equal geometry are equal in the axes of their bodies,
+// so one pattern stands for all of them. Every rank has all patterns. Body::pattern is the number of the pattern of a bond without points.
 #ifndef MPDEM_POINT_PATTERN_H
 #define MPDEM_POINT_PATTERN_H
 
@@ -16,7 +16,7 @@ namespace mpdem {
 struct PatternPoint {
   static constexpr int kMaxLinks = PointRecord::kMaxLinks;
   struct Attachment {
-    int side = 0;  // to the first grain or to the second
+    int side = 0;  // 0: linked to the first grain, 1: to the second
     double foot[3] = {0, 0, 0}, area = 0;
 
     template <class Self, class Visitor>
@@ -39,7 +39,7 @@ struct PatternPoint {
   }
 };
 
-// What the host gives to all points of a pattern: their atoms' type and mask, the density of the calcite.
+// Values that the host gives to all points of a pattern: type and mask of their atoms, and the density of the calcite.
 struct PatternHead {
   int type = 1, mask = 1;
   double density = 1.0;
@@ -58,15 +58,15 @@ struct PointPattern {
   PatternHead head;
   std::vector<PatternPoint> points;
 
-  // Point n as one of the bond in this row of the table.
+  // Makes the record of point n for the bond in this row of the table.
   PointRecord record(std::size_t n, int row, const Body& body) const;
   std::size_t memory_usage() const { return points.capacity() * sizeof(PatternPoint); }
 };
 
-// All patterns as numbers, and back. What is wrong with the numbers of a file is told by the reader. bodies: that name them.
+// Packs all patterns into numbers. read() unpacks them. The reader tells what is wrong with the numbers of a file.
 std::vector<double> packed(const std::vector<PointPattern>& patterns);
 void read(RecordReader& in, int count, std::vector<PointPattern>& patterns);
-// What is wrong with bodies that name patterns; empty if nothing is.
+// Text of what is wrong between the patterns and the bodies that name them, or an empty string.
 std::string trouble_of(const std::vector<PointPattern>& patterns, const std::vector<Body>& bodies);
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A material point with its links as it goes to other ranks, into restart files, and from its creation into a store.
-// PointStore (point_store.h) keeps the same in blocks.
+// A material point with its links, in the form in which it goes to other ranks, into restart files, and from its
+// creation into a store. PointStore (point_store.h) keeps the same values in blocks.
 #ifndef MPDEM_POINT_RECORD_H
 #define MPDEM_POINT_RECORD_H
 
@@ -24,14 +24,14 @@ constexpr int kMostLinkFields = 1;
 // The bond of a point to a grain. The foot point lies on the surface of the grain as it was when the body was
 // created. The reference place of the cement there is foot + moved.
 struct Link {
-  int slot = -1;              // of its point in a store
+  int slot = -1;              // slot of its point in a store
   int grain = 0;              // tag
   double foot[3] = {0, 0, 0};
   double area = 0;            // of the grain's surface
   bool attached = false;      // the link has not let go
   bool inert = false;         // the link has let go, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
-  double state[kMostLinkFields] = {0};  // of its traction law
+  double state[kMostLinkFields] = {0};  // state of its traction law
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& k, Visitor& visit) {
@@ -46,17 +46,17 @@ struct Link {
   }
 };
 
-// A place of a grain's surface that let go of the cement, and the material that it may touch: a point follows at most one place of
-// either grain, see coupling/freed_places.h.
+// A place on the surface of a grain that let go of the cement, together with the material that it may touch. A point
+// follows at most one place of each grain, see coupling/freed_places.h.
 struct FreedPlace {
-  int slot = -1;             // of the point that it follows, in a store
+  int slot = -1;             // slot of the point that it follows, in a store
   int grain = 0;             // tag
   double area = 0;           // of the grain's surface
-  double X[3] = {0, 0, 0};   // where the material is touched, reference
+  double X[3] = {0, 0, 0};   // place where the material is touched, reference coordinates
   double radius = 0;         // distance from the centre of the grain at which it touches
-  double stick[3] = {0, 0, 0};  // where it would be without friction's force, in the frame of the grain
+  double stick[3] = {0, 0, 0};  // place at which friction has no force, in the frame of the grain
   double rubs = 0;           // traction of friction in the last step
-  double inert_area = 0;     // whose stiffness has added mass
+  double inert_area = 0;     // area whose stiffness has added mass
   bool closed = false;       // touched in the last step
 
   template <class Self, class Visitor>
@@ -73,7 +73,7 @@ struct FreedPlace {
   }
 };
 
-// What a point holds to. Bits: the first grain of its bond, the second.
+// Bits of the grains that a point holds to: bit 0 for the first grain of its bond, bit 1 for the second.
 constexpr int kHoldsBoth = 3;
 
 struct PointRecord {
@@ -81,15 +81,15 @@ struct PointRecord {
   int body = 0, part = 0;
   bool failed = false;
   bool looked_at = false;  // the nodes were split for it, see fracture/node_copies.h
-  int holds = kHoldsBoth;  // to which grains, see BlockMeta
+  int holds = kHoldsBoth;  // bits of the grains it holds to, see BlockMeta
   bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
   double volume = 0;
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   double q[4] = {1, 0, 0, 0};
   double strain[6] = {0, 0, 0, 0, 0, 0};
-  // State of a law of damage (material/law.h), and the number of that law (law_number() of material/laws.h). With
-  // number 0 no law has taken the state up yet, and it is the damage tensor that a file gave.
+  // State of a law of damage (material/law.h), and the number of that law (law_number() of material/laws.h). Number 0
+  // means that no law has taken up the state yet. It is then the damage tensor that a file gave.
   double damage[kMostStateFields] = {0, 0, 0, 0, 0, 0};
   int law = 0;
   bool moving = false;  // X0, v and C are set
@@ -128,8 +128,8 @@ struct PointRecord {
   }
 };
 
-// What is wrong with a point from a file that belongs to one of these bodies; empty if nothing is. Its numbers must
-// be in their ranges.
+// Text of what is wrong with a point from a file that belongs to one of these bodies, or an empty string. The numbers
+// of the point must be in their ranges.
 std::string trouble_of(const PointRecord& point, const std::vector<Body>& bodies);
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. Names are
-// those of the columns, in their order (doc/write_cement.md). A row has the point where it is now, in the box.
+// The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. The columns
+// and their order are documented in doc/write_cement.md. A row gives the present place of the point in the box.
 #ifndef MPDEM_POINT_ROW_H
 #define MPDEM_POINT_ROW_H
 
@@ -15,9 +15,9 @@ struct PointRow {
     double area = 0.0;  // 0: no link
     double foot[3] = {0, 0, 0};
     bool attached = false;
-    double damage = 0.0;  // of the link
+    double damage = 0.0;  // damage of the link
   };
-  // Names of columns. Those of one line come together or not at all.
+  // Names of columns. Columns of one group are all present or all absent.
   static constexpr const char *kGrain[2] = {"grain_i", "grain_j"}, *kPlace[4] = {"x", "y", "z", "volume"}, *kAxis[3] = {"ax", "ay", "az"},
                               *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"}, *kArea[2] = {"area_i", "area_j"},
                               *kFoot[6] = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
@@ -29,7 +29,7 @@ struct PointRow {
   double axis[3] = {0, 0, 0};
   double damage[6] = {0, 0, 0, 0, 0, 0};
   bool failed = false;
-  bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a point that failed may be a skin on a grain
+  bool has_link_damage = false;  // not a column: all rows have it, or none has; with it a failed point may be a skin on a grain
   Side side[2];
 
   template <class Self, class Visitor>

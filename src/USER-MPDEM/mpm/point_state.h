@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What the law of damage tells of the points of a store, a block at a time. The templates are for loops inside
-// with_law() of material/laws.h.
+// Stress, damage and cracks of the points of a store by its law of damage, a block at a time. The templates are for
+// loops inside with_law() of material/laws.h.
 #ifndef MPDEM_POINT_STATE_H
 #define MPDEM_POINT_STATE_H
 
@@ -17,7 +17,7 @@
 
 namespace mpdem {
 
-// State of a block, in the type that the law has for it.
+// State of a block, in the State type of the law.
 template <class L>
 typename L::State state_of(const PointStore& points, int b) {
   typename L::State s{};
@@ -43,11 +43,11 @@ vd largest_damage_of(const PointStore& points, int b, const L& law) {
   return law.largest_damage(state_of<L>(points, b));
 }
 
-// The same of all blocks. The store must know its law.
+// Largest damage of each point, from 0 to 1, for all blocks. The store must know its law.
 std::vector<vd> largest_damages(const PointStore& points);
 
-// Principal values of the damage of a point, in falling order, and the normal of its crack, in the axes of its body, as without_sign()
-// gives it. The store must know the law.
+// Principal values of the damage of a point, in falling order, and the normal of its crack in the axes of its body. The
+// sign of the normal is that of without_sign(). The store must know its law.
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
@@ -55,13 +55,13 @@ struct CrackOfPoint {
 std::array<double, 3> without_sign(std::array<double, 3> normal);
 CrackOfPoint crack_of(const PointStore& points, int slot);
 
-// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if the store does not
-// know a law that is needed to read the state.
+// Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if the state belongs to
+// a law that the store does not know.
 std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
 
-// Turns the states that points came with into states of the law, and sets the law of the store. A state without the
-// number of a law is the damage tensor that a file gave. Returns a text that begins with "material point" if the law
-// cannot go on from a state.
+// Converts the states that points came with to states of the law, and sets the law of the store. A state without the
+// number of a law is the damage tensor that a file gave. Returns an empty string, or a text that begins with "material
+// point" if the law cannot go on from a state.
 std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem

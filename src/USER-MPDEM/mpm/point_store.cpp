@@ -11,13 +11,13 @@ namespace mpdem {
 
 namespace {
 
-// Lane l of a field of a block, component after component.
+// Lane l of a field of a block. Its components are kLanes doubles apart.
 template <class Field>
 double* lane(Field& field, int l) { return reinterpret_cast<double*>(&field) + l; }
 template <class Field>
 const double* lane(const Field& field, int l) { return reinterpret_cast<const double*>(&field) + l; }
 
-// What a block and a record both hold: f(field of the block, field of the record).
+// Calls f(field of the block, field of the record) for each field that both have.
 template <class Store, class Record, class F>
 void each_field(Store& s, int b, Record& r, F f) {
   f(s.blocks[b].X, r.X);
@@ -31,7 +31,7 @@ void each_field(Store& s, int b, Record& r, F f) {
   f(s.motion[b].C, r.C);
 }
 
-// Components of a field of a block and of a record.
+// Number of components of a field that a block and a record have.
 template <class InBlock, class InRecord>
 constexpr std::size_t components(const InBlock&, const InRecord&) {
   static_assert(sizeof(InBlock) == kLanes * sizeof(InRecord), "a lane of the block is the field of the record");
@@ -80,7 +80,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
-  m.damaged |= r.failed;  // such points may come from a file without damage
+  m.damaged |= r.failed;  // failed points may come from a file without damage
   tags[b][l] = tag;
 }
 
@@ -115,7 +115,7 @@ void PointStore::set_state(int slot, const double* numbers) {
 }
 
 int PointStore::add(const PointRecord& r, int tag) {
-  // The tail keeps one body a block, as everywhere.
+  // A block of the tail has points of one body and part, as all blocks do.
   const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().body != r.body || meta.back().part != r.part;
   if (fresh) {
     if (blocks.empty()) law_number_ = r.law;
@@ -124,7 +124,7 @@ int PointStore::add(const PointRecord& r, int tag) {
     meta.back().part = r.part;
     tail_lanes_ = 0;
   }
-  const int l = tail_lanes_++;  // never that of a point that left, whose links are still there
+  const int l = tail_lanes_++;  // never the lane of a point that left, whose links are still there
   const int slot = kLanes * (static_cast<int>(blocks.size()) - 1) + l;
   set(slot, r, tag);
   for (int i = 0; i < r.links; ++i) {
@@ -194,7 +194,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   if (!other.motion.empty()) motion.reserve(n);
 }
 
-// With its links and places, in slots that ascend.
+// Adds a record with its links and places. Slots must ascend from call to call.
 void PointStore::add_record(int slot, const PointRecord& r, int tag) {
   set(slot, r, tag);
   for (int k = 0; k < r.links; ++k) {

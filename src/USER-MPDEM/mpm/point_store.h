@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// State of the material points a rank owns: the only copy, in the layout the kernels
-// read. Eight points of one cell make a block (structure of arrays inside, lanes beyond
-// the last point are empty with zero volume). LIGGGHTS' atom of a point holds its slot,
-// eight times the block plus the lane; slots change whenever the points are arranged.
-// Points that arrive from another rank or a restart file wait in blocks of their own at
-// the end until the next `arrange`.
+// State of the material points of a rank. It is the only copy, in the layout the kernels read. Eight points of one cell
+// make a block: a structure of arrays, whose lanes beyond the last point are empty and have zero volume. The atom of a
+// point in LIGGGHTS holds its slot, which is eight times the block plus the lane. Slots change whenever the points are
+// arranged. Points that arrive from another rank or a restart file wait in blocks of their own at the end until the next `arrange`.
 //
-// Lengths are relative to the origin of the point's body. X is the place in the reference
-// configuration: where the body was created, or, if there is a `motion`, where the points were
-// when the reference was last taken anew (with `updated` kinematics, in every step); F is
-// relative to it.
+// Lengths are relative to the origin of the point's body. X is the place in the reference configuration, where the body
+// was created. If there is a `motion`, X is the place of the point when the reference was last taken anew (with
+// `updated` kinematics, in every step). F is relative to the reference.
 #ifndef MPDEM_POINT_STORE_H
 #define MPDEM_POINT_STORE_H
 
@@ -33,7 +30,7 @@
 
 namespace mpdem {
 
-// As in a PointRecord, with the same order of components.
+// Eight points. The fields are those of a PointRecord, with the same order of components.
 struct PointBlock {
   vd X[3];
   vd volume;
@@ -42,7 +39,7 @@ struct PointBlock {
   Sym3<vd> strain;
 };
 
-// Of points whose reference moves: where they were created, velocity and its affine part, as in a PointRecord.
+// Motion of points whose reference moves: place of creation, velocity and its affine part, as in a PointRecord.
 struct PointMotion {
   vd X0[3], v[3];
   Mat3<vd> C;
@@ -51,40 +48,40 @@ struct PointMotion {
 struct BlockMeta {
   int body = 0, part = 0;
   int base[3] = {0, 0, 0};       // cell, see basis.h
-  int joined = kOneCell;         // cells in a row, see basis.h and arrange()
-  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning where it borrows
+  int joined = kOneCell;         // code of its cells in a row, see basis.h and arrange()
+  int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning if it borrows
   static constexpr int kOwn = -1;
-  int borrowed = kOwn;           // where its nodes begin in Grid::borrowed; kOwn: it has columns
-  std::uint8_t occupied = 0, failed = 0, framed = 0;  // a bit a lane
+  int borrowed = kOwn;           // first of its nodes in Grid::borrowed; kOwn: it has columns
+  std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
   std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
-  std::uint8_t holds[2] = {0, 0};  // to which grains, when the bond was last looked at since it came apart, see fracture/separation.h; both before
+  std::uint8_t holds[2] = {0, 0};  // bits for each grain: held when the bond was last examined after it came apart (fracture/separation.h); all set before
   std::uint8_t linked = 0;  // had a link to a grain when it was made
-  std::uint8_t second = 0, third = 0;  // is in that cell of the row
-  Lattice lattice = Lattice::none;  // what its points, and empty lanes with them, are in
-  bool damaged = false;     // some lane has a state of the law that is not 0
+  std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
+  Lattice lattice = Lattice::none;  // arrangement of its points, with empty lanes at matching places
+  bool damaged = false;     // some lane failed, or has a state of the law that is not 0
 };
 
-// Inlined always, since GCC takes a function that does nothing else for one that does nothing.
+// Prefetches memory for writing. Always inlined: GCC takes a function with no other effect for one without any effect.
 __attribute__((always_inline)) inline void prefetch_bytes(const void* first, std::size_t bytes) {
   constexpr std::size_t kLine = 64;
   const char* p = static_cast<const char*>(first);
   for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(p + at, 1);
 }
 
-// Bit mask to lanes.
+// Converts a bit mask to a mask of lanes.
 inline vmask lanes(std::uint8_t bits) {
   const vmask bit{1, 2, 4, 8, 16, 32, 64, 128};
   return (bit & static_cast<std::int64_t>(bits)) != 0;
 }
 
-// Nodes of a block along d, whose basis has so many in one cell.
+// Number of nodes of a block along d, if the basis has `support` nodes in one cell.
 inline int nodes_along(const BlockMeta& m, int d, int support) { return support + reach_along(m.joined, d); }
-// Cell of a lane.
+// Cell of a lane, in direction d.
 inline int cell_of(const BlockMeta& m, int lane, int d) {
   return m.base[d] + (reach_along(m.joined, d) == 0 ? 0 : (m.second >> lane & 1) + 2 * (m.third >> lane & 1));
 }
 
-// Calls f with the weights of a block of points; compiled for blocks of one cell and for rows of two and three in each direction.
+// Calls f with the weights of a block of points. f is compiled for blocks of one cell, and for rows of two and three cells in each direction.
 template <class Type, class F>
 decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kMayJoinCells) {
@@ -99,7 +96,7 @@ decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inve
   return f(Weights<Type>(p.X, m.base, inverse_h));
 }
 
-// The same for gather_gradient and scatter_gradient alone, of which points of a lattice need less.
+// Calls f with weights that are for gather_gradient and scatter_gradient alone. Points of a lattice need fewer weights for these.
 template <class Type, class F>
 decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kSupport == 3) {
@@ -109,7 +106,7 @@ decltype(auto) with_gradient_weights(const PointBlock& p, const BlockMeta& m, do
   return with_weights<Type>(p, m, inverse_h, std::forward<F>(f));
 }
 
-// Those of a slot, of links or places that ascend in slot.
+// Range of the entries of a slot in a list of links or places that ascends in slot.
 template <class List>
 auto of_slot(List& list, int slot) {
   const auto begin = std::lower_bound(list.begin(), list.end(), slot, [](const auto& a, int s) { return a.slot < s; });
@@ -131,29 +128,32 @@ class PointStore {
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;
 
-  // Puts all points into blocks of one cell, in the order body, part, cell, tag; answers where each slot went, -1 for an empty one.
-  // Order and blocks depend on the points alone, not on how they came here. Link positions follow.
-  // new_part: of the points of these slots, ascending, that go to another part.
-  // stay: points do not change cells. Those of one cell that are in columns of a lattice take the lanes of columns.h.
-  // What is left of two or three cells in a row, and fits in a block, shares one then. Such a block has a third or two thirds more nodes, but it is one for two or three. And the parts change neither blocks nor lanes: a block whose points are of several
-  // parts is a family. Its home has the points of the first part. Each other part has a copy, with each point in the lane that is its
-  // own at home. Blocks of a family have only the cells in which their points are. Copies stand behind all homes, in the order home, part.
+  // Puts all points into blocks of one cell, in the order body, part, cell, tag. Returns the new slot of each old slot,
+  // -1 for an empty one. Order and blocks depend on the points alone, not on how they came here. Links and places
+  // follow.
+  // new_part: the new part of some slots (ascending).
+  // stay: points will not change cells. This has three effects. Points of one cell that are in columns of a lattice
+  // take the lanes of columns.h. Blocks that are not full share one block with those of one or two next cells in a row,
+  // if they fit. Such a block has a third or two thirds more nodes, but it replaces two or three blocks. And parts
+  // change neither blocks nor lanes: a block whose points have several parts becomes a family. The home of a family has
+  // the points of the first part. Each other part has a copy of the block, in which a point has the same lane as at
+  // home. Blocks of a family span only the cells in which their points are. Copies follow all homes, in the order home, part.
   std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool stay = false);
 
-  // After arrange() of points that stay: these points go to other parts. Blocks are those that arrange() would make, to the bit.
+  // Moves points to other parts after arrange() with `stay`. Blocks are to the bit those that arrange() would make.
   struct PartMove {
-    std::vector<int> blocks;      // that have other points than before
-    std::vector<int> link_place;  // where each link went
+    std::vector<int> blocks;      // blocks that have other points than before
+    std::vector<int> link_place;  // new place of each link
   };
   PartMove move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis);
 
-  // A point that left for another rank. Its links go with the next arrange().
+  // Removes a point that left for another rank. Its links stay until the next arrange().
   void release(int slot);
-  // Did points come or leave since arrange()?
+  // True if points came or left since arrange().
   bool changed() const { return changed_; }
   int size() const;  // points
   bool any_failed() const;
-  // Grains to which a point holds, as in a PointRecord.
+  // Bits of the grains to which a point holds, as in a PointRecord.
   int holds(int slot) const {
     const BlockMeta& m = meta[slot / kLanes];
     return (m.holds[0] >> slot % kLanes & 1) + 2 * (m.holds[1] >> slot % kLanes & 1);
@@ -166,43 +166,43 @@ class PointStore {
     }
   }
 
-  // Asks for the memory of a block that comes soon. Else a pass waits for it: what a processor looks ahead by itself ends with a page of
-  // memory, and that is three blocks.
+  // Prefetches a block that comes soon. Otherwise a pass waits for memory: the prefetch of the processor ends with a
+  // page of memory, which is about three blocks.
   __attribute__((always_inline)) void prefetch(int b) const {
     prefetch_bytes(&blocks[b], sizeof(PointBlock));
     prefetch_bytes(&meta[b], sizeof(BlockMeta));
     if (!state_.empty()) prefetch_bytes(state(b), state_fields_ * sizeof(vd));
   }
 
-  // State of the law of damage: state_fields() vectors a block. It takes no memory until some point has damage.
+  // State of the law of damage of block b, state_fields() vectors. It takes no memory until some point has damage.
   const vd* state(int b) const { return state_.empty() ? kNoState : &state_[state_fields_ * static_cast<std::size_t>(b)]; }
   vd* change_state(int b);
-  // Of all blocks, one after the other; empty while they are all 0.
+  // States of all blocks in sequence. Empty while they are all 0.
   const std::vector<vd>& states() const { return state_; }
-  // As many numbers as the law of the points has; kMostStateFields of them until it is set: what a record brings.
+  // Number of vectors in a state, as the law of the points needs them. kMostStateFields until the law is set, as in a record.
   int state_fields() const { return state_fields_; }
-  // That law. Null until it is set, in points that have come from a file or another rank; it stays when the command that made
-  // it is gone: the numbers are of no other.
+  // Law of the points. Null until it is set, if the points came from a file or another rank. It stays when the command
+  // that made it is gone, since the states belong to this law.
   const Law* law() const { return law_.get(); }
-  // PointRecord::law, of points that have come or of the law that is set.
+  // Number of the law that is set or that the points came with, as in PointRecord::law.
   int law_number() const { return law_number_; }
-  // Numbers above the count of the law must be 0.
+  // Sets the law. Numbers of a state beyond the fields of the law must be 0.
   void set_law(const std::shared_ptr<const Law>& law);
-  // The state of one point.
+  // Sets the state of one point. numbers: kMostStateFields of them.
   void set_state(int slot, const double* numbers);
 
-  // Gives the points a motion, at rest, if they have none.
+  // Gives the points a motion at rest, unless they have a motion.
   void let_move();
 
-  // A block without points in cell `base`; returns its number.
+  // Appends a block without points in cell `base` and returns its number.
   int add_block(int body, int part, const int* base, double cell, Basis basis);
-  // Copies a point of another store, without its links, into a free lane.
+  // Copies a point of another store into a free lane, without its links.
   void take(const PointStore& from, int slot, int new_slot);
   void empty_lane(int slot, double cell, Basis basis);
-  // Ascending in slot again, after moves; new_place[i] is where link i went.
+  // Sorts the links by slot after moves. new_place[i] is where link i went.
   std::vector<int> sort_links();
 
-  // Where the points of a block were created.
+  // Places at which the points of a block were created.
   const vd* created_at(int b) const { return motion.empty() ? blocks[b].X : motion[b].X0; }
 
   void clear();
@@ -219,7 +219,7 @@ class PointStore {
     f(s.links);
     f(s.places);
   }
-  // Those with so many entries a block.
+  // Calls f(array, entries in a block) for the arrays with a fixed number of entries in each block.
   template <class Self, class F>
   static void each_array_of_blocks(Self& s, F f) {
     f(s.blocks, 1);
@@ -228,26 +228,26 @@ class PointStore {
     f(s.meta, 1);
     f(s.tags, 1);
   }
-  std::size_t settled_ = 0;  // blocks that cells were found for; the others are the tail
-  int tail_lanes_ = 0;       // used in the last block of the tail
+  std::size_t settled_ = 0;  // number of blocks with a cell; the blocks after them are the tail
+  int tail_lanes_ = 0;       // lanes used in the last block of the tail
   bool changed_ = false;
   static const vd kNoState[kMostStateFields];
   std::vector<vd> state_;
   int state_fields_ = kMostStateFields, law_number_ = 0;
   std::shared_ptr<const Law> law_;
-  int homes_ = 0;  // blocks before the first copy
+  int homes_ = 0;  // number of blocks before the first copy
   struct Copy {
     int home, part;
   };
   std::vector<Copy> copies_;
-  // Of the lanes of a home: parts, the blocks where they are, cells; -1: empty.
+  // For each lane of a home: its part, the block it comes from, and its cell; -1 if it is empty.
   struct Family {
     std::array<int, kLanes> part, from;
     std::array<std::array<int, 3>, kLanes> cell;
     Family() { part.fill(-1), from.fill(-1); }
     int first() const;
     std::vector<int> others() const;
-    // Cells of the block of a part, and its lanes in the second one.
+    // Sets base, joined, second and third of the block of a part.
     void shape(int part, BlockMeta& m) const;
   };
   int add_block(int body, int part, const Family& family, double cell, Basis basis);
@@ -258,7 +258,7 @@ class PointStore {
   void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot, double cell,
                   Basis basis);
   void find_damaged(int b);
-  // BlockMeta::lattice, and places of empty lanes that fit.
+  // Finds BlockMeta::lattice, and moves empty lanes to places that fit it.
   void find_lattice(int b);
   void reserve_like(const PointStore& other, std::size_t blocks);
   void add_record(int slot, const PointRecord& r, int tag);

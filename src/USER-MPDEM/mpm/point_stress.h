@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Stress of blocks of points at the end of a step, for the passes of advance_points.cpp and
-// advance_updated.cpp. Damage is kept out of line: most steps of most blocks never come there.
+// Stress of blocks of points at the end of a step, for the passes of advance_points.cpp and advance_updated.cpp. The
+// code for damage is not inlined, since most blocks do not need it in most steps.
 #ifndef MPDEM_POINT_STRESS_H
 #define MPDEM_POINT_STRESS_H
 
@@ -15,7 +15,7 @@
 
 namespace mpdem {
 
-// tau F^-T scaled by -V, for the Kirchhoff stress s in the material frame q.
+// Returns -V tau F^-T, where s is the Kirchhoff stress in the material frame q.
 inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>& s, vd volume) {
   const Sym3<vd> t = rotate(rotation_matrix(q), s);
   const Mat3<vd> cof = cofactor(F);
@@ -31,7 +31,7 @@ inline Mat3<vd> weighted_piola(const Mat3<vd>& F, const Frame& q, const Sym3<vd>
   return T;
 }
 
-// The same where the reference is the present: -V tau.
+// Returns -V tau, the force where the reference is the present.
 inline Mat3<vd> weighted_kirchhoff(const Frame& q, const Sym3<vd>& s, vd volume) {
   const Sym3<vd> g = (-1.0 * volume) * rotate(rotation_matrix(q), s);
   return {{{g.xx, g.xy, g.xz}, {g.xy, g.yy, g.yz}, {g.xz, g.yz, g.zz}}};
@@ -44,14 +44,14 @@ inline Mat3<vd> keep(vmask m, const Mat3<vd>& a, const Mat3<vd>& b) {
   return r;
 }
 
-// Points whose damage may grow are few in their blocks, 3 of 8 where a crack opens. They wait, with their
-// blocks, until there are vectors full of them: a lane's step of the damage does not depend on the others.
+// Points whose damage may grow are few in their blocks, 3 of 8 where a crack opens. They wait, with their blocks, until
+// whole vectors of them are full. The damage step of a lane does not depend on the others.
 template <class L>
 class PointStress {
  public:
-  static constexpr int kMost = 8 * kLanes;  // blocks that can wait
+  static constexpr int kMost = 8 * kLanes;  // most blocks that can wait
 
-  // limit: Grid::drive_limit.
+  // limit: Grid::drive_limit of the grid of these points.
   PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit, AdvanceResult& result)
       : points_(points), law_(law), result_(result), limit_(limit.empty() ? nullptr : limit.data()), always_(!options.skip_undamaged), nonlocal_(options.nonlocal) {
     if constexpr (L::kFields > 0) {
@@ -65,8 +65,8 @@ class PointStress {
     }
   }
 
-  // Stress of block b in its material frame, zero in failed lanes; false: the block waits for
-  // settle(). strain_start is that before the step, average() that of the drive.
+  // Finds the stress of block b in its material frame, zero in failed lanes. Returns false if the block waits for
+  // settle(). strain_start is the strain before the step. average() gives the average that drives nonlocal damage.
   template <class Average>
   bool operator()(int b, const Sym3<vd>& strain_start, const Average& average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
@@ -91,7 +91,7 @@ class PointStress {
 
   bool full() const { return points_waiting_ >= kMost; }
 
-  // Damage of the points that wait, then then(block, stress) for their blocks, in the order they came.
+  // Finds the damage of the points that wait. Then calls then(block, stress) for their blocks, in the order they came.
   template <class Then>
   void settle(PassClock& clock, Then&& then) {
     if (blocks_waiting_ == 0) return;
@@ -108,7 +108,7 @@ class PointStress {
   using State = typename L::State;
   static constexpr int kVectors = kMost / kLanes + 1;
 
-  // average: of the drive, where it is nonlocal.
+  // average: average of the root of the norm of strain, used by nonlocal damage alone.
   __attribute__((noinline)) bool damaged(int b, const Sym3<vd>& strain_start, vd average, Sym3<vd>& stress) {
     const PointBlock& p = points_.blocks[b];
     const BlockMeta& m = points_.meta[b];
@@ -135,7 +135,7 @@ class PointStress {
     result_.near_threshold = any(active & (square > limit));
   }
 
-  // Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
+  // Copies lane k of `from` to lane l of `to`. Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
   template <class To, class From>
   static void copy(To* to, int l, const From* from, int k, int vectors) {
     double* t = reinterpret_cast<double*>(to) + l;
@@ -180,8 +180,8 @@ class PointStress {
   PointStore& points_;
   const L& law_;
   AdvanceResult& result_;
-  const vd* limit_;  // of the blocks, null: square_near_
-  double B_, weakest_, growth_;  // threshold of blocks that touch no grain, and of others
+  const vd* limit_;  // limit of each block; null: square_near_ for all
+  double B_, weakest_, growth_;  // B_: threshold of blocks that touch no grain, weakest_: of others
   double square_near_, root_B_, root_weakest_;
   bool always_, nonlocal_;
 

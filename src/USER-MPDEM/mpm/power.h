@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Power of forces of this time: with the stored velocities, which are those of half a step before, and what a unit of time
-// adds to it as velocities go on with the accelerations. Energy per time, and that per time.
+// Power of the present forces. `stored` is that with the stored velocities, which are half a step old. `growth` is what
+// a unit of time adds as the accelerations change the velocities. Units: energy per time, and energy per time squared.
 #ifndef MPDEM_POWER_H
 #define MPDEM_POWER_H
 

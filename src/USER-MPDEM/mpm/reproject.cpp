@@ -10,7 +10,7 @@ namespace mpdem {
 
 namespace {
 
-// out += sum over the points of m_p N_I (v_p + C_p (X_I - X_p)), v_p of the field.
+// out += sum over the points of m_p N_I (v_p + C_p (X_I - X_p)), with v_p and C_p interpolated from the field.
 void add_affine(const PointStore& points, const Grid& grid, double density, const std::vector<double>& field, std::vector<double>& out) {
   with_basis(grid.basis, [&](auto type) {
     using Type = decltype(type);
@@ -34,7 +34,7 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
   });
 }
 
-// out = y field, or, with the affine part, what apic makes of it. Collective.
+// Collective. out = y field, or with `affine` the result of apic for the field.
 void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine, const std::vector<double>& field,
              std::vector<double>& out) {
   out.assign(field.size(), 0.0);
@@ -59,7 +59,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<d
   jump.resize(n);
   if (transfer.method == Transfer::flip) {
     const double A = transfer.flip_share;
-    std::vector<double> rest(n);  // what is projected
+    std::vector<double> rest(n);  // the part that is projected
     for (std::size_t i = 0; i < n; ++i) rest[i] = (1.0 - A) * v[i] + dt * grid.acceleration[i];
     project(points, grid, added_mass, density, false, rest, jump);
     for (std::size_t i = 0; i < n; ++i) jump[i] -= rest[i];

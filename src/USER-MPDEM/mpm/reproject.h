@@ -5,14 +5,14 @@
 // transfer (transfer.h) is a polynomial of one nodal map, the projection of the interpolated field
 //   y v = (sum m_p N_I v(X_p) + c_I v_I) / (m_I + c_I),
 // with c_I the added mass of the penalty. The map is symmetric in the inner product of the nodes' inertia, and its
-// eigenvalues lie in [0, 1]. No point needs a velocity of its own:
+// eigenvalues lie in [0, 1]. Points do not need velocities of their own:
 //   pic      v <- y v
 //   xpic m   v <- (1 - (1 - y)^m) v
 //   apic     v <- (sum m_p N_I (v_p + C_p (X_I - X_p)) + c_I v_I) / (m_I + c_I)
 //   flip A   v + dt a <- A (v + y dt a) + (1 - A) y (v + dt a)
-// flip must be applied in every step. With steps between, motion that y removes would go on in the displacements and
-// feed energy into a spinning bond. Momentum is kept. With apic angular momentum is kept, too. Both include those of
-// the added mass, which belongs to the grains.
+// flip must be applied in every step. Otherwise motion that y removes would go on in the displacements during the steps
+// between, and feed energy into a spinning bond. Momentum is kept. apic also keeps angular momentum. Both include those
+// of the added mass, which belongs to the grains.
 #ifndef MPDEM_REPROJECT_H
 #define MPDEM_REPROJECT_H
 
@@ -24,13 +24,13 @@
 
 namespace mpdem {
 
-// Collective among the ranks that share nodes. jump: returns the change of the nodal velocities. dt: that of the
-// coming kick, for flip. added_mass: that of each node, or empty.
+// Collective among the ranks that share nodes. jump: receives the change of the nodal velocities. dt: length of the
+// coming kick, for flip. added_mass: for each node, or empty.
 void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density,
                         const Transfer& transfer, double dt, std::vector<double>& jump);
 
-// Collective. v <- q(y) v with q as in transfer.h. This is what xpic m makes of the velocity before the acceleration
-// comes in. Momentum is kept, with that of the added mass in it.
+// Collective. v <- q(y) v with q as in transfer.h. This is the part of xpic m that acts on the velocity before the
+// acceleration is added. Momentum is kept, including that of the added mass.
 void filter_velocity(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, int order);
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Points to grid: the transposes of gather.h. The eight points of a block share their nodes,
-// so the lanes are summed in registers and a node is touched once a block.
+// Points to grid: the transposes of gather.h. The eight points of a block share their nodes. So the lanes are summed in
+// registers, and a node is updated once for each block.
 #ifndef MPDEM_SCATTER_H
 #define MPDEM_SCATTER_H
 
@@ -15,7 +15,7 @@ namespace mpdem {
 
 namespace detail {
 
-// p[l] += s[first + l] for as many lanes as a Part has.
+// p[l] += s[first + l] for all l below the number of lanes of a Part.
 template <class Part>
 inline void add_part(double* p, const vd& s, int first) {
   Part sum, more;
@@ -25,7 +25,7 @@ inline void add_part(double* p, const vd& s, int first) {
   std::memcpy(p, &sum, sizeof sum);
 }
 
-// The same for N lanes, as vectors: the compiler takes a loop over them apart, lane by lane.
+// p[l] += s[first + l] for l below N, with vector instructions. The compiler would split a loop into single lanes.
 template <int N>
 inline void add_lanes(double* p, const vd& s, int first = 0) {
   using v2 = double __attribute__((vector_size(16)));
@@ -43,8 +43,8 @@ inline void add_lanes(double* p, const vd& s, int first = 0) {
   }
 }
 
-// Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column.
-// Reductions run eight at a time; what is over of a column waits until there are eight.
+// Adds the lane sums of 3 kK vectors to as many consecutive doubles, column by column. Reductions run eight vectors at
+// a time. The vectors of a column beyond eight wait until there are eight of these.
 template <class W>
 class ColumnSums {
  public:
@@ -52,7 +52,7 @@ class ColumnSums {
 
   ColumnSums(double* nodal, const int* column) : nodal_(nodal), column_(column) {}
 
-  // `values` holds kPadded vectors, of which those beyond kValues are zero.
+  // `values` holds kPadded vectors. Those beyond kValues are zero.
   void add(int c, const vd* values) {
     add_lanes<kFirst>(place(c), sum_lanes_of_8(values));
     if constexpr (kFull) {
@@ -76,9 +76,9 @@ class ColumnSums {
 
  private:
   static constexpr int kFirst = kValues < 8 ? kValues : 8, kOver = kValues - kFirst;
-  static constexpr bool kFull = kOver > 4;  // the rest of a column is nearly eight by itself
+  static constexpr bool kFull = kOver > 4;  // the rest of a column nearly fills eight vectors by itself
   static_assert(kFull || kOver == 0 || 8 % kOver == 0, "columns fill the rest without a gap");
-  // Of so many columns, of which c is the last.
+  // Adds the waiting sums of the last `columns` columns, the last of which is c.
   void add_rest(int c, int columns) {
     const vd s = sum_lanes_of_8(rest_);
     for (int n = 0; n < columns; ++n)
@@ -111,7 +111,7 @@ inline void scatter_gradient(double* __restrict nodal, const int* column, const 
       for (int c = 0; c < 3; ++c) {
         const vd a = A[c] * s.w[1][j] + B[c] * s.dw[1][j];
         const vd b = C[c] * s.w[1][j];
-        vd rest = a;  // what a column takes is a, so the node left out takes what the others leave
+        vd rest = a;  // the column takes a in all, so the node left out takes what the others leave
         for (int k = 0; k < W::kK; ++k) {
           if (k == kLeftOut) continue;
           values[3 * k + c] = a * s.w[2][k] + b * s.dw[2][k];
@@ -143,8 +143,7 @@ inline void scatter_value(double* __restrict nodal, const int* column, const Wei
   sums.finish();
 }
 
-// nodal_Ic += sum over the points of T[c] N_I + A.a[c][d] (X_Id - X_d) N_I, the affine part
-// with `moment` from with_moments().
+// nodal_Ic += sum over the points of T[c] N_I + A.a[c][d] (X_Id - X_d) N_I. `moment` comes from with_moments().
 template <class Type, int Joined>
 inline void scatter_affine(double* __restrict nodal, const int* column, const Weights<Type, Joined>& moment, const vd* T,
                            const Mat3<vd>& A) {

@@ -38,7 +38,7 @@ void add_products(const PointStore& points, const Grid& grid, const L& law, cons
   }
 }
 
-// Of a node: sum over the points of stiffness |grad N|^2.
+// Adds to each node the sum over the points of stiffness |grad N|^2.
 template <class W>
 void add_squares(const W& s, const int* column, vd stiffness, double* diagonal) {
   for (int i = 0; i < W::kI; ++i)

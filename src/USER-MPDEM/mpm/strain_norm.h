@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The root of the norm of strain that nonlocal damage averages, see drive_average.h. The norm is that which the law has in its
-// drive: of the undamaged material, so that it depends on the strain alone.
+// The root of the norm of strain that nonlocal damage averages, see drive_average.h. The norm is that of the drive of
+// the law for the undamaged material, so it depends on the strain alone.
 #ifndef MPDEM_STRAIN_NORM_H
 #define MPDEM_STRAIN_NORM_H
 
@@ -21,7 +21,7 @@ vd root_of_norm(const L& law, const Sym3<vd>& strain) {
   return root_of_drive<L>(law.undamaged_drive(strain));
 }
 
-// Factor of the drive where that root changes by `factor`.
+// Factor by which the drive changes if this root changes by `factor`.
 template <class L>
 vd drive_factor(vd factor) {
   const vd square = factor * factor;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// How velocity goes from the grid to the points and back. With S the interpolation from nodes
-// to points, S+ the mass-weighted projection back and a the nodal acceleration, the velocity V
-// of the points becomes
+// Transfer of velocity from the grid to the points and back. With S the interpolation from nodes to points, S+ the
+// mass-weighted projection back and a the nodal acceleration, the velocity V of the points becomes
 //   pic         S (v + dt a)
 //   flip A      A (V + dt S a) + (1 - A) S (v + dt a)                 (Brackbill & Ruppel 1986)
 //   apic        as pic, with an affine velocity field in each point    (Jiang et al. 2015)
 //   xpic m      S (q v + dt a), 1 - (1 - S+S)^m = S+S q(S+S)   (Hammerquist & Nairn 2017)
-// pic and xpic 1 are the same. All keep momentum; apic keeps angular momentum too.
+// pic and xpic 1 are the same. All keep momentum. apic also keeps angular momentum.
 #ifndef MPDEM_TRANSFER_H
 #define MPDEM_TRANSFER_H
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Spectral decomposition of eight symmetric 3x3 tensors at once by cyclic Jacobi
-// rotations (Golub & Van Loan, Matrix Computations, sec. 8.5). A lane that has converged is
-// turned no further, so that its result does not depend on the others. Backward stable,
-// exact for diagonal input, no branch on repeated eigenvalues.
+// Spectral decomposition of eight symmetric 3x3 tensors at once by cyclic Jacobi rotations (Golub & Van Loan, Matrix
+// Computations, sec. 8.5). A lane that has converged is not rotated further, so its result does not depend on the
+// others. The method is backward stable, exact for diagonal input, and has no branch on repeated eigenvalues.
 #ifndef MPDEM_EIGEN3_H
 #define MPDEM_EIGEN3_H
 
@@ -22,8 +21,7 @@ struct Spectral {
 inline void jacobi_rotation(vmask open, vd& app, vd& aqq, vd& apq, vd& arp, vd& arq, vd* vp, vd* vq) {
   const vd diff = aqq - app;
   const vd twice = select(open, apq + apq, vd{});
-  // t = tan of the smaller angle; written without a division by apq so that a zero
-  // off-diagonal gives the identity.
+  // t is the tangent of the smaller angle. It is found without a division by apq, so that a zero off-diagonal gives the identity.
   const vd root = sqrt(diff * diff + twice * twice);
   const vd denom = abs(diff) + root;
   const vd tiny = splat(1e-300);
@@ -68,7 +66,7 @@ inline Spectral eigen(const Sym3<vd>& m) {
 
 inline vd largest(const Spectral& s) { return max(s.value[0], max(s.value[1], s.value[2])); }
 
-// Sum over i of f_i n_i n_i for the axes n_i of s.
+// Sum over i of f_i n_i n_i for the columns n_i of q.
 inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
   const auto c = [&](int i, int j) {
     return q.a[i][0] * f[0] * q.a[j][0] + q.a[i][1] * f[1] * q.a[j][1] + q.a[i][2] * f[2] * q.a[j][2];
@@ -76,14 +74,14 @@ inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
   return {c(0, 0), c(1, 1), c(2, 2), c(1, 2), c(0, 2), c(0, 1)};
 }
 
-// The largest eigenvalue of m where sign is 1, the smallest where it is -1, as a simple root of the
-// characteristic polynomial. `gap` goes to zero as that root becomes double: below 1e-5 it is not accurate.
+// The largest eigenvalue of m if sign is 1, the smallest if it is -1, as a simple root of the characteristic
+// polynomial. `gap` goes to zero as that root becomes double. The root is not accurate for a gap below 1e-5.
 struct Extreme {
   vd value, gap, radius;
 };
 
 inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
-  // Roots of u^3 - 3 u - 2 r = 0, l = mean + u sqrt(J2/3); the largest of +-m.
+  // The eigenvalues are mean + u sqrt(J2/3) with the roots u of u^3 - 3 u - 2 r = 0. Finds the largest of sign times m.
   const vd mean = (1.0 / 3.0) * trace(m);
   const Sym3<vd> dev{m.xx - mean, m.yy - mean, m.zz - mean, m.yz, m.xz, m.xy};
   const vd radius = sqrt(contract(dev, dev) * (1.0 / 6.0));
@@ -91,7 +89,7 @@ inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
   const vd inverse = 1.0 / max(radius, tiny);
   vd r = 0.5 * sign * determinant(dev) * inverse * inverse * inverse;
   r = max(min(r, splat(1.0)), splat(-1.0));
-  // u = 2 cos(2/3 arccos c) to 3e-6 by its Chebyshev interpolation in c, of r = 2 c^2 - 1. Two Newton steps give all digits.
+  // u = 2 cos(2/3 arccos c) with r = 2 c^2 - 1. The Chebyshev interpolation in c is accurate to 3e-6. Two Newton steps give all digits.
   const vd c = sqrt(0.5 * (1.0 + r));
   vd u = 1.00000274602 + c * (1.15450081002 + c * (-0.21976891968 + c * (0.0952690139231 + c * (-0.0382436570715 + c * 0.00824160659855))));
   for (int it = 0; it < 2; ++it) {
@@ -115,7 +113,7 @@ inline Sym3<vd> blend(vmask m, const Sym3<vd>& a, const Sym3<vd>& b) {
 
 struct LargestEigenvalue {
   vd value;
-  Sym3<vd> slope;  // along m: projection on an eigenspace, any of them if there are several
+  Sym3<vd> slope;  // derivative by m: projection on an eigenspace, or the mean over equal eigenvalues
 };
 
 inline vd largest_eigenvalue(const Sym3<vd>& m) {
@@ -144,15 +142,15 @@ inline LargestEigenvalue largest_eigenvalue_and_slope(const Sym3<vd>& m) {
   return l;
 }
 
-// Signs of the eigenvalues, by Sylvester's minors, and the root of the rarer sign where they differ.
+// Signs of the eigenvalues, by Sylvester's minors, and the root of the rarer sign if the signs differ.
 struct Signs {
   vmask definite, negative;  // all positive, all negative
-  vmask two;                 // elsewhere: two negative values and one positive; else one negative
+  vmask two;                 // in other lanes: two negative values and one positive; if false, one negative
   vmask unsafe;              // the root is nearly double, or the signs are in doubt
   Extreme rarer;
 };
 
-// Not to be asked where all lanes are definite.
+// Must not be called if all lanes are definite.
 inline Signs signs_of(const Sym3<vd>& m, vmask definite, vd m2, vd det, vd noise) {
   Signs s;
   s.definite = definite;
@@ -168,15 +166,15 @@ template <class All, class Some>
 auto by_signs(const Sym3<vd>& m, vd size2, All all, Some some) {
   const vd m2 = m.xx * m.yy - m.xy * m.xy;
   const vd det = determinant(m);
-  // Next to a rank-one tensor the sign of the determinant is rounding.
+  // Near a rank-one tensor the sign of the determinant is rounding error.
   const vd noise = 1e-13 * size2 * sqrt(size2);
   const vmask definite = (m.xx > 0.0) & (m2 > 0.0) & (det > noise);
   return any(~definite) ? some(signs_of(m, definite, m2, det, noise)) : all();
 }
 
-// Positive part <m>_+ by its one eigenvalue of the rarer sign: with one negative value,
-// m less that eigenspace; with two, the positive eigenspace alone. Lanes whose root is nearly
-// double or whose signs are in doubt go through the Jacobi rotations.
+// Positive part <m>_+ by its one eigenvalue of the rarer sign. With one negative value it is m less that eigenspace.
+// With two negative values it is the positive eigenspace alone. Lanes whose root is nearly double, or whose signs are
+// in doubt, use the Jacobi rotations.
 inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   return by_signs(m, contract(m, m), [&] { return m; }, [&](const Signs& s) {
     const Sym3<vd> adj = adjugate(m, s.rarer.value);
@@ -192,8 +190,8 @@ inline Sym3<vd> positive_part(const Sym3<vd>& m) {
   });
 }
 
-// <m>_+ : <m>_+ by the same eigenvalue, without its axes. The difference to a large negative value has no digits where little is left: then it
-// is that of the Jacobi rotations.
+// <m>_+ : <m>_+ by the same eigenvalue, without its axes. If little is left, the difference to a large negative value
+// has no digits. The result of the Jacobi rotations is used then.
 inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
   return by_signs(m, size2, [&] { return size2; }, [&](const Signs& s) {

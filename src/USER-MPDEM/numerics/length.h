@@ -7,7 +7,7 @@
 
 namespace mpdem {
 
-// Of a vector of three numbers.
+// Length of a vector of three numbers.
 inline double length(const double* d) { return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
 
 }  // namespace mpdem

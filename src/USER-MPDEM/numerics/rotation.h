@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Rotations as matrices. Unit quaternions are w, x, y, z. Rotations by the identity give the same numbers to the bit.
+// Rotations as matrices. Unit quaternions are w, x, y, z. Rotations by the identity return their argument to the bit.
 #ifndef MPDEM_ROTATION_H
 #define MPDEM_ROTATION_H
 
@@ -18,7 +18,7 @@ inline Mat3<double> rotation_of(const double* q) {
            {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
 }
 
-// R v and R^T v.
+// turned() returns R v, and turned_back() returns R^T v.
 inline std::array<double, 3> turned(const Mat3<double>& R, const double* v) {
   std::array<double, 3> t;
   for (int i = 0; i < 3; ++i) t[i] = R.a[i][0] * v[0] + R.a[i][1] * v[1] + R.a[i][2] * v[2];

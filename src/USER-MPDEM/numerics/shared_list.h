@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A list that is held once by all who have an equal one. Bonds of one shape are alike in all but their state: where points and links are, which
-// nodes are tied to which, masses. Who changes a list gets a copy of its own first, so that nothing is seen of the sharing but the memory.
+// A list that is stored once for all holders of an equal one. Bonds of one shape are equal in all but their state:
+// places of points and links, ties of nodes, masses. A holder that changes its list gets its own copy first. So sharing affects nothing but memory.
 #ifndef MPDEM_SHARED_LIST_H
 #define MPDEM_SHARED_LIST_H
 
@@ -32,14 +32,14 @@ class SharedList {
   const T* begin() const { return data(); }
   const T* end() const { return data() + size(); }
 
-  // To change it.
+  // Gives access to change the list. Copies it first if it is shared.
   std::vector<T>& own() {
     if (!list_) list_ = std::make_shared<std::vector<T>>();
     else if (list_.use_count() > 1) list_ = std::make_shared<std::vector<T>>(*list_);
     return *list_;
   }
 
-  // Its share of what all holders have together.
+  // Memory of the list in bytes, divided by the number of its holders.
   std::size_t memory_usage() const { return list_ ? list_->capacity() * sizeof(T) / static_cast<std::size_t>(list_.use_count()) : 0; }
 
  private:
@@ -47,10 +47,10 @@ class SharedList {
   std::shared_ptr<std::vector<T>> list_;
 };
 
-// Lists that are in use, by their bytes.
+// The lists in use, found by a hash of their bytes.
 class AlikeLists {
  public:
-  // From now on an equal list that was shared before is this one.
+  // Makes `list` share the memory of an equal list that was shared before. If there is none, `list` is that list from now on.
   template <class T>
   void share(SharedList<T>& list) {
     if (list.empty()) return;
@@ -65,7 +65,7 @@ class AlikeLists {
     }
     forget_unused();
   }
-  // How many are known, some of which may be gone.
+  // Number of known lists. Some of them may be gone.
   std::size_t size() const { return known_.size(); }
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A list of integers that are not negative, such as places of nodes. It takes two bytes for each while all of them fit into these,
-// as they do in small bonds, and four bytes from the first one on that does not.
+// A list of integers that are not negative, such as places of nodes. It takes two bytes for each while all of them fit
+// into these, as they do in small bonds. From the first one that does not fit, it takes four bytes for each.
 #ifndef MPDEM_SHORT_LIST_H
 #define MPDEM_SHORT_LIST_H
 
@@ -29,13 +29,13 @@ class ShortList {
     if (wide_.empty()) narrow_.own().resize(size);
     else wide_.own().resize(size);
   }
-  // Calls f with a pointer to the integers of whichever width.
+  // Calls f with a pointer to the integers, of two or four bytes each.
   template <class F>
   decltype(auto) with(F f) const {
     if (wide_.empty()) return f(narrow_.data());
     return f(wide_.data());
   }
-  // v becomes place[v].
+  // Replaces each value v by place[v].
   void renumber(const std::vector<int>& place) {
     int most = 0;
     with([&](const auto* v) {
@@ -84,7 +84,7 @@ class ShortList {
   }
 
   SharedList<Narrow> narrow_;
-  SharedList<int> wide_;  // instead, if there are any
+  SharedList<int> wide_;  // used instead of narrow_ if it is not empty
 };
 
 }  // namespace mpdem

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Eight doubles as one value. A block of material points is eight points of one
-// cell, one point a lane, so every kernel below is written once, on `vd`, and the
-// compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
-// four SSE2 operations). GCC and Clang vector extensions, and no intrinsics but for bits(), which compilers do not find by themselves.
+// Eight doubles as one value. A block of material points is eight points of one cell, one point a lane. So every kernel
+// is written once, on `vd`, and the compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
+// four SSE2 operations). It uses GCC and Clang vector extensions. Only bits() needs intrinsics, which compilers do not find by themselves.
 #ifndef MPDEM_SIMD_H
 #define MPDEM_SIMD_H
 
@@ -28,7 +27,7 @@ inline vmask splat_mask(bool a) { return vmask{} - static_cast<std::int64_t>(a);
 
 inline vd select(vmask m, vd a, vd b) { return m ? a : b; }
 
-// A bit for each lane, the first in the lowest.
+// One bit for each lane. The first lane is the lowest bit.
 inline std::uint8_t bits(vmask m) {
 #if defined(__AVX512DQ__)
   return _mm512_movepi64_mask(reinterpret_cast<__m512i>(m));
@@ -53,7 +52,7 @@ inline vd abs(vd a) { return a < 0.0 ? -a : a; }
 inline vd max(vd a, vd b) { return a > b ? a : b; }
 inline vd min(vd a, vd b) { return a < b ? a : b; }
 
-// Element-wise function that has no vector form; for rare paths only.
+// Applies a function without a vector form to each lane. Slow, so only for rare paths.
 template <class F>
 inline vd map_lanes(vd a, F f) {
   vd r;

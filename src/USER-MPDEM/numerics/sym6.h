@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Symmetric matrices of six rows over `double` or the eight-lane `vd`, one matrix a lane: the lower triangle by rows, 21 numbers.
+// Symmetric matrices of six rows over `double`, or over the eight-lane `vd` with one matrix a lane. They are stored as
+// the lower triangle by rows, 21 numbers.
 #ifndef MPDEM_SYM6_H
 #define MPDEM_SYM6_H
 
@@ -10,10 +11,10 @@ namespace mpdem {
 constexpr int kSym6 = 21;
 constexpr int sym6(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
-// Of a positive definite matrix, by its factors L D L^T.
+// Inverts a positive definite matrix by its factors L D L^T.
 template <class T>
 inline void invert_sym6(const T* m, T* inverse) {
-  T L[6][6], r[6];  // L has its inverse later; r: of 1/D
+  T L[6][6], r[6];  // L: the factor, later its inverse; r: 1/D
   for (int j = 0; j < 6; ++j) {
     T d = m[sym6(j, j)];
     T scaled[6];

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Symmetric and general 3x3 tensors over a scalar type T, which is `double` or the
-// eight-lane `vd`. Symmetric storage order: xx, yy, zz, yz, xz, xy (tensor
-// components, no factor of two in the shears).
+// Symmetric and general 3x3 tensors over a scalar type T, which is `double` or the eight-lane `vd`. Symmetric storage
+// order: xx, yy, zz, yz, xz, xy (tensor components, no factor of two in the shears).
 #ifndef MPDEM_TENSOR3_H
 #define MPDEM_TENSOR3_H
 
@@ -105,7 +104,7 @@ inline Mat3<T> product(const Sym3<T>& s, const Mat3<T>& m) {
   return product(Mat3<T>{{{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}}}, m);
 }
 
-// Upper triangle of m, for one that is symmetric.
+// Upper triangle of m, which must be symmetric.
 template <class T>
 inline Sym3<T> upper(const Mat3<T>& m) {
   return {m.a[0][0], m.a[1][1], m.a[2][2], m.a[1][2], m.a[0][2], m.a[0][1]};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Text of words and numbers, one after the other, numbers as a C++ stream writes them.
+// Joins words and numbers to a text. Numbers are written as by a C++ stream.
 #ifndef MPDEM_TEXT_OF_H
 #define MPDEM_TEXT_OF_H
 

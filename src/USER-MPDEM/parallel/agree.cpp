@@ -31,7 +31,7 @@ void throw_if_any(MPI_Comm comm, const std::string& text) {
 std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine) {
   const int some = !mine.empty();
   int any;
-  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);  // mostly no rank has any
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);  // in most calls no rank has any
   if (!any) return {};
   std::vector<int> numbers = gather_all(comm, mine);
   std::sort(numbers.begin(), numbers.end());

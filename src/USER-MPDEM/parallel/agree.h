@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// States that end a run, as exceptions: the engine knows no host that could stop. What all ranks see is thrown on all of
-// them with the same text, what one rank sees and the others wait for is thrown there as OnOneRank.
+// Exceptions for states that end a run, since the engine knows no host that could stop. If all ranks see the state, all
+// of them throw with the same text. If one rank sees it and the others wait for that rank, it throws OnOneRank.
 #ifndef MPDEM_AGREE_H
 #define MPDEM_AGREE_H
 
@@ -23,13 +23,13 @@ struct OnOneRank : BadState {
   using BadState::BadState;
 };
 
-// Collective. The text of the lowest rank that has one, on all ranks; empty if there is none.
+// Collective. Returns on all ranks the text of the lowest rank that has one; empty if there is none.
 std::string first_text(MPI_Comm comm, const std::string& text);
 
 // Collective. Throws BadState on all ranks if any rank has a text.
 void throw_if_any(MPI_Comm comm, const std::string& text);
 
-// Collective. The numbers that some rank has, ascending, on all ranks.
+// Collective. Returns on all ranks the numbers that some rank has, ascending.
 std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine);
 
 }  // namespace mpdem

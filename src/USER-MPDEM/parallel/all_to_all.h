@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sends a list of plain values to every rank and returns what came, ordered by source.
-// Collective.
+// Sends a list of plain values to every rank and returns the received values, ordered by source. Collective.
 #ifndef MPDEM_ALL_TO_ALL_H
 #define MPDEM_ALL_TO_ALL_H
 
@@ -17,7 +16,7 @@ namespace mpdem {
 template <class T>
 struct Received {
   std::vector<T> data;
-  std::vector<int> count;  // of each source rank
+  std::vector<int> count;  // number of values from each source rank
 };
 
 template <class T>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Plain values of all ranks, in the order of the ranks: on all of them, or on the first. Collective.
+// Gathers plain values of all ranks, in the order of the ranks: on all ranks, or on the first. Collective.
 #ifndef MPDEM_GATHER_RANKS_H
 #define MPDEM_GATHER_RANKS_H
 
@@ -14,14 +14,14 @@
 
 namespace mpdem {
 
-// Where the values of each rank begin.
+// Places at which the values of each rank begin.
 inline std::vector<int> starts_of(const std::vector<int>& counts) {
   std::vector<int> starts(counts.size());
   std::exclusive_scan(counts.begin(), counts.end(), starts.begin(), 0);
   return starts;
 }
 
-// T as a type of MPI, while the object lives.
+// MPI type for T. It exists as long as the object.
 template <class T>
 class TypeOf {
  public:
@@ -50,7 +50,7 @@ std::vector<T> gather_all(MPI_Comm comm, const std::vector<T>& mine) {
   return all;
 }
 
-// Empty on the other ranks.
+// Gathers the values on the first rank. Returns an empty list on the other ranks.
 template <class T>
 std::vector<T> gather_on_first(MPI_Comm comm, const std::vector<T>& mine) {
   const int count = static_cast<int>(mine.size());

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Sums nodal values over the ranks that share a node. Every holder adds the same
-// contributions in the same order (ascending rank), so the copies of a node stay equal
-// to the bit and never have to be sent again. Buffers are sized once.
+// Sums nodal values over the ranks that share a node. Every holder adds the same contributions in the same order
+// (ascending rank). So the copies of a node stay equal to the bit and never have to be sent again. Buffers are sized once.
 #ifndef MPDEM_HALO_SUM_H
 #define MPDEM_HALO_SUM_H
 
@@ -19,16 +18,16 @@ class HaloSum {
  public:
   // Collective. keys: ascending, each once.
   void build(MPI_Comm comm, const std::vector<Key>& keys);
-  // With what is known already of the ranks that share `size` keys. Not collective.
+  // Builds from known sharing of `size` keys. Not collective.
   void build(MPI_Comm comm, Sharing shared, std::size_t size);
 
   // Sets the number of keys when none of them is shared.
   void resize(std::size_t size) { counts_here_.resize(size, 1); }
 
-  // Collective among sharing ranks. values: width doubles a key, summed in place.
+  // Collective among sharing ranks. values: width doubles for each key, summed in place.
   void sum(double* values, int width);
 
-  // Of the ranks that hold key i, is this the one that counts it in global sums?
+  // True for key i if this rank is the one of its holders that counts it in global sums.
   const std::vector<char>& counts_here() const { return counts_here_; }
 
   std::size_t shared_items() const;
@@ -51,15 +50,15 @@ class HaloSum {
 // contribution is added in the same order as by HaloSum::sum().
 class HaloSums {
  public:
-  // Arrays of different bodies, ascending; kept by their address.
+  // parts: sums of different bodies, ascending. They are kept by address, so they must outlive this object.
   void build(const std::vector<HaloSum*>& parts);
-  // values[n]: those of part n.
+  // Sums the values. values[n]: array of part n.
   void sum(const std::vector<double*>& values, int width);
 
  private:
   std::vector<HaloSum*> parts_;
   std::vector<int> ranks_;
-  std::vector<std::size_t> items_;  // shared with each of them
+  std::vector<std::size_t> items_;  // number of items shared with each of these ranks
   std::vector<std::vector<double>> send_, recv_;
   std::vector<MPI_Request> requests_;
 };

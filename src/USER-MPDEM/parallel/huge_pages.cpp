@@ -10,7 +10,7 @@
 #include <string>
 
 #ifndef MADV_COLLAPSE
-#define MADV_COLLAPSE 25  // headers of older systems do not name it
+#define MADV_COLLAPSE 25  // headers of older systems do not define it
 #endif
 
 namespace mpdem {

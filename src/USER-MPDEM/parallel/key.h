@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Names a node on all ranks: its field, which is a part of a bond (mpm/body.h), and its place on the grid of the bond. Other things are named by
-// fewer whole numbers. Keys are in the order of field, i, j, k.
+// Names a node on all ranks: its field, which is a part of a bond (mpm/body.h), and its place on the grid of the bond.
+// Other objects are named by fewer whole numbers. Keys are in the order of field, i, j, k.
 //
-// A key takes 16 bytes: 31 bits for the bond, which are as many as an int can count, 22 for the part, 25 for each number of a place. A part has nodes of its own,
-// so memory ends before parts do. A place that is farther from the origin of its bond than kFarthest cells throws OnOneRank.
+// A key takes 16 bytes: 31 bits for the bond, as many as an int can count, 22 for the part, 25 for each number of a
+// place. A part has its own nodes, so memory ends before parts do. Throws OnOneRank for a place farther than kFarthest
+// cells from the origin of its bond.
 #ifndef MPDEM_KEY_H
 #define MPDEM_KEY_H
 
@@ -22,11 +23,11 @@ constexpr int kBodyBits = 31, kPartBits = 22;
 class Key {
  public:
   static constexpr int kPlaceBits = 25, kFarthest = (1 << (kPlaceBits - 1)) - 1;
-  // No node has this one. It comes before all others.
+  // Makes a key that no node has. It comes before all others.
   constexpr Key() = default;
   Key(Field field, int i, int j, int k) : bits_(static_cast<Bits>(field) << 3 * kPlaceBits | shifted(i, 2) | shifted(j, 1) | shifted(k, 0)) {}
   Key(Field field, const int* place) : Key(field, place[0], place[1], place[2]) {}
-  // Comes before all keys of the field, and is none of them.
+  // Makes a key before all keys of the field. No node has it.
   static Key before(Field field) {
     Key k;
     k.bits_ = static_cast<Bits>(field) << 3 * kPlaceBits;
@@ -46,7 +47,7 @@ class Key {
     p[d] += by;
     return Key(field(), p.data());
   }
-  // Of all of it.
+  // Low and high 64 bits of the whole key.
   std::uint64_t low() const { return static_cast<std::uint64_t>(bits_); }
   std::uint64_t high() const { return static_cast<std::uint64_t>(bits_ >> 64); }
 

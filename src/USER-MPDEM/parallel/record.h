@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// One description of a record: of state that goes to another rank or into a restart file. A struct R names its
-// fields once,
+// One description of a record, for state that goes to another rank or into a restart file. A struct R names its fields
+// once,
 //
 //   template <class Self, class Visitor>
 //   static constexpr void describe(Self& self, Visitor& visit) {
@@ -12,11 +12,11 @@
 //     if (visit.present(self.moving)) visit("its velocity", self.velocity, kFinite);
 //     const int n = visit.length("its number of links", self.links, kMostLinks);
 //     for (int k = 0; k < n; ++k) visit.part(self.link[k]);   // records inside
-//     visit.left_out(self.slot);                              // what stays behind, so that a test knows it is meant to
+//     visit.left_out(self.slot);                              // stays behind; the call tells a test that this is meant
 //   }
 //
-// and gets from it the functions below. Every number is a double in the buffer. A range may depend on fields
-// that are named before. A field has the type that the code wants: double, int, bool or an enum.
+// and this gives it the functions below. Every number is a double in the buffer. A range may depend on fields that are
+// named before. A field has the type that the code wants: double, int, bool or an enum.
 #ifndef MPDEM_RECORD_H
 #define MPDEM_RECORD_H
 
@@ -39,7 +39,7 @@ constexpr Range kFinite{-kLargestNumber, kLargestNumber}, kPositive{kSmallestNum
 constexpr Range kCount{0.0, kLargestInt};
 constexpr Range from(double low, double high) { return {low, high}; }
 
-// Keeps the first complaint about numbers that are looked at one after the other, by name, value and range.
+// Keeps the first complaint about numbers that are checked one after the other, by name, value and range.
 class FirstTrouble {
  public:
   bool check(const char* name, double value, Range range) { return judge(name, value, range, false); }
@@ -48,7 +48,7 @@ class FirstTrouble {
   void tell(const std::string& text) {
     if (trouble_.empty()) trouble_ = text;
   }
-  // Empty if there is none.
+  // The first complaint; empty if there is none.
   const std::string& trouble() const { return trouble_; }
 
  private:
@@ -56,12 +56,12 @@ class FirstTrouble {
   std::string trouble_;
 };
 
-// Of data of version `found`, where this program has version `own`: the complaint with its cure, empty if they are the same.
+// Complaint about data of version `found`, with its cure; empty if that is the version `own` of this program.
 std::string trouble_with_version(const std::string& data, double found, int own);
 
 namespace record_detail {
 
-// f(number) of every number in a field, in the order of memory.
+// Calls f(number) for every number in a field, in the order of memory.
 template <class T, class F>
 constexpr void each_number(T& field, F&& f) {
   if constexpr (std::is_array_v<T>)
@@ -83,7 +83,7 @@ constexpr T number_from(double v) {
   else return static_cast<T>(v);
 }
 
-// What visitors have in common; Derived has put(name, field, range).
+// Common part of the visitors. Derived has put(name, field, range).
 template <class Derived>
 class Visitor {
  public:
@@ -147,7 +147,7 @@ class Counter : public Visitor<Counter> {
   int numbers = 0;
 };
 
-// Counts all that a record of the type can have.
+// Counts the most numbers that a record of the type can have.
 class MostCounter : public Visitor<MostCounter> {
  public:
   template <class T>
@@ -173,7 +173,7 @@ constexpr int count_most() {
 
 }  // namespace record_detail
 
-// How many numbers pack() gives, and gives at most for any record of this type.
+// numbers_of() is how many numbers pack() gives. kMostNumbers is the most that it gives for any record of this type.
 template <class R>
 constexpr int numbers_of(const R& record) {
   record_detail::Counter count;
@@ -183,7 +183,7 @@ constexpr int numbers_of(const R& record) {
 template <class R>
 constexpr int kMostNumbers = record_detail::count_most<R>();
 
-// Both return where the next record begins. What unpack() takes is trusted: it comes from another rank.
+// Both return where the next record begins. unpack() trusts its numbers, since they come from another rank.
 template <class R>
 double* pack(const R& record, double* to) {
   record_detail::Packer out(to);
@@ -203,8 +203,8 @@ void append(const R& record, std::vector<double>& to) {
   pack(record, to.data() + to.size() - numbers_of(record));
 }
 
-// Takes records from numbers of a file. The first number that is not in its range, or is missing, is told in trouble();
-// from there on every number is the least of its range, so that the caller looks at trouble() once, at the end.
+// Reads records from numbers of a file. trouble() tells the first number that is not in its range, or is missing. Such
+// a number is replaced by the least of its range. So the caller may check trouble() once, at the end.
 class RecordReader : public record_detail::Visitor<RecordReader>, public FirstTrouble {
  public:
   RecordReader(const double* from, const double* end) : next_(from), end_(end) {}

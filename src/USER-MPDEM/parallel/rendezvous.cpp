@@ -86,7 +86,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
     std::copy(v, v + width, result.begin() + w * width);
     found[w] = 1;
   };
-  // What this rank has itself needs no message.
+  // Values of this rank need no message.
   std::vector<Key> missing;
   std::vector<int> missing_at;
   const bool many = wanted.size() > keys.size() / 8;
@@ -106,7 +106,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   }
   if (ranks == 1) return result;
 
-  // Homes learn who holds and who wants; holders are told to send.
+  // Homes learn which ranks hold and want each key. Then they tell a holder to send.
   const std::vector<Report> have = gather_at_home(comm, keys);
   const std::vector<Report> want = gather_at_home(comm, missing);
   struct Order {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Words of a command, taken one by one with a complaint that names the command, the word,
-// the value and what is allowed. Complaints end the run on all ranks (Error::all), so
-// every rank has to read the same words, which LIGGGHTS guarantees.
+// Takes words of a command one by one. A complaint names the command, the word, the value and what is allowed.
+// Complaints end the run on all ranks (Error::all). So every rank has to read the same words, which LIGGGHTS
+// guarantees.
 #ifndef MPDEM_ARGUMENTS_H
 #define MPDEM_ARGUMENTS_H
 
@@ -24,23 +24,23 @@ class Arguments {
 
   bool empty() const { return next_ >= narg_; }
   const std::string& command() const { return command_; }
-  // Names the object in all complaints from here on: one of thousands of such commands is meant.
+  // Names the object in all complaints from here on. It tells which of thousands of such commands is meant.
   void about(const std::string& object) { command_ += " " + object; }
 
-  // The next word; `what` says what it should have been if there is none.
+  // Returns the next word. `what` says what it should have been if there is none.
   std::string word(const std::string& what);
   bool accept(const std::string& keyword);  // takes the next word if it is this one
 
-  // Complains if `keyword` was given before; within `scope`, where each may come once.
+  // Complains if `keyword` was given before. With `scope`, each keyword may come once within that scope.
   void once(const std::string& keyword, const std::string& scope = "");
 
-  // A number with all of its characters; `allowed` is the text of the range.
+  // Reads a word that is a number with all of its characters.
   double number(const std::string& keyword);
   double positive(const std::string& keyword);
   double not_negative(const std::string& keyword);
   int integer(const std::string& keyword, int least);
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) { return allowed[place_of_choice(keyword, allowed)]; }
-  // The next word, which is one of these.
+  // Returns the next word, which has to be one of these.
   std::string keyword(const std::vector<std::string>& allowed);
   int place_of_choice(const std::string& keyword, const std::vector<std::string>& allowed);
   bool yes_no(const std::string& keyword) { return choice(keyword, {"yes", "no"}) == "yes"; }
@@ -57,11 +57,11 @@ class Arguments {
   std::set<std::string> given_;
 };
 
-// Error::all with the streams flushed, which survives redirected output.
+// Calls Error::all with the streams flushed, so that the message survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
-// Error::one, for conditions that only this rank sees.
+// Calls Error::one, for conditions that only this rank sees.
 [[noreturn]] void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
-// Stops all ranks if any rank has a text; the lowest such rank's is shown. Collective.
+// Collective. Stops all ranks if any rank has a text. Shows the text of the lowest such rank.
 void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
 
 }  // namespace mpdem

@@ -22,16 +22,16 @@
 namespace LAMMPS_NS {
 
 namespace {
-constexpr int kSphereNumbers = 17;  // of an atom of style sphere, before those of fixes
-// Of the state of an atom, which begins with its kind; one more tells how many they are.
+constexpr int kSphereNumbers = 17;  // numbers of an atom of style sphere, before those of fixes
+// Most numbers of the state of an atom, which begins with its kind. One more number tells how many they are.
 constexpr int kMostOfState = 1 + std::max(mpdem::kMostNumbers<mpdem::PointRecord>, mpdem::kMostNumbers<mpdem::GrainState>);
 constexpr int kBodyNumbers = mpdem::kMostNumbers<mpdem::Body>;
-constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // numbers, which MPI counts in int
-enum Kind { kNoState = 0, kPoint = 1, kGrain = 2, kNodes = 3 };  // the last: how many rows of nodes, these, and another state
+constexpr bigint kMostOfPatterns = std::numeric_limits<int>::max();  // most numbers of patterns, since MPI counts in int
+enum Kind { kNoState = 0, kPoint = 1, kGrain = 2, kNodes = 3 };  // kNodes: the number of rows of nodes comes first, then the rows, then another state
 }  // namespace
 
-// Every scene with cement begins here, in whatever program the package is: by `atom_style`, and by `read_restart`
-// once more. A log needs to name the version once.
+// Every scene with cement begins here, in whatever program the package is. It does so by `atom_style`, and by
+// `read_restart` once more. A log needs to name the version once.
 AtomVecMpdem::AtomVecMpdem(LAMMPS* lmp) : AtomVecSphere(lmp) {
   static FILE* told = nullptr;
   if (comm->me != 0 || (told && told == logfile)) return;
@@ -54,8 +54,8 @@ void AtomVecMpdem::track_orientation(int i) {
   slot[i] = -2 - (static_cast<int>(grains.size()) - 1);
 }
 
-// LIGGGHTS does not tell of atoms that go to another rank or are deleted. Half of the room is free then, so
-// that this is not done at every arrival.
+// LIGGGHTS does not tell of atoms that go to another rank or are deleted. Half of the room is free afterwards, so this
+// is not done at every arrival.
 void AtomVecMpdem::drop_grains_that_left() {
   std::vector<GrainState> here;
   for (int i = 0; i < atom->nlocal; ++i) {
@@ -67,12 +67,12 @@ void AtomVecMpdem::drop_grains_that_left() {
   grains.swap(here);
 }
 
-// At the start of a run; other commands that look at all styles call this too.
+// LIGGGHTS calls this at the start of a run. Other commands that look at all styles call it too.
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   waiting.finish(lmp);
   if (update->whichflag == 0 || update->nsteps == 0 || bonds.table.empty()) return;
-  // fix mpm/couple says itself that its fix mpm is gone, and which it was
+  // fix mpm/couple says itself that its fix mpm is gone, and which one it was
   for (int k = 0; k < modify->nfix; ++k)
     if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
   mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
@@ -140,7 +140,8 @@ int AtomVecMpdem::size_of_state(int i) const {
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
-// Between runs LIGGGHTS may have handed all points of a bond to another rank, and the nodes wait for the next layout. Their rows go to one that has points.
+// Between runs LIGGGHTS may have handed all points of a bond to another rank, while the nodes wait for the next layout.
+// Then the rows of the nodes go to a rank that has points.
 void AtomVecMpdem::send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const {
   std::vector<int> lost;
   for (const auto& b : of_bonds) {
@@ -204,20 +205,20 @@ int AtomVecMpdem::pack_rows(int i, double* buf) {
   return static_cast<int>(2 + to - from);
 }
 
-// Exact: the file gets as many numbers as are announced here.
+// The size is exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
   int n = AtomVecSphere::size_restart();
   for (int i = 0; i < atom->nlocal; ++i) n += size_of_state(i) + 1;
   for (auto& b : rows_) {
     b.second.dealt = 0;
     const int rows = static_cast<int>(b.second.rows.size()) / kNumbersOfRow;
-    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // so many points have some
+    n += rows * kNumbersOfRow + 2 * std::min(rows, b.second.points);  // so many points have some rows
   }
   return n;
 }
 
-// State, rows and their length follow what the fixes wrote, and are taken off again before the
-// base class hands the rest to the fixes.
+// State, rows and their length follow what the fixes wrote. They are taken off again before the base class hands the
+// rest to the fixes.
 int AtomVecMpdem::pack_restart(int i, double* buf) {
   int m = AtomVecSphere::pack_restart(i, buf);
   int n = pack_rows(i, &buf[m]);
@@ -228,7 +229,7 @@ int AtomVecMpdem::pack_restart(int i, double* buf) {
   return m;
 }
 
-// What is wrong with the numbers of an atom in a restart file, of which the last `own` are state and its length.
+// Returns what is wrong with the numbers of an atom in a restart file. The last `own` of them are state and its length.
 std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own) const {
   const auto whole = [](double v) { return ubuf(v).i; };
   const int fixes = total - own - kSphereNumbers;
@@ -276,7 +277,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
 }
 
 int AtomVecMpdem::unpack_restart(double* buf) {
-  // That the file is as it was written is known from its seal, if it has one, see host/restart_seal.cpp.
+  // The seal of the file, if it has one, tells whether the file is as it was written, see host/restart_seal.cpp.
   const double most = kSphereNumbers + atom->nextra_store + kMostOfState + 1 + static_cast<double>(kMostRowsOfPoint) * kNumbersOfRow;
   const int total = buf[0] > kSphereNumbers && buf[0] <= most ? static_cast<int>(buf[0]) : 1;
   const double own_length = buf[total - 1];
@@ -308,7 +309,7 @@ bool read_numbers(FILE* fp, std::vector<double>& numbers) {
   return numbers.empty() || fread(numbers.data(), sizeof(double), numbers.size(), fp) == numbers.size();
 }
 
-// Of a file, at most.
+// Returns the largest number of numbers that a file may have left.
 bigint numbers_left(FILE* fp) {
   const long here = std::ftell(fp);
   std::fseek(fp, 0, SEEK_END);
@@ -317,7 +318,7 @@ bigint numbers_left(FILE* fp) {
   return left;
 }
 
-// From the first rank to all, more than MPI counts.
+// Copies the numbers of the first rank to all ranks. There may be more than MPI counts.
 void broadcast(std::vector<double>& numbers, MPI_Comm comm) {
   constexpr std::size_t kMost = std::size_t{1} << 30;
   for (std::size_t at = 0; at < numbers.size(); at += kMost)
@@ -351,7 +352,8 @@ std::vector<double> AtomVecMpdem::packed_bodies() const {
   return numbers;
 }
 
-// What is wrong with this style's data in a file, empty if nothing is; else the table of bonds is that of the file.
+// Returns what is wrong with this style's data in a file, or an empty text. If nothing is wrong, the table of bonds is
+// that of the file.
 std::string AtomVecMpdem::read_bodies(FILE* fp) {
   const std::string cure = "; use another restart file", truncated = "the file is truncated in the data of atom_style mpdem" + cure;
   char magic[sizeof kRestartMagic];
@@ -396,7 +398,7 @@ void AtomVecMpdem::read_restart_settings(FILE* fp) {
   share_bodies();
 }
 
-// From the first rank to all.
+// Copies bodies and patterns of the first rank to all ranks.
 void AtomVecMpdem::share_bodies() {
   int count[3] = {static_cast<int>(bonds.table.size()), static_cast<int>(bonds.patterns.size()), 0};
   std::vector<double> patterns = mpdem::packed(bonds.patterns);

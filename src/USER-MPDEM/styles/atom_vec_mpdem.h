@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// atom_style mpdem: spheres as in atom_style sphere, plus the state of material points
-// and the orientation of bonded grains. That state is kept once, in the layout of the
-// MPM kernels (cement/bond.h); an atom only holds its bond and the number of its slot there, which
-// is all that moves when LIGGGHTS reorders atoms. It is packed when an atom changes rank
-// or is written to a restart file.
+// atom_style mpdem: spheres as in atom_style sphere, plus the state of material points and the orientation of bonded
+// grains. That state is kept once, in the layout of the MPM kernels (cement/bond.h). An atom only holds its bond and
+// the number of its slot there. That is all that moves when LIGGGHTS reorders atoms. The state is packed when an atom
+// changes rank or is written to a restart file.
 #ifdef ATOM_CLASS
 
 AtomStyle(mpdem,AtomVecMpdem)
@@ -33,18 +32,18 @@ class AtomVecMpdem : public AtomVecSphere {
   explicit AtomVecMpdem(LAMMPS* lmp);
   ~AtomVecMpdem() override;
 
-  // slot[i] of atom i: a point's place in the points of bond[i]; kPlain for any other atom; for a
-  // bonded grain -2 - index into `grains`.
+  // slot[i] of atom i is the place of a point in the points of bond[i]. It is -2 - index into `grains` for a bonded
+  // grain, and kPlain for any other atom.
   static constexpr int kPlain = -1;
   int *slot = nullptr, *bond = nullptr;
   mpdem::Bonds bonds;
   using GrainState = mpdem::GrainState;
   std::vector<GrainState> grains;
-  // After read_restart, of points made before the first run.
+  // State of fixes for points that were made after read_restart and before the first run.
   WaitingState waiting;
 
   bool is_point(int i) const { return slot[i] >= 0; }
-  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i is one of them
+  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i has to be one of them
   void add_point(int i, const mpdem::PointRecord& r, int tag) {
     bond[i] = r.body;
     slot[i] = bonds.add(r, tag);
@@ -52,23 +51,25 @@ class AtomVecMpdem : public AtomVecSphere {
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   const GrainState* grain(int i) const { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
-  // Gives a grain a state, of orientation the identity, if it has none.
+  // Gives a grain a state, if it has none. Its orientation is the identity.
   void track_orientation(int i);
 
-  // Of the head of this style's data in a restart file: bytes to know it by, its version, the numbers of a
-  // body, how many bodies, how many patterns of points, and whether a seal ends the file, which only host/restart_seal.cpp writes.
-  // Bodies follow, the bytes again, the number of numbers of the patterns, these, and the bytes again.
+  // Head of the data of this style in a restart file: bytes to know it by, its version, the numbers of a body, how many
+  // bodies, how many patterns of points, and whether a seal ends the file. Only host/restart_seal.cpp writes the seal.
+  // Behind the head come the bodies, the bytes again, the number of numbers of the patterns, these numbers, and the
+  // bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 23, kRestartHead = 5, kRestartSealed = 4;  // the last: its place in the head
+  static constexpr int kRestartVersion = 23, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
   static inline bool restart_is_sealed = false;
 
-  // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow a row. They are dealt out to the points evenly, so
-  // that no atom has many. Those of a file are in restored_rows after read_restart, on the ranks that have these points then.
+  // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow for each row. They are
+  // dealt out to the points evenly, so that no atom has many. After read_restart, restored_rows has the numbers of the
+  // file, on the ranks that have these points then.
   static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
   void write_with_points(std::map<int, std::vector<double>> of_bonds);
   std::vector<double> restored_rows;
 
-  // The atom style in use, or null.
+  // Returns the atom style in use, or null.
   static AtomVecMpdem* of(LAMMPS* lmp);
 
   void init() override;
@@ -88,7 +89,7 @@ class AtomVecMpdem : public AtomVecSphere {
  private:
   struct RowsOfBond {
     std::vector<double> rows;
-    int points = 0, dealt = 0;  // so many points of it this rank has, and so many have theirs
+    int points = 0, dealt = 0;  // points of the bond on this rank; how many of them have their rows already
   };
   std::map<int, RowsOfBond> rows_;  // for the next restart file
   int pack_rows(int i, double* buf);

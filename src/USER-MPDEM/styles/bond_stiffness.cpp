@@ -55,7 +55,7 @@ FixMpm* BondStiffness::find_cement() const {
   return nullptr;
 }
 
-// On the first rank. Returns what is wrong.
+// Call on the first rank. Returns what is wrong.
 std::string BondStiffness::write(const std::string& name, const std::vector<mpdem::StiffnessOfBond>& bonds) const {
   const std::vector<mpdem::Body>& table = AtomVecMpdem::of(lmp)->bonds.table;
   const std::string other = mpdem::writer_of(lmp, name, nullptr);

@@ -21,7 +21,7 @@ namespace mpdem {
 using namespace LAMMPS_NS;
 
 namespace {
-constexpr int kFixedBoundary = 1;  // Domain::boundary
+constexpr int kFixedBoundary = 1;  // value in Domain::boundary
 }  // namespace
 
 void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {
@@ -181,7 +181,7 @@ void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
     bool far = false;
     for (int d = 0; d < 3; ++d) {
       moved[d] = x[d] - g->x[d];
-      // what wrapping into the box rounds
+      // rounding that comes from wrapping into the box
       const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + lmp_->domain->prd[d]);
       far = far || std::fabs(moved[d]) > 1e-9 * cell + rounding;
     }

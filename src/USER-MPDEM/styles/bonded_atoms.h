@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Bonded grains between LIGGGHTS' atoms and the engine: their motion and loads to it, its loads back; and whether they are where
-// their cement knows them to be, and as large. A grain that a command displaces, or a formula that starts anew, would
-// load its bond with a strain that nothing in the scene has caused.
+// Goes between LIGGGHTS' atoms and the engine for bonded grains. It takes their motion and loads to the engine, and the
+// engine's loads back. It checks whether grains are where their cement knows them to be, and as large. A grain may be
+// displaced by a command, or by a formula that starts anew. Such a grain would load its bond with a strain that nothing
+// in the scene has caused.
 #ifndef MPDEM_BONDED_ATOMS_H
 #define MPDEM_BONDED_ATOMS_H
 
@@ -18,32 +19,35 @@ namespace mpdem {
 
 class BondedAtoms {
  public:
-  // who: the command, for complaints.
+  // who: name of the command, for complaints.
   BondedAtoms(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
 
-  // After atoms changed place: the bonded grains of this rank. Gives them a state.
+  // Finds the bonded grains of this rank, and gives them a state. Call after atoms changed place.
   void find(LAMMPS_NS::AtomVecMpdem& avec, BondedGrains& grains);
-  // Velocity and load of LIGGGHTS to the engine.
+  // Takes velocities and loads from LIGGGHTS to the engine.
   void read(BondedGrains& grains) const;
   void write_forces(const BondedGrains& grains) const;
-  // After the host moved its grains: where they are; and where free ones are to be instead, with their velocities.
+  // Call after the host moved its grains. read_places() takes their places to the engine. write_motion() sets places
+  // and velocities of free grains to those of the engine.
   void read_places(BondedGrains& grains) const;
   void write_motion(const BondedGrains& grains) const;
   void write_velocities(const BondedGrains& grains) const;
-  void write_pushes(const BondedGrains& grains) const;  // the same where grains are free
-  // Gravity by fixes that come later in the step than `fix`, for grains that start: they feel it in the first step already.
+  void write_pushes(const BondedGrains& grains) const;  // writes velocities where grains are free
+  // Adds gravity by fixes that come later in the step than `fix` to the loads of grains that start, since they feel it
+  // in the first step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;
 
-  // Collective, so not in every step: stops if a grain jumped, was lost, or changed its size.
+  // Stops if a grain jumped, was lost, or changed its size. Collective, so not called in every step.
   void report_trouble();
-  // Of this rank, before LIGGGHTS drops a grain that leaves, which it does without a word.
+  // Looks for grains of this rank that leave the box, before LIGGGHTS drops them without a word.
   void watch_for_those_that_leave(double cell);
-  // In each step, before the engine forgets the velocities of the last one: position, and how far each moved. A grain goes where its
-  // velocity takes it.
+  // Notes positions, and how far each grain moved. Checks that a grain goes where its velocity takes it. Call in each
+  // step, before the engine forgets the velocities of the last one.
   void follow(BondedGrains& grains, const LAMMPS_NS::AtomVecMpdem& avec, double cell, double dt);
-  // At the start of a run, against the end of the last one, the restart file or create_cement. Collective.
+  // Collective. Call at the start of a run. Compares places with the end of the last run, the restart file or
+  // create_cement.
   void check_stayed(LAMMPS_NS::AtomVecMpdem& avec, double cell) const;
-  // What to do about an atom that is out of the box, by its speed.
+  // Text about what to do with an atom that is out of the box, by its speed.
   std::string flight(int i, double cell) const;
 
  private:
@@ -51,11 +55,11 @@ class BondedAtoms {
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
-  std::vector<int> atoms_;  // of the grains, ascending in tag
-  std::string trouble_;     // found on this rank, told at the next report
+  std::vector<int> atoms_;  // places of the grains among the atoms, ascending in tag
+  std::string trouble_;     // what this rank found, told at the next report
 };
 
-// Why the box is not that of the cement, the same on every rank; empty if it is.
+// Says why the box is not that of the cement, the same on every rank. The text is empty if it is.
 std::string changed_box(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table);
 
 }  // namespace mpdem

@@ -27,7 +27,7 @@ namespace mpdem {
 using namespace LAMMPS_NS;
 
 namespace {
-constexpr double kMostSpacings = 4.0;  // a cell
+constexpr double kMostSpacings = 4.0;  // largest cell without a warning, in spacings
 }
 
 std::string axis_name(AxisRule rule, const double* direction) {
@@ -44,9 +44,9 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     if (lmp->modify->fix[i] != fix && std::string(lmp->modify->fix[i]->style) == "mpm")
       stop_all(lmp, who + text_of("fix '", lmp->modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
 
-  // All points in the group and moved by nothing else; a common density.
+  // Checks that all points are in the group, that nothing else moves them, and that they have a common density.
   const char* const cure = ", and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
-                               "a grain with cement cannot be deleted";
+                           "a grain with cement cannot be deleted";
   std::string trouble;
   std::unordered_set<int> bonded;
   for (const Body& b : avec.bonds.table) bonded.insert(b.grain, b.grain + 2);
@@ -114,8 +114,8 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
   return {expected, low};
 }
 
-// Bonds across a boundary are as long as the box was when they were made, and the image of a grain that a
-// deformed box moves on has a velocity which LIGGGHTS does not give it.
+// Bonds across a boundary are as long as the box was when they were made. In a deformed box, the image of a grain moves
+// on with a velocity that LIGGGHTS does not give it.
 void check_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table) {
   for (int k = 0; k < lmp->modify->nfix; ++k) {
     const Fix* fix = lmp->modify->fix[k];
@@ -127,7 +127,7 @@ void check_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& tab
   if (!trouble.empty()) stop_all(lmp, trouble);
 }
 
-// Against the cement of each bond. Warnings name the worst of all.
+// Checks the cell against the cement of each bond. Warnings name the worst of all.
 void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell) {
   double widest = 0.0, finest = 1e300;
   for (const Body& b : table) {
@@ -158,7 +158,7 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& ta
                        .c_str());
 }
 
-// Frames stay those of the first run, whatever a fix that is defined again says.
+// Frames stay those of the first run, even if a fix that is defined again says something else.
 void check_axis(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o) {
   for (const Body& b : table) {
     double along = 0.0;
@@ -197,7 +197,7 @@ void check_points_left_alone(LAMMPS* lmp, const std::string& who, const AtomVecM
   stop_if_any(lmp, trouble);
 }
 
-// Before their first run points are where create_cement put them, and their grid with them.
+// Before their first run, points and their grid are where create_cement put them.
 void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, double cell, int started) {
   std::string trouble;
   for (int i = 0; i < lmp->atom->nlocal && trouble.empty(); ++i) {
@@ -223,7 +223,7 @@ void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecM
   stop_if_any(lmp, trouble);
 }
 
-// Bonded or not, among the grains of this rank.
+// Looks at bonded and other grains of this rank.
 std::string grain_that_is_not_finite(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec) {
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     if (avec.is_point(i)) continue;

@@ -23,7 +23,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// The limit is found twice, for 'timestep auto' and for the report, on other blocks of points.
+// The limit is found twice on different blocks of points: for 'timestep auto' and for the report.
 constexpr double kRounding = 1.0 + 1e-9;
 
 std::string shares_of(const SeparatingSurface& s) {
@@ -33,7 +33,7 @@ std::string shares_of(const SeparatingSurface& s) {
                  100.0 * s.at_grain[1] / all, " % at the second, ", 100.0 * s.inside / all, " % inside");
 }
 
-// Links that let go.
+// Returns the number of links that let go.
 double links_let_go(const BondState& bond) {
   static const BondColumn column = *std::find_if(bond_columns().begin(), bond_columns().end(),
                                                  [](const BondColumn& c) { return c.name == std::string("debonded"); });
@@ -123,7 +123,8 @@ void CementReport::stop_if_too_long(const Cement& c, double limit) const {
                                  "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, or a larger cell"));
 }
 
-// Where the step goes by it, not by the cell. From the eigenvalue itself: below the bound more damping would seem to do. Collective.
+// Tells where the damping limits the step, and not the cell. Uses the eigenvalue itself, since with the bound more
+// damping would seem to do. Collective.
 void CementReport::damping(Cement& c) {
   const CementOptions& o = c.options();
   const EigenvalueEstimate e = c.stable_step().eigenvalue();
@@ -139,11 +140,11 @@ void CementReport::damping(Cement& c) {
   if (!reported_ && lmp_->comm->me == 0 && damped.step < 0.5 * damped.undamped) lmp_->error->warning("fix mpm", 0, (who_ + text).c_str());
 }
 
-// Of numbers that do not go together, as moduli in GPa and strengths in Pa do not.
+// Warns of numbers that do not go together, such as moduli in GPa and strengths in Pa.
 void CementReport::warn(Cement& c) const {
   const Law& law = c.law();
   if (law.inert()) return;
-  double wide = 0.0;  // as a disc is, of the attached area
+  double wide = 0.0;  // width of a disc that has the attached area
   for (const Body& b : c.bonds().table)
     for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
   const double length = c.options().length;
@@ -162,7 +163,7 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   if (!c.penalty()) return;
   const std::vector<Body>& table = c.bonds().table;
   const std::vector<double> of_sides = c.report().added_mass_of_sides();
-  double mass[2] = {0.0, c.report().cement_mass()};  // of the grains and, with its inertia, of the cement
+  double mass[2] = {0.0, c.report().cement_mass()};  // mass of the grains and, with its inertia, of the cement
   for (int i = 0; i < lmp_->atom->nlocal; ++i)
     if (!avec.is_point(i)) mass[0] += lmp_->atom->rmass[i];
   MPI_Allreduce(MPI_IN_PLACE, mass, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
@@ -272,12 +273,12 @@ void CementReport::modes(Cement& c) {
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }
 
-// Does the end of a run speak of this bond?
+// Does the report at the end of a run have a line for this bond?
 bool CementReport::is_told(const Cement& c, const BondState& bond) {
   return bond.failed != 0.0 || (c.keeps_skins() && links_let_go(bond) != 0.0);
 }
 
-// Where not every bond has a line.
+// Tells a sum of modes where not every bond has a line.
 void CementReport::sum_of_modes(const Cement& c, int lines) const {
   std::map<std::string, int> count;
   int damaged = 0;
@@ -297,8 +298,8 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
   say(text + "\n");
 }
 
-// A jump that matters: it is no small part of the velocity, and the stress of the wave that it sends through the cement
-// is 1 % of the strength, or where there is no damage its strain is 1e-6.
+// Returns the smallest jump that matters. The wave that it sends through the cement has a stress of 1 % of the
+// strength, or without damage a strain of 1e-6. watch_jumps() also asks that the jump is no small part of the velocity.
 double CementReport::limit_of_jumps(const Cement& c) const {
   const Law& law = c.law();
   const VtiConstants& e = law.elasticity().constants;

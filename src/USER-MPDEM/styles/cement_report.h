@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What fix mpm tells on screen and in the log, and sums and rows of the bonds as they are at a step.
+// Tells on screen and in the log what fix mpm reports, and keeps sums and rows of the bonds as they are at a step.
 #ifndef MPDEM_CEMENT_REPORT_H
 #define MPDEM_CEMENT_REPORT_H
 
@@ -17,28 +17,29 @@ namespace mpdem {
 class CementReport {
  public:
   using bigint = LAMMPS_NS::bigint;
-  // who: the command.
+  // who: name of the command.
   CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
 
-  // At the present step; collective. Found once a step, unless forgotten since.
+  // Collective. Return totals and states of bonds at the present step. They are found once a step, unless forgotten
+  // since.
   const CementTotals& totals(Cement& c);
   const std::vector<BondState>& bonds(Cement& c);
-  const std::vector<BondState>& loads(Cement& c);  // what needs no points of that
+  const std::vector<BondState>& loads(Cement& c);  // leaves out columns that need points
   void forget() { totals_at_ = bonds_at_ = loads_at_ = -1; }
 
-  // All collective.
+  // All functions below are collective.
   void start_run(Cement& c);
-  // What the parameters imply, once; stops if the time step is not stable.
+  // Tells what the parameters imply, once. Stops if the time step is not stable.
   void parameters(Cement& c, bigint points);
   // Stops if the time step is not above 0 or not stable.
   void check_step(Cement& c);
-  // The last lines of that: the added mass takes the eigenvalue, which is found for the others.
+  // Tells the last lines of parameters(). The added mass depends on the eigenvalue, which is found for the other lines.
   void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
-  // Once a run, of the first jump of the lowest rank that saw one.
+  // Warns of the first jump of the lowest rank that saw one, once in a run.
   void jump(Cement& c);
-  // Where the time of the run went, the slowest rank for each phase.
+  // Tells where the time of the run went, by the slowest rank for each phase.
   void times(Cement& c, bigint points);
-  // One line a bond, at the end of a run in which points have failed.
+  // Tells one line for each bond, at the end of a run in which points have failed.
   void modes(Cement& c);
 
  private:

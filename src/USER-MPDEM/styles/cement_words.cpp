@@ -92,7 +92,7 @@ void take_subcycle(Arguments& args, CementOptions& o) {
   if (o.subcycle > kMostSubsteps) args.complain(text_of("'subcycle ", o.subcycle, "': number of sub-steps, must be at most ", kMostSubsteps));
 }
 
-// Energies of a crack per area that a script asks for, 0: none.
+// Energies of a crack per area that a script asks for; 0: none.
 struct Softening {
   double crack_band = 0.0, nonlocal = 0.0;
 };
@@ -106,7 +106,7 @@ void take_regularization(Arguments& args, CementOptions& o, Softening& energy) {
   if (args.accept("energy")) energy.nonlocal = args.positive("regularization nonlocal ... energy");
 }
 
-// Calls f, which may find no softening with that energy.
+// Calls f, and complains if f finds no softening with that energy.
 template <class F>
 void soften(const Arguments& args, const std::string& word, const Law& law, F f) {
   if (!law.has_crack_energy()) args.complain(word + " needs 'damage tensor'");
@@ -124,7 +124,7 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
     soften(args, "'regularization crackband'", *law, [&] { law->set_crack_energy(energy.crack_band, o.cell); });
   if (!o.skip.nonlocal) return law;
   if (law->inert()) args.complain("'regularization nonlocal' needs a law of damage, 'damage tensor' for instance");
-  // a little less is rounding of numbers in a script
+  // a length that is a little less comes from rounding of numbers in a script
   if (o.length < 0.999999 * o.cell)
     args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ", o.length,
                           "' or less"));
@@ -133,7 +133,7 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
   return law;
 }
 
-// What does not go together.
+// Complains of words that do not go together.
 void check_together(Arguments& args, CementWords& w) {
   CementOptions& o = w.options;
   const bool flip = w.transfer_given && o.transfer.method == Transfer::flip;
@@ -197,7 +197,7 @@ CementWords take_cement_words(Arguments& args) {
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     check_misplaced(args, key, damage);
-    // one `skip` for each thing that may be skipped; `reproject` in two ways has a message of its own
+    // each thing that may be skipped has a `skip` of its own; `reproject` in two ways has a message of its own
     if (is_one_of(key, kKeywords) && key != "skip" && key != "reproject") args.once(key);
     if (key == "cell") {
       o.cell = args.positive(key);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Words of fix mpm in the script, see doc/fix_mpm.md.
+// Reads the words of fix mpm in the script, see doc/fix_mpm.md.
 #ifndef MPDEM_CEMENT_WORDS_H
 #define MPDEM_CEMENT_WORDS_H
 
@@ -19,11 +19,11 @@ class Arguments;
 struct CementWords {
   CementOptions options;
   std::shared_ptr<const Law> law;
-  double step_fraction = 0.0;    // of the limit, 0: the script sets the time step
-  std::string events;            // file, or empty
+  double step_fraction = 0.0;    // share of the limit; 0: the script sets the time step
+  std::string events;            // name of the file of events, or empty
   bool tied_given = false, transfer_given = false;
   std::vector<std::string> notes;  // words that have no effect any more
-  std::string warning;             // of a combination that is known to be poor, or empty
+  std::string warning;             // text about a combination that is known to be poor, or empty
 };
 
 // Complains of words that are unknown, missing, out of range or do not go together.

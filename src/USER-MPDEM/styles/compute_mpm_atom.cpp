@@ -41,7 +41,7 @@ vd component(const Sym3<vd>& s, int i) {
   return v[i];
 }
 
-// With those of the law.
+// Names of all quantities, those of the law included.
 std::vector<std::string> names_of(const mpdem::Law& law) {
   std::vector<std::string> all = kNames;
   for (const std::string& name : law.columns()) all.push_back(name);
@@ -80,13 +80,13 @@ void ComputeMpmAtom::init() {
                                         "', whose points have no '", name_, "'; define the compute anew after the fix"));
 }
 
-// Of the points of a block, but for what depends on links.
+// Values of the points of a block, except those that depend on links.
 template <class L>
 vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law) const {
   const mpdem::PointBlock& p = points.blocks[b];
   const mpdem::BlockMeta& m = points.meta[b];
   const auto state = mpdem::state_of<L>(points, b);
-  const mpdem::Mat3<vd> R = mpdem::product(axes_, mpdem::rotation_matrix(p.q));  // from the frame of the material
+  const mpdem::Mat3<vd> R = mpdem::product(axes_, mpdem::rotation_matrix(p.q));  // turn from the frame of the material to the axes of the box
   if (quantity_ == kDamage) return law.largest_damage(state);
   if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
   if (quantity_ == kDrive) {
@@ -131,7 +131,7 @@ void ComputeMpmAtom::compute_peratom() {
   }
 }
 
-// Of the points of a bond, by blocks.
+// Finds the values of the points of a bond, by blocks.
 void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
   const mpdem::PointStore& points = bond.points;
   value_.resize(points.blocks.size());
@@ -141,7 +141,8 @@ void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& bod
   mpdem::with_law(cement_->law(), [&](const auto& law) {
     for (std::size_t b = 0; b < value_.size(); ++b) value_[b].v = value_of(points, static_cast<int>(b), law);
   });
-  // 1 while attached to a grain, 2 once it has let go; the tag of that grain. Of two links those of the nearer grain.
+  // `attached` is 1 while attached to a grain, 2 once the link has let go. `grain` is the tag of that grain. Of two
+  // links, that of the nearer grain counts.
   if (quantity_ == kAttached || quantity_ == kGrain)
     for (const mpdem::Link& k : points.links) {
       const int b = k.slot / kLanes, l = k.slot % kLanes;

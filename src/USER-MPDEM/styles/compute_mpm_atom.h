@@ -43,8 +43,8 @@ class ComputeMpmAtom : public Compute {
   struct Row {
     mpdem::vd v;
   };
-  std::vector<Row> value_;  // of each block of a bond
-  mpdem::Mat3<mpdem::vd> axes_;  // of its body
+  std::vector<Row> value_;  // values of each block of a bond
+  mpdem::Mat3<mpdem::vd> axes_;  // axes of the body of the bond
 };
 
 }  // namespace LAMMPS_NS

@@ -39,7 +39,7 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
   return "";
 }
 
-// As a script has it.
+// Returns the words of the traction law of the steps so far, as a script has them.
 std::string CouplingHistory::words_so_far() const {
   const std::vector<TractionEntry>& entries = traction_entries();
   if (ran_.law < 1 || ran_.law > static_cast<int>(entries.size())) return text_of("number ", ran_.law, " of another program");

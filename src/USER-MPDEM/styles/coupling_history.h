@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // How the cement of fix mpm is coupled, now and in the steps before. Links hold the places that grains and cement had
-// towards each other: after steps without them, or with other springs, they would load the bonds at a blow.
+// towards each other. After steps without links, or with other springs, they would load the bonds at a blow.
 #ifndef MPDEM_COUPLING_HISTORY_H
 #define MPDEM_COUPLING_HISTORY_H
 
@@ -15,13 +15,13 @@ namespace mpdem {
 
 class CouplingHistory {
  public:
-  // At the start of a run, before couplings speak up.
+  // Call at the start of a run, before couplings speak up.
   void forget() { id_.clear(); }
-  // What is wrong with a coupling of this ID for the cement `cement`; empty if it is taken.
+  // Returns what is wrong with a coupling of this ID for the cement `cement`, or an empty text if it is taken.
   std::string take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p);
-  // In the first step of a run.
+  // Call in the first step of a run.
   void remember(const PenaltyParameters* p);
-  // True once: cement without a coupling is to be told of.
+  // Returns true once: the user has to be told of cement without a coupling.
   bool warn_of_none() { return !warned_ && (warned_ = true); }
 
   const LinksSoFar& so_far() const { return ran_; }

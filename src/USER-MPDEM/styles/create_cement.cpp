@@ -37,7 +37,7 @@ using mpdem::text_of;
 using mpdem::Vector3;
 
 namespace {
-// All keywords, those of shapes once each.
+// All keywords. Those of shapes come once each.
 std::vector<std::string> keywords() {
   std::vector<std::string> all = {"shape"};
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
@@ -61,7 +61,7 @@ std::vector<std::string> shapes_with(const std::string& word) {
   return names;
 }
 
-// Third axis of the frame along the axis of the elasticity, damage in its components.
+// Sets a frame with its third axis along the axis of the elasticity, and the damage in its components.
 void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
   const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
   const double w[4] = {q.w(), q.x(), q.y(), q.z()};
@@ -90,7 +90,7 @@ void CreateCement::check_scene(const Arguments& args) const {
 int CreateCement::group_of_points(const std::string& name) const {
   int igroup = group->find(name.c_str());
   if (igroup < 0) {
-    // An empty group. Not by Input::one, which would overwrite the words still to be read.
+    // Makes an empty group. Input::one cannot be used, since it would overwrite the words still to be read.
     std::string words[] = {name, "subtract", "all", "all"};
     char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
     group->assign(4, list);
@@ -108,7 +108,7 @@ std::vector<Sphere> CreateCement::spheres(int groupbit) const {
   return mine;
 }
 
-// Of this rank, that pairs name.
+// Returns the grains of this rank that the pairs name.
 std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::unordered_set<int> tags;
@@ -127,7 +127,7 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
       avec->track_orientation(i);
       AtomVecMpdem::GrainState& state = *avec->grain(i);
       std::copy(state.q, state.q + 4, g.q);
-      // Other cement of the grain knows it where it was.
+      // Other cement of the grain knows the place where the grain was.
       if (!state.place_known) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
       state.place_known = true;
       state.tag = atom->tag[i];
@@ -144,7 +144,7 @@ CreateCement::Pairs CreateCement::cemented() const {
   return pairs;
 }
 
-// A word that belongs to the last shape.
+// Reads a word that belongs to the last shape.
 void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementWish& wish) const {
   if (wish.shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
   const mpdem::ShapeStyle& style = *wish.shapes.back().style;
@@ -155,13 +155,14 @@ void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, C
   wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
 }
 
-// Words up to the end of the command: shapes, each with its own, and what holds for all. What is wrong with the type, or an empty text.
+// Reads words up to the end of the command: shapes, each with its own words, and what holds for all. Returns what is
+// wrong with the type, or an empty text.
 std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
   bool has_inner = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const bool of_shape = key == "content" || !shapes_with(key).empty();
-    // words of a shape once for each
+    // words of a shape may come once for each shape
     if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
     if (key == "shape") {
       wish.shapes.emplace_back();
@@ -234,7 +235,7 @@ Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
   return copy;
 }
 
-// Bonds of these pairs. The words are read after the first pair has been looked at. Collective.
+// Collective. Plans bonds of these pairs. The words are read after the first pair has been looked at.
 void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
   Arguments words = named(pairs[0], args);
   plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { return read_words(words, wish); });
@@ -255,7 +256,7 @@ void CreateCement::cement_pair(Arguments& args) {
   say(maker.text_of_skipped());
 }
 
-// Words after `contacts`.
+// Reads the words after `contacts`, and makes the cement.
 void CreateCement::cement_contacts(Arguments& args) {
   const std::string name = args.word("a group of grains for 'contacts'");
   const int igroup = group->find(name.c_str());
@@ -286,7 +287,7 @@ void CreateCement::cement_contacts(Arguments& args) {
   say(left_out);
 }
 
-// Collective.
+// Collective. Reports the sums over all bonds of the command.
 void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, const std::string& name) {
   const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   double mine[2] = {0.0, 0.0}, grains[2];
@@ -307,7 +308,7 @@ void CreateCement::say(const std::string& text) {
 
 void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
 
-// What the new cement finds there. Collective.
+// Collective. Returns what the new cement finds in the scene.
 CementMaker::Scene CreateCement::scene() const {
   CementMaker::Scene scene;
   scene.grains = spheres(~0);
@@ -386,7 +387,7 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   return found;
 }
 
-// Whether a point of a body belongs to this rank, and where.
+// Returns whether a point of a body belongs to this rank. Sets its place and its image.
 bool CreateCement::place(const Body& body, const mpdem::Mat3<double>& axes, const FillPoint& p, double* x, int* image) const {
   const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, p.X.data());
   std::copy(in_box.begin(), in_box.end(), x);

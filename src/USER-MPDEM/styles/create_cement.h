@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Command create_cement: fills the cement between two grains with material points, or
-// reads them from a file, and attaches them. See doc/create_cement.md. What is made is planned in cement/cement_plan.h and made by
-// cement/cement_maker.h; the command has the words, and exchanges grains and points with LIGGGHTS.
+// Command create_cement: fills the cement between two grains with material points, or reads them from a file, and
+// attaches them. See doc/create_cement.md. cement/cement_plan.h plans what is made, and cement/cement_maker.h makes it.
+// The command has the words, and exchanges grains and points with LIGGGHTS.
 #ifdef COMMAND_CLASS
 
 CommandStyle(create_cement,CreateCement)
@@ -33,7 +33,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
  private:
   using Pairs = std::vector<mpdem::GrainTags>;
 
-  // words
+  // reading of words
   void check_scene(const mpdem::Arguments& args) const;
   int group_of_points(const std::string& name) const;
   std::string read_words(mpdem::Arguments& args, mpdem::CementWish& wish);
@@ -44,7 +44,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void report_sums(const mpdem::CementMaker::Sums& sums, int groupbit, const std::string& name);
   static mpdem::Arguments named(const mpdem::GrainTags& pair, const mpdem::Arguments& args);
 
-  // what is there
+  // what the scene has already
   std::vector<mpdem::Sphere> spheres(int groupbit) const;  // grains of this rank
   std::vector<mpdem::GrainToBond> grains_of(const Pairs& pairs) const;
   Pairs cemented() const;
@@ -65,7 +65,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   int groupbit_ = 0, type_ = 0;
   double density_ = 0.0;
   mpdem::SceneBox box_;
-  mpdem::PointAtoms* atoms_ = nullptr;  // while points are made
+  mpdem::PointAtoms* atoms_ = nullptr;  // set while points are made
   std::map<std::vector<double>, int> known_patterns_;
 };
 

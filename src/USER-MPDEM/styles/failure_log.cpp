@@ -23,7 +23,8 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
   e.point = points.tags[slot / kLanes][slot % kLanes];
   e.bond = bond.body + 1;
 
-  // Polar coordinates about the line of centres, from the axis of the box most across it.
+  // Coordinates are polar about the line of centres. The angle counts from the axis of the box that is most across that
+  // line.
   const Mat3<double> axes = axes_of(body);
   double between[3], place[3];
   for (int d = 0; d < 3; ++d) {
@@ -54,7 +55,7 @@ void FailureLog::add(const Bond& bond, const Body& body, long step, double time)
     Event e = event_at(bond, body, slot);
     e.step = step;
     e.time = time;
-    // of two links that of the nearer grain
+    // of two links, that of the nearer grain counts
     double place[3];
     for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Event log of fix mpm: one line for each point that fails, and for each link that lets go of a point that holds. Events wait on their rank and are
-// gathered at the checks, ordered by step and ID, so that the file is the same on any number
-// of ranks.
+// Event log of fix mpm: one line for each point that fails, and for each link that lets go of a point that holds.
+// Events wait on their rank. They are gathered at the checks and ordered by step and ID. So the file is the same on any
+// number of ranks.
 #ifndef MPDEM_FAILURE_LOG_H
 #define MPDEM_FAILURE_LOG_H
 
@@ -19,7 +19,7 @@ namespace mpdem {
 
 class FailureLog {
  public:
-  // No log if the name is empty. from: step from which a continued file goes on.
+  // An empty name means no log. from: step from which a continued file goes on.
   void name(const std::string& file, long from) {
     name_ = file;
     from_ = from;
@@ -27,12 +27,12 @@ class FailureLog {
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
-  // Points that fail, with the links that let go with them; and links that let go of points that hold.
+  // Note points that fail, with the links that let go with them, and links that let go of points that hold.
   void add(const Bond& bond, const Body& body, long step, double time);
   void add_links(const Bond& bond, const Body& body, long step, double time);
-  // Collective. Opens the file, anew or where it was continued; why not, if so.
+  // Collective. Opens the file, anew or where it was continued. Returns what went wrong, or an empty text.
   std::string open(MPI_Comm comm, bool continued);
-  // Collective. Writes what waits; why not, if so.
+  // Collective. Writes the events that wait. Returns what went wrong, or an empty text.
   std::string write(MPI_Comm comm);
 
  private:
@@ -42,7 +42,7 @@ class FailureLog {
     int point, bond, grain;  // grain 0: no link let go
     double r, theta, z, damage[3], direction[3];
   };
-  // Of the point at this slot, but for its grain.
+  // Event of the point at this slot, without step, time and grain.
   static Event event_at(const Bond& bond, const Body& body, int slot);
   std::vector<Event> events_;
   std::string name_;

@@ -32,7 +32,8 @@ bool is_stream(const std::string& name, std::FILE* stream) {
   return stream && stat(name.c_str(), &a) == 0 && fstat(fileno(stream), &b) == 0 && same(a, b);
 }
 
-// How many streams of this program may write to the file. Fixes of LIGGGHTS such as ave/time and print hold theirs open and tell nobody.
+// Returns how many streams of this program may write to the file. Fixes of LIGGGHTS such as ave/time and print hold
+// their files open and tell nobody.
 int writing_streams(const std::string& name) {
   struct stat file, of;
   DIR* open_files = stat(name.c_str(), &file) == 0 ? opendir("/proc/self/fd") : nullptr;
@@ -53,7 +54,7 @@ int writing_streams(const std::string& name) {
 bool same_file(const std::string& a, const std::string& b) {
   struct stat of_a, of_b;
   if (stat(a.c_str(), &of_a) == 0 && stat(b.c_str(), &of_b) == 0) return same(of_a, of_b);
-  // not there yet, one of them: then only names that lead to the same place are the same file
+  // one of them is not there yet, so only names that lead to the same place are the same file
   std::error_code code;
   const std::filesystem::path there = std::filesystem::weakly_canonical(std::filesystem::absolute(a, code), code);
   return !code && there == std::filesystem::weakly_canonical(std::filesystem::absolute(b, code), code) && !code;
@@ -61,7 +62,7 @@ bool same_file(const std::string& a, const std::string& b) {
 
 namespace {
 
-// Streams that a fix of this package has open for its own table.
+// Returns the number of streams that a fix of this package has open for its own table.
 int own_streams(const Fix* fix) {
   if (const auto* mpm = dynamic_cast<const FixMpm*>(fix)) return mpm->events_open();
   const auto* couple = dynamic_cast<const FixMpmCouple*>(fix);

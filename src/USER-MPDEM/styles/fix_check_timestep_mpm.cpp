@@ -39,7 +39,7 @@ void FixCheckTimestepMpm::init() {
                                  "before and name its ID here"));
 }
 
-// Damage softens bonds, so what was stable once stays so, until there are others.
+// Damage softens bonds, so a step that was stable once stays so, until there are other bonds.
 void FixCheckTimestepMpm::setup(int) {
   const std::size_t bonds = cement_->cement()->bonds.table.size();
   if (bonds != bonds_) of_grains_ = cement_->stable_step(true);

@@ -34,7 +34,7 @@ class FixCheckTimestepMpm : public Fix {
   double fraction_ = 0.0;
   bool stop_ = false;
   double limit_ = 0.0, share_ = 0.0;
-  double of_grains_ = 0.0;  // the limit by grains on their bonds, when there were so many
+  double of_grains_ = 0.0;  // limit by grains on their bonds, found when there were bonds_ bonds
   std::size_t bonds_ = 0;
 };
 

@@ -37,14 +37,14 @@ using namespace FixConst;
 
 namespace {
 constexpr int kVectorSize = 26;
-constexpr double kShareOfSubsteps = 0.9;  // of the stable step of the cement, for `subcycle auto`
-constexpr int kReportEvery = 5;  // steps, of grains that are lost or jump
+constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, for `subcycle auto`
+constexpr int kReportEvery = 5;  // steps between reports of grains that are lost or jump
 }  // namespace
 
 FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp), ranks_(lmp) {
   time_integrate = 1;
   restart_global = 1;
-  force_reneighbor = 1;  // where next_reneighbor says so
+  force_reneighbor = 1;  // LIGGGHTS exchanges atoms at the step next_reneighbor
   next_reneighbor = -1;
   scalar_flag = vector_flag = 1;
   size_vector = kVectorSize;
@@ -99,7 +99,7 @@ void FixMpm::init() {
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravity_ = mpdem::find_gravity(lmp, this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
-  cement_->set_most_bytes(0.5 * memory_limit_);  // points and what LIGGGHTS has come on top
+  cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -114,7 +114,7 @@ int FixMpm::modify_param(int narg, char** arg) {
   return 2;
 }
 
-// Of bonds that have none yet and cannot do without in this run, or ask for them.
+// Makes points of bonds that have none yet and ask for them, or cannot do without in this run.
 void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
@@ -175,7 +175,8 @@ int FixMpm::substeps() const {
   return static_cast<int>(std::min<double>(INT_MAX, std::max(1.0, std::ceil(update->dt / longest_substep_ - kRounding))));
 }
 
-// `timestep auto` and `subcycle auto`: before other fixes take up the step. In the init of fix `running`.
+// Sets the step of `timestep auto` and the sub-steps of `subcycle auto`, before other fixes take up the step. Called in
+// the init of fix `running`.
 void FixMpm::set_time_step(const Fix* running) {
   const int subcycle = cement_->options().subcycle;
   if (step_fraction_ == 0.0 && subcycle > 0) return;
@@ -204,7 +205,8 @@ void FixMpm::tell_substeps() {
 }
 
 void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e) {
-  // Never longer than before: what goes by step*dt would jump, and cement that fails leaves longer steps behind.
+  // The step is never longer than before. Formulas in step*dt would jump, and cement that fails leaves longer steps
+  // behind.
   double dt = step_fraction_ * limit;
   std::string share = text_of(step_fraction_, " of the limit,");
   if (auto_step_ > 0.0 && auto_step_ <= dt) {
@@ -223,7 +225,8 @@ void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::Eigenv
   if (dt == update->dt) return;
   update->dt = dt;
   if (force->pair) force->pair->reset_dt();
-  // Those before it took up the old step in their init. Not reset_dt(), which fix move refuses even before a run.
+  // Fixes before this one took up the old step in their init. reset_dt() cannot be used, since fix move refuses it even
+  // before a run.
   for (int i = 0; i < modify->nfix && modify->fix[i] != running; ++i)
     if (modify->fix[i] != this) modify->fix[i]->init();
 }
@@ -239,7 +242,8 @@ void FixMpm::setup_pre_exchange() {
   show_homes(update->setupflag != 0);
 }
 
-// Before LIGGGHTS exchanges atoms, when it has their true places; for a run, or for write_restart.
+// Call before LIGGGHTS exchanges atoms, when it has their true places. for_run: the exchange is for a run, and not for
+// write_restart.
 void FixMpm::show_homes(bool for_run) {
   if (ranks_.show_homes(*avec_, for_run)) next_reneighbor = update->ntimestep + 1;
 }
@@ -287,7 +291,7 @@ void FixMpm::initial_integrate(int) { hidden_.show(); }
 void FixMpm::pre_final_integrate() { hidden_.hide(); }
 void FixMpm::final_integrate() { hidden_.show(); }
 
-// Orientation of bonded grains: LIGGGHTS' integrators for spheres keep omega only.
+// Finds the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
   if (substeps() == 1) {
@@ -303,7 +307,8 @@ void FixMpm::pre_exchange() {
   if (!cement_->built()) return;
   atoms_.watch_for_those_that_leave(cell());
   fill_atoms();
-  // they take the places of ghosts; LIGGGHTS calls the fix that keeps the history of contacts by these before all others
+  // new points take the places of ghosts; LIGGGHTS has called the fix that keeps the history of contacts by these
+  // places before all other fixes
   const std::vector<int> rows = cement_->rows_that_want_points();
   if (!rows.empty()) make_points(rows);
   show_homes(true);
@@ -318,7 +323,7 @@ void FixMpm::pre_neighbor() {
 }
 
 void FixMpm::post_force(int) {
-  report_->forget();  // who asked earlier in this step was told of the last one
+  report_->forget();  // reports that were asked for earlier in this step are those of the last step
   atoms_.follow(cement_->grains(), *avec_, cell(), step_input().dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
@@ -337,7 +342,7 @@ void FixMpm::end_of_step() {
   cement_->grains().show_loads(substeps());
   if (substeps() > 1) atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
-  report_->forget();  // the same, before the work of this step was counted
+  report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
   if (check_due || output_due) check_state();
   if (output_due) fill_atoms();
@@ -358,7 +363,7 @@ void FixMpm::post_run() {
   ranks_.tell(who(), *avec_);
 }
 
-// Velocities lie half an old step behind; the next step takes up the new one.
+// Velocities lie half an old step behind. The next step takes up the new one.
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
@@ -411,7 +416,7 @@ void FixMpm::slots_changed(const mpdem::Bond& bond) {
     }
 }
 
-// Collective.
+// Collective. Writes the events that wait, and opens the file first if need be.
 void FixMpm::write_events() {
   if (events_name().empty()) return;
   const auto check = [this](const std::string& why) {
@@ -448,7 +453,7 @@ void FixMpm::fill_atoms() {
         const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, place), v = mpdem::turned(axes, velocity);
         std::copy(in_box.begin(), in_box.end(), x);
         std::copy(v.begin(), v.end(), atom->v[i]);
-        // Not `remap` of the old flags: x is unwrapped here.
+        // `remap` of the old flags cannot be used, since x is unwrapped here.
         atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
         domain->remap(x, atom->image[i]);
         for (int d = 0; d < 3; ++d)
@@ -477,7 +482,7 @@ double FixMpm::compute_vector(int n) {
   return v[n];
 }
 
-// What the bonds take is told by the atom style, which holds them.
+// The atom style holds the bonds, and tells the memory that they take.
 double FixMpm::memory_usage() { return 0.0; }
 
 }  // namespace LAMMPS_NS

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// fix mpm: the cement as a continuum on a background grid. See doc/fix_mpm.md for the
-// words and the output. This is the host of the engine in cement/: hooks of LIGGGHTS, checks of the scene, exchange with
-// atoms. Grains are moved by LIGGGHTS' own fixes.
+// fix mpm: the cement as a continuum on a background grid. doc/fix_mpm.md has the words and the output. This class is
+// the host of the engine in cement/. It has the hooks of LIGGGHTS, checks of the scene, and the exchange with atoms.
+// LIGGGHTS' own fixes move the grains.
 #ifdef FIX_CLASS
 
 FixStyle(mpm,FixMpm)
@@ -60,33 +60,33 @@ class FixMpm : public Fix, private mpdem::CementHost {
   double compute_vector(int n) override;
   double memory_usage() override;
 
-  // Has some cement made a step, in this run, one before or that of a restart file?
+  // Has some cement made a step, in this run, in one before or in that of a restart file?
   bool in_motion() const;
-  // File of the events, or empty.
+  // Name of the file of the events, or empty.
   const std::string& events_name() const { return failures_.file(); }
   bool events_open() const { return failures_.is_open(); }
 
-  // Collective, at the present step.
+  // Collective. Sums and states of the bonds at the present step.
   const mpdem::CementTotals& totals() { return report_->totals(*cement_); }
   const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
   const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
-  // `intact`, `debonding`, `internal` or `mixed`.
+  // Returns `intact`, `debonding`, `internal` or `mixed`.
   std::string failure_mode(int body) const { return cement_->cracks().mode(static_cast<std::size_t>(body)); }
 
-  // What fix mpm/couple hands over; one coupling at most.
+  // Takes the coupling that fix mpm/couple hands over. There may be one at most.
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
 
   const mpdem::Law& law() const { return cement_->law(); }
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
-  // Slots of the atoms, which fall behind while points change cells; before they are read.
+  // Brings the slots of the atoms up to date, which fall behind while points change cells. Call before they are read.
   void sync_slots() { cement_->sync_slots(); }
-  // Collective. Of LIGGGHTS, with as many sub-steps as now.
+  // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
   double stable_step(bool of_grains = false);
-  // Of the cement in a step of LIGGGHTS.
+  // Number of sub-steps of the cement in a step of LIGGGHTS.
   int substeps() const;
-  // Collective, after init() of all fixes; needs a coupling. A run need not have begun.
+  // Collective. Call after init() of all fixes. Needs a coupling. A run need not have begun.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
   bool is_coupled() const { return cement_->penalty().has_value(); }
 
@@ -119,17 +119,17 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
-  class FixGravity* gravity_ = nullptr;  // that acts on the points too
+  class FixGravity* gravity_ = nullptr;  // fix whose gravity acts on the points too
   bigint points_expected_ = -1;
-  double step_fraction_ = 0.0;  // of the limit, 0: the script sets the time step
-  double auto_step_ = 0.0;      // what `timestep auto` found last
-  double longest_substep_ = 0.0;  // `subcycle auto`
+  double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
+  double auto_step_ = 0.0;      // time step that `timestep auto` found last
+  double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;
   bool all_points_ = false;       // points of all bonds are made when a run starts
-  double memory_limit_ = 0.0;   // of a rank, bytes
+  double memory_limit_ = 0.0;   // memory of a rank, bytes
 };
 
-// Calls the engine, whose complaints end the run in the name of this fix.
+// Calls the engine. Its complaints end the run in the name of this fix.
 template <class F>
 void FixMpm::guarded(F f) {
   cement_->set_step(step_input());

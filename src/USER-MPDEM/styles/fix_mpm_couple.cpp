@@ -28,8 +28,8 @@ namespace {
 
 const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv", "interface", "friction"};
 
-// Where `kn auto` puts the penalty: stiff enough that the bond is 1 % softer than a perfect
-// one at ten cells across, at no cost in time step (doc/fix_mpm_couple.md).
+// Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
+// (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
 
 }  // namespace
@@ -77,7 +77,7 @@ FixMpm* FixMpmCouple::find_cement() const {
   return i < 0 ? nullptr : dynamic_cast<FixMpm*>(modify->fix[i]);
 }
 
-// Fixes may come and go between runs.
+// Looks for the fix anew, since fixes may come and go between runs.
 void FixMpmCouple::take_cement() {
   cement_ = find_cement();
   if (!cement_)
@@ -118,7 +118,7 @@ void FixMpmCouple::init() {
   open_table();
 }
 
-// Places that let go keep their reference.
+// Places that let go keep their reference, so friction needs a reference that stays.
 void FixMpmCouple::check_friction() {
   const mpdem::CementOptions& o = cement_->options();
   if (friction_ >= 0.0 && o.split && o.mass_order > 1)
@@ -129,7 +129,7 @@ void FixMpmCouple::check_friction() {
                                o.updated ? "kinematics updated" : "reproject auto", "'; use 'kinematics total' without 'reproject auto', or no 'friction'"));
 }
 
-// Over which length an interface softens that has a strength and an energy: cells have to resolve it.
+// Warns if cells do not resolve the length over which an interface with a strength and an energy softens.
 void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
   if (length_told_ || comm->me != 0) return;
   length_told_ = true;
@@ -185,7 +185,7 @@ void FixMpmCouple::check_integrators() {
   mpdem::stop_if_any(lmp, trouble);
 }
 
-// Links must not turn the rounding of positions into a stress that counts beside those of the cement.
+// Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.
 void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
   constexpr double kMostStrain = 1e-6;
   double far = 0.0;
@@ -202,8 +202,8 @@ void FixMpmCouple::check_rounding(const char* keyword, double given, double per_
                                ", so that the rounding of positions would load the bonds; ", cure));
 }
 
-// Rows of a run that went on before, in this program or that of the restart file, stay. That of the last step of all is theirs:
-// the set-up of this run has velocities of another time.
+// Rows of a run that went on before stay, whether in this program or in that of the restart file. The row of the last
+// step of all is one of them, since the set-up of this run has velocities of another time.
 void FixMpmCouple::open_table() {
   if (table_every_ == 0) return;
   const std::string who = text_of("fix mpm/couple (id ", id, "): ");
@@ -220,13 +220,13 @@ void FixMpmCouple::open_table() {
   if (kept) table_last_ = table_from_;
 }
 
-// Collective. trouble: why, if so.
+// Collective. trouble: why the file was not written, or an empty text.
 void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
   mpdem::stop_if_any(lmp, trouble.empty() ? trouble : text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble,
                                                               "; name another, or use a disk with free space"));
 }
 
-// No step ends with the first row of all.
+// Writes the first row of all, since no step ends with it.
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
@@ -252,7 +252,7 @@ void FixMpmCouple::write_table() {
   stop_if_not_written(trouble);
 }
 
-// Collective, unless found at this step already.
+// Collective, unless the value was found at this step already.
 double FixMpmCouple::value(int body, int column) {
   check_bond(body);
   const mpdem::BondColumn& c = mpdem::bond_columns()[column];

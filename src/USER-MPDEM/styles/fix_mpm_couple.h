@@ -32,7 +32,7 @@ class FixMpmCouple : public Fix {
   double compute_vector(int n) override;
   double compute_array(int row, int column) override;
 
-  // File of the table, or empty.
+  // Name of the file of the table, or empty.
   const std::string& table_name() const { return table_name_; }
   bool table_open() const { return table_open_; }
 
@@ -51,7 +51,7 @@ class FixMpmCouple : public Fix {
 
   std::string cement_id_;
   FixMpm* cement_ = nullptr;
-  double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto, auto, cell
+  double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto for kn and kt, the cell for the length
   mpdem::Choice<mpdem::TractionEntry> interface_{&mpdem::traction_entries().front(), {}};
   double damping_ = 0.0;
   double friction_ = -1.0;  // below 0: what let go touches nothing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What fix mpm has in restart files.
+// Reads and writes what fix mpm has in restart files.
 #include <malloc.h>
 
 #include <cstdio>
@@ -20,7 +20,7 @@ using mpdem::text_of;
 void FixMpm::write_restart(FILE* fp) {
   if (ranks_.shows_homes()) fill_atoms();
   if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
-  write_events();                       // a run that goes on from the file does not tell of them again
+  write_events();                       // a run that goes on from the file does not tell of these events again
   mpdem::CementHead head;
   head.time = update->get_cur_time();
   head.auto_step = auto_step_;
@@ -31,12 +31,12 @@ void FixMpm::write_restart(FILE* fp) {
   const std::size_t bytes = all.size() * sizeof(double);
   if (bytes > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     mpdem::stop_one(lmp, text_of(who(), "what it keeps of bonds and split nodes takes ", bytes, " bytes in a restart file of LIGGGHTS, which has 2 GiB for a fix; use several scenes"));
-  const int size = static_cast<int>(bytes);  // LIGGGHTS' format
+  const int size = static_cast<int>(bytes);  // LIGGGHTS' format has an int
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(all.data(), sizeof(double), all.size(), fp);
 }
 
-// The same numbers on every rank.
+// Every rank gets the same numbers.
 void FixMpm::restart(char* buf) {
   const auto check = [this](const std::string& what) {
     if (!what.empty())
@@ -51,7 +51,7 @@ void FixMpm::restart(char* buf) {
   mpdem::RecordReader in(v + 1, v + numbers);
   mpdem::CementHead head;
   in.read(head);
-  // Cement may have been made since.
+  // Cement may have been made since the file was written.
   const double most = static_cast<double>(avec_->bonds.table.size());
   in.check_whole("the number of bonds that have moved", head.bodies_started, mpdem::from(0, most));
   in.check_whole("the number of bonds", head.bodies, mpdem::from(head.bodies_started, most));

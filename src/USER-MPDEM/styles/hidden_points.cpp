@@ -25,7 +25,8 @@ const char* const kWords[] = {"PI",  "step", "dt",  "time", "sqrt",  "exp",  "ln
                               "asin", "acos", "atan", "atan2", "ceil", "floor", "round", "ramp", "stagger", "logfreq", "stride", "vdisplace",
                               "swiggle", "cwiggle"};
 
-// Of formulas that refer to each other. seen: the variables on the way here, so that a circle, which LIGGGHTS tells of later, ends.
+// Asks the same of formulas that refer to each other. seen: variables on the way here. They end a circle, of which
+// LIGGGHTS tells later.
 bool is_of_time_alone(LAMMPS* lmp, const std::string& formula, std::vector<std::string> seen);
 
 // A variable of a style other than equal and atom has plain numbers.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Material points are behind the grains in LIGGGHTS' list of atoms, and no integrator moves them. While fixes integrate, the list ends with the
-// grains, so that their loops do not go over the points. This is done where all that acts then is known to look at no points.
+// Material points are behind the grains in LIGGGHTS' list of atoms, and no integrator moves them. While fixes
+// integrate, the list ends with the grains, so that their loops do not go over the points. The points are hidden only
+// if all that acts then is known to look at no points.
 #ifndef MPDEM_HIDDEN_POINTS_H
 #define MPDEM_HIDDEN_POINTS_H
 
@@ -15,7 +16,7 @@ namespace mpdem {
 class HiddenPoints {
  public:
   explicit HiddenPoints(LAMMPS_NS::LAMMPS* lmp) : lmp_(lmp) {}
-  // At the start of a run. fix: calls hide() before others integrate, and show() after them.
+  // Call at the start of a run. fix: calls hide() before others integrate, and show() after them.
   void start(const LAMMPS_NS::Fix* fix);
   void hide();
   void show();
@@ -24,7 +25,7 @@ class HiddenPoints {
   bool may_hide(const LAMMPS_NS::Fix* fix) const;
   LAMMPS_NS::LAMMPS* lmp_;
   bool hides_ = false;
-  int atoms_ = -1;  // while points are hidden: of this rank
+  int atoms_ = -1;  // number of atoms of this rank while points are hidden
 };
 
 // Does a formula of LIGGGHTS look at nothing but time, numbers and variables of this kind?

@@ -19,7 +19,7 @@ const char* const kRecipe =
     "    communicate  single vel yes group grains\n"
     "    neigh_modify include grains";
 
-constexpr int kNeighborMulti = 2;  // Neighbor::style
+constexpr int kNeighborMulti = 2;  // value of Neighbor::style
 
 }  // namespace
 

@@ -13,12 +13,12 @@
 
 namespace LAMMPS_NS {
 
-// Stops on all ranks, `who` first, with the three lines if they are missing, disagree, or
-// name a group that lacks a grain or holds a material point. Collective.
+// Collective. Stops on all ranks, with the three lines, if they are missing, disagree, or name a group that lacks a
+// grain or holds a material point. The message begins with `who`.
 void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement);
 
-// The complaint about a grain of this rank that is not in the group of `atom_modify first`, so that it
-// would have no contacts: inserted during a run, for instance. Empty if there is none.
+// Returns a complaint about a grain of this rank that is not in the group of `atom_modify first`, or an empty text.
+// Such a grain would have no contacts. It may have been inserted during a run, for instance.
 std::string grain_outside_of_group(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& cement);
 
 }  // namespace LAMMPS_NS

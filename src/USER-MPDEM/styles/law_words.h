@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The words of a script from which a law is made: of damage, see material/laws.h, or of the traction of links, see
+// Words of a script from which a law is made: a law of damage, see material/laws.h, or of the traction of links, see
 // coupling/traction_laws.h.
 #ifndef MPDEM_LAW_WORDS_H
 #define MPDEM_LAW_WORDS_H
@@ -17,7 +17,7 @@ namespace mpdem {
 
 template <class Entry>
 struct Choice {
-  const Entry* entry;  // of a list that stays
+  const Entry* entry;  // points into a list that stays
   LawValues values;
   template <class Given>
   auto make(const Given& given) const {
@@ -26,10 +26,10 @@ struct Choice {
 };
 using LawChoice = Choice<LawEntry>;
 
-// Values of the words of a law, `law` in messages.
+// Reads the values of the words of a law. law: its name in messages.
 LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words);
 
-// The name and the words after a keyword.
+// Reads the name and the words after a keyword.
 template <class Entry>
 Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std::vector<Entry>& entries) {
   std::vector<std::string> names;
@@ -41,7 +41,7 @@ Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std
   return c;
 }
 
-// "and after 'damage tensor' B0, cutoff ..." of each law that has words.
+// Returns words for messages, such as "and after 'damage tensor' B0, cutoff ...", of each law that has words.
 template <class Entry>
 std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {
   std::vector<std::string> all;
@@ -50,7 +50,7 @@ std::vector<std::string> law_words(const std::string& keyword, const std::vector
   return all;
 }
 
-// Complains of a word of a law that stands elsewhere; returns if it is none.
+// Complains if the word belongs to a law and stands elsewhere. Returns if it belongs to none.
 void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen);
 
 }  // namespace mpdem

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kMostTag = 2147483647.0;
 
-// Of the first grain of a bond: how many have it, place without periods, orientation, velocity.
+// The first grain of a bond: how many ranks have it, place without periods, orientation, velocity.
 struct GrainOfRow {
   double found = 0.0, x[3] = {0, 0, 0}, q[4] = {0, 0, 0, 0}, v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
 };
@@ -47,12 +47,12 @@ std::vector<GrainOfRow> first_grains(LAMMPS* lmp, AtomVecMpdem& avec, const std:
   return grains;
 }
 
-// Where the points of a body are, which its first grain took along.
+// Finds where the points of a body are. Its first grain took them along.
 class RigidBody {
  public:
   RigidBody(const Body& body, const GrainOfRow& g) : body_(body), grain_(g), axes_(axes_of(body)) {
     if (!body.in_motion) return;
-    // from the axes of the body: back to those of the grain, and to the box as it lies now
+    // turns from the axes of the body back to those of the grain, and on to the box as the grain lies now
     turned_ = product(rotation_of(g.q), transpose(rotation_of(body.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {

@@ -23,10 +23,10 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-// A condensed bond takes the time of so many points.
+// A condensed bond takes the time of this many points.
 constexpr double kWorkOfCondensed = 4.0;
 
-// The next of n bricks on the shorter way, which may lead across the ends of a periodic box.
+// Returns the next of n bricks on the shorter way, which may lead across the ends of a periodic box.
 int step_towards(int from, int to, int n, bool periodic) {
   int way = to - from;
   if (periodic && 2 * std::abs(way) > n) way = -way;
@@ -121,7 +121,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       continue;  // its true place could not be shown again
     }
     mine[kOnTheWay] |= next != to;
-    if (body.home == 0 && next == to) continue;  // by its place
+    if (body.home == 0 && next == to) continue;  // the place alone brings it to this rank
     mine[kShown] = 1;
     for (int d = 0; d < 3; ++d) atom->x[i][d] = middle(d, next[d]);
   }
@@ -131,7 +131,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
   return any[kOnTheWay] != 0;
 }
 
-// Bonds that are awake and whole on this rank, with the bricks in which they lie.
+// Returns bonds that are awake and whole on this rank, with the bricks in which they lie.
 std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) const {
   std::map<int, MovableBond> found;
   for (const Bond& b : avec.bonds.awake())

@@ -21,9 +21,9 @@ using LAMMPS_NS::FixSetForce;
 
 namespace {
 
-// Whether the motion along direction d is given.
+// Returns whether the fix gives the motion along direction d.
 bool gives(const FixMove* fix, int d) {
-  enum { kLinear, kWiggle, kRotate, kVariable };  // as in fix_move.cpp
+  enum { kLinear, kWiggle, kRotate, kVariable };  // values of fix_move.cpp
   const MoveMembers move = members_of(fix);
   switch (move.style) {
     case kLinear: return move.velocity_flag[d] != 0;
@@ -33,7 +33,8 @@ bool gives(const FixMove* fix, int d) {
   }
 }
 
-// NULL, the style that leaves a component alone, is 0 in fix_setforce.cpp; that of a variable is known after init.
+// NULL is the style that leaves a component alone. It is 0 in fix_setforce.cpp. The style of a variable is known only
+// after init.
 bool sets(const FixSetForce* fix, int d) {
   const SetForceMembers set = members_of(fix);
   return set.variable[d] || set.style[d] != 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What of the motion of a grain is given by fixes, whatever else acts on it. `fix move` integrates the
-// components that its script leaves out (NULL) like `fix nve`; neither turns a grain by its torque.
+// Tells which part of the motion of a grain fixes prescribe, whatever else acts on it. `fix move` integrates the
+// components that its script leaves out (NULL) like `fix nve`. Neither turns a grain by its torque.
 #ifndef MPDEM_PRESCRIBED_MOTION_H
 #define MPDEM_PRESCRIBED_MOTION_H
 

@@ -36,13 +36,14 @@ FixStyles& fix_styles(LAMMPS_NS::Modify* modify);
 ComputeStyles& compute_styles(LAMMPS_NS::Modify* modify);
 CommandStyles& command_styles(LAMMPS_NS::Input* input);
 
-// Name of the file that a dump writes.
+// Returns the name of the file that a dump writes.
 const char* file_of(const LAMMPS_NS::Dump* dump);
 
-// Number of the group of `communicate ... group`, 0 without one.
+// Returns the number of the group of `communicate ... group`, or 0 without one.
 int ghost_group(const LAMMPS_NS::Comm* comm);
 
-// When LIGGGHTS writes restart files: whether a command `restart` asked for any, and the next step of either kind.
+// When LIGGGHTS writes restart files. any: a command `restart` asked for some. The others are the next step of either
+// kind.
 struct RestartSchedule {
   bool any;
   LAMMPS_NS::bigint &next_single, &next_double;
@@ -58,12 +59,13 @@ struct MoveMembers {
 };
 MoveMembers members_of(const LAMMPS_NS::FixMove* move);
 
-// The formula of a variable of style equal, by its place in the table of variables.
+// Returns the formula of a variable of style equal, by its place in the table of variables.
 const char* formula_of(LAMMPS_NS::Variable* variables, int place);
 
-// In the rest of this run the fix is the last to act at the start of a step, before and after velocities are brought to its end.
+// Makes the fix the last to act at the start of a step, before and after velocities are brought to its end. This holds
+// for the rest of this run.
 void act_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
-// The same of the hook before atoms are exchanged.
+// Does the same for the hook before atoms are exchanged.
 void exchange_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
 
 // Members of fix setforce, by direction.

@@ -25,10 +25,11 @@ std::string trouble_with_units(LAMMPS* lmp) {
   return "";
 }
 
-// Groups by type, contact laws and particle templates could not tell them apart.
+// Grains and cement of one type are refused: groups by type, contact laws and particle templates could not tell them
+// apart.
 std::string trouble_with_types(LAMMPS* lmp, const AtomVecMpdem& cement, int type) {
   const Atom& atom = *lmp->atom;
-  // of each type, the lowest ID of a grain, and whether there is cement
+  // for each type, the lowest ID of a grain, and whether there is cement
   const int none = MAXSMALLINT, types = atom.ntypes + 1;
   std::vector<int> grain(types, none), point(types, 0);
   for (int i = 0; i < atom.nlocal; ++i) {

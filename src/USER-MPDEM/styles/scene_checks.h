@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What create_cement and fix mpm ask of a scene alike. Each returns a complaint without the name of the command,
-// the same on all ranks, or an empty text.
+// Checks of a scene for create_cement and fix mpm. Each returns a complaint without the name of the command, the same
+// on all ranks, or an empty text.
 #ifndef MPDEM_SCENE_CHECKS_H
 #define MPDEM_SCENE_CHECKS_H
 
@@ -15,7 +15,7 @@ namespace mpdem {
 
 std::string trouble_with_units(LAMMPS_NS::LAMMPS* lmp);
 
-// Collective. `type`: of points that are about to be made, or 0.
+// Collective. `type`: type of points that are about to be made, or 0.
 std::string trouble_with_types(LAMMPS_NS::LAMMPS* lmp, const LAMMPS_NS::AtomVecMpdem& cement, int type);
 
 }  // namespace mpdem

@@ -32,7 +32,7 @@ std::string TableFile::open(const std::string& name, const std::string& header, 
   return goes_on ? "" : write(header + "\n");
 }
 
-// Cuts the file behind the last row that stays. What stays is not written again, so that a full disk cannot take it.
+// Cuts the file behind the last row that stays. Rows that stay are not written again, so a full disk cannot take them.
 std::string TableFile::keep_rows(const std::string& header, long last_kept) {
   std::ifstream old(name_);
   std::string line;
@@ -40,7 +40,7 @@ std::string TableFile::keep_rows(const std::string& header, long last_kept) {
     return name_ + ": the file is there with other columns, and would be lost";
   const auto columns = std::count(header.begin(), header.end(), ',');
   std::uintmax_t end = header.size() + 1;
-  while (std::getline(old, line) && !old.eof()) {  // what has no end of line is no whole row
+  while (std::getline(old, line) && !old.eof()) {  // a line without an end of line is no whole row
     const long step = std::atol(line.c_str());
     if (step > last_kept || std::count(line.begin(), line.end(), ',') != columns) break;
     kept_to_ = step;
@@ -62,7 +62,7 @@ std::string TableFile::write(const std::string& rows) {
     return "";
   }
   const std::string trouble = name_ + ": " + std::strerror(errno);
-  // half a row would be read as a row; should this fail too there is nothing left to do about it
+  // half a row would be read as a row; if this fails too, there is nothing left to do about it
   if (known && ftruncate(fileno(file_), before.st_size) == 0) std::clearerr(file_);
   return trouble;
 }

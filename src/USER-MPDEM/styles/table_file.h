@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// CSV file of one header and rows that begin with the step, ascending. A run that is continued continues its
-// table too: rows up to a step stay. Nothing is lost in silence: rows are written whole or not at all, not behind what
-// somebody else wrote, and whoever writes is told why. Rank 0 writes; the others hold a closed file.
+// CSV file of one header, and rows that begin with the step, ascending. A run that is continued continues its table
+// too: rows up to a step stay. Nothing is lost in silence. Rows are written whole or not at all, and not behind what
+// somebody else wrote. Whoever writes is told why. Rank 0 writes; the others hold a closed file.
 #ifndef MPDEM_TABLE_FILE_H
 #define MPDEM_TABLE_FILE_H
 
@@ -22,11 +22,13 @@ class TableFile {
   ~TableFile() { close(); }
 
   static constexpr long kAnew = -1;
-  // Empty, or why not. A file that is there is replaced (kAnew), or its rows up to step last_kept stay.
+  // Replaces a file that is there (kAnew), or keeps its rows up to step last_kept. Returns what went wrong, or an empty
+  // text.
   std::string open(const std::string& name, const std::string& header, long last_kept);
-  // Step of the last row that stayed, -1: none did.
+  // Step of the last row that stayed; -1: none did.
   long kept_to() const { return kept_to_; }
-  // Whole rows, with their ends of line. Empty, or why not; then the file is as it was before.
+  // Writes whole rows, with their ends of line. Returns what went wrong, or an empty text. If it failed, the file is as
+  // it was before.
   std::string write(const std::string& rows);
   void close();
 
@@ -35,7 +37,7 @@ class TableFile {
 
   std::string name_;
   std::FILE* file_ = nullptr;
-  off_t length_ = 0;  // of the file, by what this object wrote and kept
+  off_t length_ = 0;  // length of the file, by what this object wrote and kept
   long kept_to_ = -1;
 };
 

@@ -15,8 +15,8 @@
 
 namespace LAMMPS_NS {
 
-// Each fix's part of a row begins with the length of the part. Values have the same length for all atoms; a history grows with
-// the contacts, and zeros of any length are a history without contacts.
+// The part of each fix in a row begins with the length of the part. Values have the same length for all atoms. A
+// history grows with the contacts, and zeros of any length are a history without contacts.
 
 bool WaitingState::fits(LAMMPS* lmp, const double* state, int size) {
   if (size > lmp->atom->nextra_store) return false;

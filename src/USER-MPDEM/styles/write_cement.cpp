@@ -45,7 +45,7 @@ struct PointNow {
 
 Eigen::Quaterniond quaternion(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 
-// Line of the names of the columns, or of the numbers of a row.
+// Writes the line of the names of the columns, or of the numbers of a row.
 class TextLine : public mpdem::record_detail::Visitor<TextLine> {
  public:
   TextLine(std::FILE* file, bool of_names) : file_(file), of_names_(of_names) {}
@@ -69,7 +69,7 @@ void write_line(std::FILE* file, const mpdem::PointRow& row, bool of_names) {
   std::fputc('\n', file);
 }
 
-// A point as it is now. Foot points turn with their grains.
+// Returns the row of a point as it is now. Foot points turn with their grains.
 mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::map<int, GrainNow>& grains, bool has_axis, bool has_link_damage) {
   const mpdem::PointRecord& r = p.record;
   mpdem::PointRow row;
@@ -108,12 +108,12 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::ma
 
 }  // namespace
 
-// Grains and points of the chosen bonds on the first rank, in the order of the IDs. Collective.
+// Collective. Grains and points of the chosen bonds on the first rank, in the order of the IDs.
 struct WriteCement::Now {
   std::map<int, GrainNow> grains;
   std::vector<PointNow> points;
-  bool axes = false;  // have all points one?
-  bool link_damage = false;  // or skins: has any?
+  bool axes = false;  // true if all points have an axis
+  bool link_damage = false;  // true if any link has damage, or any point is a skin
 };
 
 void WriteCement::command(int narg, char** arg) {
@@ -185,7 +185,7 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   return now;
 }
 
-// On the first rank. Returns what is wrong.
+// Call on the first rank. Returns what is wrong.
 std::string WriteCement::write(const std::string& name, const std::vector<char>& chosen, const Now& now) const {
   const std::vector<mpdem::Body>& table = AtomVecMpdem::of(lmp)->bonds.table;
   for (std::size_t b = 0; b < chosen.size(); ++b)
