@@ -93,6 +93,26 @@ def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_pat
 
 
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_cement_beside_skins_touches_them(cracks, tmp_path, figures):
+    """A cohesive interface stronger than the cement: the bond breaks beside the grains, skins stay on these, and bear what is pressed on them until that is crushed."""
+    way = "(4e-6*(0.5*(1-cos(PI*v_t/1.35e-5))*(v_t<1.35e-5)+(v_t>=1.35e-5))-8e-6*(0.5*(1-cos(PI*(v_t-1.35e-5)/4e-5))*(v_t>=1.35e-5)))"
+    speed = "(4e-6*(0.5*PI/1.35e-5*sin(PI*v_t/1.35e-5)*(v_t<1.35e-5))-8e-6*(0.5*PI/4e-5*sin(PI*(v_t-1.35e-5)/4e-5)*(v_t>=1.35e-5)))"
+    text = pair(1.25e-4, gap=3e-4, cement="inner 1e-3 outer 2e-3")
+    text += cement(2.5e-4, 9e-9, axis="radial", damage=f"damage tensor B0 9.6e3 regularization nonlocal 4e-4 cracks {cracks} quasistatic 1 0.3 check 20",
+                   couple="kn auto kt auto interface cohesive tn 4e7 tt 4e7 Gn 20 Gt 20 friction 0.3")
+    text += f'variable t equal step*dt\nvariable z equal "{way}"\nvariable w equal "{speed}"\n'
+    text += "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
+    columns = ["f_bond", "f_bond[17]", "f_bond[22]", "f_bond[36]", "f_bond[37]", "f_cem[12]", "v_z"]
+    t = run(text + thermo(50, columns) + "run 4600\n", tmp_path).table()
+    apart = t["f_bond[22]"] == 1
+    assert t["f_bond"].max() > 100 and apart.any() and t["f_bond[17]"].max() < 20, "breaks, and hardly a link lets go"
+    touching = (t["f_bond[36]"] + t["f_bond[37]"])[apart]
+    figures.note(f"cracks {cracks}: largest force that presses the halves, N, and share of the beads' surface that touches", f"{-t['f_bond'][apart].min():.3g} {touching.max():.2g}")
+    assert -t["f_bond"][apart].min() > 30 and touching.max() > 0.1
+    figures.below(f"cracks {cracks}: energy imbalance", abs(t["f_cem[12]"]).max(), 0.01)
+
+
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
 def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
     """Copies of nodes and places that touch come along, from a rank that has no point of the bond any more; and places go on between two ranks."""
     script = (pair(2.5e-4, gap=5e-4, half_box=(1.2e-2, 1.2e-2, 2e-2), cement="content 0.01")

@@ -54,13 +54,6 @@ void AddedMasses::drop_inert(Bond& b) const {
   b.links.leave_out_dropped(b.points, scene_.bonds.body(b));
 }
 
-double AddedMasses::energy(const std::vector<int>& rows) const {
-  double sum = 0.0;
-  for (int row : rows)
-    if (const Bond* b = scene_.bonds.find(row); b && !b->added.empty()) sum += b->added.energy(b->grid, scene_.grains.side_of(*b));
-  return sum;
-}
-
 double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) const {
   double sum = 0.0;
   for (int row : rows) {

@@ -33,9 +33,8 @@ class AddedMasses {
   // Collective. Takes the added mass from links that let go in the course of a run.
   void drop_inert();
   void drop_inert(Bond& b) const;
-  // Energy of the added mass of these bonds. energy_ahead() leaves out bonds that are not in motion yet. It takes
-  // velocities that are ahead of the stored ones by `later` times the acceleration.
-  double energy(const std::vector<int>& rows) const;
+  // Energy of the added mass of these bonds, with velocities that are ahead of the stored ones by `later` times the
+  // acceleration. Bonds that are not in motion yet count nothing.
   double energy_ahead(const std::vector<int>& rows, double later) const;
 
  private:

@@ -84,7 +84,8 @@ void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedLis
   }
 }
 
-constexpr double kLeastFace = 1e-5;  // G over the face of a cell
+constexpr double kLeastFace = 1e-5;       // G over the face of a cell, for a copy to meet another one
+constexpr double kLeastThatSlides = 0.05;  // the same, for its jump to tell of a slip
 
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
@@ -95,10 +96,9 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
     v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
   }
   const double size = std::sqrt(dot(n, n));
-  // G is an area. A copy that next to nothing holds has no face. It has next to no mass either, and flies far by what
-  // hardly is a force.
-  const double least = kLeastFace * kLeastFace * grid.h * grid.h * grid.h * grid.h;
-  if (dot(&normal_[a], &normal_[a]) < least || dot(&normal_[b], &normal_[b]) < least || !(size > 0.0)) return;
+  // G is an area. A copy that next to nothing holds has no face.
+  const double smaller = std::sqrt(std::min(dot(&normal_[a], &normal_[a]), dot(&normal_[b], &normal_[b]))) / (grid.h * grid.h);
+  if (smaller < kLeastFace || !(size > 0.0)) return;
   for (double& x : n) x /= size;
   const double wn = dot(w, n), vn = dot(v, n);
   if (!(wn / dt + vn < 0.0 && vn < 0.0)) return;
@@ -109,7 +109,9 @@ void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, doub
   }
   const double far = std::sqrt(dot(slid, slid));
   if (far > grid.h) {
-    p.too_far = far;
+    // A copy that little material holds has even less mass. It flies far by what hardly is a force, and its jump says
+    // nothing of the slip.
+    if (smaller > kLeastThatSlides) p.too_far = far;
     return;
   }
   ++touching_;

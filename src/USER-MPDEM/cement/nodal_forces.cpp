@@ -52,7 +52,9 @@ void NodalForces::add_link_forces(Bond& b) {
   if (scene_.options.updated) b.links.add_force(b.grid, scene_.grains.side_of(b));
   else b.resting.add_force(b.links, b.grid, scene_.grains.side_of(b));
   b.places.add_force(b.grid, scene_.grains.side_of(b));
-  b.closing.add_force(b.points, b.grid);
+  double released = 0.0;
+  b.closing.add_force(b.points, b.grid, scene_.now.dt, released);
+  scene_.books.release(released);
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
@@ -160,7 +162,8 @@ void NodalForces::find_at_start() {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
     b.places.add_force(b.grid, scene_.grains.side_of(b));
-    b.closing.add_force(b.points, b.grid);
+    double released = 0.0;  // nothing moves
+    b.closing.add_force(b.points, b.grid, 0.0, released);
     b.grid.ties.pull_back(b.grid.force.data());
   }
   complete();

@@ -251,9 +251,9 @@ double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid,
   std::vector<FreedPlace> opened;
   for (int slot : failed) {
     const auto [k, end] = of_slot(points.links, slot);
-    // A link that let go before has a place already.
+    // A link that let go before has a place already. One that is attached still holds a skin.
     for (auto link = k; link != end; ++link)
-      if (!link->attached && !find(points.places, slot, link->grain)) opened.push_back(opened_by(points, *link, p_.at_surface));
+      if (!find(points.places, slot, link->grain)) opened.push_back(opened_by(points, *link, p_.at_surface));
   }
   for (int link : links) opened.push_back(opened_by(points, points.links[link], p_.at_surface));
   return take(points, body, grid, side, std::move(opened), true);
@@ -261,8 +261,10 @@ double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid,
 
 void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) {
   std::vector<FreedPlace> opened;
-  for (const Link& k : points.links)
-    if (!k.attached && !find(points.places, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
+  for (const Link& k : points.links) {
+    const bool failed = points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1;
+    if ((!k.attached || failed) && !find(points.places, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
+  }
   take(points, body, grid, side, std::move(opened), false);
 }
 
@@ -304,9 +306,11 @@ std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, co
       Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}, body.spacing};
       const double* centre = body.centre[b.side];
       const double r = distance(p.X, centre);
+      // From the surface of the grain, not from the point that failed: that may have been the last one at the bottom of
+      // a hole, and the material beside the hole begins at the surface.
       for (int d = 0; d < 3; ++d) {
-        m.X[d] = p.X[d];
         m.n[d] = (p.X[d] - centre[d]) / r;
+        m.X[d] = centre[d] + body.radius[b.side] * m.n[d];
       }
       all.push_back(m);
     }

@@ -68,12 +68,12 @@ class FreedPlaces {
   // A place that looks for a point that holds, and what it brings to that point.
   struct Mover {
     int body, grain, tag;  // of the point that failed
-    double area, X[3], n[3];  // n: normal of the grain's surface in the reference
+    double area, X[3], n[3];  // X: place on the surface of the grain in the reference, n: its normal
     double spacing;           // of the points
   };
   // Places whose points failed. They stay in the store until move() drops them.
   std::vector<Mover> movers(const PointStore& points, const Body& body) const;
-  // The nearest point of the store that holds. Distances across the normal count three times. tag is -1 if no point holds.
+  // The point of the store that holds and is nearest to the place on the surface. Distances across the normal count three times. tag is -1 if no point holds.
   struct Found {
     double distance = 0;  // square, in whole parts of kTie: rounding, which depends on the units, must not choose between equally far points
     int tag = -1, slot = -1;

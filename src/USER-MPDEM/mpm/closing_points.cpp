@@ -15,8 +15,9 @@
 namespace mpdem {
 
 namespace {
-// Debris may turn inside out. A point has no crack any more if its volume ratio is outside these bounds.
-constexpr double kLeastVolume = 0.2, kMostVolume = 5.0;
+// Bounds of the stiffness that pressure adds. kMostDistorted is that of |F| and |F^-1|, which are 3^(1/2) undeformed.
+constexpr double kMostDistorted = 4.0;
+constexpr double kMostPressed = 0.1;  // largest pressure, over K
 
 // lambda_0 of a point with the crack normal n0. along: n n in the frame of the material.
 double width_when_closed(const PointStore& points, int slot, const std::array<double, 3>& n0, const Sym3<double>& along, double K) {
@@ -52,7 +53,7 @@ void ClosingPoints::add(const PointStore& points, const VtiElasticity& undamaged
 void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged, int slot) {
   const int block = slot / kLanes, l = slot % kLanes;
   const CrackOfPoint crack = crack_of(points, slot);
-  if (!(crack.damage[0] > 0.0)) return;
+  if (!(crack.damage[0] > 0.0) || (points.meta[block].debris >> l & 1)) return;
   auto at = std::lower_bound(blocks_.begin(), blocks_.end(), block, [](const Block& b, int n) { return b.block < n; });
   if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}});
   const PointBlock& p = points.blocks[block];
@@ -72,58 +73,91 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   at->lambda_0[l] = width_when_closed(points, slot, {at->n0[0][l], at->n0[1][l], at->n0[2][l]}, along, at->K[l]);
 }
 
+ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd>& F) {
+  Crack c;
+  const Mat3<vd> cof = cofactor(F);
+  const vd J = F.a[0][0] * cof.a[0][0] + F.a[0][1] * cof.a[0][1] + F.a[0][2] * cof.a[0][2];
+  vd of_F{}, of_cof{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      of_F += F.a[i][j] * F.a[i][j];
+      of_cof += cof.a[i][j] * cof.a[i][j];
+    }
+  constexpr double kMostSquare = kMostDistorted * kMostDistorted;
+  c.sound = (J > 0.0) & (of_F < kMostSquare) & (of_cof < kMostSquare * J * J) & (b.K > 0.0);
+  const vd inverse = 1.0 / select(c.sound, J, splat(1.0));
+  vd square{};
+  for (int i = 0; i < 3; ++i) {
+    c.across[i] = inverse * (cof.a[i][0] * b.n0[0] + cof.a[i][1] * b.n0[1] + cof.a[i][2] * b.n0[2]);
+    square += c.across[i] * c.across[i];
+  }
+  c.lambda = 1.0 / sqrt(select(c.sound, square, splat(1.0)));
+  c.closed = c.sound & (c.lambda < b.lambda_0);
+  c.width = select(c.closed, c.lambda - b.lambda_0, vd{});
+  for (int j = 0; j < 3; ++j) c.back[j] = inverse * (cof.a[0][j] * c.across[0] + cof.a[1][j] * c.across[1] + cof.a[2][j] * c.across[2]);
+  return c;
+}
+
 template <class F>
-void ClosingPoints::for_each_closed(const PointStore& points, const Grid& grid, F f) const {
+void ClosingPoints::for_each_block(const PointStore& points, const Grid& grid, F f) const {
   with_basis(grid.basis, [&](auto type) {
     for (const Block& b : blocks_) {
-      const PointBlock& p = points.blocks[b.block];
       const BlockMeta& m = points.meta[b.block];
-      with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& w) {
+      with_weights<decltype(type)>(points.blocks[b.block], m, 1.0 / grid.h, [&](const auto& w) {
         Mat3<vd> D = gather_gradient(grid.displacement.data(), m.column, w);
         for (int i = 0; i < 3; ++i) D.a[i][i] += 1.0;
-        const Mat3<vd> cof = cofactor(D);
-        const vd J = D.a[0][0] * cof.a[0][0] + D.a[0][1] * cof.a[0][1] + D.a[0][2] * cof.a[0][2];
-        const vmask sound = (J > kLeastVolume) & (J < kMostVolume) & (b.K > 0.0);
-        if (!any(sound)) return;
-        const vd inverse = 1.0 / select(sound, J, splat(1.0));
-        vd across[3], back[3], square{};
-        for (int i = 0; i < 3; ++i) {
-          across[i] = inverse * (cof.a[i][0] * b.n0[0] + cof.a[i][1] * b.n0[1] + cof.a[i][2] * b.n0[2]);
-          square += across[i] * across[i];
-        }
-        const vd lambda = 1.0 / sqrt(select(sound, square, splat(1.0)));
-        const vmask closed = sound & (lambda < b.lambda_0);
-        if (!any(closed)) return;
-        for (int j = 0; j < 3; ++j) back[j] = inverse * (cof.a[0][j] * across[0] + cof.a[1][j] * across[1] + cof.a[2][j] * across[2]);
-        f(b, w, select(closed, lambda - b.lambda_0, vd{}), lambda, across, back);
+        const Crack c = crack_of_block(b, D);
+        if (any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
       });
     }
   });
 }
 
-Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, vd width, vd lambda, const vd* across, const vd* back) {
-  const vd k = -points.blocks[b.block].volume * b.K * width * lambda * lambda * lambda;
+vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crack& c) {
+  const vd bounded = max(c.width, splat(-kMostPressed));
+  return points.blocks[b.block].volume * b.K * bounded * (c.width - 0.5 * bounded);
+}
+
+Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c) {
+  const vd k = -points.blocks[b.block].volume * b.K * max(c.width, splat(-kMostPressed)) * c.lambda * c.lambda * c.lambda;
   Mat3<vd> T;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) T.a[i][j] = k * across[i] * back[j];
+    for (int j = 0; j < 3; ++j) T.a[i][j] = k * c.across[i] * c.back[j];
   return T;
 }
 
-void ClosingPoints::add_force(const PointStore& points, Grid& grid) const {
-  for_each_closed(points, grid, [&](const Block& b, const auto& w, vd width, vd lambda, const vd* across, const vd* back) {
-    scatter_gradient(grid.force.data(), points.meta[b.block].column, w, weighted_piola(points, b, width, lambda, across, back));
+void ClosingPoints::add_force(PointStore& points, Grid& grid, double dt, double& released) {
+  for_each_block(points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
+    const int* column = points.meta[b.block].column;
+    const vmask lost = ~c.sound & (b.K > 0.0);
+    if (any(lost)) {
+      const Mat3<vd> rate = gather_gradient(grid.velocity.data(), column, w);
+      Mat3<vd> F_before = F;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) F_before.a[i][j] -= dt * rate.a[i][j];
+      const Crack before = crack_of_block(b, F_before);
+      const Mat3<vd> T = weighted_piola(points, b, before);
+      vd energy = energy_of(points, b, before);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
+      released += sum_lanes(select(lost, energy, vd{}));
+      points.meta[b.block].debris |= bits(lost);
+      Block& own = *std::lower_bound(blocks_.begin(), blocks_.end(), b.block, [](const Block& x, int n) { return x.block < n; });
+      own.K = select(lost, vd{}, own.K);
+    }
+    scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c));
   });
 }
 
 double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const {
   double sum = 0.0;
-  for_each_closed(points, grid, [&](const Block& b, const auto& w, vd width, vd lambda, const vd* across, const vd* back) {
+  for_each_block(points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>&) {
     std::uint8_t began = 0;
     for (auto slot = std::lower_bound(failed.begin(), failed.end(), kLanes * b.block); slot != failed.end() && *slot / kLanes == b.block; ++slot)
       began |= static_cast<std::uint8_t>(1u << *slot % kLanes);
     if (!began) return;
-    const Mat3<vd> T = weighted_piola(points, b, width, lambda, across, back), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
-    vd energy = 0.5 * points.blocks[b.block].volume * b.K * width * width;
+    const Mat3<vd> T = weighted_piola(points, b, c), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
+    vd energy = energy_of(points, b, c);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) energy += 0.5 * dt * T.a[i][j] * rate.a[i][j];
     sum += sum_lanes(select(lanes(began), energy, vd{}));
@@ -133,9 +167,7 @@ double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& 
 
 double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {
   double sum = 0.0;
-  for_each_closed(points, grid, [&](const Block& b, const auto&, vd width, vd, const vd*, const vd*) {
-    sum += sum_lanes(0.5 * points.blocks[b.block].volume * b.K * width * width);
-  });
+  for_each_block(points, grid, [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
   return sum;
 }
 

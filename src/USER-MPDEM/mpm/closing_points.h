@@ -6,8 +6,8 @@
 // are
 //
 //   lambda = 1/|F^-T n0|        the distance of two planes of the material across n0, over that of the reference
-//   w      = V K <lambda_0 - lambda>^2/2     K = n.C0:(n n).n, the stiffness of the undamaged material along n
-//   tau    = V K (lambda - lambda_0) lambda n n^T,  n = lambda F^-T n0        where lambda < lambda_0, else zero
+//   p      = K min(<lambda_0 - lambda>, 0.1)     K = n.C0:(n n).n, the stiffness of the undamaged material along n
+//   w      = V int p d(-lambda),  tau = -V p lambda n n^T,  n = lambda F^-T n0
 //
 // The stress derives from w, which is a function of F alone. So a closed cycle yields no energy. Slip along the crack
 // gives no stress, and the bond may turn. n0 is the normal of the largest damage when the point failed (crack_of()). A
@@ -18,8 +18,10 @@
 //
 // So a point that fails never becomes stronger, and w is at most the energy that it had (Cauchy's inequality with K >=
 // n.C(D):(n n).n). Failed points keep deformation, strain and state, and lambda_0 is found from these. A point that a
-// file gave as failed without damage stays without force. The operator K n n n n is at most C0, so the bound of the
-// largest eigenvalue stays (mpm/largest_eigenvalue.h). This needs total kinematics, where displacements start at the reference.
+// file gave as failed without damage stays without force. The operator K n n n n is at most C0. Pressure on a distorted
+// point has a stiffness of its own, of up to 1.5 p |F^-1|^2. So pressure ends at a tenth of K, and a point is debris for
+// good once |F| or |F^-1| exceeds kMostDistorted. Then the bound of the largest eigenvalue stays
+// (mpm/largest_eigenvalue.h). This needs total kinematics, where displacements start at the reference.
 #ifndef MPDEM_CLOSING_POINTS_H
 #define MPDEM_CLOSING_POINTS_H
 
@@ -39,8 +41,10 @@ class ClosingPoints {
   // Adds the points of these slots, which ascend.
   void add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed);
 
-  // Adds the forces to the nodes. Must be called before tied nodes hand on their forces.
-  void add_force(const PointStore& points, Grid& grid) const;
+  // Adds the forces to the nodes. Must be called before tied nodes hand on their forces. Points that are too distorted
+  // since this step of dt become debris, BlockMeta::debris. The energy that they had in excess of what their force did
+  // in the first half of the step is added to `released`.
+  void add_force(PointStore& points, Grid& grid, double dt, double& released);
   double energy(const PointStore& points, const Grid& grid) const;
   // Energy that the closed points among these slots (ascending) had when their force began. The step of dt in which
   // they failed ends now. A force that begins within a step acts with its new value over half of the motion of that
@@ -54,11 +58,17 @@ class ClosingPoints {
     int block;
     vd n0[3], K, lambda_0;  // K is zero in lanes that hold
   };
-  // Calls f(block, weights, width, lambda, F^-T n0, F^-1 F^-T n0) for each block with a closed crack. width is lambda -
-  // lambda_0 where the crack is closed, else 0.
+  struct Crack {
+    vmask sound, closed;         // lanes that are not too distorted; of these, lanes whose crack is closed
+    vd width, lambda;            // lambda - lambda_0 where it is closed, else 0
+    vd across[3], back[3];       // F^-T n0, F^-1 F^-T n0
+  };
+  static Crack crack_of_block(const Block& b, const Mat3<vd>& F);
+  // Calls f(block, weights, crack, F) for each block with a lane that closes or is not sound.
   template <class F>
-  void for_each_closed(const PointStore& points, const Grid& grid, F f) const;
-  static Mat3<vd> weighted_piola(const PointStore& points, const Block& b, vd width, vd lambda, const vd* across, const vd* back);
+  void for_each_block(const PointStore& points, const Grid& grid, F f) const;
+  static vd energy_of(const PointStore& points, const Block& b, const Crack& c);
+  static Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c);
   void set(const PointStore& points, const VtiElasticity& undamaged, int slot);
   std::vector<Block> blocks_;  // ascending in block
 };

@@ -98,6 +98,7 @@ struct PointRecord {
   Link link[kMaxLinks];
   int places = 0;
   FreedPlace place[kMaxLinks];
+  bool debris = false;  // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -125,6 +126,7 @@ struct PointRecord {
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
     const int freed = visit.length("its number of freed places", p.places, kMaxLinks);
     for (int k = 0; k < freed; ++k) visit.part(p.place[k]);
+    visit("'is debris'", p.debris);
   }
 };
 

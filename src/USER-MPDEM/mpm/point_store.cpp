@@ -76,6 +76,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   m.occupied |= bit;
   if (r.failed) m.failed |= bit;
   if (r.looked_at) m.looked_at |= bit;
+  if (r.debris) m.debris |= bit;
   set_holds(slot, r.holds);
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
@@ -146,6 +147,7 @@ PointRecord PointStore::record(int slot) const {
   r.part = meta[b].part;
   r.failed = meta[b].failed >> l & 1;
   r.looked_at = meta[b].looked_at >> l & 1;
+  r.debris = meta[b].debris >> l & 1;
   r.holds = holds(slot);
   r.has_frame = meta[b].framed >> l & 1;
   r.moving = !motion.empty();
@@ -260,6 +262,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   hand_over(n.occupied, m.occupied);
   hand_over(n.failed, m.failed);
   hand_over(n.looked_at, m.looked_at);
+  hand_over(n.debris, m.debris);
   set_holds(new_slot, from.holds(slot));
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
@@ -276,6 +279,7 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   meta[b].occupied &= others;
   meta[b].failed &= others;
   meta[b].looked_at &= others;
+  meta[b].debris &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
   set_holds(slot, 0);

@@ -54,6 +54,7 @@ struct BlockMeta {
   int borrowed = kOwn;           // first of its nodes in Grid::borrowed; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
   std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
+  std::uint8_t debris = 0;     // failed, and too distorted to have a crack that closes, see closing_points.h
   std::uint8_t holds[2] = {0, 0};  // bits for each grain: held when the bond was last examined after it came apart (fracture/separation.h); all set before
   std::uint8_t linked = 0;  // had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
