@@ -210,6 +210,14 @@ def test_momentum_of_one_condensed_again(cracks, tmp_path, figures):
     figures.below("energy imbalance", np.abs(t["f_cem[12]"]).max(), 1e-4)
 
 
+def test_velocity_between_runs(tmp_path, figures):
+    """Commands that change the velocity of grains that move already give energy to their condensed cement, which is booked as work."""
+    text = free_pair("yes") + "velocity grains set 0 0.2 1\n" + thermo(10, ["f_cem[5]", "f_cem[12]", AWAKE])
+    t = run(text + "run 50\nvelocity grains set 0.5 0 2\nrun 50\nvelocity grains set -0.5 0 0.1\nrun 50\n", tmp_path).table()
+    assert (t[AWAKE] == 0).all() and t["f_cem[5]"].max() > 3 * t["f_cem[5]"][5] > 0
+    figures.below("energy imbalance", np.abs(t["f_cem[12]"]).max(), 1e-3)
+
+
 def test_second_run(tmp_path):
     """Bonds are solved for once, equal ones together, and not again in a second run."""
     text = (ROOT / "examples" / "packing" / "in.packing").read_text() + "run 5\n"

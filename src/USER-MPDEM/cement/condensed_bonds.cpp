@@ -447,7 +447,7 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
     const CondensedModel& model = model_of(part);
     const CondensedMotion motion(model, body, side.data());
     const CondensedMotion::Vector12 change = motion.of_sides(side[0].jump, side[1].jump);
-    work += 0.5 * (motion.velocity(side.data(), dt_last) + change).dot(model.M * change);
+    work += (motion.velocity(side.data(), dt_last) + 0.5 * change).dot(model.M * change);
   }
   return work;
 }

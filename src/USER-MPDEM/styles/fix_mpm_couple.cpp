@@ -173,6 +173,10 @@ void FixMpmCouple::check_integrators() {
                                   ") free grains are moved as by 'fix nve/sphere'; use that, or 'subcycle no'");
         mover = fix;
       }
+      if (trouble.empty()) {
+        const std::string of_forces = mpdem::trouble_with_forces(lmp, i, modify->find_fix(cement_id_.c_str()));
+        if (!of_forces.empty()) trouble = who + of_forces;
+      }
       if (mover || !trouble.empty()) continue;
       bool still = true;
       for (int d = 0; d < 3; ++d) still = still && atom->v[i][d] == 0.0 && atom->omega[i][d] == 0.0;

@@ -61,6 +61,7 @@ MPDEM_EXPOSE(FixMove, char*, vzvarstr)
 MPDEM_EXPOSE(FixSetForce, int, xstyle)
 MPDEM_EXPOSE(FixSetForce, int, ystyle)
 MPDEM_EXPOSE(FixSetForce, int, zstyle)
+MPDEM_EXPOSE(FixSetForce, int, iregion)
 MPDEM_EXPOSE(FixSetForce, char*, xstr)
 MPDEM_EXPOSE(FixSetForce, char*, ystr)
 MPDEM_EXPOSE(FixSetForce, char*, zstr)
@@ -88,7 +89,8 @@ MoveMembers members_of(const FixMove* m) {
 
 SetForceMembers members_of(const FixSetForce* f) {
   return {{f->*pointer(FixSetForce_xstyle()), f->*pointer(FixSetForce_ystyle()), f->*pointer(FixSetForce_zstyle())},
-          {f->*pointer(FixSetForce_xstr()), f->*pointer(FixSetForce_ystr()), f->*pointer(FixSetForce_zstr())}};
+          {f->*pointer(FixSetForce_xstr()), f->*pointer(FixSetForce_ystr()), f->*pointer(FixSetForce_zstr())},
+          f->*pointer(FixSetForce_iregion()) >= 0};
 }
 
 const char* formula_of(Variable* variables, int place) { return (variables->*pointer(Variable_data()))[place][0]; }

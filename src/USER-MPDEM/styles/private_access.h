@@ -72,6 +72,7 @@ void exchange_last(LAMMPS_NS::Modify* modify, const LAMMPS_NS::Fix* fix);
 struct SetForceMembers {
   int style[3];
   const char* variable[3];
+  bool in_region;  // sets the forces of atoms in a region only
 };
 SetForceMembers members_of(const LAMMPS_NS::FixSetForce* fix);
 
