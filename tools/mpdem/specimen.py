@@ -298,6 +298,8 @@ def write(path, runs, out):
     for load, res in rows:
         line = mohr_coulomb([other for _, other in rows if load.test == other["test"] == "compression" and load.content == other["content"]])
         res["beyond_cap"] = int(line is not None and load.pressure in line["beyond"])
+    if not rows and os.path.exists(path):
+        raise Trouble(f"{out}: no load of this plan is finished there, and {path} stays as it is; give the folder and the words of the runs")
     with open(path + ".tmp", "w", newline="") as f:
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)

@@ -71,7 +71,9 @@ void AtomVecMpdem::drop_grains_that_left() {
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
   waiting.finish(lmp);
-  if (update->whichflag == 0 || update->nsteps == 0 || bonds.table.empty()) return;
+  // `run 0` moves nothing, but LIGGGHTS drops what a restart file holds for fix mpm at the first run of all
+  const bool moved = std::any_of(bonds.table.begin(), bonds.table.end(), [](const mpdem::Body& b) { return b.in_motion; });
+  if (update->whichflag == 0 || (update->nsteps == 0 && !moved) || bonds.table.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which one it was
   for (int k = 0; k < modify->nfix; ++k)
     if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;

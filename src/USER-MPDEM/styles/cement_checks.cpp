@@ -40,9 +40,13 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     stop_all(lmp, who + "needs a three-dimensional orthogonal box");
   for (const std::string& trouble : {trouble_with_units(lmp), trouble_with_types(lmp, avec, 0)})
     if (!trouble.empty()) stop_all(lmp, who + trouble);
-  for (int i = 0; i < lmp->modify->nfix; ++i)
-    if (lmp->modify->fix[i] != fix && std::string(lmp->modify->fix[i]->style) == "mpm")
-      stop_all(lmp, who + text_of("fix '", lmp->modify->fix[i]->id, "' is a fix mpm too; one moves all cement, unfix the other"));
+  for (int i = 0; i < lmp->modify->nfix; ++i) {
+    const Fix* other = lmp->modify->fix[i];
+    if (other != fix && std::string(other->style) == "mpm")
+      stop_all(lmp, who + text_of("fix '", other->id, "' is a fix mpm too; one moves all cement, unfix the other"));
+    if (std::string(other->style).compare(0, 11, "multisphere") == 0)
+      stop_all(lmp, who + text_of("fix '", other->id, "' (", other->style, ") deletes atoms that belong to no clump, and so would delete the material points; use spheres, or unfix it before create_cement"));
+  }
 
   // Checks that all points are in the group, that nothing else moves them, and that they have a common density.
   const char* const cure = ", and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "

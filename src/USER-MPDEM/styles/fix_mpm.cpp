@@ -306,6 +306,7 @@ void FixMpm::post_integrate() {
 void FixMpm::pre_exchange() {
   if (!cement_->built()) return;
   atoms_.watch_for_those_that_leave(cell());
+  atoms_.report_trouble();  // before points that left with a grain are told of
   fill_atoms();
   // new points take the places of ghosts; LIGGGHTS has called the fix that keeps the history of contacts by these
   // places before all other fixes
