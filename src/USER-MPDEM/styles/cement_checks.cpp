@@ -35,11 +35,9 @@ std::string axis_name(AxisRule rule, const double* direction) {
   return rule == AxisRule::bond ? "bond" : "radial";
 }
 
-CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
-  if (lmp->domain->triclinic || lmp->domain->dimension != 3)
-    stop_all(lmp, who + "needs a three-dimensional orthogonal box");
-  for (const std::string& trouble : {trouble_with_units(lmp), trouble_with_types(lmp, avec, 0)})
-    if (!trouble.empty()) stop_all(lmp, who + trouble);
+namespace {
+
+void check_other_fixes(LAMMPS* lmp, const std::string& who, const Fix* fix) {
   for (int i = 0; i < lmp->modify->nfix; ++i) {
     const Fix* other = lmp->modify->fix[i];
     if (other != fix && std::string(other->style) == "mpm")
@@ -47,20 +45,41 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     if (std::string(other->style).compare(0, 11, "multisphere") == 0)
       stop_all(lmp, who + text_of("fix '", other->id, "' (", other->style, ") deletes atoms that belong to no clump, and so would delete the material points; use spheres, or unfix it before create_cement"));
   }
+}
 
-  // Checks that all points are in the group, that nothing else moves them, and that they have a common density.
+// Bonds and points know grains and themselves by ID.
+std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
   const char* const cure = ", and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
                            "a grain with cement cannot be deleted";
-  std::string trouble;
   std::unordered_set<int> bonded;
   for (const Body& b : avec.bonds.table) bonded.insert(b.grain, b.grain + 2);
+  for (int i = 0; i < lmp->atom->nlocal; ++i) {
+    const int tag = lmp->atom->tag[i], slot = avec.slot[i];
+    const GrainState* grain = avec.grain(i);
+    if (avec.is_point(i) && avec.points_of(i).tags[slot / kLanes][slot % kLanes] != tag)
+      return text_of("the IDs of atoms were changed (material point ", tag, ")", cure);
+    if (grain && bonded.count(grain->tag) > 0 && grain->tag != tag)
+      return text_of("the IDs of atoms were changed (bonded grain ", grain->tag, " is ", tag, " now)", cure);
+  }
+  return "";
+}
+
+}  // namespace
+
+CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
+  if (lmp->domain->triclinic || lmp->domain->dimension != 3)
+    stop_all(lmp, who + "needs a three-dimensional orthogonal box");
+  for (const std::string& trouble : {trouble_with_units(lmp), trouble_with_types(lmp, avec, 0)})
+    if (!trouble.empty()) stop_all(lmp, who + trouble);
+  check_other_fixes(lmp, who, fix);
+
+  // Checks that all points are in the group, that nothing else moves them, and that they have a common density.
+  std::string trouble = trouble_with_ids(lmp, avec);
+  if (!trouble.empty()) trouble = who + trouble;
   double least = 1e300, most = 0.0;
   bigint mine = 0;
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     if (!avec.is_point(i)) {
-      const GrainState* grain = avec.grain(i);
-      if (grain && bonded.count(grain->tag) > 0 && grain->tag != lmp->atom->tag[i] && trouble.empty())
-        trouble = who + text_of("the IDs of atoms were changed (bonded grain ", grain->tag, " is ", lmp->atom->tag[i], " now)", cure);
       if ((lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
         trouble = who + text_of("atom ", lmp->atom->tag[i], " of group '", lmp->group->names[fix->igroup],
                                 "' is not a material point; the group must hold what create_cement made, nothing else");
@@ -70,9 +89,6 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     if (!(lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
       trouble = who + text_of("material point ", lmp->atom->tag[i], " is not in group '", lmp->group->names[fix->igroup],
                               "'; use the group named in create_cement");
-    const int slot = avec.slot[i];
-    if (avec.points_of(i).tags[slot / kLanes][slot % kLanes] != lmp->atom->tag[i] && trouble.empty())
-      trouble = who + text_of("the IDs of atoms were changed (material point ", lmp->atom->tag[i], ")", cure);
     least = std::min(least, lmp->atom->density[i]);
     most = std::max(most, lmp->atom->density[i]);
     for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {
