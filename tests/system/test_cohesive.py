@@ -234,3 +234,18 @@ def test_struck(words, tmp_path, figures):
     table = run(script, tmp_path).table()
     assert table["f_cem[8]"][-1] > 0
     figures.below(f"{words or 'quadratic'}: imbalance of the energy", abs(table["f_cem[12]"]).max(), 1e-5)
+
+
+def test_events_of_points_that_did_not_hold(tmp_path):
+    """By the rule of the paper an event names the grain of a link that let go with its point, not that of one that never held."""
+    run(pair(CELL / 2, cement="content 0.01") + "write_cement whole.txt\n", tmp_path)
+    c = cement_of(tmp_path / "whole.txt")
+    loose = (c["area_i"] > 0) & (c["x"] < 0)
+    c["attached_i"] = ((c["area_i"] > 0) & ~loose).astype(float)
+    np.savetxt(tmp_path / "cement.txt", np.column_stack(list(c.values())), fmt="%.17g", header=" ".join(c), comments="")
+    text = edit(scene("", "damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv"), "shape flat content 0.01", "file cement.txt")
+    run(text + "dump d calcite custom 1 places.txt id x\nrun 0\nundump d\nrun 1200\n", tmp_path)
+    x = {row.split()[0]: float(row.split()[1]) for row in (tmp_path / "places.txt").read_text().split("ITEM: ATOMS id x")[1].splitlines() if row.strip()}
+    at = [(r[4], x[r[2]] < 0) for r in events(tmp_path)]
+    assert ("1", False) in at and ("0", True) in at, "points beside both halves of the first grain fail"
+    assert ("1", True) not in at

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../numerics/length.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/ranks.h"
@@ -73,16 +74,15 @@ std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
 
 CopyLattice::Line line_of(const Body& body, double cell) {
   CopyLattice::Line line;
-  double apart[3], length = 0.0, widest = 0.0;
+  double apart[3], widest = 0.0;
   for (int d = 0; d < 3; ++d) {
     apart[d] = body.centre[1][d] - body.centre[0][d];
-    length += std::fabs(apart[d]);  // the distance, if the centres lie along one axis
     if (std::fabs(apart[d]) > widest) {
       widest = std::fabs(apart[d]);
       line.axis = d;
     }
   }
-  const double to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length;
+  const double to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length(apart);
   for (int d = 0; d < 3; ++d) line.middle[d] = (body.centre[0][d] + to_middle * apart[d]) / cell;
   return line;
 }
