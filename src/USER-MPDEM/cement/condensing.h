@@ -52,6 +52,7 @@ class Condensing {
   void condense_again();
   void take_patterns(bool at_start);
   std::vector<int> ask_for_points(const std::vector<int>& rows);
+  // Collective. Bonds that have to wake. All ranks look together at bonds that they cut, where averages count.
   std::vector<int> rows_that_are_due();
   std::vector<int> rows_that_rest();
   bool rests(Bond& b);

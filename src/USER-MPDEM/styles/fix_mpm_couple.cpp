@@ -258,7 +258,6 @@ void FixMpmCouple::write_table() {
 
 // Collective, unless the value was found at this step already.
 double FixMpmCouple::value(int body, int column) {
-  check_bond(body);
   const mpdem::BondColumn& c = mpdem::bond_columns()[column];
   if (c.of_all()) return c.value(cement_->totals());
   return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[body]);
@@ -276,7 +275,15 @@ double FixMpmCouple::compute_scalar() {
   check_bond(0);
   return cement_->loads()[0].tension;
 }
-double FixMpmCouple::compute_vector(int n) { return value(0, n); }
-double FixMpmCouple::compute_array(int row, int column) { return value(row, column); }
+
+double FixMpmCouple::compute_vector(int n) {
+  check_bond(0);
+  return value(0, n);
+}
+
+double FixMpmCouple::compute_array(int row, int column) {
+  check_bond(row);
+  return value(row, column);
+}
 
 }  // namespace LAMMPS_NS
