@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// For the tests of cement shapes: quadrature of their own, pairs of grains, and what every
+// Helpers for the tests of cement shapes: a quadrature of their own, pairs of grains, and what every
 // shape has to fulfil.
 #ifndef MPDEM_TESTS_BODIES_H
 #define MPDEM_TESTS_BODIES_H
@@ -17,8 +17,8 @@ namespace mpdem::test {
 
 constexpr double kDegree = M_PI / 180;
 
-// Adaptive Gauss-Legendre quadrature, ten points a piece, halved until the halves agree to
-// 1e-14 of the whole, or to `floor` where that may vanish.
+// Adaptive Gauss-Legendre quadrature with ten points a piece. A piece is halved until the halves agree to
+// 1e-14 of the whole, or to `floor` where the whole may vanish.
 template <class F>
 double integrate(F f, double a, double b, double floor = 0.0) {
   static const double x[5] = {0.14887433898163122, 0.43339539412924721, 0.67940956829902444, 0.86506336668898454,
@@ -44,7 +44,7 @@ double integrate(F f, double a, double b, double floor = 0.0) {
   return rule.refine(a, b, whole, std::max(1e-14 * std::fabs(whole), floor), 40);
 }
 
-// Equal and unequal grains; apart, touching, overlapping; along an axis and not.
+// Pairs of equal and unequal grains. They are apart, touch or overlap, along an axis and not.
 inline std::vector<GrainPair> pairs() {
   std::vector<GrainPair> all;
   const Vector skew = Vector(1.0, -2.0, 0.7).normalized();
@@ -60,7 +60,7 @@ inline std::string name_of(const GrainPair& p) {
   return s.str();
 }
 
-// Of the surface of a sphere at radius r.
+// Height of the surface of a sphere over its girth, at radius r.
 inline double height_over_girth(double R, double r) { return std::sqrt(std::max((R - r) * (R + r), 0.0)); }
 
 // Radius at which the surfaces of overlapping grains meet, found by bisection.
@@ -75,13 +75,13 @@ inline double circle_of_contact(const GrainPair& p) {
   return hi;
 }
 
-// A place near the pair's gap: height along the line of centres and distance from it.
+// A place near the pair's gap, given by height along the line of centres and distance from it.
 inline Vector place(const GrainPair& p, double z, double r, double angle) {
   const Vector e1 = p.n.unitOrthogonal(), e2 = p.n.cross(e1);
   return z * p.n + r * (std::cos(angle) * e1 + std::sin(angle) * e2);
 }
 
-// The clearance is never more than the distance to the surface, the box holds the body.
+// Checks that the clearance is never more than the distance to the surface, and that the box holds the body.
 inline void expect_consistent(const Shape& shape, Random& random, int samples = 4000) {
   const Vector box = shape.half_extent();
   int inside = 0, wrong = 0, outside_box = 0;
@@ -119,7 +119,7 @@ inline void expect_consistent(const Shape& shape, Random& random, int samples = 
   }
 }
 
-// What the outline top(z) holds outside the grains and the inner radius, slice by slice. The
+// Volume that the outline top(z) holds outside the grains and the inner radius, summed slice by slice. The
 // breaks split the height where the outline has corners.
 inline double volume_of_revolution(const Shape& shape, std::vector<double> breaks) {
   const GrainPair& p = shape.pair();
@@ -147,7 +147,7 @@ inline double volume_of_revolution(const Shape& shape, std::vector<double> break
   return V;
 }
 
-// Text of the ShapeError that f throws, empty if it does not.
+// Text of the ShapeError that f throws, empty if it throws none.
 template <class F>
 std::string shape_error(F f) {
   try {

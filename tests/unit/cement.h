@@ -35,9 +35,9 @@ class Cement {
  public:
   PointStore points;
   Grid grid;
-  std::vector<int> slots;  // of the points, in the order they were given
+  std::vector<int> slots;  // slots of the points, in the order they were given
 
-  // All of one volume, the material frame turned by q.
+  // All points have one volume. The material frame is turned by q.
   Cement(double h, const std::vector<Vector>& X, double volume,
          const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0,
          const std::vector<int>& sheet = {}, bool join = false) {
@@ -77,7 +77,7 @@ class Cement {
       for (int d = 0; d < 3; ++d) grid.velocity[3 * n + d] = v[d];
     }
   }
-  // u += dt v, then strain and internal force of the step.
+  // Sets u += dt v, then finds strain and internal force of the step.
   AdvanceResult advance(const Law& law, double dt) {
     for (std::size_t i = 0; i < grid.velocity.size(); ++i) grid.displacement[i] += dt * grid.velocity[i];
     grid.clear_force();
@@ -85,20 +85,20 @@ class Cement {
     advance_points(points, grid, law, dt, result);
     return result;
   }
-  // f(block, lane) for every point
+  // Calls f(block, lane) for every point.
   template <class F>
   void for_points(F f) const {
     for (int s : slots) f(s / kLanes, s % kLanes);
   }
 };
 
-// All of one body, in one sheet.
+// Nodes of a grid for the search of ties, all of one body and in one sheet.
 inline TiedNodes edges_of(const Grid& grid) {
   const std::size_t n = grid.keys.size();
   return {grid.keys, {grid.mass.begin(), grid.mass.end()}, std::vector<char>(n, kNoSheets), std::vector<char>(n, 1), {}};
 }
 
-// Points anywhere in [0, n h]^3; every node between has points all over its support.
+// Points at random in [0, n h]^3. Every node between has points all over its support.
 inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {
   std::vector<Vector> X;
   for (int i = 0; i < n * n * n * per_cell; ++i)
@@ -106,7 +106,7 @@ inline std::vector<Vector> scattered(Random& random, double h, int n, int per_ce
   return X;
 }
 
-// 2 x 2 x 2 points a cell in [0, n h]^3.
+// Lattice of 2 x 2 x 2 points a cell in [0, n h]^3.
 inline std::vector<Vector> lattice(double h, int n) {
   std::vector<Vector> X;
   for (int i = 0; i < 2 * n; ++i)

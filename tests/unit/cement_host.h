@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A small host of the cement: spheres in a row along z with flat bonds between them, the last of which is pulled away from the
-// first. It calls the engine in the order that fix mpm does.
+// A small host of the cement: spheres in a row along z with flat bonds between them. The last sphere is pulled away from the
+// first. The host calls the engine in the order that fix mpm does.
 #ifndef MPDEM_TESTS_CEMENT_HOST_H
 #define MPDEM_TESTS_CEMENT_HOST_H
 
@@ -23,7 +23,7 @@
 
 namespace mpdem::test {
 
-// Of a grain at a time.
+// Way and velocity of a grain at a time.
 struct Way {
   double way[3], velocity[3];
 };
@@ -33,21 +33,21 @@ struct Row {
   bool updated = false;
   bool free_middle = false;  // grains between the first and the last follow forces
   bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
-  double B0 = 9.6e3, exponent = 1.0;  // of the damage
-  double length = 0.0;       // that the strain is averaged over
+  double B0 = 9.6e3, exponent = 1.0;  // parameters of the damage law
+  double length = 0.0;       // length that the strain is averaged over
   int mass_order = 1;
-  double speed = 4.0;        // at which the last grain leaves the first, once it is reached
-  double ramp = 4e-6;        // time until then
-  std::function<Way(double)> path;  // instead: of the last grain, the first stays where it is
-  double friction = -1.0;    // of places that let go; below 0: none
+  double speed = 4.0;        // at which the last grain leaves the first, after the ramp
+  double ramp = 4e-6;        // time until that speed is reached
+  std::function<Way(double)> path;  // way of the last grain in place of the ramp; the first grain stays where it is
+  double friction = -1.0;    // friction of places that let go; below 0: none
   bool loose = false;        // links to the first grain are not attached from the start
   bool skin_failed = false;  // and their points have failed
   bool cracked = false;      // two layers in the middle have failed
   double crumbled = 0.0;     // points at x above this have failed and hold to no grain; 0: none
   bool unilateral = false;
-  bool split = false;        // nodes, where material parts
-  double interface = 1.0;    // of points with links
-  int substeps = 1;          // of the cement in a step of the host
+  bool split = false;        // nodes are split where material parts
+  double interface = 1.0;    // parameter of the damage law for points with links
+  int substeps = 1;          // number of steps of the cement in a step of the host
   bool free_ends = false;    // all grains follow forces
   double grain_mass = 2e-5;
   double contact = 0.0;      // stiffness of a spring of the host along z between the first grain and the second
@@ -55,7 +55,7 @@ struct Row {
   double stiffer = 1.0;      // stiffness of the links over kPenalty; forty adds mass to the nodes
 };
 
-// SI. No Poisson's ratio, so that the cement between wide grains is springs side by side.
+// SI units. There is no Poisson's ratio, so that the cement between wide grains is springs side by side.
 constexpr double kYoung = 60e9, kGap = 8e-4, kRadius = 20e-3, kOuter = 1e-3, kSpacing = 1e-4, kPenalty = 6e14, kStep = 4e-9;
 
 inline MPI_Comm alone_or_together(bool together) { return together ? MPI_COMM_WORLD : MPI_COMM_SELF; }
@@ -66,14 +66,14 @@ class RowOfGrains : public CementHost {
   std::unique_ptr<Cement> cement;
   int number = 0;
   double dt = kStep;
-  double work = 0.0;  // of prescribed grains of this rank on the cement
-  std::vector<std::array<int, 2>> failed;     // step and tag, of points of this rank
+  double work = 0.0;  // work of prescribed grains of this rank on the cement
+  std::vector<std::array<int, 2>> failed;     // step and tag of points of this rank
   std::vector<std::array<int, 2>> separated;  // step and bond, the same on all ranks
 
-  // What goes into a restart file, on each rank its own.
+  // Data that goes into a restart file. Each rank has its own.
   struct Saved {
-    std::vector<double> state;  // of all ranks, on all
-    std::vector<double> nodes, all_nodes;  // those of the rank before this one, and of all
+    std::vector<double> state;  // state of all ranks, held on all
+    std::vector<double> nodes, all_nodes;  // nodes of the rank before this one; nodes of all ranks
     std::map<int, PointRecord> points;
     std::map<int, GrainState> states;
     std::vector<Grain> grains;
@@ -195,7 +195,7 @@ class RowOfGrains : public CementHost {
         separated.push_back({number, b});
       }
   }
-  // In this step bond `row` goes from the rank that has it to another; -1: atoms are exchanged, none of them moves.
+  // In step `step` bond `row` goes from the rank that has it to rank `to`. With row -1 atoms are exchanged and none of them moves.
   void hand_over_at(int step, int row, int to) { std::tie(hand_over_at_, handed_, to_) = std::make_tuple(step, row, to); }
 
   Saved save() {
@@ -243,14 +243,14 @@ class RowOfGrains : public CementHost {
     MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, comm_);
     return all;
   }
-  // Slots and tags.
+  // Calls f(slot, tag) for every point of a bond.
   template <class F>
   static void for_points(const Bond& bond, F f) {
     for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
       for (int l = 0; l < kLanes; ++l)
         if (bond.points.meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l, bond.points.tags[b][l]);
   }
-  // Of all ranks, ascending.
+  // Failures of points on all ranks, ascending by step and tag.
   std::vector<std::array<int, 2>> all_failed() const {
     std::vector<double> mine;
     for (const auto& f : failed) mine.insert(mine.end(), f.begin(), f.end());
@@ -260,7 +260,7 @@ class RowOfGrains : public CementHost {
     std::sort(events.begin(), events.end());
     return events;
   }
-  // All that the state says, of all ranks: points and grains by their tags.
+  // All that the state says on all ranks. The key is the tag of a point, or minus the tag of a grain.
   std::map<int, std::vector<double>> content() {
     cement->sync_slots();
     std::vector<double> mine;
@@ -288,14 +288,14 @@ class RowOfGrains : public CementHost {
       EXPECT_TRUE(content.emplace(static_cast<int>(at[0]), std::vector<double>(at + 2, at + 2 + static_cast<long>(at[1]))).second);
     return content;
   }
-  // Half of the difference of the forces on the grains of a bond, along z; on all ranks.
+  // Half of the difference of the forces on the grains of a bond along z. All ranks know it.
   double tension(int row) { return cement->report().bond_states()[row].tension; }
   int points_here() const {
     int n = 0;
     for (const Bond& b : bonds) n += b.points.size();
     return n;
   }
-  // How far the second grain is away from where it was against the first.
+  // Distance by which the second grain has moved away from the first along z.
   double contact_stretch() const {
     double z[2] = {0.0, 0.0};
     for (const Grain& g : cement->grains().grains)
@@ -303,12 +303,12 @@ class RowOfGrains : public CementHost {
     MPI_Allreduce(MPI_IN_PLACE, z, 2, MPI_DOUBLE, MPI_SUM, comm_);
     return z[1] - z[0] - 2 * kRadius - kGap;
   }
-  // Of the spring of the host.
+  // Energy of the spring of the host.
   double contact_energy() const {
     const double way = contact_stretch();
     return 0.5 * row_.contact * way * way;
   }
-  // How far the last grain is away from where it was against the first.
+  // Distance by which the last grain has moved away from the first along z.
   double stretch() const { return place_of(row_.bonds, time_) - place_of(0, time_) - row_.bonds * (2 * kRadius + kGap); }
 
  private:
@@ -359,7 +359,7 @@ class RowOfGrains : public CementHost {
     std::vector<Grain> now = own_.empty() ? cement->grains().grains : std::move(own_);
     own_.clear();
     for (Grain& g : now) {
-      Grain fresh;  // has what LIGGGHTS and GrainState keep
+      Grain fresh;  // holds what LIGGGHTS and GrainState keep, and nothing else
       fresh.tag = g.tag;
       std::copy(g.x, g.x + 3, fresh.x);
       std::copy(g.velocity, g.velocity + 6, fresh.velocity);
@@ -400,7 +400,7 @@ class RowOfGrains : public CementHost {
       }
     }
   }
-  // The first and the last leave each other to either side, the others stay where they are.
+  // The first grain and the last leave each other to either side. The others stay where they are.
   double share_of(int g) const { return g == 0 ? -0.5 : g == row_.bonds ? 0.5 : 0.0; }
   double place_of(int g, double t) const {
     if (row_.path) return g * (2 * kRadius + kGap);
@@ -451,7 +451,7 @@ class RowOfGrains : public CementHost {
       slot_[tag] = bonds.add(r, tag);
     }
   }
-  // As an exchange of atoms does: points leave one by one and come in an order of their own.
+  // Hands a bond over as an exchange of atoms does: points leave one by one and come in an order of their own.
   void hand_over() {
     cement->sync_slots();
     std::vector<double> mine;
@@ -484,13 +484,13 @@ class RowOfGrains : public CementHost {
   bool first_ = true;
   double time_ = 0.0;
   int hand_over_at_ = -1, handed_ = 0, to_ = 0;
-  std::map<int, int> slot_;  // of each point of this rank
+  std::map<int, int> slot_;  // slot of each point of this rank, by tag
   std::map<int, int> was_separated_;
   std::map<int, GrainState> states_;
-  std::vector<Grain> own_;  // until the engine has them
+  std::vector<Grain> own_;  // grains of this rank until the engine has them
 };
 
-// Two results of content().
+// Compares two results of content() bit by bit.
 inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const std::map<int, std::vector<double>>& b) {
   ASSERT_EQ(a.size(), b.size());
   int different = 0, first = 0;
@@ -503,8 +503,8 @@ inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const 
   EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;
 }
 
-// `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt, fail the same points and end
-// the same to the bit. `then(again)` compares further.
+// `whole` runs to step `at`. Its state is saved and read back. Both go on by `steps` steps of length dt.
+// They fail the same points and end the same to the bit. `then(again)` compares further.
 template <class Then>
 void expect_restart_to_the_bit(RowOfGrains& whole, const Row& row, int at, int steps, double dt, Then then) {
   whole.run(at - whole.number);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// A column of cells along z, the first grain below, the second above: what tests of cracks cut.
+// A column of cells along z that tests of cracks cut. The first grain is below, the second above.
 #ifndef MPDEM_TEST_CRACK_COLUMN_H
 #define MPDEM_TEST_CRACK_COLUMN_H
 
@@ -44,10 +44,10 @@ inline void fail(CrackPoint& p) {
   p.attached[0] = p.attached[1] = false;
 }
 
-// Failed, but its link holds.
+// Makes a skin of a point: it has failed, but its link holds.
 inline void make_skin(CrackPoint& p) { p.failed = true; }
 
-// The same bond with the first grain for the second.
+// A bond with the first and the second grain swapped.
 inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
   for (CrackPoint& p : points) {
     std::swap(p.attached[0], p.attached[1]);
@@ -65,7 +65,7 @@ inline int level(const CrackPoint& p, int height = kHeight) { return p.cell[2] +
 constexpr int kRandomSupport = 3;
 inline JoinedNodes random_joined() { return {{-3, 1, -1}, {0, 0, -1}, {1, -2, -1}}; }
 
-// Failed points, points that let go and damage of this many values at random; parts (kind 1) or sheets (kind 2).
+// Sets failed points, points that let go and damage of this many values at random. Sets parts (kind 1) or sheets (kind 2).
 inline void make_random(std::vector<CrackPoint>& points, Random& random, double share, int values, int kind, int height = kHeight) {
   for (CrackPoint& p : points) {
     p.damage = static_cast<float>(0.9 * random.index(values) / values);

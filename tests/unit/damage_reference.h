@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The law of material/tensor_damage.h once more, one point at a time and as it is defined:
-// principal axes of D by Eigen, harmonic means there, compliance from the engineering
-// constants and inverted by Eigen.
+// A reference for the law of material/tensor_damage.h, one point at a time and as the law is defined.
+// Eigen finds the principal axes of D, and harmonic means are taken there. The compliance follows from
+// the engineering constants and is inverted by Eigen.
 #ifndef MPDEM_TESTS_DAMAGE_REFERENCE_H
 #define MPDEM_TESTS_DAMAGE_REFERENCE_H
 
@@ -16,7 +16,7 @@ namespace mpdem::test {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-// Order 11, 22, 33, 23, 13, 12; engineering shears.
+// Compliance matrix in the order 11, 22, 33, 23, 13, 12, with engineering shears.
 inline Matrix6 compliance(const VtiConstants& c) {
   Matrix6 S = Matrix6::Zero();
   S(0, 0) = S(1, 1) = 1.0 / c.Ep;
@@ -86,7 +86,7 @@ inline Matrix positive_part(const Matrix& m) {
 
 inline double equivalent(const Matrix& Y) { return std::sqrt(0.5 * contract(Y, Y)); }
 
-// Used all over the tests.
+// Constants of calcite that all these tests use.
 inline VtiConstants calcite() { return {50.83e9, 28.79e9, 0.2744, 0.2581, 14.86e9}; }
 constexpr double kB0 = 9.6e6;
 // The law finds D to 2e-11; what follows from D is at most 1/(1 - Dcut) times as far off.
@@ -104,7 +104,7 @@ inline double equivalent_at(const TensorDamage& law, const Matrix& strain, const
   return law.drive(on_all_lanes(strain), on_all_lanes(D)).Yeq[0];
 }
 
-// Scaled so that the drive is `level` times the threshold.
+// A strain scaled so that the drive is `level` times the threshold.
 inline Matrix strain_at(const TensorDamage& law, double level, const Matrix& strain, const Matrix& D) {
   return std::sqrt(level * kB0 / equivalent_at(law, strain, D)) * strain;
 }

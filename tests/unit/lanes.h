@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What the unit tests share: Eigen matrices in and out of the lanes, reproducible random
+// Helpers that the unit tests share: Eigen matrices in and out of the lanes, reproducible random
 // numbers, and the largest deviation seen with the place it was seen at.
 #ifndef MPDEM_TESTS_LANES_H
 #define MPDEM_TESTS_LANES_H
@@ -96,7 +96,7 @@ class Random {
   }
   Matrix sym() { return symmetric(general()); }
   Matrix frame() { return rotation(direction(), uniform(-M_PI, M_PI)); }
-  // With these principal values and random axes.
+  // Symmetric tensor with these principal values and random axes.
   Matrix with_values(const Vector& values) {
     const Matrix q = frame();
     return symmetric(q * values.asDiagonal() * q.transpose());
@@ -131,7 +131,7 @@ class Worst {
   long count_ = 0;
 };
 
-// Also keeps the figure as a property `what` of the test, see --gtest_output.
+// Expects the worst deviation within the tolerance. Also keeps the figure as a property `what` of the test, see --gtest_output.
 inline void expect_within(const Worst& worst, double tolerance, const std::string& what) {
   char text[64];
   std::snprintf(text, sizeof text, "%.3g of %.3g", worst.value(), tolerance);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Two bonds between pairs of grains that have moved and turned, the second in two parts, some
-// of their points linked to both grains, some to none.
+// Two bonds between pairs of grains that have moved and turned. The second bond is in two parts. Some
+// points are linked to both grains, some to none.
 #ifndef MPDEM_TESTS_LINKED_BONDS_H
 #define MPDEM_TESTS_LINKED_BONDS_H
 
@@ -30,12 +30,12 @@ inline void copy(const Eigen::Quaterniond& q, double* to) {
 struct Scene {
   std::vector<Body> bodies{2};
   std::vector<Bond> bonds{2};
-  std::vector<int> slots[2];  // of the points of either, in the order they were made
+  std::vector<int> slots[2];  // slots of the points of either bond, in the order they were made
   GrainSides sides;
-  std::vector<GrainSides::Motion> motion{4};  // of body 0 side 0, 1, body 1 side 0, 1
+  std::vector<GrainSides::Motion> motion{4};  // motion of body 0 sides 0 and 1, then of body 1 sides 0 and 1
   Random random;
 
-  // parts: of the second body; width: that over which its points lie
+  // parts: number of parts of the second body; width: points lie within this of the origin along each axis
   Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15)
       : random(seed) {
     int tag = 1;
@@ -89,7 +89,7 @@ struct Scene {
     b.grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
     b.grid.lump_mass(b.points, kDensity);
   }
-  // As of the store now, on the grid as it is.
+  // Links made from the store as it is now, on the grid as it is.
   PenaltyLinks links_anew(const Bond& b) const {
     PenaltyLinks links(b.points, bodies[b.body], b.links.parameters(), kH, kDensity, b.grid.basis);
     EXPECT_TRUE(links.find_columns(b.grid));
@@ -103,18 +103,18 @@ struct Scene {
   }
   GrainSide* side(const Bond& b) { return &sides.sides[b.side]; }
   const GrainSide* side(const Bond& b) const { return &sides.sides[b.side]; }
-  // Two numbers a node, of links to either side.
+  // Row sums of the stiffness of the links: two numbers a node, one for the links to each side.
   std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
     std::vector<double> k(2 * b.grid.size(), 0.0);
     b.links.add_stiffness(b.grid, side(b), dt, k.data());
     return k;
   }
-  // All the mass that the penalty asks for, and what a cement of this eigenvalue does.
+  // Sets all the mass that the penalty asks for, and the mass that a cement of eigenvalue `lambda` asks for.
   void set_added_mass(double dt = kDt, double lambda = 0.0) {
     for (Bond& b : bonds) b.added.find(b.links, b.grid, side(b), {dt, lambda, false, kBound});
   }
 
-  // Displacements and velocities of grains and nodes at random.
+  // Gives grains and nodes random displacements and velocities.
   void place_grains(double displacement, double velocity) {
     for (int i = 0; i < 4; ++i) {
       const Body& body = bodies[i / 2];
@@ -136,7 +136,7 @@ struct Scene {
     }
     sides.distribute(bodies, motion);
   }
-  // Accelerations of grains at random.
+  // Gives grains random accelerations.
   void accelerate_grains() {
     for (GrainSides::Motion& m : motion) {
       copy(random.vector(), m.a);
@@ -171,11 +171,11 @@ struct Scene {
     return kH * Vector(k.at(0), k.at(1), k.at(2)) + Eigen::Map<const Vector>(&grid.displacement[3 * n]);
   }
   static Vector at(const std::vector<double>& field, int n) { return {field[3 * n], field[3 * n + 1], field[3 * n + 2]}; }
-  // A nodal field of each bond.
+  // Nodal forces of each bond.
   std::vector<std::vector<double>> forces() const { return {bonds[0].grid.force, bonds[1].grid.force}; }
 
-  // Resultant and moment about the origin of each body of nodal forces `f` and of what the
-  // grains feel, over their sizes.
+  // Expects that nodal forces `f` and what the grains feel balance in each body. Checks their resultant and their moment
+  // about the origin, over their sizes.
   void expect_balanced(const std::vector<std::vector<double>>& f, double tolerance, const std::string& what) const {
     Worst resultant, moment;
     for (const Bond& b : bonds) {

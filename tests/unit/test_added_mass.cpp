@@ -312,7 +312,7 @@ TEST_P(AddedMassOfLinks, CarriedByGrains) {
   s.expect_balanced(momentum_of(s, &Grid::acceleration), 1e-13, "carried");
 }
 
-// Both grains of a body and its nodes accelerate as one rigid body does: nodes as if there were no
+// Both grains of a body and its nodes accelerate as one rigid body does. Nodes then accelerate as if there were no
 // added mass, and grains feel nothing of it.
 TEST_P(AddedMassOfLinks, ExertsNothingWhereNodesMoveWithTheGrain) {
   Scene s = scene(154);
@@ -400,7 +400,7 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   s.expect_balanced(momentum, 1e-13, "momentum");
   EXPECT_NEAR(energy() - before, work, 1e-11 * before);
 
-  // The same by forces, which is how momentum is exchanged at once.
+  // Forces give the same change. This is how momentum is exchanged at once.
   s.sides.clear_forces();
   test::Worst node, grain;
   for (Bond& b : s.bonds) {
@@ -416,7 +416,7 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   expect_within(grain, 1e-13, "momentum of the grains");
 }
 
-// (1 + t) times the stiffness, t the mass ratio of the grain.
+// Links of a free grain count with (1 + t) times their stiffness. t is the mass ratio of the grain.
 TEST_P(AddedMassOfLinks, LinksOfFreeGrainsCountMore) {
   Scene s = scene(156);
   const std::vector<double> held[2] = {s.row_sums(s.bonds[0]), s.row_sums(s.bonds[1])};
@@ -464,7 +464,7 @@ TEST_P(AddedMassOfLinks, EnergyIsBilinearInTheVelocity) {
                       "product against difference of squares");
 }
 
-// All links of one grain let go: added mass stays until it is dropped, and is then that of links that never were.
+// All links of one grain let go. Added mass stays until it is dropped. It is then as if these links had never been.
 TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   Scene s = scene(155, 0.1);
   Bond& b = s.bonds[0];

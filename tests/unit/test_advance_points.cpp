@@ -22,7 +22,7 @@ void shake(Cement& c, test::Random& random) {
   c.set_velocity([&](const Vector&) { return Vector(3e-3 * kCell / kDt * random.vector()); });
 }
 
-// Same damage, failures and energies as the law applied point by point, with the factor of
+// Damage, failures and energies are the same as those of the law applied point by point. The law has the factor of
 // the interface on points that are linked and the share of growth that viscosity leaves.
 template <class L>
 void expect_law_at_every_point(const L& law, bool fails = true) {

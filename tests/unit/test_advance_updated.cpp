@@ -168,8 +168,7 @@ TEST_P(Updated, LinksGoWithTheirPoints) {
   }
 }
 
-// What points that changed cell give to the nodes is what they give after everything was laid
-// out anew.
+// Points that changed cell give to the nodes what they give after everything was laid out anew.
 TEST_P(Updated, RelocationKeepsThePass) {
   test::Random random(142);
   Lump lump(random, GetParam(), transfer(Transfer::apic));

@@ -64,7 +64,7 @@ TEST(BondTable, PageHasEachColumn) {
   }
 }
 
-// Each bond has its own numbers, those of all its ranks.
+// Each bond has its own numbers, summed over all its ranks.
 TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   Row r;
   r.bonds = 3;
@@ -88,7 +88,7 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   EXPECT_NE(value(host, 0, "debonded"), value(host, 1, "debonded"));  // bonds at the ends of the row and in its middle
   EXPECT_EQ(value(host, 0, "external_work"), host.cement->report().totals(0.1).external_work);
 
-  // What needs no points is there without a look at them, the rest is empty.
+  // Columns that need no points are there without a look at them. The rest are 0.
   for (std::size_t n = 0; n < bond_columns().size(); ++n) {
     const BondColumn& c = bond_columns()[n];
     if (c.of_all()) continue;
@@ -99,7 +99,7 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   }
 }
 
-// The half of the links at the second grain that lies at positive x has let go before the start; later whole rings do.
+// The half of the links at the second grain that lies at positive x has let go before the start. Later whole rings let go.
 TEST(BondTable, AttachedShareIsThatOfTheArea) {
   Row r;
   r.speed = 8.0;

@@ -99,7 +99,7 @@ TEST_P(Kinematic, PulledThroughFailure) {
   }
 }
 
-// In the middle of failure and after it: what the head, points and grains hold is all there is.
+// The run restarts in the middle of failure and after it. The head, points and grains hold all there is.
 TEST_P(Kinematic, RestartsToTheBit) {
   Row r = row();
   r.bonds = 2;
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, fals
                            return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") + (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
-// A link that let go, and then its point, which fails: each is something new to look at.
+// A link lets go, and then its point fails. Each is something new to look at.
 TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   RowOfGrains host(MPI_COMM_SELF, Row());
   host.setup();
@@ -183,7 +183,7 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   EXPECT_FALSE(cracks.has_seen(bond));
 }
 
-// With central differences the velocity at a step is the way from the step before to that after it, over twice the time.
+// With central differences the velocity at a step is the way from the step before to the step after it, over twice the time step.
 TEST(Report, VelocityOfPointsIsThatOfTheirWay) {
   Row r;
   r.B0 = 0.0;

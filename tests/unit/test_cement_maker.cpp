@@ -60,7 +60,7 @@ class RowScene : public CementMakerHost {
     wish.shapes.push_back({shape_style("flat"), {{"outer", 0.6}}});
     wish.inner = 0.0;
   }
-  // Of tags from 1 on; each rank keeps its own.
+  // Sets grains at these centres with tags from 1 on. Each rank keeps its own.
   void set_grains(const std::vector<Vector3>& centres) {
     grains.clear();
     for (std::size_t n = 0; n < centres.size(); ++n) {
@@ -130,7 +130,7 @@ class RowScene : public CementMakerHost {
   void warn(const std::string& text) override { said += "warning: " + text + "\n"; }
 };
 
-// What a function throws, the same on all ranks.
+// Text of the BadState that a function throws, empty if it throws none. It is the same on all ranks.
 template <class F>
 std::string complaint(F f) {
   try {
@@ -276,7 +276,7 @@ TEST(CementMaker, ComplainsOfTheFirstBondThatCannotBe) {
   EXPECT_NE(why(in_the_way, {{1, 2}}).find("lie inside grain 3"), std::string::npos);
 }
 
-// Against all pairs, in boxes with and without periods.
+// Compares with a look at all pairs, in boxes with and without periods.
 TEST(Contacts, AreThoseOfAllPairs) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(0.0, 6.0), radius(0.3, 0.9);

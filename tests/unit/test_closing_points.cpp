@@ -43,14 +43,14 @@ class FailedBody : public ::testing::Test {
     }
   }
   double energy() const { return closing.energy(body.points, body.grid); }
-  // n n, in the frame of the material.
+  // The tensor n n of the normal, in the frame of the material.
   Sym3<double> normal_squared(int b, int l) const {
     const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
     double n[3];
     for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
     return {n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
   }
-  // Of the cement compressed along the normal by this share.
+  // Energy of the cement compressed along the normal by this share.
   double energy_of(double share) const {
     double sum = 0.0;
     body.for_points([&](int b, int l) {
@@ -82,7 +82,7 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
 }
 
-// What a point kept when it failed: the deformation F, and with it the strain in the frame of the material.
+// A point kept the deformation F when it failed, and with it the strain in the frame of the material.
 class PressedWhenFailed : public FailedBody {
  protected:
   void fail_at(const test::Matrix& F) {
@@ -102,7 +102,7 @@ class PressedWhenFailed : public FailedBody {
     });
     closing = ClosingPoints(body.points, law->elasticity());
   }
-  // Of the stress n.tau n of points that hold, in the state in which they failed.
+  // Energy of the stress n.tau n of points that hold, in the state in which they failed.
   double energy_of_stress() const {
     double sum = 0.0;
     body.for_points([&](int b, int l) {
@@ -139,7 +139,7 @@ TEST_F(PressedWhenFailed, GoOnWithThePressureThatTheyHad) {
   EXPECT_EQ(energy(), 0.0);
 }
 
-// Pulled across the crack although it is narrower than at first: it is closed from there on.
+// The points are pulled across the crack although it is narrower than at first. The crack is closed from there on.
 TEST_F(PressedWhenFailed, AreClosedFromTheWidthAtWhichTheyFailed) {
   test::Matrix F = test::Matrix::Identity() + 0.03 * (test::Matrix::Identity() - normal * normal.transpose());
   F -= 0.001 * normal * normal.transpose();
@@ -150,7 +150,7 @@ TEST_F(PressedWhenFailed, AreClosedFromTheWidthAtWhichTheyFailed) {
   EXPECT_NEAR(energy(), energy_of(0.01), 1e-9 * energy_of(0.01));
 }
 
-// One that opened before it failed closes at its first width.
+// A point that opened before it failed closes at its first width.
 TEST_F(PressedWhenFailed, CloseAtTheReferenceIfTheyOpened) {
   fail_at(along(0.02));
   displace_by(along(0.001));
@@ -178,7 +178,7 @@ TEST_F(FailedBody, BeginsWithTheProductOfBothEndsOfAStep) {
   EXPECT_LT(begun(half, kDt), 0.7 * begun(all, kDt));
 }
 
-// Points that failed may be as stiff as whole ones.
+// Points that failed may be as stiff as whole ones, and count like these for the eigenvalue.
 TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
   test::Cement whole(kCell, test::lattice(kCell, 2), std::pow(0.5 * kCell, 3));
   for (test::Cement* c : {&body, &whole}) {
@@ -192,7 +192,7 @@ TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
   EXPECT_LT(found(body, false), 1e-6 * expected);
 }
 
-// Also where the pressure is at its bound, a tenth of the stiffness.
+// The force is the slope of the energy, also where the pressure is at its bound, a tenth of the stiffness.
 TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {
   for (double share : {0.02, 0.3}) {
     displace([&](const Vector& X) { return Vector(-share * normal.dot(X) * normal + 0.005 * kCell * random.vector()); });

@@ -32,8 +32,8 @@ std::vector<CoatingCase> coating_cases() {
   return all;
 }
 
-// Seen from each grain's centre: shell from R to R + t at polar angle a, without what the
-// other grain, and for the second also the shell of the first, takes out of the ray.
+// Volume found by rays from each grain's centre. A ray at polar angle a goes through the shell from R to R + t.
+// The other grain takes its part out of the ray. For the second grain the shell of the first does so, too.
 double volume_by_rays(const CoatingCase& c) {
   const GrainPair& p = c.pair;
   const double d = p.distance();

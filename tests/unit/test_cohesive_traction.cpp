@@ -74,7 +74,7 @@ TEST(CohesiveTraction, TakesItsStrengthAndEnergyOfEitherMode) {
   }
 }
 
-// Along a straight path the share of shear in the energy stays.
+// Along a straight path the share of shear in the energy stays constant.
 TEST(CohesiveTraction, MixesByEnergyAndStress) {
   for (double angle : {0.2, 0.7, 1.2}) {
     Path p;
@@ -110,7 +110,7 @@ TEST(CohesiveTraction, DamageNeverHeals) {
   EXPECT_EQ(fresh.law.secant(fresh.separation(), fresh.state).kn[0], kStiff.kn);
 }
 
-// Some let go under compression, some open, some not at all.
+// Some links let go under compression, some let go open, some do not let go at all.
 TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   test::Random random(331);
   int open = 0, pressed = 0, held = 0;
@@ -128,7 +128,7 @@ TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
   EXPECT_GT(held, 0);
 }
 
-// Pressed by 0.002, then sheared until it lets go: the energy of the pressure is given up, not damage.
+// A link is pressed by 0.002, then sheared until it lets go. The energy of the pressure is given up; it is not damage.
 TEST(CohesiveTraction, ReleasesWhatPressureStores) {
   constexpr double kIn = 0.002;
   Path p;
@@ -141,8 +141,9 @@ TEST(CohesiveTraction, ReleasesWhatPressureStores) {
   EXPECT_NEAR(p.work, p.dissipated + p.released, 1e-4 * kGt);
 }
 
-// A node that nothing but a link holds, with the mass that leaves the undamaged link just stable at this step (added_mass.h), flies against the closed link
-// and off again. The mean of the energy that it leaves with, over the phases of the steps; 3.0 with the whole stiffness.
+// Nothing but a link holds a node. The mass of the node leaves the undamaged link just stable at this step (added_mass.h).
+// The node flies against the closed link and off again. The test takes the mean, over the phases of the steps, of the energy
+// that it leaves with. The mean is 3.0 with the whole stiffness.
 TEST(CohesiveTraction, ANodeThatBouncesGainsLittle) {
   const CohesiveTraction law(kStiff, values());
   const double mass = 1.05 * kStiff.kn / 4.0;  // the step is 1
@@ -151,8 +152,8 @@ TEST(CohesiveTraction, ANodeThatBouncesGainsLittle) {
   EXPECT_LT(mean, 1.05);
 }
 
-// On a path whose mode changes the energy is that of the path, with equal energies of both modes too. r = lambdaf/lambda0 of a mode: a link that
-// opens to the damage 1/2 has taken G/(r + 1).
+// On a path whose mode changes the energy is that of the path. This holds with equal energies of both modes too.
+// With r = lambdaf/lambda0 of a mode, a link that opens to the damage 1/2 has taken G/(r + 1).
 TEST(CohesiveTraction, EnergyOfTwoModesIsThatOfThePath) {
   const double G = 0.02, r[2] = {2.0, 100.0}, k[2] = {kStiff.kn, kStiff.kt};
   const double strength[2] = {std::sqrt(2.0 * G * k[0] / r[0]), std::sqrt(2.0 * G * k[1] / r[1])};

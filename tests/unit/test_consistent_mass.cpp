@@ -106,7 +106,7 @@ TEST_P(MassOfPoints, HasTheLumpedMassForRowSumsWithTiesToo) {
   }
 }
 
-// Where points failed, a rigid acceleration has no inertial force, and any other has none in sum.
+// Where points failed, a rigid acceleration has no inertial force. Any other acceleration has none in sum.
 TEST_P(MassOfPoints, InertialForceOfWhatHoldsHasNoResultant) {
   tie();
   c.grid.lump_mass(c.points, kCalcite);

@@ -145,7 +145,7 @@ TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
   }
 }
 
-// All coordinates shifted by whole cells of the grid, and the lattice with them.
+// All coordinates are shifted by whole cells of the grid, and the lattice with them.
 TEST(Crevice, LatticeOffTheOrigin) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);

@@ -45,7 +45,7 @@ double average_of(const Cement& c, int b, int l) {
 
 bool holds(const Cement& c, int b, int l) { return !(c.points.meta[b].failed >> l & 1); }
 
-// Of the points that hold.
+// Sum of volume times average over the points that hold.
 double volume_times_average(const Cement& c) {
   double sum = 0.0;
   c.for_points([&](int b, int l) { sum += holds(c, b, l) ? c.points.blocks[b].volume[l] * average_of(c, b, l) : 0.0; });
@@ -102,7 +102,7 @@ TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   EXPECT_NEAR(volume_times_average(c), sum, 1e-13 * sum);
 }
 
-// Of one point in the middle of a regular body; the spline of its strain has the rest of the variance.
+// Variance of the average of one point in the middle of a regular body. The spline of its strain has the rest of the variance.
 class Variance : public ::testing::TestWithParam<std::tuple<Basis, double>> {};
 
 TEST_P(Variance, IsThatOfTheLength) {

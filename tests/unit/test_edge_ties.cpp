@@ -25,7 +25,7 @@ constexpr double kH = 0.5;
 using test::rank;
 using test::ranks;
 
-// Lattice of `percell` points along a cell, shifted by so many cells, where inside() says.
+// Lattice of `percell` points along a cell, shifted by `shift` cells. It has a point where inside() is true.
 template <class F>
 std::vector<Vector> lattice(int percell, const Vector& shift, int cells, F inside) {
   std::vector<Vector> X;
@@ -43,7 +43,7 @@ std::vector<EdgeTie> ties_of(Cement& c) {
   return find_edge_ties(MPI_COMM_SELF, c.grid.basis, edges_of(c.grid));
 }
 
-// Sums of the weights, of their first moments, and masters that are slaves.
+// Checks the sums of the weights and of their first moments, and looks for masters that are slaves.
 void expect_sound(const std::vector<EdgeTie>& ties) {
   std::set<Key> slaves;
   for (const EdgeTie& t : ties) slaves.insert(t.slave);
@@ -99,7 +99,7 @@ TEST(EdgeTies, FaceIsTiedAcross) {
   }
 }
 
-// Both sides of it, each to the two nodes between.
+// Both sides of a film are tied, each to the two nodes between.
 TEST(EdgeTies, FilmIsTiedOnBothSides) {
   const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.4) < 0.3 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(16, Vector::Zero(), 4, inside), 1.0);
@@ -138,7 +138,7 @@ TEST(EdgeTies, KeysComeBack) {
   }
 }
 
-// Some ties go, some come, some change: what there is then is what binding all of it gives, whatever lies beside.
+// Some ties go, some come, some change. The result is what binding all of it gives, whatever lies beside.
 TEST(EdgeTies, ExchangeIsBinding) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
@@ -189,7 +189,7 @@ TEST(EdgeTies, ExchangeIsBinding) {
   EXPECT_GT(freed_in, 10);
 }
 
-// Node by node, from the edge inwards and back, is the same as by the masters.
+// Going node by node, from the edge inwards and back, gives the same as going by the masters.
 TEST(EdgeTies, ChainIsMasters) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
   Cement c(kH, lattice(4, Vector::Zero(), 4, inside), 1.0);
@@ -308,7 +308,7 @@ struct SlitBall {
   }
 };
 
-// Where sheets are joined, nodes are tied as those of the whole are, the second sheet's like the first's.
+// Where sheets are joined, nodes are tied like those of the whole. Nodes of the second sheet are tied like those of the first.
 TEST(EdgeTies, JoinedSheetsAreAsOne) {
   const SlitBall ball;
   Cement whole(kH, ball.X, 0.7), halves(kH, ball.X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, ball.sheet);

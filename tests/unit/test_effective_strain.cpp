@@ -29,7 +29,7 @@ TEST(EffectiveStrain, IsTheHarmonicMeanInPrincipalAxes) {
   expect_within(amplified, kTolerance, "phi M^-1:e");
 }
 
-// Equal, vanishing and extreme principal values, along the axes and not.
+// Principal values of the damage are equal, vanish or are extreme, along the axes and not.
 TEST(EffectiveStrain, SpecialDamage) {
   test::Random random(42);
   test::Worst map;

@@ -22,7 +22,7 @@ using test::Row;
 using test::RowOfGrains;
 using test::Way;
 
-// From 0 to 1 between these times.
+// A ramp that rises from 0 to 1 between two times.
 struct Ramp {
   double from, to;
   double at(double t) const { return std::min(1.0, std::max(0.0, (t - from) / (to - from))); }
@@ -104,7 +104,7 @@ TEST(FreedPlaces, FollowTheNearestPointsThatHold) {
   EXPECT_LT(force, 1.02 * most);
 }
 
-// Pushed and sheared by less than friction bears: as if attached.
+// Grains that are pushed, and sheared by less than friction bears, move as if attached.
 TEST(FreedPlaces, StickBelowFriction) {
   if (test::ranks() > 1) GTEST_SKIP();
   constexpr double kMu = 0.4;
@@ -518,7 +518,7 @@ TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {
   }
 }
 
-// At random: resultant and moment of what acts on nodes and grains, and the force as the slope of the energy.
+// Checks a random state: resultant and moment of what acts on nodes and grains, and the force as the slope of the energy.
 TEST(FreedPlaces, ActAndReactAlike) {
   if (test::ranks() > 1) GTEST_SKIP();
   PenaltyParameters p = test::penalty(true, 0.0);

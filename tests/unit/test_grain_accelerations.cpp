@@ -137,14 +137,14 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
   EXPECT_GT(s.accelerations.sweeps(), 1);
 }
 
-// Of free nodes with links, then of grains.
+// Places of the unknowns: those of free nodes with links come first, then those of grains.
 struct Unknowns {
   struct Node {
     int bond, node;
   };
   std::vector<Node> nodes;
   std::vector<int> at[2], grain_of;  // at: place of each node of either bond, -1: none; grain_of: of each side
-  int first = 0, size = 0;           // of the grains, of all
+  int first = 0, size = 0;           // first unknown of the grains; number of all unknowns
 
   Unknowns(const Scene& s, const std::vector<Grain>& grains) : grain_of(s.sides.sides.size()) {
     for (const Bond& b : s.bonds) {
@@ -163,7 +163,7 @@ struct Unknowns {
   }
 };
 
-// Of the links, by small displacements.
+// Stiffness matrix of the links, found by small displacements.
 Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unknowns& u) {
   constexpr double kStep = 1e-5;
   const std::vector<GrainSides::Motion> rest = s.motion;

@@ -138,7 +138,7 @@ TEST(Grid, CarriesTheMotionOver) {
   expect_carried();
 }
 
-// Before the others, between them and behind: those that come are at rest, all others keep what they have.
+// Nodes are added before the others, between them and behind. New nodes are at rest. All others keep what they have.
 TEST(Grid, NodesAreAdded) {
   test::Random random(113);
   for (int round = 0; round < 20; ++round) {

@@ -166,8 +166,8 @@ TEST(Hourglass, RefusesWhatIsNoBody) {
   for (double bad : {0.0, -0.5, 1.001, nan}) EXPECT_NE(error(p, 1e-3, bad, 0.0).find("must lie in (0, 1]"), std::string::npos) << bad;
   for (double bad : {-1e-6, 0.8e-3, nan}) EXPECT_NE(error(p, 1e-3, 0.8, bad).find("inner radius"), std::string::npos) << bad;
   EXPECT_NE(error(overlap, 1.1e-3, 0.9, 0.0).find("overlap of the grains"), std::string::npos);
-  // Of touching grains and small radii the least waist is sqrt(1 - (1 + S/B)/4), S and B the smaller and larger radius of the
-  // grains. What the message says is allowed is, and less is not.
+  // For touching grains and small radii the least waist is sqrt(1 - (1 + S/B)/4). S and B are the smaller and larger radius of the
+  // grains. The waist that the message names is allowed, and a smaller one is not.
   const std::string narrow = error(p, 1e-3, 0.5, 0.0);
   const double least = std::stod(narrow.substr(narrow.find("at least ") + 9));
   EXPECT_NEAR(least, std::sqrt(1 - (1 + 3.0 / 5.0) / 4), 0.02) << narrow;

@@ -18,7 +18,7 @@ using test::Cement;
 using test::kCell;
 using test::Vector;
 
-// Of a ball, so that cells at its surface are cut in all directions; anywhere in them, in two parts.
+// Points of a ball, so that cells at its surface are cut in all directions. They lie anywhere in the cells. JoinedCells puts them in two parts.
 std::vector<Vector> ball(test::Random& random, int points) {
   std::vector<Vector> X;
   while (static_cast<int>(X.size()) < points) {

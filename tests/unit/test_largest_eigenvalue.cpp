@@ -16,7 +16,7 @@ using test::kCell;
 class LargestEigenvalue : public ::testing::TestWithParam<Basis> {};
 INSTANTIATE_TEST_SUITE_P(Bases, LargestEigenvalue, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic));
 
-// Against all eigenvalues of the matrix, which is found column by column from the internal force
+// Compares with all eigenvalues of the matrix. The matrix is found column by column from the internal force
 // of small displacements.
 TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   test::Random random(151);
@@ -48,7 +48,7 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
   else EXPECT_LE(exact, bound);
 }
 
-// Of some blocks alone, on the grid with its ties: that of all when the points of the others failed.
+// The eigenvalue of some blocks alone, on the grid with its ties, is that of all blocks when the points of the others failed.
 TEST_P(LargestEigenvalue, OfSomeBlocks) {
   test::Random random(152);
   Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)), GetParam());

@@ -31,7 +31,7 @@ std::set<int> tags_where(const std::vector<CrackPoint>& points, const std::funct
   return tags;
 }
 
-// Where it is one, or either of two.
+// The only cut, or the last of two where either will do.
 const std::vector<int>& cut_of(const Ligament& l) { return l.cuts.back(); }
 
 TEST(Ligament, OfAnUnbrokenBondIsWhole) {
@@ -73,7 +73,7 @@ TEST(Ligament, OfTwoSectionsTheOneWithLessLeft) {
   }
 }
 
-// A crack that leaves a ring at the second grain, and of that k points.
+// A crack leaves k points of a ring at the second grain.
 TEST(Ligament, OfARingWithPointsLeft) {
   for (int k : {28, 11, 1}) {
     std::vector<CrackPoint> points = column();
@@ -119,8 +119,8 @@ TEST(Ligament, OfASteppedSection) {
   EXPECT_TRUE(separate(cut_through(cut_of(l), points), kFace).separated);
 }
 
-// Of cuts that are alike, here those that lead to two bridges, the more damaged of the outermost; both of those that are
-// as damaged.
+// Several cuts are alike; here they lead to two bridges. The more damaged of the outermost cuts is taken. If these are
+// as damaged as each other, both are taken.
 TEST(Ligament, OfCutsAlikeTheMoreDamaged) {
   const auto bridge = [](const CrackPoint& p) { return std::abs(2 * p.cell[0] + 1) < 2 && std::abs(2 * p.cell[1] + 1) < 2; };
   using Levels = std::vector<int>;
@@ -138,7 +138,7 @@ TEST(Ligament, OfCutsAlikeTheMoreDamaged) {
   }
 }
 
-// With the first grain for the second the ligaments are the same, in the other order.
+// If the first grain and the second are swapped, the ligaments are the same, in the other order.
 TEST(Ligament, WhichGrainIsTheFirstDoesNotMatter) {
   test::Random random(182);
   int two = 0;
@@ -155,7 +155,7 @@ TEST(Ligament, WhichGrainIsTheFirstDoesNotMatter) {
   EXPECT_GT(two, 10);
 }
 
-// All sets of points of small bonds: none smaller than the ligament separates.
+// All sets of points of small bonds are tried. None smaller than the ligament separates the bond.
 TEST(Ligament, IsTheLeastOfAllCutsOfSmallBonds) {
   test::Random random(5);
   constexpr int kSmall = 2, kThick = 3, kAll = kSmall * kSmall * kThick;
@@ -299,7 +299,7 @@ TEST(Ligament, OrderOfThePointsDoesNotMatter) {
   }
 }
 
-// With skins what is damaged more breaks where the bond holds by points at a grain: the link or the point.
+// The bond holds by points at a grain. With skins, the link or the point breaks there: the one that is damaged more.
 TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
   for (const auto& [link, point, debonds] : {std::make_tuple(0.7f, 0.2f, true), {0.2f, 0.7f, false}, {0.0f, 0.0f, false}}) {
     std::vector<CrackPoint> points = column();
@@ -325,8 +325,8 @@ TEST(Ligament, WithSkinsTheLinkOrThePointBreaks) {
   }
 }
 
-// A patch that holds to the second grain beside the place where all else lets go of it, and to the rest of the bond over points that hold to that grain
-// themselves: that these let go is not enough.
+// A patch holds to the second grain beside the place where all else lets go of it. It holds to the rest of the bond over points
+// that hold to that grain themselves. It is not enough that these points let go.
 TEST(Ligament, WithSkinsPointsThatLeadOnFail) {
   constexpr int kRim = -kWidth / 2;
   std::vector<CrackPoint> points = column();

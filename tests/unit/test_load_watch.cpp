@@ -55,7 +55,8 @@ class Pair {
     grains_.bind(MPI_COMM_WORLD, bonds_, 1.0);
   }
 
-  // A window in which the load on the upper grain and the relative motion of it are these, of the time from 0 to 1. Is the bond broken?
+  // Runs a window with this load on the upper grain and this relative motion of it. Both are functions of the time from 0 to 1.
+  // True if the bond is broken.
   using Six = Eigen::Matrix<double, 6, 1>;
   bool window(const std::function<Six(double)>& load, const std::function<Six(double)>& motion, double part = 1.0) {
     for (int n = 0; n < kSteps * part; ++n) {
@@ -65,7 +66,7 @@ class Pair {
     }
     return !watch.look(MPI_COMM_WORLD, bonds_.table, kSpeed).empty();
   }
-  // The same along one component, constant.
+  // Runs a window in which load and motion are constant and along one component.
   bool window(int component, double load, double motion) {
     const auto along = [component](double value) { return [component, value](double) { return Six(value * Six::Unit(component)); }; };
     return window(along(load), along(motion));
@@ -107,7 +108,7 @@ class Pair {
 
 constexpr double kUnit = 1e-4;  // of motions, so that arms do not turn
 
-// Along each component: a bond that softens is broken where less than 1 % is left, beyond the way of its largest load.
+// A bond that softens is broken where less than 1 % is left, beyond the way of its largest load. This holds along each component.
 TEST(LoadWatch, SofteningBondIsBroken) {
   for (int c = 0; c < 6; ++c) {
     Pair pair;
@@ -141,7 +142,7 @@ TEST(LoadWatch, CyclesHold) {
   }
 }
 
-// The largest load was one of compression: in tension as much way is needed before the bond is known to be broken.
+// The largest load was one of compression. In tension as much way is needed before the bond is known to be broken.
 TEST(LoadWatch, CompressionFirst) {
   Pair pair;
   EXPECT_FALSE(pair.window(2, -1000.0, -3.0 * kUnit));
@@ -150,7 +151,7 @@ TEST(LoadWatch, CompressionFirst) {
   EXPECT_TRUE(pair.window(2, 0.0, 3.1 * kUnit));
 }
 
-// What rings is judged by its mean, over a window that is long enough.
+// A load that rings is judged by its mean, over a window that is long enough.
 TEST(LoadWatch, RingingIsLeftOut) {
   Pair pair;
   EXPECT_FALSE(pair.window(0, 10.0, kUnit));
@@ -160,7 +161,7 @@ TEST(LoadWatch, RingingIsLeftOut) {
   EXPECT_TRUE(pair.window(ringing, way, 0.5));
 }
 
-// Somewhere else in the box, turned, and with the grains swapped the sums are the same; those of a restart file are, too.
+// The sums are the same somewhere else in the box, turned, and with the grains swapped. The sums of a restart file are the same, too.
 TEST(LoadWatch, PlaceOrderAndRestart) {
   const auto load = [](double t) { return (Pair::Six() << 3.0 + t, -2.0, 1.0, 0.5, 0.25 * t, -1.0).finished(); };
   const auto motion = [](double t) { return (1e-2 * Pair::Six((Pair::Six() << 1.0, -2.0 * t, 3.0, 0.3, 0.2, -0.1 * t).finished())).eval(); };

@@ -18,7 +18,7 @@ Localisation band(double m) {
   return localise(softening_curve(p), p.Dcut).value();
 }
 
-// Against tests/verification/localisation.py, which solves the equations on another lattice, of 16 points a length.
+// Compares with tests/verification/localisation.py, which solves the equations on another lattice, of 16 points a length.
 TEST(Localisation, BandsOfTheTensorLaw) {
   struct Known {
     double m, energy, width;
@@ -51,7 +51,7 @@ TEST(Localisation, ExponentSpendsTheEnergy) {
   for (double energy : {2.6, 46.0}) EXPECT_THROW(nonlocal_exponent(p, energy * unit, length), std::domain_error);
 }
 
-// Where stress rises at the onset of damage the bar does not localise there.
+// If stress rises at the onset of damage, the bar does not localise there.
 TEST(Localisation, NoneWhereStressRises) {
   SofteningCurve hardening = softening_curve(DamageParameters());
   hardening.threshold = [](double x) { return SofteningCurve::Value{3.0 * x, 3.0}; };

@@ -82,7 +82,7 @@ TEST(Meniscus, VolumeAgainstQuadrature) {
   expect_within(own, 1e-12, "volume_by_quadrature");
 }
 
-// For equal spheres and contact angle 0.
+// The closed form is for equal spheres and contact angle 0.
 TEST(Meniscus, ClosedFormOfEqualSpheres) {
   test::Worst worst;
   for (double gap : {0.0, 3e-4})
@@ -110,7 +110,7 @@ TEST(Meniscus, ContentOfAPairOfBeads) {
   }
 }
 
-// With a smaller grain 2 not every filling angle of grain 1 has a meniscus.
+// If grain 2 is smaller, not every filling angle of grain 1 has a meniscus.
 TEST(Meniscus, FillingAngleInverts) {
   test::Worst volume, neck;
   std::vector<std::string> refused_cases;
@@ -137,7 +137,7 @@ TEST(Meniscus, ClearanceBoxAndArea) {
   }
 }
 
-// Where spheres overlap, what is inside the circle in which they meet has no meniscus, and just outside of it there is one.
+// Where spheres overlap, there is no meniscus inside the circle in which they meet. Just outside of it there is one.
 TEST(Meniscus, BeginsWhereOverlappingSpheresMeet) {
   int overlaps = 0;
   for (double ratio : {0.5, 1.0, 2.3})
@@ -154,7 +154,7 @@ TEST(Meniscus, BeginsWhereOverlappingSpheresMeet) {
   EXPECT_EQ(overlaps, 27);
 }
 
-// A small second grain: where the outline would have to bulge out to reach it there is none.
+// The second grain is small. There is no meniscus where the outline would have to bulge out to reach it.
 TEST(Meniscus, DoesNotBulge) {
   for (const auto& [R2, gap, filling, contact] : {std::array<double, 4>{0.2742, 0.077, 33.4925, 42.4596}, {0.5573, -0.006, 50.5722, 34.5115},
                                                   {0.3386, 0.1983, 39.6063, 37.0614}, {0.4352, 0.0463, 23.0181, 66.403}}) {

@@ -7,7 +7,7 @@
 namespace mpdem {
 namespace {
 
-// Which of two points that are equally far is nearer must not go by rounding, since that goes with the units.
+// Of two points that are equally far, rounding must not decide which is nearer, since rounding depends on the units.
 TEST(FreedPlaces, TakeTheLowerTagOfPointsThatAreAsNear) {
   if (test::ranks() > 1) GTEST_SKIP();
   const double a = test::kCell;

@@ -15,7 +15,7 @@ namespace {
 
 using test::column, test::fail, test::level;
 
-// What a crack through this level leaves of the column: a rectangle with its corner at (first_x, first_y).
+// A column with a crack through level `at`. The crack leaves a rectangle with its corner at (first_x, first_y).
 std::vector<CrackPoint> with_bridge(int at, int first_x, int first_y, int wide, int deep) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points) {
@@ -25,14 +25,14 @@ std::vector<CrackPoint> with_bridge(int at, int first_x, int first_y, int wide, 
   return points;
 }
 
-// The axes of the cells in another order, and the points backwards: x is then another direction.
+// Puts the axes of the cells in another order, and the points backwards. x is then another direction.
 std::vector<CrackPoint> turned(std::vector<CrackPoint> points, int by) {
   for (CrackPoint& p : points) std::rotate(p.cell, p.cell + by, p.cell + 3);
   std::reverse(points.begin(), points.end());
   return points;
 }
 
-// Faces of the level that are bridged, on either side of it.
+// Number of faces of the level that are bridged, on either side of it.
 std::array<int, 2> bridged_faces(const std::vector<CrackPoint>& points, int by, int at, int across) {
   const Neighbours near(points, {}, 0, across);
   const int along = (2 - by + 3) % 3;
@@ -44,7 +44,7 @@ std::array<int, 2> bridged_faces(const std::vector<CrackPoint>& points, int by, 
   return count;
 }
 
-// In the middle of the section a rectangle is a bridge if a square fits into it, and then all of its faces are.
+// In the middle of the section a rectangle is a bridge if a square fits into it. All of its faces are bridged then.
 TEST(Neighbours, ABridgeIsAsWideAsASquare) {
   for (int by = 0; by < 3; ++by)
     for (int across = 1; across <= 3; ++across)

@@ -54,7 +54,7 @@ class Pieces {
     take(lattice_.come_apart(pieces, copies), before);
   }
 
-  // Of each node the points in its support that hold; which of them share its copy, and which are connected?
+  // Looks at the points that hold in the support of each node: which of them share its copy, and which are connected?
   void check() const {
     std::map<Place, std::vector<int>> nodes;
     for (int i = 0; i < static_cast<int>(points_.size()); ++i)
@@ -177,7 +177,7 @@ TEST(NodeCopies, PointsOnFacesOfCells) {
     for (const NodeCopies::Entry& e : row.second) EXPECT_TRUE(std::isfinite(e.volume));
 }
 
-// Up to the tip nodes are whole whose support the crack does not part.
+// Nodes up to the tip are whole if the crack does not part their support.
 TEST(NodeCopies, CrackWithATip) {
   std::vector<CopyPoint> points = block(12, 16, 6);
   Pieces p(points);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// What points and grid do together: fields they have to reproduce, and what they conserve.
+// Tests of points and grid together: fields they have to reproduce, and quantities they conserve.
 #include "cement.h"
 
 namespace mpdem {

@@ -244,14 +244,14 @@ TEST(PointStore, ArrangeDropsWhatWasReleasedAndTakesInArrivals) {
   EXPECT_EQ(f.store.size(), static_cast<int>(live.size()));
   EXPECT_FALSE(f.store.changed());
 
-  // All leave: nothing is left, and the store is as new.
+  // All points leave. Nothing is left, and the store is as new.
   for (int slot : live) f.store.release(slot);
   EXPECT_EQ(f.store.size(), 0);
   f.store.arrange(kCell);
   EXPECT_TRUE(f.store.blocks.empty() && f.store.links.empty());
 }
 
-// What was released gives nothing to a pass that comes before the next arrange(), and has no state left that would.
+// A released point gives nothing to a pass that comes before the next arrange(). It has no state left that would.
 TEST(PointStore, ReleasedLanesAreEmpty) {
   Filled f(92, 100);
   f.arrange();

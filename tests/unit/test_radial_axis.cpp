@@ -61,7 +61,7 @@ TEST(RadialAxis, HalvesTheAngleAtEqualDistance) {
   EXPECT_LT(between(kEqual.axis({0.3, -1.7, 0.0}), Vector3::UnitZ()), 1e-15);
 }
 
-// No jump and no kink: the angle against the first normal, at steps of a thousandth of a spacing.
+// The angle against the first normal has no jump and no kink, at steps of a thousandth of a spacing.
 TEST(RadialAxis, TurnsSmoothly) {
   const double step = 1e-3;
   for (const Pair& p : {kEqual, kUnequal}) {
@@ -92,7 +92,7 @@ TEST(RadialAxis, IsALineThatDoesNotKnowWhichSphereIsFirst) {
       }
 }
 
-// What rounding makes of a point that is as near to both spheres.
+// Rounding of a point that is as near to both spheres does not turn its axis.
 TEST(RadialAxis, RoundingDoesNotTurnIt) {
   for (const Pair& p : {kEqual, kUnequal})
     for (double aside : {0.7, 1.9}) {

@@ -36,7 +36,7 @@ template <class R, class Sequence>
 constexpr bool takes(Sequence, long) {
   return false;
 }
-// How many numbers an aggregate declares, in arrays and structs inside too.
+// Count of the numbers that an aggregate declares, with those in arrays and structs inside it.
 template <class R, int n = 1>
 constexpr int numbers_declared() {
   if constexpr (takes<R>(std::make_index_sequence<n>{}, 0)) return numbers_declared<R, n + 1>();
@@ -137,7 +137,7 @@ std::vector<double> numbers_in(const R& r) {
   return buffer;
 }
 
-// What is wrong with these numbers as a record, empty if nothing is.
+// Text that says what is wrong with these numbers as a record, empty if nothing is.
 template <class R>
 std::string trouble_in(const std::vector<double>& numbers) {
   R r;
@@ -146,7 +146,7 @@ std::string trouble_in(const std::vector<double>& numbers) {
   return in.trouble();
 }
 
-// Numbers that it cannot be.
+// Values that the described number cannot have.
 std::vector<double> bad_values(const Described& of) {
   std::vector<double> bad = {std::numeric_limits<double>::quiet_NaN(), 1e300, -1e300};
   if (of.rotation) return bad;
@@ -162,7 +162,7 @@ class Records : public testing::Test {};
 using AllRecords = testing::Types<Body, Link, FreedPlace, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow, PatternHead, PatternPoint>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
-// Has the description of a record all numbers that it declares?
+// True if the description of a record has all numbers that the record declares.
 template <class R>
 bool described_whole() {
   test::Random random(700);

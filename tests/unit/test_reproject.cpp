@@ -103,8 +103,8 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
   expect_within(loss, 0.0, "negative product");
 }
 
-// All methods from the one map y: pic is y itself, xpic its polynomial, flip with nothing to
-// keep is pic, and each keeps momentum.
+// All methods follow from the one map y. pic is y itself, xpic is its polynomial, and flip with nothing to
+// keep is pic. Each keeps momentum.
 TEST(Reproject, MethodsArePolynomialsOfOneMap) {
   test::Random random(124);
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {

@@ -51,7 +51,7 @@ TEST(Separation, SkinsOnAGrain) {
   }
 }
 
-// Where the cement is one point thick the crack runs through skins that are on both grains.
+// If the cement is one point thick, the crack runs through skins that are on both grains.
 TEST(Separation, SkinsOnBothGrains) {
   std::vector<CrackPoint> points = column(kWidth, 1);
   for (CrackPoint& p : points) {
@@ -73,8 +73,8 @@ Separation crack_at(int height, double reach) {
   return separate(points, kFace, {}, 0, false, 1, reach);
 }
 
-// The failed points of a level are as near to both sides, so half of the surface is at their lower face and half at the upper one: at its
-// number of cells above the first grain, and one more.
+// The failed points of a level are as near to both sides. So half of the surface is at their lower face and half at the upper one.
+// The lower face is as many cells above the first grain as the number of the level, the upper face one more.
 TEST(Separation, ABandThatReachesAGrain) {
   constexpr double kAll = kWidth * kWidth;
   const auto expect = [](const Separation& s, double first, double second, double inside) {
@@ -124,8 +124,8 @@ TEST(Separation, PathOfIntactPoints) {
   EXPECT_TRUE(separate(points, kFace).path.empty());
 }
 
-// Random fields of few values of damage and many, with parts or sheets: no path over points and links has less damage than the
-// one that is named, and there is none where the bond is separated.
+// The fields are random, of few values of damage and of many, with parts or sheets. No path over points and links has less damage
+// than the one that is named. There is no path where the bond is separated.
 TEST(Separation, ThePathIsThatOfTheLeastDamage) {
   test::Random random(977);
   const JoinedNodes joined = test::random_joined();
@@ -216,7 +216,7 @@ TEST(Separation, BothGrainsLetGo) {
   EXPECT_EQ(separate(points, kFace).debonded_share(), 0.0);
 }
 
-// Of two cracks, one along a grain, that grain has let go of all of its surface: debonding.
+// There are two cracks. If one runs along a grain, that grain has let go of all of its surface, which is debonding.
 TEST(Separation, TwoCracks) {
   for (const auto& [levels, share] : {std::make_pair(std::make_pair(0, 5), 1.0), {{5, kHeight - 1}, 1.0}, {{3, 6}, 0.0}}) {
     std::vector<CrackPoint> points = column();
@@ -229,7 +229,7 @@ TEST(Separation, TwoCracks) {
   }
 }
 
-// A ring let go at the first grain, the core through the middle: a stepped crack of known areas.
+// A stepped crack has known areas: a ring lets go at the first grain, and the core breaks through the middle.
 TEST(Separation, SteppedCrack) {
   std::vector<CrackPoint> points = column();
   const auto core = [](const CrackPoint& p) { return p.cell[0] >= -2 && p.cell[0] < 2 && p.cell[1] >= -2 && p.cell[1] < 2; };
@@ -269,8 +269,8 @@ TEST(Separation, MixedMode) {
   EXPECT_LT(s.debonded_share(), 0.9);
 }
 
-// What both grains let go, at one look or one after the other, is a loose piece even if it is all there is:
-// parts 0 and 1 follow their grains.
+// Cement that both grains let go, at one look or one after the other, is a loose piece even if it is all there is.
+// Parts 0 and 1 follow their grains.
 TEST(Separation, ALoneLoosePieceFollowsNoGrain) {
   const auto parts_of_rest = [](std::vector<CrackPoint>& points) {
     const Separation s = separate(points, kFace);
@@ -378,7 +378,7 @@ TEST(Separation, PartsOnlySplit) {
   }
 }
 
-// What is as far from the material of either grain counts half to each, and goes with the grain whose surface is nearer.
+// A point that is as far from the material of either grain counts half to each. It goes with the grain whose surface is nearer.
 TEST(Separation, PointsHalfWayCountHalfToEach) {
   // a rim that broke through: in the lower level the first grain let go, in the upper the second
   for (int at : {2, 7}) {
@@ -411,7 +411,7 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
     }
 }
 
-// What no step from cell to cell leads to goes with the nearer grain, when the bond comes apart and not later.
+// A point that no step from cell to cell leads to goes with the nearer grain. It does so when the bond comes apart and not later.
 TEST(Separation, PointsThatCannotBeReached) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points)
@@ -432,7 +432,7 @@ TEST(Separation, PointsThatCannotBeReached) {
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.part[i], points[i].part);
 }
 
-// With the first grain for the second, areas and parts of the grains swap and the rest stays.
+// If the first grain and the second are swapped, areas and parts of the grains swap and the rest stays.
 TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
   test::Random random(183);
   const JoinedNodes joined = test::random_joined();

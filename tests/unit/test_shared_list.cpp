@@ -57,7 +57,7 @@ TEST(SharedList, BytesAloneDoNotMakeListsEqual) {
   EXPECT_EQ(none[0], 4);
 }
 
-// Who was the last to hold a list takes it away; many that came and went leave nothing behind.
+// The last holder of a list takes it away. Many lists that came and went leave nothing behind.
 TEST(SharedList, ListsThatAreGoneAreForgotten) {
   AlikeLists alike;
   SharedList<int> kept(std::vector<int>{-1, -2});

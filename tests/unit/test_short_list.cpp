@@ -16,7 +16,7 @@ std::vector<int> all(const ShortList& list) {
   return values;
 }
 
-// Two bytes for each while they fit, four from the first that does not.
+// Each value takes two bytes while all fit, and four from the first that does not.
 TEST(ShortList, WidensForWhatDoesNotFit) {
   ShortList list;
   EXPECT_TRUE(list.empty());
@@ -31,7 +31,7 @@ TEST(ShortList, WidensForWhatDoesNotFit) {
   EXPECT_EQ(list.memory_usage(), 20u);
 }
 
-// Values go to other places, some of which do not fit.
+// Values are renumbered to other places, some of which do not fit.
 TEST(ShortList, WidensWhereAPlaceDoesNotFit) {
   std::vector<int> place(10);
   for (int i = 0; i < 10; ++i) place[i] = 10 * i;
@@ -72,7 +72,7 @@ TEST(ShortList, AppendsOfEitherWidthToEither) {
   EXPECT_EQ(all(list), (std::vector<int>{2, 3, 1, 2, 0, 1, 65536, 70000, 1, 1}));
 }
 
-// The first of all does not fit.
+// The first value of all does not fit.
 TEST(ShortList, BeginsWide) {
   ShortList list;
   list.push_back(70000);

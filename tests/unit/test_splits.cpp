@@ -126,7 +126,7 @@ TEST(BorrowedNodes, PlaceAndMassAreThoseOfOwnNodes) {
     }
 }
 
-// Not points that may be stiff again, touch, hold to a grain, or go through the pass over the points.
+// Points may not borrow if they may be stiff again, touch, hold to a grain, or go through the pass over the points.
 TEST(BorrowedNodes, WhoMayBorrow) {
   BlockMeta dead;
   dead.part = 3;

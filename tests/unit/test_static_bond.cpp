@@ -27,7 +27,8 @@ Row elastic_row(int bonds = 1, bool whole = false) {
   return r;
 }
 
-// Layers of cement side by side, each with its links in series: sum of modulus r^power over t + 2 modulus/k, for r below the outer radius.
+// Stiffness of layers of cement side by side, each with its links in series.
+// It is the sum of modulus r^power over t + 2 modulus/k, for r below the outer radius.
 double layers(double modulus, int power) {
   double sum = 0.0;
   constexpr int kRings = 2000;
@@ -54,7 +55,7 @@ TEST(StaticBond, TensionTorsionAndBendingOfDisc) {
   EXPECT_NEAR(s.middle[2], test::kRadius + 0.5 * test::kGap, 1e-12);
 }
 
-// The run of the engine itself, pulled slowly: the force is K times the way.
+// The engine itself runs and pulls slowly. The force is K times the way.
 TEST(StaticBond, ForceOfTheRun) {
   Row r = elastic_row();
   r.speed = 0.2;
@@ -75,7 +76,7 @@ TEST(StaticBond, ForceOfTheRun) {
   test::expect_within(std::fabs(now / K - 1.0), 5e-3, "stiffness in the run");
 }
 
-// Cut or whole, on one rank or many, before a run and in it.
+// The stiffness is the same for bonds cut or whole, on one rank or many, before a run and in it.
 TEST(StaticBond, SameOnAllRanks) {
   RowOfGrains cut(MPI_COMM_WORLD, elastic_row(3)), whole(MPI_COMM_WORLD, elastic_row(3, true)), alone(MPI_COMM_SELF, elastic_row(3));
   const auto a = cut.cement->stiffness_of_bonds(), b = whole.cement->stiffness_of_bonds(), c = alone.cement->stiffness_of_bonds();
@@ -113,14 +114,14 @@ TEST(StaticBond, WhatIsNotEqualIsSolved) {
   EXPECT_LT(matrix(free[1]).norm(), 1e-12 * matrix(free[0]).norm());  // holds one grain only
 }
 
-// Scattered points, some with links to both grains: what holds for every bond.
+// Bonds of scattered points, some with links to both grains, to test what holds for every bond.
 class AnyBond : public ::testing::TestWithParam<bool> {};
 
 struct Solved {
   test::Scene scene;
   NoDamage law{VtiElasticity(VtiConstants::isotropic(5.0, 0.2))};
   StaticBond bond;
-  // All of it turned by Q and moved.
+  // The whole scene is turned by Q. It is also moved unless Q is the identity.
   Solved(bool at_surface, const Eigen::Matrix3d& Q = Eigen::Matrix3d::Identity()) : scene(3, test::penalty(at_surface, 0.0)) {
     scene.tie();
     const Eigen::Quaterniond turn(Q);

@@ -89,7 +89,7 @@ double cement_mass() { return 2710 * M_PI * (test::kGap * test::kOuter * test::k
 struct Sums {
   double momentum[3], angular_momentum[3], energy;
 };
-// Of grains and cement, and of the springs between them.
+// Sums over grains and cement, with the energy of the springs between them.
 Sums sums_of(RowOfGrains& host) {
   const CementTotals t = host.cement->report().totals(0.1);
   Sums s{};
@@ -125,7 +125,7 @@ Row free_row(const Pair& p) {
   return r;
 }
 
-// All motions of both grains.
+// Sets all components of the velocity of both grains.
 void spin(RowOfGrains& host, double first, double second) {
   for (Grain& g : host.cement->grains().grains)
     for (int d = 0; d < 6; ++d) g.velocity[d] = (g.tag == 1 ? first : second) * (d + 1) * (d < 3 ? 1.0 : 20.0);
@@ -155,8 +155,9 @@ TEST(Substeps, MomentumStays) {
 
 class FreePair : public ::testing::TestWithParam<Pair> {};
 
-// The energy stays: without a contact as in the step itself, with one by what a spring at that step makes it swing, (w dt/2)^2 of it. With a contact that is known
-// at the ends of the step alone there are bands of steps that grow; none of these pairs is in one.
+// The energy stays. Without a contact it stays as in the step itself. With one it swings by what a spring at that step makes it
+// swing, (w dt/2)^2 of it. With a contact that is known at the ends of the step alone there are bands of steps in which energy
+// grows. None of these pairs is in one.
 TEST_P(FreePair, EnergyStays) {
   if (test::ranks() > 1) GTEST_SKIP() << "each rank would do the same";
   const Pair& p = GetParam();
@@ -198,7 +199,8 @@ TEST_P(FreePair, BooksBalance) {
   test::expect_within(worst / most, 1e-6, "imbalance of the books");
 }
 
-// Half of the points of a bond failed and hold to nothing. Forces that the host has for long and the other half bears do not set them in motion.
+// Half of the points of a bond failed and hold to nothing. The host has forces for long, and the other half bears them.
+// These forces do not set the failed points in motion.
 TEST(Substeps, FailedPointsAreNotPushed) {
   Row r;
   r.free_ends = true;
@@ -254,10 +256,10 @@ TEST_P(SteadyLoads, AreThoseOfShortSteps) {
   EXPECT_GE(fine.all_failed().size(), 20u);
   EXPECT_EQ(coarse.all_failed().size(), fine.all_failed().size());
 }
-// With links that add mass to the nodes, which goes along with the accelerations of the grains, and without.
+// At 40.0 the links add mass to the nodes, which goes along with the accelerations of the grains. At 1.0 they add none.
 INSTANTIATE_TEST_SUITE_P(Substeps, SteadyLoads, ::testing::Values(1.0, 40.0));
 
-// Forces that are spread over a step in which grains move on curves have the moment of forces at the ends of the step.
+// Forces are spread over a step in which grains move on curves. They have the moment of forces at the ends of the step.
 TEST(Substeps, MomentOfSpreadLoads) {
   Row r = free_row({40.0, 0.0, 9});
   r.pull[0] = 3.0;
@@ -296,7 +298,8 @@ TEST(Substeps, MomentOfSpreadLoads) {
   test::expect_within(worst / (r.grain_mass * test::kRadius), 2e-11, "angular momentum");
 }
 
-// Bonds with springs of the cement between grains that weigh much more: the frequency of the pair is that of the static stiffness, and not of the step of the host.
+// Grains weigh much more than the cement between them. The frequency of the pair is that of the static stiffness, and not that of
+// the step of the host.
 TEST(Substeps, FrequencyOfAFreePair) {
   Row r;
   r.free_ends = true;

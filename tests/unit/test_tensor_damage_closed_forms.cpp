@@ -55,8 +55,8 @@ std::vector<Path> all_paths() {
   };
 }
 
-// One step of eight points, with the strain of the free axes found so that no stress is
-// left there; every trial starts from the damage before the step.
+// One step of eight points. The strain of the free axes is found so that no stress is
+// left there. Every trial starts from the damage before the step.
 TensorDamage::Update step(const Path& path, const TensorDamage& law, double peak, const Sym3<vd>& before,
                           Sym3<vd>& strain, Sym3<vd>& damage, vmask active) {
   const Sym3<vd> damage_before = damage;

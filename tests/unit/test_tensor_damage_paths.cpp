@@ -193,7 +193,7 @@ TEST_F(DamagePaths, WholePathsSideBySide) {
   deviations.expect();
 }
 
-// Each row from the tabled state before it: nothing adds up along a path.
+// Each row starts from the tabled state before it, so that nothing adds up along a path.
 TEST_F(DamagePaths, SingleSteps) {
   Deviations deviations;
   for (const Group& g : read_paths()) {

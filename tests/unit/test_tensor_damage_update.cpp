@@ -43,7 +43,7 @@ TEST(TensorDamageUpdate, InactiveLanesKeepTheirDamageAndStayOutOfIt) {
       const Block all = random_block(law, random);
       Sym3<vd> together = all.damage;
       const TensorDamage::Update u = law.update(all.start, all.strain, together, splat_mask(true));
-      // The same lanes with rubbish in the others: strains by the thousand, D at the cut-off.
+      // These lanes stay the same, the others hold rubbish: strains by the thousand, D at the cut-off.
       const std::uint8_t mask = static_cast<std::uint8_t>(1 + random.index(254));
       Block mixed = all;
       for (int l = 0; l < kLanes; ++l)
@@ -109,7 +109,7 @@ TEST(TensorDamageUpdate, FailedLanesGiveNoStress) {
   expect_within(energy, 1e-12, "dissipated + released");
 }
 
-// On random walks of the strain: never above the surface, no healing, nothing gained.
+// On random walks of the strain the state is never above the surface, nothing heals, and nothing is gained.
 TEST(TensorDamageUpdate, AdmissibleOnRandomWalks) {
   for (double exponent : {0.0, 0.7}) {
     DamageParameters p;
@@ -238,7 +238,7 @@ TEST(TensorDamageUpdate, StrengthOfALane) {
   expect_within(worst, 1e-12, "D");
 }
 
-// With a share g of the growth, D = D_n + g (D_inf - D_n); stress and energies are those of D.
+// A share g of the growth gives D = D_n + g (D_inf - D_n). Stress and energies are those of D.
 TEST(TensorDamageUpdate, ShareOfTheGrowth) {
   const TensorDamage law = law_of();
   test::Random random(70);
@@ -293,7 +293,7 @@ TEST(TensorDamageUpdate, ViscousLanesFailInFiniteTime) {
   }
 }
 
-// Where the law without viscosity would stay short of the cut-off, so does D, however long it takes.
+// If the law without viscosity would stay short of the cut-off, so does D, however long it takes.
 TEST(TensorDamageUpdate, ViscousLanesShortOfTheCutoffDoNotFail) {
   const TensorDamage law = law_of();
   Sym3<vd> strain{}, damage{}, target{};

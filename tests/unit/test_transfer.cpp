@@ -61,10 +61,10 @@ TEST(Weights, CellOfAPoint) {
     for (int i = 0; i < 6; ++i) EXPECT_EQ(support_base(X[i] * kH, kInverse, shift[b]), base[b][i]);
 }
 
-// By itself: beside the same product a compiler would have no reason to contract it.
+// The base is found by itself. Beside the same product a compiler would have no reason to contract it.
 __attribute__((noinline)) int one_base(double X, double inverse_h) { return support_base(X, inverse_h, 0.5); }
 
-// As in penalty_links.cpp: of a lane, in all directions, which a compiler does at once.
+// Bases are found as in penalty_links.cpp: of a lane, in all directions, which a compiler does at once.
 struct ThreeDirections {
   vd X[3];
   double inverse_h;
@@ -73,7 +73,7 @@ __attribute__((noinline)) void three_bases(const ThreeDirections& p, int l, Basi
   for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d][l], p.inverse_h, cell_shift(basis));
 }
 
-// Whoever asks for the cell of a point on a face of cells has to get the same one, however the compiler arranges the arithmetic there.
+// A point on a face of cells has to get the same cell everywhere, however the compiler arranges the arithmetic there.
 TEST(Weights, CellOfAPointOnAFaceIsTheSameEverywhere) {
   test::Random random(7);
   int contracted = 0;
@@ -94,7 +94,7 @@ TEST(Weights, CellOfAPointOnAFaceIsTheSameEverywhere) {
   EXPECT_GT(contracted, 100);  // so that the numbers tell the two apart
 }
 
-// A base of one half shift, of none and of one cell.
+// The bases have a shift of none, of one half and of one cell.
 TEST(Weights, CellsOfTheBases) {
   for (double X : {-2.6, -2.4, -0.6, -0.4, 0.4, 0.6, 2.4, 2.6})
     for (double shift : {0.0, 0.5, 1.0}) EXPECT_EQ(support_base(X * 0.25, 4.0, shift), static_cast<int>(std::floor(X - shift))) << X << ", shift " << shift;

@@ -44,7 +44,7 @@ TEST(WorkShares, HalfOfTheBondsGo) {
   }
 }
 
-// What goes too far is left, and a bond that is larger than the difference.
+// A bond that would go too far is left where it is. So is a bond that is larger than the difference.
 TEST(WorkShares, OnlyToRanksBeside) {
   const std::vector<BondMove> moves = even_out(row_of_bricks(3), {bond(7, 0, 4.0, 0, 0), bond(8, 0, 4.0, 1, 1)}, {8.0, 5.0, 0.0});
   ASSERT_EQ(moves.size(), 1u);
