@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "../numerics/cross_matrix.h"
+#include "../numerics/place.h"
 #include "../numerics/text_of.h"
 #include "../parallel/gather_ranks.h"
 #include "cement_maker.h"
@@ -42,14 +43,11 @@ class PointsNear {
 
  private:
   using Cell = std::array<long, 3>;
-  struct Hash {
-    std::size_t operator()(const Cell& c) const { return (c[0] * 73856093L) ^ (c[1] * 19349663L) ^ (c[2] * 83492791L); }
-  };
   static Cell key(long i, long j, long k) { return {i, j, k}; }
   long cell(double x) const { return static_cast<long>(std::floor(x / width_)); }
   const std::vector<FillPoint>& fill_;
   double width_;
-  std::unordered_multimap<Cell, int, Hash> near_;
+  std::unordered_multimap<Cell, int, PlaceHash> near_;
 };
 
 // Turns coordinates of the box into those of a body, and back.

@@ -12,7 +12,6 @@ namespace {
 using Vec = Three<vd>;
 using Mat = Mat3<vd>;
 
-constexpr int triangle(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
 Mat matrix_of(const vd* q) {
   const vd w = q[0], x = q[1], y = q[2], z = q[3];
@@ -73,9 +72,9 @@ void CondensedPack::fill(Block& b, int lane, const Part& part) {
   }
   for (int d = 0; d < 3; ++d) b.shift[d][lane] = body.shift[1][d] - body.shift[0][d];
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) b.K[triangle(i, j)][lane] = m.K(i, j);
+    for (int j = 0; j <= i; ++j) b.K[lower_triangle(i, j)][lane] = m.K(i, j);
   for (int i = 0; i < 12; ++i)
-    for (int j = 0; j <= i; ++j) b.M[triangle(i, j)][lane] = m.M(i, j);
+    for (int j = 0; j <= i; ++j) b.M[lower_triangle(i, j)][lane] = m.M(i, j);
   constexpr int column[6][2] = {{0, 0}, {4, 4}, {8, 8}, {5, 7}, {2, 6}, {1, 3}};
   for (int i = 0; i < 6; ++i)
     for (int c = 0; c < 6; ++c)
@@ -206,7 +205,7 @@ void CondensedPack::find_weight(const Block& b, const RelativeMotion<vd>& m, con
   vd of_weight[12];
   for (int i = 0; i < 12; ++i) {
     of_weight[i] = vd{};
-    for (int d = 0; d < 3; ++d) of_weight[i] -= (b.M[triangle(i, d)] + b.M[triangle(i, 6 + d)]) * g.a[d];
+    for (int d = 0; d < 3; ++d) of_weight[i] -= (b.M[lower_triangle(i, d)] + b.M[lower_triangle(i, 6 + d)]) * g.a[d];
   }
   add_loads(b, m, of_weight, weight_);
 }
@@ -241,7 +240,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   for (int i = 0; i < 6; ++i) {
     b.level += abs(d[i]) * b.bound[i];
     f[i] = vd{};
-    for (int j = 0; j < 6; ++j) f[i] += b.K[triangle(i, j)] * d[j];
+    for (int j = 0; j < 6; ++j) f[i] += b.K[lower_triangle(i, j)] * d[j];
   }
   Vec force, moment;
   m.load(Vec{{f[0], f[1], f[2]}}, Vec{{f[3], f[4], f[5]}}, force, moment);
@@ -265,7 +264,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
     generalized[6 + i] = of_second;
   }
   for (int i = 0; i < 12; ++i)
-    for (int c = 0; c < 3; ++c) generalized[i] += b.M[triangle(i, c)] * to_axis[0].a[c] + b.M[triangle(i, 6 + c)] * to_axis[1].a[c];
+    for (int c = 0; c < 3; ++c) generalized[i] += b.M[lower_triangle(i, c)] * to_axis[0].a[c] + b.M[lower_triangle(i, 6 + c)] * to_axis[1].a[c];
   add_loads(b, m, generalized, load_);
   for (int lane = 0; lane < b.count; ++lane) {
     double *l0 = &load_[6 * b.slot[0][lane]], *l1 = &load_[6 * b.slot[1][lane]];
@@ -284,7 +283,7 @@ void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m) {
   const auto block = [&](int row, int column) {
     Mat x;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) x.a[i][j] = b.M[triangle(row + i, column + j)];
+      for (int j = 0; j < 3; ++j) x.a[i][j] = b.M[lower_triangle(row + i, column + j)];
     return turned(m.Q, x);
   };
   for (int s = 0; s < 2; ++s) {
@@ -296,10 +295,10 @@ void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m) {
       double* to = &mass_[kSym6 * b.slot[s][lane]];
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j <= i; ++j) {
-          to[sym6(i, j)] += a.a[i][j][lane];
-          to[sym6(3 + i, 3 + j)] += lower_right.a[i][j][lane];
+          to[lower_triangle(i, j)] += a.a[i][j][lane];
+          to[lower_triangle(3 + i, 3 + j)] += lower_right.a[i][j][lane];
         }
-        for (int j = 0; j < 3; ++j) to[sym6(3 + i, j)] += lower_left.a[i][j][lane];
+        for (int j = 0; j < 3; ++j) to[lower_triangle(3 + i, j)] += lower_left.a[i][j][lane];
       }
     }
   }

@@ -105,7 +105,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
     Unknowns& u = unknowns_[g / kLanes];
     const int lane = static_cast<int>(g % kLanes);
     if (g >= grains.size()) {
-      for (int i = 0; i < 6; ++i) u.D[sym6(i, i)][lane] = 1.0;
+      for (int i = 0; i < 6; ++i) u.D[lower_triangle(i, i)][lane] = 1.0;
       continue;
     }
     const Grain& grain = grains[g];
@@ -114,10 +114,10 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
     Matrix6 W = Matrix6::Zero();
     if (condensed && fresh)
       for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) W(i, j) = condensed->coupling() * D[sym6(i, j)];
+        for (int j = 0; j < 6; ++j) W(i, j) = condensed->coupling() * D[lower_triangle(i, j)];
     Vector6 sum = load[g];
     for (int i = 0; i < 6; ++i) {
-      D[sym6(i, i)] += i < 3 ? grain.mass : grain.inertia;
+      D[lower_triangle(i, i)] += i < 3 ? grain.mass : grain.inertia;
       if (condensed && loads_of_condensed) sum[i] += condensed->load(static_cast<int>(g), i) + condensed->jump_load(static_cast<int>(g), i);
     }
     for (int k : grain.sides) {
@@ -130,7 +130,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
       std::copy(of + 6 + MassMoments::kSize, of + kWidth, shared.m.begin());
       const Matrix6 m = turn * own.matrix() * turn.transpose();
       for (int i = 0; i < 6; ++i)
-        for (int j = 0; j <= i; ++j) D[sym6(i, j)] += m(i, j);
+        for (int j = 0; j <= i; ++j) D[lower_triangle(i, j)] += m(i, j);
       if (shared.m[0] == 0.0) continue;
       couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
       if (fresh) W += std::copysign(1.0, shared.m[0]) * (turn * shared.matrix() * turn.transpose());
@@ -140,13 +140,13 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
       u.free[i][lane] = grain.free[i];
       u.given[i][lane] = grain.free[i] ? 0.0 : grain.acceleration[i];
       for (int j = 0; j < 6; ++j)
-        if (!grain.free[j]) sum[i] -= D[sym6(i, j)] * grain.acceleration[j];
+        if (!grain.free[j]) sum[i] -= D[lower_triangle(i, j)] * grain.acceleration[j];
       u.load[i][lane] = sum[i];
     }
     // Rows and columns of prescribed components become those of the identity.
     for (int i = 0; i < 6; ++i) {
       if (grain.free[i]) continue;
-      for (int j = 0; j < 6; ++j) D[sym6(i, j)] = i == j ? 1.0 : 0.0;
+      for (int j = 0; j < 6; ++j) D[lower_triangle(i, j)] = i == j ? 1.0 : 0.0;
       W.row(i).setZero();
       W.col(i).setZero();
     }
@@ -154,7 +154,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
     if (!fresh || W.isZero(0.0)) continue;
     Matrix6 whole;
     for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 6; ++j) whole(i, j) = D[sym6(i, j)];
+      for (int j = 0; j < 6; ++j) whole(i, j) = D[lower_triangle(i, j)];
     radius = std::max(radius, Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6>(W, whole, Eigen::EigenvaluesOnly).eigenvalues()[5]);
   }
   for (Unknowns& u : unknowns_) invert_sym6(u.D, u.inverse);

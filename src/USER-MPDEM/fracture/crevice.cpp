@@ -6,6 +6,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "../numerics/place.h"
+
 namespace mpdem {
 
 double space_ahead(const SheetPoint& p, const Body& body, int d, int side) {
@@ -28,12 +30,7 @@ constexpr double kShareJoined = 0.125;  // share of bridges in all crossings
 struct Crossings {
   double bridge = 0.0, gap = 0.0;
 };
-struct NodeHash {
-  std::size_t operator()(const std::array<int, 3>& n) const {
-    return static_cast<std::size_t>(n[0]) * 73856093u ^ static_cast<std::size_t>(n[1]) * 19349663u ^ static_cast<std::size_t>(n[2]) * 83492791u;
-  }
-};
-using Table = std::unordered_map<std::array<int, 3>, Crossings, NodeHash>;
+using Table = std::unordered_map<Place, Crossings, PlaceHash, SamePlace>;
 
 // Adds a crossing along axis d, from point a to point b of a row, to the nodes that have both in their support.
 template <class Type>

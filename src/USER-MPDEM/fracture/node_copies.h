@@ -38,22 +38,10 @@
 #include <vector>
 
 #include "../mpm/basis.h"
+#include "../numerics/place.h"
 #include "crevice.h"
 
 namespace mpdem {
-
-using Place = std::array<int, 3>;  // place of a node, or of a cell
-
-struct PlaceHash {
-  std::size_t operator()(const Place& n) const {
-    return static_cast<std::size_t>(n[0]) * 73856093u ^ static_cast<std::size_t>(n[1]) * 19349663u ^ static_cast<std::size_t>(n[2]) * 83492791u;
-  }
-};
-
-// Compares number by number. The library compares such arrays as bytes, with a call.
-struct SamePlace {
-  bool operator()(const Place& a, const Place& b) const { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
-};
 
 // The split nodes of one bond.
 class NodeCopies {

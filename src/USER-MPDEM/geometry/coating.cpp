@@ -11,7 +11,6 @@
 namespace mpdem {
 
 namespace {
-constexpr double kDegree = M_PI / 180.0;
 
 // Largest polar angle, about the centre of grain `side`, of the points of its shell inside the other shell.
 double overlap_angle(const GrainPair& p, int side, double t) {

@@ -10,10 +10,6 @@
 
 namespace mpdem {
 
-namespace {
-constexpr double kDegree = M_PI / 180.0;
-}
-
 Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_angle, double inner)
     : Shape(pair, inner), contact_(contact_angle) {
   std::ostringstream why;
@@ -121,15 +117,7 @@ double Meniscus::profile_integral(double from, double to) const {
     };
     return primitive(to) - primitive(from);
   }
-  static const double x[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
-                              0.9739065285171717};
-  static const double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
-                              0.0666713443086881};
-  const double m = 0.5 * (from + to), h = 0.5 * (to - from);
-  double sum = 0.0;
-  for (int i = 0; i < 5; ++i)
-    for (double u : {m - h * x[i], m + h * x[i]}) sum += w[i] * std::pow(top(z0_ + u), 2);
-  return h * sum;
+  return gauss_legendre([this](double u) { return std::pow(top(z0_ + u), 2); }, from, to);
 }
 
 double Meniscus::volume() const {

@@ -131,14 +131,8 @@ double slice(const Shape& shape, double z) {
   return M_PI * std::max(out * out - in2, 0.0);
 }
 
-// Gauss-Legendre rule of seven points.
 double rule(const Shape& shape, double a, double b) {
-  static const double x[4] = {0.0, 0.4058451513773972, 0.7415311855993945, 0.9491079123427585};
-  static const double w[4] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766, 0.1294849661688697};
-  const double m = 0.5 * (a + b), h = 0.5 * (b - a);
-  double sum = w[0] * slice(shape, m);
-  for (int i = 1; i < 4; ++i) sum += w[i] * (slice(shape, m - h * x[i]) + slice(shape, m + h * x[i]));
-  return h * sum;
+  return gauss_legendre([&shape](double z) { return slice(shape, z); }, a, b);
 }
 
 double adaptive(const Shape& shape, double a, double b, double whole, double tolerance, double rounding, int depth) {

@@ -103,6 +103,17 @@ class Shape {
 // The relative error is below 1e-12 unless the shell is thin: rounding adds an error of about 1e-15 R/t for a thickness t on radius R.
 double volume_by_quadrature(const Shape& shape);
 
+// Integral of a function from a to b by the Gauss-Legendre rule of ten points, exact for polynomials of degree 19.
+template <class F>
+double gauss_legendre(F f, double a, double b) {
+  static const double x[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845, 0.9739065285171717};
+  static const double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806, 0.0666713443086881};
+  const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
+  double sum = 0.0;
+  for (int i = 0; i < 5; ++i) sum += w[i] * (f(middle - half * x[i]) + f(middle + half * x[i]));
+  return half * sum;
+}
+
 // Root of a function that rises from f(lo) <= 0 to f(hi) >= 0, to the last bit.
 template <class F>
 double bisect_rising(F f, double lo, double hi) {

@@ -7,6 +7,7 @@
 #ifndef MPDEM_SHAPE_STYLES_H
 #define MPDEM_SHAPE_STYLES_H
 
+#include <cmath>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +16,8 @@
 #include "shape.h"
 
 namespace mpdem {
+
+constexpr double kDegree = M_PI / 180.0;  // scripts give angles in degrees
 
 // A word of a shape that a number follows.
 struct ShapeWord {

@@ -38,11 +38,10 @@ class UpdatedPass {
                       const Transfer& transfer);
 
   // Slot of a point before and after the last step. A point changes its slot when it goes to another cell, or to
-  // another block of its cell. moves() ascends in `from`.
+  // another block of its cell.
   struct Move {
     int from, to;
   };
-  const std::vector<Move>& moves() const { return moves_; }
   int crossings() const { return crossings_; }
   // True if a point is near the end of the margin. The grid must then be laid out anew before the next step.
   bool layout_is_stale() const { return stale_; }

@@ -8,15 +8,17 @@
 
 namespace mpdem {
 
+// Place of the entry (i, j) of a symmetric matrix of any size in its lower triangle by rows.
+constexpr int lower_triangle(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
+
 constexpr int kSym6 = 21;
-constexpr int sym6(int i, int j) { return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i; }
 
 // Inverts a positive definite matrix by its factors L D L^T.
 template <class T>
 inline void invert_sym6(const T* m, T* inverse) {
   T L[6][6], r[6];  // L: the factor, later its inverse; r: 1/D
   for (int j = 0; j < 6; ++j) {
-    T d = m[sym6(j, j)];
+    T d = m[lower_triangle(j, j)];
     T scaled[6];
     for (int k = 0; k < j; ++k) {
       scaled[k] = L[j][k] / r[k];
@@ -24,7 +26,7 @@ inline void invert_sym6(const T* m, T* inverse) {
     }
     r[j] = 1.0 / d;
     for (int i = j + 1; i < 6; ++i) {
-      T s = m[sym6(i, j)];
+      T s = m[lower_triangle(i, j)];
       for (int k = 0; k < j; ++k) s -= L[i][k] * scaled[k];
       L[i][j] = s * r[j];
     }
@@ -39,7 +41,7 @@ inline void invert_sym6(const T* m, T* inverse) {
     for (int j = 0; j <= i; ++j) {
       T s = j == i ? r[i] : r[i] * L[i][j];
       for (int k = i + 1; k < 6; ++k) s += r[k] * L[k][i] * L[k][j];
-      inverse[sym6(i, j)] = s;
+      inverse[lower_triangle(i, j)] = s;
     }
 }
 
@@ -47,7 +49,7 @@ inline void invert_sym6(const T* m, T* inverse) {
 template <class T>
 inline void add_product_sym6(const T* m, const T* x, T* y) {
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) y[i] += m[sym6(i, j)] * x[j];
+    for (int j = 0; j < 6; ++j) y[i] += m[lower_triangle(i, j)] * x[j];
 }
 
 }  // namespace mpdem

@@ -25,6 +25,8 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
   }
   std::sort(union_.begin(), union_.end());
   union_.erase(std::unique(union_.begin(), union_.end()), union_.end());
+  HaloSum* const self = this;
+  messages_.build(&self, 1);
 }
 
 std::size_t HaloSum::shared_items() const { return union_.size(); }
@@ -46,62 +48,69 @@ void HaloSum::add_own(double* values, int width) const {
 }
 
 void HaloSum::sum(double* values, int width) {
-  if (!shares_any()) return;
-  HaloSums one;
-  one.build({this});
-  one.sum({values}, width);
+  HaloSum* const self = this;
+  messages_.sum(&self, &values, 1, width);
 }
 
 void HaloSums::build(const std::vector<HaloSum*>& parts) {
   parts_ = parts;
+  messages_.build(parts_.data(), parts_.size());
+}
+
+void HaloSums::sum(const std::vector<double*>& values, int width) { messages_.sum(parts_.data(), values.data(), parts_.size(), width); }
+
+std::size_t HaloMessages::place_of(int rank) const {
+  return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin());
+}
+
+void HaloMessages::build(HaloSum* const* parts, std::size_t n) {
   ranks_.clear();
-  for (const HaloSum* p : parts_) ranks_.insert(ranks_.end(), p->shared_.ranks.begin(), p->shared_.ranks.end());
+  for (std::size_t p = 0; p < n; ++p) ranks_.insert(ranks_.end(), parts[p]->shared_.ranks.begin(), parts[p]->shared_.ranks.end());
   std::sort(ranks_.begin(), ranks_.end());
   ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
   items_.assign(ranks_.size(), 0);
-  for (const HaloSum* p : parts_)
-    for (std::size_t n = 0; n < p->shared_.ranks.size(); ++n)
-      items_[std::lower_bound(ranks_.begin(), ranks_.end(), p->shared_.ranks[n]) - ranks_.begin()] += p->shared_.items[n].size();
+  for (std::size_t p = 0; p < n; ++p)
+    for (std::size_t s = 0; s < parts[p]->shared_.ranks.size(); ++s)
+      items_[place_of(parts[p]->shared_.ranks[s])] += parts[p]->shared_.items[s].size();
   send_.resize(ranks_.size());
   recv_.resize(ranks_.size());
   requests_.resize(2 * ranks_.size());
 }
 
-void HaloSums::sum(const std::vector<double*>& values, int width) {
+void HaloMessages::sum(HaloSum* const* parts, double* const* values, std::size_t n, int width) {
   if (ranks_.empty()) return;
-  const MPI_Comm comm = parts_.front()->comm_;
+  const MPI_Comm comm = parts[0]->comm_;
   for (std::size_t r = 0; r < ranks_.size(); ++r) {
     recv_[r].resize(items_[r] * width);
     send_[r].clear();
     send_[r].reserve(items_[r] * width);
     MPI_Irecv(recv_[r].data(), static_cast<int>(recv_[r].size()), MPI_DOUBLE, ranks_[r], kTag, comm, &requests_[2 * r]);
   }
-  const auto place_of = [&](int rank) { return std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin(); };
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const Sharing& s = parts_[p]->shared_;
-    for (std::size_t n = 0; n < s.ranks.size(); ++n) {
-      std::vector<double>& to = send_[place_of(s.ranks[n])];
-      for (int i : s.items[n]) to.insert(to.end(), values[p] + static_cast<long>(i) * width, values[p] + static_cast<long>(i + 1) * width);
+  for (std::size_t p = 0; p < n; ++p) {
+    const Sharing& s = parts[p]->shared_;
+    for (std::size_t k = 0; k < s.ranks.size(); ++k) {
+      std::vector<double>& to = send_[place_of(s.ranks[k])];
+      for (int i : s.items[k]) to.insert(to.end(), values[p] + static_cast<long>(i) * width, values[p] + static_cast<long>(i + 1) * width);
     }
   }
   for (std::size_t r = 0; r < ranks_.size(); ++r)
     MPI_Isend(send_[r].data(), static_cast<int>(send_[r].size()), MPI_DOUBLE, ranks_[r], kTag, comm, &requests_[2 * r + 1]);
-  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p]->take_own(values[p], width);
+  for (std::size_t p = 0; p < n; ++p) parts[p]->take_own(values[p], width);
   MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-  std::vector<std::size_t> at(ranks_.size(), 0);
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const HaloSum& part = *parts_[p];
+  read_.assign(ranks_.size(), 0);
+  for (std::size_t p = 0; p < n; ++p) {
+    const HaloSum& part = *parts[p];
     bool own_added = false;
-    for (std::size_t n = 0; n < part.shared_.ranks.size(); ++n) {
-      if (!own_added && part.shared_.ranks[n] > part.me_) {
+    for (std::size_t k = 0; k < part.shared_.ranks.size(); ++k) {
+      if (!own_added && part.shared_.ranks[k] > part.me_) {
         part.add_own(values[p], width);
         own_added = true;
       }
-      const std::size_t r = place_of(part.shared_.ranks[n]);
-      const double* in = &recv_[r][at[r]];
-      for (int i : part.shared_.items[n])
+      const std::size_t r = place_of(part.shared_.ranks[k]);
+      const double* in = &recv_[r][read_[r]];
+      for (int i : part.shared_.items[k])
         for (int c = 0; c < width; ++c) values[p][static_cast<long>(i) * width + c] += *in++;
-      at[r] += part.shared_.items[n].size() * width;
+      read_[r] += part.shared_.items[k].size() * width;
     }
     if (!own_added) part.add_own(values[p], width);
   }

@@ -14,6 +14,26 @@
 
 namespace mpdem {
 
+class HaloSum;
+
+// Buffers of the messages of some sums, one message to each rank. Once they have their sizes, a sum allocates nothing.
+class HaloMessages {
+ public:
+  // parts: the sums of n bodies.
+  void build(HaloSum* const* parts, std::size_t n);
+  // Sums the values of these bodies. values[p]: array of body p, `width` doubles for each of its keys.
+  void sum(HaloSum* const* parts, double* const* values, std::size_t n, int width);
+
+ private:
+  std::size_t place_of(int rank) const;
+
+  std::vector<int> ranks_;          // all with which a body is shared, ascending
+  std::vector<std::size_t> items_;  // number of items shared with each of these ranks
+  std::vector<std::vector<double>> send_, recv_;
+  std::vector<std::size_t> read_;   // numbers of each message that are added already
+  std::vector<MPI_Request> requests_;
+};
+
 class HaloSum {
  public:
   // Collective. keys: ascending, each once.
@@ -34,7 +54,7 @@ class HaloSum {
   bool shares_any() const { return !shared_.ranks.empty(); }
 
  private:
-  friend class HaloSums;
+  friend class HaloMessages;
   void take_own(double* values, int width);
   void add_own(double* values, int width) const;
 
@@ -44,6 +64,7 @@ class HaloSum {
   std::vector<char> counts_here_;
   std::vector<int> union_;  // shared keys, ascending
   std::vector<double> own_;
+  HaloMessages messages_;
 };
 
 // Sums over many arrays at once, each with its own HaloSum, with one message to each rank. Every
@@ -57,10 +78,7 @@ class HaloSums {
 
  private:
   std::vector<HaloSum*> parts_;
-  std::vector<int> ranks_;
-  std::vector<std::size_t> items_;  // number of items shared with each of these ranks
-  std::vector<std::vector<double>> send_, recv_;
-  std::vector<MPI_Request> requests_;
+  HaloMessages messages_;
 };
 
 }  // namespace mpdem
