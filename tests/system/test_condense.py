@@ -218,6 +218,18 @@ def test_velocity_between_runs(tmp_path, figures):
     figures.below("energy imbalance", np.abs(t["f_cem[12]"]).max(), 1e-3)
 
 
+def test_computes_between_outputs(tmp_path):
+    """A compute that another fix asks for sees points as they are, without an output in that step."""
+    def averaged(every):
+        asks = ("compute szz calcite mpm/atom cem stress_zz\ncompute sum calcite reduce sum c_szz\n"
+                "fix record all ave/time 10 1 10 c_sum file sum.txt\n")
+        run(pair(1e-4) + cement(2e-4, 1e-8, damage="condense yes") + pull(1.0, 2e-6) + asks + thermo(every, ["f_bond"]) + "run 100\n", tmp_path / str(every))
+        return np.loadtxt(tmp_path / str(every) / "sum.txt")
+    often, seldom = averaged(10), averaged(1000)
+    assert len(often) > 9 and abs(often[-1, 1]) > 10 * abs(often[1, 1]) > 0
+    assert (often == seldom).all()
+
+
 def test_second_run(tmp_path):
     """Bonds are solved for once, equal ones together, and not again in a second run."""
     text = (ROOT / "examples" / "packing" / "in.packing").read_text() + "run 5\n"

@@ -25,6 +25,7 @@ CHANGES = {  # of the motion after 30 steps
     "spin": ("fix free grains nve/sphere\nvelocity second set 0 0 0.01\n", "set group first omegaz 5\n"),
 }
 WARNING = "the prescribed velocity of bonded grain"
+STARTS = "the cement of grains 1 and 2 starts at a speed of "
 
 
 def bond(timestep, words="", **options):
@@ -121,3 +122,33 @@ def test_warning(tmp_path):
     for motion, warnings in ((pull(0.1265, 4e-6), 0), (HOLD + "fix pull second move linear 0 0 0.1265\n", 1),
                              (HOLD + "fix pull second move linear 0 0 1e-4\n", 0)):
         assert run(damage + motion + "run 10\n", tmp_path / "damage").output.count(WARNING) == warnings
+
+
+# a rotation about the middle of the bond, of 100 rad/s, with a translation
+FLIGHT = ('variable vx atom "20 - 100*y"\nvariable vy atom "100*x"\nvelocity grains set v_vx v_vy 20\n'
+          "set group grains omegaz 100\n")
+
+
+@pytest.mark.parametrize("axis", [(1, 0, 0), (1, 2, 3)])
+def test_cement_made_between_moving_grains(tmp_path, figures, axis):
+    """It flies on with them, and is loaded by the rotation alone, as cement that follows its grains without waves."""
+    tables = {}
+    for condense in ("no", "yes"):
+        script = edit(bond(SMALL, f"damage tensor B0 9.6e3 condense {condense}", direction=axis, half_box=3 * (14e-3,)), "create_cement", FLIGHT + "create_cement")
+        result = run(script + "fix free grains nve/sphere\n" + thermo(50, ENERGIES + ["f_cem[2]", "f_bond[21]"]) + "run 2000\n", tmp_path / condense)
+        assert STARTS not in result.output
+        tables[condense] = result.table()
+    no, yes = tables["no"], tables["yes"]
+    assert no["f_cem[2]"].max() == 0
+    figures.below(f"cement made in flight, axis {axis}: largest load against that of a condensed bond",
+                  abs(no["f_bond[21]"][-1] / yes["f_bond[21]"][-1] - 1), 0.005)
+    figures.below(f"cement made in flight, axis {axis}: imbalance of the energy", abs(no["f_cem[12]"]).max(), 1e-6)
+
+
+def test_warning_of_another_start(tmp_path):
+    """Grains that get their velocity after the cement was made."""
+    free = "fix free grains nve/sphere\n" + thermo(1, ENERGIES)
+    late = run(bond(SMALL) + "velocity grains set 0 0 20\n" + free + "run 1\n", tmp_path / "late", 2)
+    assert late.output.count(STARTS + "20 against one of them") == 1
+    alike = run(bond(SMALL) + "velocity all set 0 0 20\n" + free + "run 1\n", tmp_path / "alike", 2)
+    assert STARTS not in alike.output

@@ -86,6 +86,13 @@ def test_round_trip_of_a_skew_bond(tmp_path, figures):
     assert first.status == 0 and a.keys() == b.keys()
     worst = max(np.abs(wanted[c] - b[c]).max() / max(np.abs(wanted[c]).max(), 1e-300) for c in b)
     figures.below("skew bond with damage: written, read and written again, relative change of any column", worst, 1e-13)
+    # Before there is a fix mpm, points have no axes.
+    table = only(wanted, "x y z volume dxx dyy dzz dyz dxz dxy")
+    write(tmp_path / "bare.txt", table)
+    run(edit(kept, "whole.txt", "bare.txt") + "write_cement ../early.txt\n", tmp_path / "early")
+    c = read(tmp_path / "early.txt")
+    worst = max(np.abs(table[k] - c[k]).max() / max(np.abs(table[k]).max(), 1e-300) for k in table)
+    figures.below("skew bond with damage: written before any run, relative change of any column", worst, 1e-13)
 
 
 def test_round_trip_of_a_broken_bond(tmp_path, figures):

@@ -57,6 +57,7 @@ class RowScene : public CementMakerHost {
       centres.emplace_back((kRadius + 0.5 * gap) + g * (2.0 * kRadius + gap), 0.5 * box.high[0], 0.5 * box.high[0]);
     set_grains(centres);
     wish.spacing = kSpacing;
+    wish.density = 2710.0;
     wish.shapes.push_back({shape_style("flat"), {{"outer", 0.6}}});
     wish.inner = 0.0;
   }

@@ -55,6 +55,10 @@ struct Bond {
   std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
+  // True if points of the bond are on this rank. A bond whose last point left stays until the next layout.
+  bool has_points() const {
+    return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.occupied != 0; });
+  }
   // Prefetch the memory of a bond that comes next. prefetch_nodes() asks for what a pass over its nodes reads out of
   // order, which no processor foresees. prefetch_step() asks for the beginnings of what a step reads in order.
   void prefetch_nodes() const {

@@ -142,9 +142,9 @@ void BondedGrains::turn(double dt) {
   }
 }
 
-void BondedGrains::find_rates(double dt, double dt_last, EnergyBooks& books) {
+void BondedGrains::find_rates(double dt, double dt_last, long step, EnergyBooks& books) {
   const double since = 0.5 * (dt_last + dt);
-  ++step_;
+  step_ = step;
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
     for (int d = 0; d < 6; ++d) {
@@ -270,15 +270,16 @@ void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* con
 
 void BondedGrains::keep_loads() {
   taken_back_ = false;
+  sudden_loads_.clear();
   kept_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, kept_loads_[n].begin());
 }
 
-void BondedGrains::take_back_loads() {
+void BondedGrains::take_back_loads(int substeps) {
   taken_back_ = true;
   taken_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    std::copy(kept_loads_[n].begin(), kept_loads_[n].end(), grains[n].force);
+    for (int d = 0; d < 6; ++d) grains[n].force[d] = kept_loads_[n][d] + (sudden_loads_.empty() ? 0.0 : sudden_loads_[n][d] / substeps);
     std::copy(grains[n].state->load, grains[n].state->load + 6, taken_loads_[n].begin());
   }
 }
@@ -340,6 +341,7 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
   if (!sudden_forces_are_due_) return;
   sudden_forces_are_due_ = false;
   sides.sum_sudden_forces();
+  sudden_loads_.assign(grains.size(), Six{});
   for (GrainSide& s : sides.sides)
     for (int d = 0; d < 3; ++d) {
       s.force[d] += s.jump_force[d] + s.transfer_force[d];
@@ -353,6 +355,7 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
     double power = 0.0;
     for (int d = 0; d < 6; ++d) {
       grain.force[d] += of_jump[d] + of_transfer[d];
+      sudden_loads_[o.grain][d] += of_jump[d] + of_transfer[d];
       power += of_jump[d] * 0.5 * (g.v_before[d] + g.v[d]) + of_transfer[d] * g.v[d];
     }
     books.do_work(-dt * power);
@@ -371,6 +374,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
   if (any_free_) find_accelerations(comm, bonds, Loads::none);
+  added_mass_changed();  // what was found of it leaves out condensed bonds
   for (Bond& b : bonds.awake()) b.added.accelerate(b.grid, side_of(b));
   sides.sum_forces();
   for (Grain& grain : grains)
@@ -426,6 +430,11 @@ void BondedGrains::start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body,
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
     for (int d = 0; d < 6 && !g.velocities_known; ++d) g.v[d] = g.v_before[d] = g.v_end[d] = grain.velocity[d];
+  }
+  distribute(bonds);
+  for (Bond& b : bonds.awake()) {
+    const double speed = b.body < first_body ? 0.0 : b.links.fastest(b.grid, side_of(b));
+    if (speed > fastest_start_.speed) fastest_start_ = {b.body, speed};
   }
   if (any_added_mass) {
     std::vector<Six> jump(owned_.size());
@@ -494,10 +503,10 @@ EnergyBooks::StepWork BondedGrains::work_of(const CondensedPack& condensed, doub
   return {dt_last * power.now, dt_last * power.before};
 }
 
-void BondedGrains::watch_jumps(double limit, long first_step) {
+void BondedGrains::watch_jumps(double limit) {
   jump_limit_ = limit;
-  step_ = first_step;
   worst_jump_ = Jump();
+  fastest_start_ = Start();
 }
 
 void BondedGrains::watch_jump(const Grain& grain) {

@@ -75,7 +75,7 @@ class BondedGrains {
   // Call once a step, before distribute(). Finds the velocities with which grains came to their positions, and the
   // jumps of prescribed velocities. The acceleration that is expected of prescribed motion is the lesser of two: that
   // of the last step, and that which the velocity at the step tells. After a jump the two differ, and none is expected.
-  void find_rates(double dt, double dt_last, EnergyBooks& books);
+  void find_rates(double dt, double dt_last, long step, EnergyBooks& books);
   // Keeps the velocities at the end of a step. find_commands() compares with them.
   void keep_velocities(double dt_last);
   // Finds loads of the host that come after the cement in a step. Call before and after them.
@@ -104,10 +104,10 @@ class BondedGrains {
   // may be null.
   void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
   // keep_loads() keeps the loads without those of the cement. take_back_loads() goes back to them, so that another
-  // react() finds the loads of the cement anew. What was booked of the jumps stays. The half step that came to here had
+  // react() finds the loads of the cement anew. Reactions to jumps stay, and so does what was booked of them. The half step that came to here had
   // the work of the loads that are taken back. book_loads_taken_back() corrects that.
   void keep_loads();
-  void take_back_loads();
+  void take_back_loads(int substeps);
   void book_loads_taken_back(double dt_last, EnergyBooks& books) const;
   // Collective. Gives momentum, and angular momentum about its centre, to each grain. The grain and its condensed bonds
   // take it up at once, in the free directions of the grain. Accelerations are then those of this impulse, until
@@ -160,7 +160,13 @@ class BondedGrains {
     double size = 0.0;
     long step = 0;
   };
-  void watch_jumps(double limit, long first_step);  // starts a new watch
+  void watch_jumps(double limit);  // starts a new watch
+  // The bond on this rank whose cement had the largest speed against its grains when it started in this run.
+  struct Start {
+    int body = -1;
+    double speed = 0.0;
+  };
+  const Start& fastest_start() const { return fastest_start_; }
   const Jump& worst_jump() const { return worst_jump_; }
 
  private:
@@ -170,12 +176,13 @@ class BondedGrains {
   GrainAccelerations accelerations_, impulses_;
   bool summed_ = false;  // true: bonds that ranks do not cut are summed already
   std::vector<GrainAccelerations::Vector6> load_;
-  std::vector<Six> kept_loads_, taken_loads_;  // loads of each grain: of the host, of the cement
+  std::vector<Six> kept_loads_, taken_loads_, sudden_loads_;  // loads of each grain: of the host, of the cement, of jumps in this step
   bool taken_back_ = false;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // largest jump of a velocity that is not noted
-  long step_ = 0;            // number of the step, counted on from that of watch_jumps()
+  long step_ = 0;            // number of the step
   Jump worst_jump_;
+  Start fastest_start_;
 };
 
 }  // namespace mpdem

@@ -188,7 +188,7 @@ void Cement::advance() {
   const FlushDenormals flush;
   BondedGrains& grains = scene_.grains;
   // grains: the way in which they came here
-  grains.find_rates(scene_.now.dt, scene_.dt_last, scene_.books);
+  grains.find_rates(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.books);
   if (scene_.now.substeps > 1 && scene_.ends_step()) grains.spread_loads(scene_.now.substeps);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places(scene_);
@@ -218,7 +218,7 @@ void Cement::advance() {
 
 // Finds the forces of the step anew, in the way in which they are found at the start of a run.
 void Cement::find_forces_anew() {
-  scene_.grains.take_back_loads();
+  scene_.grains.take_back_loads(scene_.now.substeps);
   scene_.grains.distribute(scene_.bonds);
   condensed_.follow(scene_.grains, scene_.weight().data());
   if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);

@@ -133,7 +133,7 @@ void CementMaker::create(const Part& part) {
     if (!part.kept[k]) continue;
     const Body& body = part.bodies[k];
     const Fill& f = fill_of(part.from + k);
-    made.push_back({row++, last_tag_ + 1, body, f.points, f.box});
+    made.push_back({row++, last_tag_ + 1, plan_.bonds()[part.from + k].grain, body, f.points, f.box});
     expected += body.points;
     last_tag_ += body.points;
   }

@@ -19,9 +19,10 @@
 
 namespace mpdem {
 
-// A bond that is new: its row of the table and its points, of all ranks. The tags of the points follow each other.
+// A bond that is new: its row of the table, its grains, and its points, of all ranks. The tags of the points follow each other.
 struct NewBond {
   int row, first_tag;
+  const GrainToBond* grain;              // both grains
   const Body& body;
   const std::vector<FillPoint>& points;  // points in the coordinates of the body
   const Box& box;                        // box around the points

@@ -8,6 +8,7 @@
 
 #include "../geometry/bond_axes.h"
 #include "../geometry/composite.h"
+#include "../numerics/length.h"
 #include "../parallel/agree.h"
 #include "../parallel/gather_ranks.h"
 #include "../parallel/ranks.h"
@@ -31,6 +32,22 @@ void BondTrouble::stop(MPI_Comm comm) const {
   long long mine = static_cast<long long>(bond) * kChecks + check, first;
   MPI_Allreduce(&mine, &first, 1, MPI_LONG_LONG, MPI_MIN, comm);
   throw_if_any(comm, mine == first ? text : "");
+}
+
+std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm) {
+  double distance[2];
+  for (int s = 0; s < 2; ++s) distance[s] = std::max(length(arm[s].data()) - grain[s].radius, 0.0);
+  const double sum = distance[0] + distance[1];
+  std::array<double, 3> v = {0, 0, 0};
+  for (int s = 0; s < 2; ++s) {
+    const double weight = sum > 0.0 ? distance[1 - s] / sum : 0.5;
+    const GrainToBond& g = grain[s];
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      v[d] += weight * (g.v[d] + g.omega[e] * arm[s][f] - g.omega[f] * arm[s][e]);
+    }
+  }
+  return v;
 }
 
 std::string CementPlan::prefix(const PlannedBond& bond) { return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": "); }

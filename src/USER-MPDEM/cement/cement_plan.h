@@ -9,6 +9,7 @@
 #include <mpi.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <climits>
 #include <functional>
 #include <memory>
@@ -29,7 +30,7 @@ struct CementWish {
   std::vector<ShapeWords> shapes;
   std::string file;    // file from which points are read; empty: points are made of shapes
   double attach = 0.0;
-  double spacing = 0.0, density = 2710.0;
+  double spacing = 0.0, density = 0.0;
   double inner = -1.0;          // inner radius; negative: the radius where the grains are two spacings apart
   double grid[3] = {0, 0, 0};   // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
@@ -40,6 +41,7 @@ struct GrainToBond {
   int tag = 0;
   bool is_point = false;  // true: the atom is a material point and no grain
   double x[3] = {0, 0, 0}, unwrapped[3] = {0, 0, 0}, radius = 0.0, mass = 0.0, q[4] = {1, 0, 0, 0};
+  double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
 };
 
 struct PlannedBond {
@@ -51,6 +53,11 @@ struct PlannedBond {
   // Place of the middle of the gap, beside the first grain.
   Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
+
+// Velocity of new cement between moving grains. `arm`: vectors from the centres of both grains to a place. The motions
+// of the grains are weighed by the distances to their surfaces. So cement at a grain moves with it, and cement between
+// grains that move as one body moves as a part of that body.
+std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm);
 
 // Trouble that keeps a bond from being made. It holds the first bond in the order of the command, and the first check
 // of that bond.

@@ -84,12 +84,12 @@ void Condensing::take_patterns(bool at_start) {
 
 // Bonds that are to wake and have no points get them before the next step, and wake in it. Returns the other bonds.
 std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
-  rows_that_want_points_.clear();
   std::vector<int> others;
   for (int row : rows) {
     Body& b = scene_.bonds.table[row];
+    if (b.pattern == 0) others.push_back(row);
+    else if (!b.wants_points) rows_that_want_points_.push_back(row);
     if (b.pattern > 0) b.wants_points = true;
-    (b.pattern > 0 ? rows_that_want_points_ : others).push_back(row);
   }
   return others;
 }

@@ -52,6 +52,7 @@ void Parting::look() {
   if (!scene_.can_break()) return;
   const bool after_check = scene_.follows_check();
   if (!after_check && !scene_.watches()) return;
+  for (Bond& b : scene_.bonds) b.sort_links();  // points that change cells change their slots
   Cracks& cracks = divisions_.cracks;
   if (scene_.options.split) split_nodes();
   if (after_check)

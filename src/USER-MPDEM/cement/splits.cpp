@@ -315,7 +315,8 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int r = 0; r < first(); ++r) {
     Row& row = rows_[r];
     if (r % ranks == me) continue;
-    if (!bonds.find(r)) {  // what is known of the bond grows old, except what all ranks have to agree on
+    const Bond* bond = bonds.find(r);
+    if (!bond || !bond->has_points()) {  // what is known of the bond grows old, except what all ranks have to agree on
       const bool edges_known = row.edges_known;
       row = Row();
       row.edges_known = edges_known;

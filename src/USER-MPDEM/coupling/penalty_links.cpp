@@ -315,6 +315,24 @@ Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const 
   return power;
 }
 
+double PenaltyLinks::fastest(const Grid& grid, const GrainSide* side) const {
+  double square = 0.0;
+  if (blocks_.empty()) return square;
+  with_basis(basis_, [&](auto type) {
+    for (const LinkBlock& b : blocks_) {
+      const GrainSide& s = side[b.side];
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      vd q[3], delta[3], n[3], v[3];
+      place(b, grid, s, w, q, delta, n);
+      find_velocity(b, grid, s, w, q, v);
+      const vd speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      for (int l = 0; l < kLanes; ++l)
+        if (holding_[number_of(b)].attached >> l & 1) square = std::max(square, speed[l]);
+    }
+  });
+  return std::sqrt(square);
+}
+
 void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {

@@ -93,6 +93,8 @@ class PenaltyLinks {
   // Power that the dampers take. The force is that of the stored velocity. Power::after() gives the power for a
   // velocity that is a time of the acceleration later.
   Power damper_power(const Grid& grid, const GrainSide* side) const;
+  // Largest speed of the cement against the grain at a link.
+  double fastest(const Grid& grid, const GrainSide* side) const;
   // Adds the energy that the traction law stores.
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 

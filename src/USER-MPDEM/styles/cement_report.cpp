@@ -308,6 +308,20 @@ double CementReport::limit_of_jumps(const Cement& c) const {
   return 0.01 / (c.inertia() * speed) * std::min(law.implied_strength(e.Ez).tensile_strength, law.implied_strength(e.Ep).tensile_strength);
 }
 
+void CementReport::start(Cement& c) {
+  if (!c.penalty()) return;
+  const BondedGrains::Start& s = c.grains().fastest_start();
+  const double wave = c.inertia() * c.law().elasticity().fastest_wave(c.inertia());
+  std::string text;
+  if (s.speed > limit_of_jumps(c)) {
+    const Body& b = c.bonds().table[s.body];
+    text = text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], " starts at a speed of ", s.speed, " against one of them, which sends a wave of stress ",
+                   wave * s.speed, " through it; set velocities of grains before create_cement, or those of grains and points alike");
+  }
+  const std::string first = first_text(lmp_->world, text);
+  if (!first.empty() && lmp_->comm->me == 0) lmp_->error->warning("fix mpm", 0, first.c_str());
+}
+
 void CementReport::jump(Cement& c) {
   if (jump_told_ || !c.penalty()) return;
   const BondedGrains::Jump& j = c.grains().worst_jump();
@@ -327,7 +341,7 @@ void CementReport::start_run(Cement& c) {
   c.timer().clear();
   c.forces().clear_ticks();
   jump_told_ = false;
-  c.grains().watch_jumps(limit_of_jumps(c), static_cast<long>(lmp_->update->ntimestep));
+  c.grains().watch_jumps(limit_of_jumps(c));
   forget();
 }
 

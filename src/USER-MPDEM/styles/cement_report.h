@@ -35,6 +35,8 @@ class CementReport {
   void check_step(Cement& c);
   // Tells the last lines of parameters(). The added mass depends on the eigenvalue, which is found for the other lines.
   void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
+  // Warns of cement that starts with another velocity than its grains, so that a wave runs through it.
+  void start(Cement& c);
   // Warns of the first jump of the lowest rank that saw one, once in a run.
   void jump(Cement& c);
   // Tells where the time of the run went, by the slowest rank for each phase.

@@ -112,7 +112,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
 
 void ComputeMpmAtom::compute_peratom() {
   invoked_peratom = update->ntimestep;
-  cement_->sync_slots();
+  cement_->show_points();
   if (atom->nlocal > size_) {
     memory->destroy(vector_atom);
     size_ = atom->nmax;

@@ -20,6 +20,7 @@
 #include "group.h"
 #include "point_atoms.h"
 #include "scene_checks.h"
+#include "update.h"
 
 namespace LAMMPS_NS {
 
@@ -123,6 +124,8 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
     domain->unmap(atom->x[i], atom->image[i], g.unwrapped);
     g.radius = atom->radius[i];
     g.mass = atom->rmass[i];
+    std::copy(atom->v[i], atom->v[i] + 3, g.v);
+    std::copy(atom->omega[i], atom->omega[i] + 3, g.omega);
     if (!g.is_point) {
       avec->track_orientation(i);
       AtomVecMpdem::GrainState& state = *avec->grain(i);
@@ -194,6 +197,8 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
     }
   }
   check_words(args, wish, has_inner);
+  if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp);
+  if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
   density_ = wish.density;
   if (type_ == 0) type_ = atom->ntypes;
   if (type_ > atom->ntypes)
@@ -409,12 +414,25 @@ std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool 
   for (const NewBond& b : bonds) {
     const mpdem::Mat3<double> axes = mpdem::axes_of(b.body);
     for (std::size_t n = 0; n < b.points.size(); ++n)
-      if (place(b.body, axes, b.points[n], x, image)) add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+      if (place(b.body, axes, b.points[n], x, image)) {
+        const int i = add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+        const std::array<double, 3> v = velocity_of(b, axes, b.points[n]);
+        std::copy(v.begin(), v.end(), atom->v[i]);
+      }
   }
   return atom->nlocal - before;
 }
 
-void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
+std::array<double, 3> CreateCement::velocity_of(const NewBond& b, const mpdem::Mat3<double>& axes, const FillPoint& p) {
+  std::array<double, 3> arm[2];
+  for (int s = 0; s < 2; ++s) {
+    const Vector3 from = p.X - Vector3(b.body.centre[s]);
+    arm[s] = turned(axes, from.data());
+  }
+  return mpdem::velocity_between(b.grain, arm);
+}
+
+int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
   mpdem::PointRecord r;
   r.body = bond.row;
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
@@ -430,7 +448,7 @@ void CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, d
   r.failed = p.failed;
   std::copy(p.damage, p.damage + 6, r.damage);
   if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
-  atoms_->add(r, head(), tag, x, image);
+  return atoms_->add(r, head(), tag, x, image);
 }
 
 }  // namespace LAMMPS_NS

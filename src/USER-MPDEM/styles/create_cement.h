@@ -60,7 +60,8 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   void say(const std::string& text) override;
   void warn(const std::string& text) override;
   bool place(const mpdem::Body& body, const mpdem::Mat3<double>& axes, const mpdem::FillPoint& p, double* x, int* image) const;
-  void add_point(const mpdem::FillPoint& p, const mpdem::NewBond& bond, int tag, double* x, const int* image);
+  static std::array<double, 3> velocity_of(const mpdem::NewBond& bond, const mpdem::Mat3<double>& axes, const mpdem::FillPoint& p);
+  int add_point(const mpdem::FillPoint& p, const mpdem::NewBond& bond, int tag, double* x, const int* image);  // returns the atom
 
   int groupbit_ = 0, type_ = 0;
   double density_ = 0.0;

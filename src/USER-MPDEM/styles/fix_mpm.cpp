@@ -264,6 +264,7 @@ void FixMpm::setup(int) {
   atoms_.read(cement_->grains());
   if (cement_->penalty()) atoms_.expect_gravity(cement_->grains(), this);
   guarded([this] { cement_->start_run(); });
+  report_->start(*cement_);
   cement_->grains().show_loads(substeps());
   atoms_.write_velocities(cement_->grains());
   atoms_.write_forces(cement_->grains());
@@ -430,10 +431,14 @@ void FixMpm::write_events() {
   check(failures_.write(world));
 }
 
+void FixMpm::show_points() {
+  cement_->sync_slots();
+  cement_->report().show_condensed_points();
+}
+
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date.
 void FixMpm::fill_atoms() {
-  sync_slots();
-  cement_->report().show_condensed_points();
+  show_points();
   std::string trouble;
   std::vector<mpdem::Report::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {

@@ -80,8 +80,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
-  // Brings the slots of the atoms up to date, which fall behind while points change cells. Call before they are read.
-  void sync_slots() { cement_->sync_slots(); }
+  // Brings slots of atoms and strains of points up to date. Slots fall behind while points change cells, strains while
+  // bonds are condensed. Call before they are read.
+  void show_points();
   // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
   double stable_step(bool of_grains = false);
   // Number of sub-steps of the cement in a step of LIGGGHTS.

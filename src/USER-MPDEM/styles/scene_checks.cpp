@@ -25,6 +25,11 @@ std::string trouble_with_units(LAMMPS* lmp) {
   return "";
 }
 
+double density_of_calcite(LAMMPS* lmp) {
+  const std::string units = lmp->update->unit_style;
+  return units == "si" ? 2710.0 : units == "cgs" || units == "micro" ? 2.71 : 0.0;
+}
+
 // Grains and cement of one type are refused: groups by type, contact laws and particle templates could not tell them
 // apart.
 std::string trouble_with_types(LAMMPS* lmp, const AtomVecMpdem& cement, int type) {

@@ -15,6 +15,9 @@ namespace mpdem {
 
 std::string trouble_with_units(LAMMPS_NS::LAMMPS* lmp);
 
+// 2710 kg/m3 in the units of the script. 0 in units of which this is not known.
+double density_of_calcite(LAMMPS_NS::LAMMPS* lmp);
+
 // Collective. `type`: type of points that are about to be made, or 0.
 std::string trouble_with_types(LAMMPS_NS::LAMMPS* lmp, const LAMMPS_NS::AtomVecMpdem& cement, int type);
 

@@ -82,11 +82,11 @@ mpdem::PointRow row_of(const PointNow& p, const mpdem::Body& body, const std::ma
   const double* D = r.damage;
   Eigen::Matrix3d m;
   m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
-  if (has_axis) {
-    const Eigen::Matrix3d R = (quaternion(body.turn) * quaternion(r.q)).toRotationMatrix();
-    m = R * m * R.transpose();
-    for (int d = 0; d < 3; ++d) row.axis[d] = R(d, 2);
-  }
+  // a point without an axis has its damage in the axes of the body
+  const Eigen::Quaterniond axes = has_axis ? quaternion(body.turn) * quaternion(r.q) : quaternion(body.turn);
+  const Eigen::Matrix3d R = axes.toRotationMatrix();
+  m = R * m * R.transpose();
+  for (int d = 0; has_axis && d < 3; ++d) row.axis[d] = R(d, 2);
   const double turned[6] = {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(0, 2), m(0, 1)};
   std::copy(turned, turned + 6, row.damage);
   for (int s = 0; s < 2; ++s) {
