@@ -112,6 +112,20 @@ def test_cement_beside_skins_touches_them(cracks, tmp_path, figures):
     figures.below(f"cracks {cracks}: energy imbalance", abs(t["f_cem[12]"]).max(), 0.01)
 
 
+def test_grains_that_are_apart_are_not_dragged(tmp_path, figures):
+    """The cement comes off a free grain, and the other grain takes it away, faster and faster: nothing holds the free one back."""
+    fixes = edit(cement(4e-4, 3e-8, damage="quasistatic 1 0.1", couple=f"kn auto kt auto interface cohesive tn 3e6 tt 3e6 Gn 2 Gt 2 {WORDS}"), "timestep     3e-08", "")
+    text = pair(2e-4, gap=4e-4, half_box=(8e-3, 8e-3, 3e-2), cement="outer 1.5e-3") + edit(fixes, "mpm cell 0.0004", "mpm cell 0.0004 timestep auto 0.9")
+    text += ("fix free first nve/sphere\nvariable t equal step*dt\nvariable z equal 1e4*v_t*v_t\nvariable w equal 2e4*v_t\n"
+             "fix pull second move variable NULL NULL v_z NULL NULL v_w\nvariable v equal vz[1]\n")
+    t = run(text + thermo(50, ["f_bond[22]", "f_bond[3]", "v_v", "f_cem[12]"]) + "run 1600\n", tmp_path).table()
+    apart = np.flatnonzero(t["f_bond[22]"] == 1)
+    assert 5 < apart[0] < 18 and t["v_v"][-1] > 0.1
+    figures.below("force on a free grain that the cement came off, over the largest", abs(t["f_bond[3]"][apart[0] + 4:]).max() / abs(t["f_bond[3]"]).max(), 0.02)
+    figures.below("change of the velocity of that grain", abs(t["v_v"][-1] / t["v_v"][apart[0] + 4] - 1), 0.01)
+    figures.below("free grain: energy imbalance", abs(t["f_cem[12]"]).max(), 1e-5)
+
+
 @pytest.mark.parametrize("cracks", ["bonds", "split"])
 def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
     """Copies of nodes and places that touch come along, from a rank that has no point of the bond any more; and places go on between two ranks."""

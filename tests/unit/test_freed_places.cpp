@@ -13,6 +13,7 @@
 #include "parallel/agree.h"
 #include "cement_host.h"
 #include "linked_bonds.h"
+#include "numerics/length.h"
 #include "mpi_ranks.h"
 
 namespace mpdem {
@@ -425,12 +426,57 @@ TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
   p.friction = 0.3;
   test::Scene s = scene_of_places(832, p);
   Bond& b = s.bonds[0];
-  b.places.give_inertia(b.points);
+  b.places.give_inertia(b.points, b.grid, s.side(b), 1e3);
   double stiffness = 0.0;
-  for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.area;
+  for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.inert_area;
   const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b), mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
   EXPECT_GT(mean, 0.9);
   EXPECT_LT(mean, 1.05);
+}
+
+// Places far from their grains have no added mass, unless they are fast. Those that have it keep it up to twice as far.
+TEST(FreedPlaces, HaveAddedMassNearTheirGrainsAlone) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  PenaltyParameters p = test::penalty(false, 0.0);
+  p.friction = 0.3;
+  test::Scene s(834, p);
+  Bond& b = s.bonds[0];
+  for (Link& k : b.points.links) k.attached = false;
+  b.links = s.links_anew(b);
+  b.places = FreedPlaces(b.points, s.bodies[b.body], p, b.grid);
+  b.grid.displacement.assign(b.grid.displacement.size(), 0.0);
+  b.grid.velocity.assign(b.grid.velocity.size(), 0.0);
+  b.places.open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
+  const auto at = [&](double gap) {  // lifts all places of one grain along the line of centres
+    GrainSide* side = s.side(b);
+    double along[3], centre[3];
+    for (int d = 0; d < 3; ++d) centre[d] = s.bodies[b.body].centre[0][d];
+    const double r = length(centre);
+    for (int d = 0; d < 3; ++d) along[d] = centre[d] / r;
+    for (int i = 0; i < 2; ++i)
+      for (int d = 0; d < 3; ++d) side[i].x[d] = s.bodies[b.body].centre[i][d] + (i == 0 ? gap : -gap) * along[d];
+    return side;
+  };
+  const double h = b.grid.h;
+  const auto inert = [&] {
+    double area = 0.0;
+    for (const FreedPlace& place : b.points.places) area += place.inert_area;
+    return area;
+  };
+  double all = 0.0;
+  for (const FreedPlace& place : b.points.places) all += place.area;
+  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0));
+  EXPECT_EQ(inert(), 0.0);
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.0), 0.0));
+  EXPECT_NEAR(inert(), all, 1e-12 * all);
+  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.0015 * h), 0.0));
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0));
+  EXPECT_EQ(inert(), 0.0);
+  GrainSide* side = at(0.1 * h);
+  for (int i = 0; i < 2; ++i)
+    for (int d = 0; d < 3; ++d) side[i].v[d] = -(side[i].x[d] - s.bodies[b.body].centre[i][d]);  // back in a time of 1
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, side, 0.6));
+  EXPECT_GT(inert(), 0.9 * all);
 }
 
 // The added mass of a place is there from give_inertia() on until the place goes on.
@@ -441,7 +487,7 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   test::Scene s = scene_of_places(833, p);
   Bond& b = s.bonds[0];
   EXPECT_EQ(sum_of_stiffness(s, b), 0.0);
-  b.places.give_inertia(b.points);
+  b.places.give_inertia(b.points, b.grid, s.side(b), 1e3);
   const double whole = sum_of_stiffness(s, b);
   EXPECT_GT(whole, 0.0);
   const int slot = b.points.places.front().slot;

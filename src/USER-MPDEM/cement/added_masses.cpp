@@ -29,13 +29,21 @@ void AddedMasses::follow(const std::vector<int>& rows, const char* event, const 
   if (stable_step_.check_after(rows, event, patches)) refresh();
 }
 
-void AddedMasses::follow_places(const std::vector<int>& rows) {
+void AddedMasses::follow_places(const std::vector<int>& moved) {
+  if (!scene_.touches() || !scene_.watches()) return;
+  std::vector<int> mine(moved);
+  for (Bond& b : scene_.bonds.awake())
+    if (give_inertia(b)) mine.push_back(b.body);
+  std::sort(mine.begin(), mine.end());
+  mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
+  const std::vector<int> rows = scene_.agreed_rows(mine);
   if (rows.empty()) return;
-  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] {
-    for (int row : rows)
-      if (Bond* b = scene_.bonds.find(row)) b->places.give_inertia(b->points);
-    refresh(rows);
-  });
+  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] { refresh(rows); });
+}
+
+bool AddedMasses::give_inertia(Bond& b) const {
+  const double soon = Scene::kWatchEvery * scene_.now.substeps * scene_.now.dt;
+  return b.places.give_inertia(b.points, b.grid, scene_.grains.side_of(b), soon);
 }
 
 void AddedMasses::drop_inert() {
@@ -49,7 +57,7 @@ void AddedMasses::drop_inert() {
 // Links that let go are dropped here as a new layout would leave them out, since sums over links go by their blocks. So
 // a run in parts is the run as a whole.
 void AddedMasses::drop_inert(Bond& b) const {
-  b.places.give_inertia(b.points);
+  give_inertia(b);
   if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
   b.links.leave_out_dropped(b.points, scene_.bonds.body(b));
 }

@@ -27,9 +27,9 @@ class AddedMasses {
   // Collective. Call when the layout of these bonds changed in a run. Finds all added mass anew if the known eigenvalue
   // changed. event: reason of the change, for the message. Throws BadState if the step is too long now.
   void follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches = nullptr);
-  // Collective. Finds the added mass of bonds whose places let go of other points. Their stiffness is now where the
-  // places are.
-  void follow_places(const std::vector<int>& rows);
+  // Collective, in steps in which the scene watches. Finds the added mass of bonds whose places moved on to other points
+  // (rows of this rank), or came near to their grains or away from them.
+  void follow_places(const std::vector<int>& moved);
   // Collective. Takes the added mass from links that let go in the course of a run.
   void drop_inert();
   void drop_inert(Bond& b) const;
@@ -38,6 +38,8 @@ class AddedMasses {
   double energy_ahead(const std::vector<int>& rows, double later) const;
 
  private:
+  bool give_inertia(Bond& b) const;
+
   Scene& scene_;
   StableStep& stable_step_;
   AlikeLists alike_;

@@ -90,7 +90,7 @@ std::vector<int> move_places(Scene& scene) {
     scene.books.release(-b.places.move(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), m.second.arrivals, m.second.gone));
     moved.push_back(m.first);
   }
-  return scene.agreed_rows(moved);
+  return moved;
 }
 
 }  // namespace mpdem

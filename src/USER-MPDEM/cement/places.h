@@ -19,8 +19,8 @@ void open_places(Scene& scene, Bond& b, const std::vector<int>& failed, const st
 // Call at the start of a run. Opens places of new bonds that were cracked in their file.
 void open_places_of_files(Scene& scene);
 // Collective, at the start of a step. Places whose points failed go on to the nearest points that hold, in steps in
-// which the scene watches. Nodes and grains are where they were at the end of the last step. Returns the bonds where
-// some did, ascending, the same on all ranks.
+// which the scene watches. Nodes and grains are where they were at the end of the last step. Returns the bonds of
+// this rank where some did, ascending.
 std::vector<int> move_places(Scene& scene);
 
 }  // namespace mpdem

@@ -15,6 +15,9 @@ namespace mpdem {
 namespace {
 
 constexpr double kOneSided = 2.0;  // factor of the stiffness in the search for added mass, see the header
+// A place is about to touch within this share of a cell, about the stretch of a cell at the strength, or if it would come
+// that near in the time of kMargin looks.
+constexpr double kNear = 1e-3, kMargin = 2.0;
 
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
@@ -180,12 +183,32 @@ void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U)
   }
 }
 
-void FreedPlaces::give_inertia(PointStore& points) {
+void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v) const {
+  with_basis(grid.basis, [&](auto type) {
+    gather_value_by_lane(grid.velocity.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), v);
+  });
+  for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * t.q[(d + 2) % 3] - s.omega[(d + 2) % 3] * t.q[(d + 1) % 3];
+}
+
+// A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
+bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double soon) {
+  bool changes = false;
   for (Block& b : blocks_) {
-    b.inert_area = b.area;
-    for (int l = 0; l < kLanes; ++l)
-      if (b.taken >> l & 1) points.places[b.place[l]].inert_area = b.area[l];
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    vd v[3];
+    find_velocity(b, grid, side[b.side], t, v);
+    const vd least = t.gap + kMargin * soon * min(dot(v, t.n), vd{});
+    const vd reach = select(b.inert_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
+    const vd wanted = of(static_cast<std::uint8_t>(b.holds & bits(least < reach)), b.area);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!(b.taken >> l & 1)) continue;
+      changes = changes || wanted[l] != b.inert_area[l];
+      points.places[b.place[l]].inert_area = wanted[l];
+    }
+    b.inert_area = wanted;
   }
+  return changes;
 }
 
 void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const {
@@ -228,10 +251,7 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
     Touch t;
     touch(b, grid, s, t);
     vd v[3];
-    with_basis(grid.basis, [&](auto type) {
-      gather_value_by_lane(grid.velocity.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), v);
-    });
-    for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * t.q[(d + 2) % 3] - s.omega[(d + 2) % 3] * t.q[(d + 1) % 3];
+    find_velocity(b, grid, s, t, v);
     const vd normal = t.gap * (t.gap - dt * dot(v, t.n)), tangential = dot(t.e, t.e) - dt * dot(v, t.e);
     released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), 0.5 * b.area * (k.kn * normal + k.kt * tangential)));
     b.holds &= static_cast<std::uint8_t>(~ends);

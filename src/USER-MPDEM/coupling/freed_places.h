@@ -19,7 +19,7 @@
 // that is less. So nothing is pushed at once. A point follows one place of each grain, which has the area of all places
 // that came to it. A closed place keeps its force.
 //
-// The stiffness is that of the links. It asks for added mass as they do (added_mass.h), but twice as much. A node of
+// The stiffness is that of the links. Where a place touches or is about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of
 // mass m that comes back from a one-sided spring k is as fast as it came if k dt^2 <= 2 m. At 4 m, where a two-sided
 // spring is still stable, it may come back with three times its energy.
 #ifndef MPDEM_FREED_PLACES_H
@@ -57,9 +57,11 @@ class FreedPlaces {
   void add_force(Grid& grid, GrainSide* side) const;
   // Adds the energy that the contact stores.
   void add_energy(const Grid& grid, const GrainSide* side, double& energy) const;
-  // Gives added mass to all places from here on. Until then places that open or move on have none of their own, since
-  // the links that let go still have theirs.
-  void give_inertia(PointStore& points);
+  // Gives added mass to places that touch, or may touch within the time `soon`, and takes it from the others. Returns
+  // true if that of a place changes. Added mass ties the motion of the cement to that of the grain, so places that are
+  // apart must have none. Until this call, places that open or move on have none of their own: the links that let go
+  // still have theirs.
+  bool give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double soon);
   // Adds row sums of the stiffness to two numbers a node, as PenaltyLinks::add_stiffness() does.
   void add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const;
   // Largest depth of a place inside its grain, at the last follow().
@@ -106,6 +108,8 @@ class FreedPlaces {
   };
   const int* columns(const Block& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
   void touch(const Block& b, const Grid& grid, const GrainSide& s, Touch& t) const;
+  // Velocity of the places against the grain.
+  void find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v) const;
   vd energy(const Block& b, const Touch& t) const;
   void lay_out(const PointStore& points, const Body& body, const Grid& grid);
   double take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened, bool just_now);
