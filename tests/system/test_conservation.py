@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Free grains and their cement keep momentum and angular momentum, whole or breaking."""
 import numpy as np
+import pytest
 from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RING, SPINNING, cement, edit, pair, run, thermo
 
 # Grain 2 leaves, and turns about the bond while it does.
@@ -37,7 +38,8 @@ def test_breaking_pair(tmp_path, figures):
     assert table["f_bond[17]"][-1] > 1000 and table["f_bond[22]"][-1] == 1 and abs(force[-40:].mean()) < 0.1 * force.max(), "not broken"
     linear, angular = drift(table)
     figures.below("breaking pair: drift of momentum", linear, 1e-10)
-    figures.below("breaking pair: drift of angular momentum", angular, 1e-10)
+    # Mass goes back to nodes that are not tied any more, which moves the middle of the cement by a hair.
+    figures.below("breaking pair: drift of angular momentum", angular, 1e-8)
 
 
 def test_energy_where_layouts_are_made_often(tmp_path, figures):
@@ -58,3 +60,20 @@ def test_energy_where_layouts_are_made_often(tmp_path, figures):
     for name, column in (("of the coupling", "f_cem[7]"), ("dissipated", "f_cem[8]"), ("released", "f_cem[9]")):
         figures.below(f"pair that goes through the ranks: energy {name}, 1 against 2 ranks",
                       abs(one[column] - two[column]).max() / abs(one[column]).max(), 1e-6)
+
+
+@pytest.mark.parametrize("cracks", ["bonds", "split"])
+def test_flight_changes_nothing(tmp_path, figures, cracks):
+    """A pair is pulled apart while it flies: masses of nodes change where ties are given up, and the velocity of the flight must not show."""
+    def table(V):
+        script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,))
+                  + cement(3e-4, 2.4e-8, damage=f"damage tensor B0 9.6e3 cracks {cracks}", couple="kn auto kt auto")
+                  + f"velocity all set {V} {V} {V}\nvelocity second set {V + 0.2} {V} {V + 0.5}\nfix motion grains nve/sphere\n"
+                  + thermo(1, ["f_bond", "f_bond[1]", "f_bond[18]", "f_bond[22]", "f_cem[9]"]) + "run 400\n")
+        return run(script, tmp_path / str(V)).table()
+    rest, fast = table(0), table(100)
+    assert rest["f_bond[18]"][-1] > 500 and rest["f_bond[22]"][-1] == 1
+    assert (rest["f_bond[18]"] == fast["f_bond[18]"]).all()
+    for name in ("f_bond", "f_bond[1]", "f_cem[9]"):
+        figures.below(f"cracks {cracks}: {name} of a pair that flies at 100 m/s against one at rest, over the largest",
+                      abs(rest[name] - fast[name]).max() / abs(rest[name]).max(), 1e-5 if name == "f_cem[9]" else 1e-7)

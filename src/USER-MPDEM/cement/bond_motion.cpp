@@ -32,7 +32,7 @@ BondMotion motion_of(const Grid& grid, double kick) {
 
 // Solves M (V, omega) = what is missing. Lengths are in cells, so that the numbers are of similar size.
 void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& now) {
-  if (!(now.mass > 0.0)) return;
+  if (!(now.mass > 0.0) || !(before.mass > 0.0)) return;
   const double h = grid.h;
   Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> missing;
@@ -44,7 +44,8 @@ void give_back_motion(Grid& grid, const BondMotion& before, const BondMotion& no
     M(3 + d, 3 + d) = (now.second[e] + now.second[g]) / (h * h);
     M(3 + e, 3 + g) = M(3 + g, 3 + e) = -now.second[3 + d] / (h * h);
     missing[d] = before.momentum[d] - now.momentum[d];
-    missing[3 + d] = (before.angular[d] - now.angular[d]) / h;
+    const auto moved = [&](int c) { return now.first[c] / now.mass - before.first[c] / before.mass; };
+    missing[3 + d] = (before.angular[d] + moved(e) * before.momentum[g] - moved(g) * before.momentum[e] - now.angular[d]) / h;
   }
   const Eigen::Matrix<double, 6, 1> r = M.ldlt().solve(missing);
   for (int i = 0; i < grid.size(); ++i)
