@@ -51,6 +51,15 @@ def test_same_on_ranks(one_rank, tmp_path, figures, ranks, processors):
                   (p["c_failed"] != q["c_failed"]).sum(), 0)
 
 
+def test_tents_on_ranks(tmp_path, figures):
+    """The added mass goes by the eigenvalue, which is found anew where nodes split: of whole bonds, whoever has them."""
+    tables = {n: run(pair(CELL / 2, processors=processors, **BOND) + edit(pulled(), "mpm cell", "mpm basis linear cell") + "run 420\n", tmp_path / str(n), n).table()
+              for n, processors in ((1, "* * *"), (2, "1 1 2"))}
+    one, two = tables.values()
+    assert one["f_bond[18]"][-1] > 300 and (one["f_bond[18]"] == two["f_bond[18]"]).all()
+    figures.below("tents that split, 2 ranks: bond force against 1 rank, over the peak", abs(one["f_bond"] - two["f_bond"]).max() / one["f_bond"].max(), 1e-10)
+
+
 @pytest.mark.parametrize("off", ["7.5e-5 0 0", "0 7.5e-5 7.5e-5"])
 def test_points_on_faces_of_cells(tmp_path, figures, off):
     """The grid is half a spacing off, so that points lie where the supports of nodes end: copies of nodes may have no more of them than rounding."""

@@ -10,6 +10,10 @@
 
 namespace mpdem {
 
+namespace {
+constexpr double kGrowth = 1.02;  // an eigenvalue that grew by less is the one that was known
+}
+
 double StableStep::largest_mass_ratio() const {
   std::map<int, double> cement;
   for (const Body& b : scene_.bonds.table)
@@ -85,8 +89,9 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() { return eigenvalue_of(scene_.all_rows(), nullptr); }
 
-// Patches are looked at as nodes split, coarsely where that is enough. The estimate is value and residual, so it is on
-// the safe side.
+// Patches are looked at as nodes split, as coarsely as is enough to see that the known eigenvalue holds. The estimate is
+// value and residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is
+// to be known is found of whole bonds, and does not depend on the number of ranks.
 EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
@@ -95,13 +100,14 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
       const auto patch = patches ? patches->find(row) : Patches::const_iterator();
       if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
     }
-  if (patches) {
-    constexpr double kCoarse = 0.05;
-    const EigenvalueEstimate coarse = largest_eigenvalue(scene_.comm, parts, *scene_.law, kCoarse);
-    if (scene_.now.dt <= step_for(coarse.value + coarse.residual, scene_.options.relax)) return coarse;
-  } else {
-    condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+  for (double coarse : {0.05, 0.01}) {
+    if (!patches) break;
+    const EigenvalueEstimate e = largest_eigenvalue(scene_.comm, parts, *scene_.law, coarse);
+    const double most = e.value + e.residual;
+    if (most <= kGrowth * known_ && scene_.now.dt <= step_for(most, scene_.options.relax)) return e;
   }
+  for (EigenvaluePart& p : parts) p.blocks = nullptr;
+  if (!patches) condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
   return largest_eigenvalue(scene_.comm, parts, *scene_.law);
 }
 
@@ -120,7 +126,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   const double bound = ties * scene_.eigenvalue_bound();
   if (bound > 0.0 && dt <= step_for(bound, scene_.options.relax)) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches);
-  if (e.value > 1.02 * known_) known_ = e.value + e.residual;
+  if (e.value > kGrowth * known_) known_ = e.value + e.residual;
   return e.value + e.residual;
 }
 
