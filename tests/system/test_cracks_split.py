@@ -238,6 +238,17 @@ def test_momentum(tmp_path, figures, ranks):
     figures.below(f"cracks split, {ranks} ranks: drift of angular momentum over momentum and radius", angular / (scale * 5e-3), 1e-10)
 
 
+def test_momentum_where_supports_end(tmp_path, figures):
+    """The grid is half a spacing off: all that holds of a node may lie where its support ends, and it keeps what failed points left there."""
+    table = run(pair(CELL / 2, gap=6e-4, cement="outer 1.5e-3 grid 7.5e-5 7.5e-5 0", half_box=3 * (16e-3,))
+                + cement(CELL, 2.4e-8, elastic=(6e10, 6e10, 0.2, 0.2, 2.5e10), damage="damage tensor B0 9.6e3 cracks split", couple="kn auto kt auto")
+                + "velocity second set 0.1 0.15 0.5\nfix motion grains nve/sphere\n" + MOMENTA
+                + thermo(1, MOMENTUM_COLUMNS + ["f_bond[18]", "f_bond[22]"]) + "run 300\n", tmp_path).table()
+    assert table["f_bond[18]"][-1] > 900 and table["f_bond[22]"][-1] == 1
+    P = np.array([table[c] for c in MOMENTUM_COLUMNS[:3]])
+    figures.below("points where supports end: drift of momentum", np.linalg.norm(P - P[:, :1], axis=0).max() / np.linalg.norm(P[:, 0]), 1e-12)
+
+
 def test_cut_but_for_a_point(tmp_path, figures):
     """A crack through the middle that leaves one point: with shared nodes the bond holds and carries, with split ones it does not."""
     words = "inner 1e-3 outer 2e-3"

@@ -215,6 +215,7 @@ double CopyLattice::volume_at(const Place& node, const std::vector<int>& points)
 }
 
 // Shares the volume of a copy between its components. The largest keeps the copy, and the others are the next copies.
+// Components whose points all lie where the support ends have no volume. Then what failed points left goes to the largest.
 void CopyLattice::share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
                                const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
   double whole = -1.0, holds = 0.0;
@@ -230,7 +231,8 @@ void CopyLattice::share_volume(const Place& node, const std::vector<int>& group,
     holds += of.back();
   }
   std::map<int, double>& volumes = split_now_[node];
-  for (std::size_t n = 0; n < rank.size(); ++n) volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = holds > 0.0 ? whole * of[rank[n]] / holds : 0.0;  // points may lie where the support ends
+  for (std::size_t n = 0; n < rank.size(); ++n)
+    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = holds > 0.0 ? whole * of[rank[n]] / holds : n == 0 ? whole : 0.0;
 }
 
 void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies) {
