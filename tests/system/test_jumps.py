@@ -83,6 +83,15 @@ def test_change(tmp_path, figures, change, words):
     figures.below(f"{change}, {words or 'total'}: energy, 2 ranks against 1", abs(two - one).max() / one.max(), 1e-9)
 
 
+@pytest.mark.parametrize("words, timestep", [("", SMALL), ("", 1.2e-8), ("condense yes", 1.2e-8), ("subcycle 2", 2 * SMALL)])
+def test_kick_of_a_loaded_bond(tmp_path, figures, words, timestep):
+    """The bond pulls at the grain that gets another velocity, whether or not its links add mass."""
+    steps = round(1.5e-6 / timestep)
+    t = run(bond(timestep, words) + "fix free grains nve/sphere\nvelocity second set 0 0 0.05\n" + thermo(5, ["f_bond[14]", "f_cem[12]"])
+            + f"run {steps}\nvelocity second set 0.2 0 0.5\nset group first omegaz 5\nrun {steps}\n", tmp_path).table()
+    figures.below(f"kick of a loaded bond, {words} step {timestep}: imbalance of the energy", abs(t["f_cem[12]"]).max(), 5e-4 if "condense" in words else 5e-6)
+
+
 def test_momentum(tmp_path, figures):
     """A free pair whose velocities a command changes has the momentum that this gives it, from that step on."""
     script = (bond(1.2e-8, half_box=(15e-3, 15e-3, 15e-3)) + "fix free grains nve/sphere\nvelocity second set 0.02 0 0.01\n" + MOMENTA

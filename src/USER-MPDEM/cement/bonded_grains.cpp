@@ -421,6 +421,9 @@ void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, doub
     for (std::size_t k = 0; k < before->size(); ++k) (*before)[k] += rate * b.grid.acceleration[k];
     b.grid.acceleration.swap(*before++);
   }
+}
+
+void BondedGrains::book_commands(double dt_last, EnergyBooks& books) const {
   for (const Grain& grain : grains)
     for (int d = 0; d < 6; ++d)
       if (grain.free[d]) books.do_work(-0.5 * dt_last * grain.state->load[d] * (grain.velocity[d] - grain.state->v_end[d]));

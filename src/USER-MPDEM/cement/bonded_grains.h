@@ -136,7 +136,11 @@ class BondedGrains {
   // velocity. Books the work on bodies before end_of_work.
   void exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vector<Six>& jump, int first_body, bool at_start, int end_of_work,
                          EnergyBooks& books);
-  // Collective. Takes up what commands did to velocities since the last step, as found by find_commands().
+  // Books what the loads of the last step do over the half step ahead at velocities that commands changed. Call after
+  // take_up_commands().
+  void book_commands(double dt_last, EnergyBooks& books) const;
+  // Collective. Takes up what commands did to velocities since the last step, as found by find_commands(): added mass
+  // follows the grains.
   void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
   // Collective. Leaves in the jumps of the sides what commands did to velocities of free grains. Returns false if they
   // did nothing.

@@ -114,9 +114,10 @@ std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() { return mpdem::stiffn
 
 void Cement::take_up_commands() {
   BondedGrains& grains = scene_.grains;
-  if (!(added_.any() || condensed_.any()) || !grains.find_commands(scene_.comm, condensed_.pack())) return;
+  if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.books.do_work(condensed_.work_of_commands(scene_.bonds, scene_.dt_last));
   if (added_.any()) grains.take_up_commands(scene_.comm, scene_.bonds, scene_.now.dt, scene_.dt_last, scene_.books);
+  grains.book_commands(scene_.dt_last, scene_.books);
 }
 
 void Cement::start_run() {
