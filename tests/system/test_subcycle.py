@@ -110,6 +110,21 @@ def test_auto(tmp_path, figures):
     assert f"subcycle auto: {n:.0f} sub-steps" in result.output
 
 
+def test_auto_while_cement_softens(tmp_path, figures):
+    """Damage leaves a longer stable step behind, but sub-steps stay as long as they were: a run in parts keeps its books, and goes on from a file to the bit."""
+    fixes = (cement(4e-4, 2.1e-7, damage="damage mazars kappa0 3e-4 At 0.95 Bt 2e3 regularization nonlocal 4e-4 subcycle auto")
+             + "variable t equal step*dt\nvariable z equal 1e3*v_t*v_t\nvariable w equal 2e3*v_t\n"
+             + "fix hold first move linear 0 0 0\nfix pull second move variable NULL NULL v_z NULL NULL v_w\n"
+             + thermo(10, ["f_bond", "f_bond[18]", "f_cem[25]", "f_cem[5]", "f_cem[9]", "f_cem[12]"]))
+    whole = run(pair(2e-4, gap=4e-4, half_box=(8e-3, 8e-3, 1.4e-2), cement="outer 1.5e-3") + fixes + "run 140\nwrite_restart r\nrun 60\n", tmp_path).table()
+    again = run(restarted("r") + fixes + "run 60\n", tmp_path, name="in.again").table()
+    rows = len(again["step"])
+    assert whole["f_bond[18]"][-rows] > 50 and len(set(whole["f_cem[25]"])) == 1
+    for name in again:
+        assert (whole[name][-rows:] == again[name]).all(), name
+    figures.below("softening with subcycle auto: imbalance of the energy", abs(whole["f_cem[12]"]).max(), 1e-4)
+
+
 @pytest.mark.parametrize("ratio, n", [(0.1, 1), (0.1, 3), (1, 2), (100, 5)])
 def test_free_pairs(ratio, n, tmp_path, figures):
     """Grains lighter and heavier than their cement, in sub-steps of 0.9 of its limit. Links to both grains share nodes here and add 4500 times the mass of the

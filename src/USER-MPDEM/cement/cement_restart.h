@@ -42,7 +42,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 16;
+  static constexpr int kVersion = 17;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -53,6 +53,7 @@ struct CementHead {
   double time = 0.0;
   double eigenvalue = 0.0;  // largest eigenvalue; 0: not known
   double auto_step = 0.0;   // time step that `timestep auto` found last
+  double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
   LinksSoFar links;
   bool unilateral = false;    // are failed points stiff while their crack is closed
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
@@ -82,6 +83,7 @@ struct CementHead {
     visit("the elasticity", h.elastic, kFinite);
     visit("the scale of the inertia", h.mass_scale, kPositive);
     visit("the number of copies of nodes", h.copies, kCount);
+    visit("the sub-step of 'subcycle auto'", h.longest_substep, kNotNegative);
   }
 };
 

@@ -4,6 +4,7 @@
 // Reads and writes what fix mpm has in restart files.
 #include <malloc.h>
 
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <vector>
@@ -24,6 +25,7 @@ void FixMpm::write_restart(FILE* fp) {
   mpdem::CementHead head;
   head.time = update->get_cur_time();
   head.auto_step = auto_step_;
+  head.longest_substep = std::isfinite(longest_substep_) ? longest_substep_ : 0.0;
   head.links = coupling_.so_far();
   const std::vector<double> all = cement_->packed_state(head);
   avec_->write_with_points(cement_->packed_nodes());
@@ -67,6 +69,7 @@ void FixMpm::restart(char* buf) {
   update->atime = head.time;
   update->atimestep = update->ntimestep;
   auto_step_ = head.auto_step;
+  longest_substep_ = head.longest_substep;
   coupling_.restore(head.links);
 }
 
