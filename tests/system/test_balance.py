@@ -86,19 +86,26 @@ def test_same_answer(ranks, processors, speed, words, tmp_path, figures):
 def test_restart(runs, tmp_path):
     """A run that goes on from a file written between two runs, within one, or after a command that hands points back to the ranks of their places, is the
     run itself to the bit; on one rank it has the same events."""
-    run(beads() + cement("balance yes") + runs, tmp_path, 2)
+    books = "thermo_style custom step f_cem[6] f_cem[8] f_cem[9] f_cem[11] f_cem[12]\nthermo_modify format float %.17g\n"
+    whole_output = run(beads() + cement("balance yes") + books + runs, tmp_path, 2).output
     head, whole = table(tmp_path)
     _, events = table(tmp_path, "events.csv")
     assert any(int(e[0]) > 200 for e in events)
     for ranks in (2, 1):
         folder = tmp_path / f"on_{ranks}"
         folder.mkdir()
-        out = run(host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.200\n" + NEIGHBOURS + cement("balance yes") + "run 200\n", folder, ranks).output
+        out = run(host(processors="1 1 2" if ranks == 2 else "* * *") + "read_restart ../half.200\n" + NEIGHBOURS + cement("balance yes") + books + "run 200\n", folder, ranks).output
         if ranks == 1:
             assert [(e[0], e[2]) for e in events if int(e[0]) > 200] == [(e[0], e[2]) for e in table(folder, "events.csv")[1] if int(e[0]) > 200]
             continue
         assert told(out)[0][2] > 5
         assert [row for row in whole if int(row[head.index("step")]) > 200] == [row for row in table(folder)[1] if int(row[head.index("step")]) > 200]
+        assert steps_after(200, whole_output) == steps_after(200, out)
+
+
+def steps_after(step, output):
+    """Lines of thermo of later steps."""
+    return {line for line in output.splitlines() if re.fullmatch(r"\s*\d+( \S+){5}\s*", line) and int(line.split()[0]) > step}
 
 
 def most_atoms(output):

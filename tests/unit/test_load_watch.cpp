@@ -172,13 +172,13 @@ TEST(LoadWatch, PlaceOrderAndRestart) {
   swapped.swapped = true;
   Pair first;
   first.window(load, motion, 0.5);
-  const double size = std::fabs(first.watch.sums_of_all(MPI_COMM_WORLD)[0][1]);
+  const double size = std::fabs(first.watch.gather_on_first(MPI_COMM_WORLD)[0][1]);
   first.window(load, motion, 0.5);
   EXPECT_GT(first.watch.largest(0).load, 0.4);
   for (const Placed& p : {turned, swapped}) {
     Pair other(p);
     other.window(load, motion, 0.5);
-    std::vector<LoadWatch::Sums> sums = other.watch.sums_of_all(MPI_COMM_WORLD);
+    std::vector<LoadWatch::Sums> sums = other.watch.gather_on_first(MPI_COMM_WORLD);
     EXPECT_NEAR(sums[0][0], 0.5, 1e-9);
     EXPECT_GT(size, 1.0);
     int me;

@@ -19,6 +19,7 @@
 
 #include <mpi.h>
 
+#include "../parallel/ranks.h"
 #include "../parallel/record.h"
 
 namespace mpdem {
@@ -97,13 +98,15 @@ class EnergyBooks {
   }
 
   const Sums& sums() const { return sums_; }
-  // Collective. Sums over all ranks.
-  Sums sums_of_all(MPI_Comm comm) const {
+  // Collective. Returns sums over all ranks, and leaves them to the first. Books that are read from a restart file begin
+  // so. The rank that adds what changes the last digits, so a run that goes on has to do the same.
+  Sums gather_on_first(MPI_Comm comm) {
     double numbers[kMostNumbers<Sums>];
     pack(sums_, numbers);
     MPI_Allreduce(MPI_IN_PLACE, numbers, kMostNumbers<Sums>, MPI_DOUBLE, MPI_SUM, comm);
     Sums all;
     unpack(numbers, all);
+    sums_ = rank_in(comm) == 0 ? all : Sums();
     return all;
   }
   double start_energy() const { return start_; }  // energy of all ranks

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../coupling/relative_motion.h"
+#include "../parallel/ranks.h"
 
 namespace mpdem {
 
@@ -61,6 +62,12 @@ void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, 
 std::vector<LoadWatch::Sums> LoadWatch::sums_of_all(MPI_Comm comm) const {
   std::vector<Sums> all(sums_);
   if (!all.empty()) MPI_Allreduce(MPI_IN_PLACE, all.front().data(), static_cast<int>(kSums * all.size()), MPI_DOUBLE, MPI_SUM, comm);
+  return all;
+}
+
+std::vector<LoadWatch::Sums> LoadWatch::gather_on_first(MPI_Comm comm) {
+  const std::vector<Sums> all = sums_of_all(comm);
+  sums_ = rank_in(comm) == 0 ? all : std::vector<Sums>(all.size(), Sums{});
   return all;
 }
 

@@ -69,8 +69,8 @@ class LoadWatch {
   // all ranks.
   std::vector<int> look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed);
 
-  // Collective. Sums over all ranks, for restart files. Sums that are restored are on one rank.
-  std::vector<Sums> sums_of_all(MPI_Comm comm) const;
+  // Collective. Returns sums over all ranks, for restart files, and leaves them to the first. See EnergyBooks.
+  std::vector<Sums> gather_on_first(MPI_Comm comm);
   const Largest& largest(std::size_t row) const { return largest_[row]; }
   void restore(std::vector<Largest> largest, std::vector<Sums> sums) {
     largest_ = std::move(largest);
@@ -78,6 +78,8 @@ class LoadWatch {
   }
 
  private:
+  std::vector<Sums> sums_of_all(MPI_Comm comm) const;
+
   std::vector<Largest> largest_;
   std::vector<Sums> sums_;  // sums over the present window, of this rank
 };

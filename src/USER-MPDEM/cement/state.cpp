@@ -57,7 +57,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.step = scene_.dt_last;
   head.bodies_started = scene_.bodies_started;
   head.start_energy = scene_.books.start_energy();
-  head.books = scene_.books.sums_of_all(scene_.comm);
+  head.books = scene_.books.gather_on_first(scene_.comm);
   head.eigenvalue = stable_step_.known_eigenvalue();
   std::vector<double> mine_of_copies;
   for (const auto& row : divisions_.splits.rows_to_keep(scene_.comm))
@@ -77,7 +77,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::vector<double> peaks = report_.peaks();
   LoadWatch& watch = parting_.load_watch();
   watch.take_up(peaks.size());
-  const std::vector<LoadWatch::Sums> loads = watch.sums_of_all(scene_.comm);
+  const std::vector<LoadWatch::Sums> loads = watch.gather_on_first(scene_.comm);
   for (std::size_t r = 0; r < peaks.size(); ++r) {
     const Cracks::State s = r < cracks().size() ? cracks()[r] : Cracks::State();
     BondRow row{s.broken_seen, s.separation, peaks[r], static_cast<double>(s.broken_at), watch.largest(r)};

@@ -270,7 +270,7 @@ void count_points(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec,
   MPI_Allreduce(&mine, &total, 1, MPI_LMP_BIGINT, MPI_SUM, lmp->world);
   if (total != expected)
     stop_all(lmp, text_of(who, expected - total,
-                                 " material points left the simulation box at step ", lmp->update->ntimestep,
+                                 " material points left the simulation box, or were deleted, at step ", lmp->update->ntimestep,
                                  "; use a larger or periodic box"));
 }
 

@@ -232,14 +232,27 @@ void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::Eigenv
 }
 
 void FixMpm::setup_pre_exchange() {
+  check_positions();
+  show_homes(update->setupflag != 0);
+}
+
+// Commands must not move grains that have cement, nor its points.
+void FixMpm::check_positions() {
   atoms_.check_stayed(*avec_, cell());
   mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
-  if (cement_->built()) {
-    const std::vector<double> shown = mpdem::motion_shown(lmp, *avec_);
-    fill_atoms();
-    mpdem::check_points_left_alone(lmp, who(), *avec_, shown, 1e-9 * cell(), 1e-9 * law().elasticity().fastest_wave(cement_->density()));
-  }
-  show_homes(update->setupflag != 0);
+  if (!cement_->built()) return;
+  const std::vector<double> shown = mpdem::motion_shown(lmp, *avec_);
+  fill_atoms();
+  mpdem::check_points_left_alone(lmp, who(), *avec_, shown, 1e-9 * cell(), 1e-9 * law().elasticity().fastest_wave(cement_->density()));
+}
+
+// With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
+void FixMpm::check_unprepared() {
+  const std::size_t bonds = avec_->bonds.table.size();
+  if (bonds != prepared_bonds_)
+    mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
+  mpdem::count_points(lmp, "run ... pre no: ", *avec_, points_expected_);
+  check_positions();
 }
 
 // Call before LIGGGHTS exchanges atoms, when it has their true places. for_run: the exchange is for a run, and not for
@@ -252,6 +265,8 @@ void FixMpm::setup_pre_neighbor() {
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_run(); });
+  prepared_ = true;
+  prepared_bonds_ = avec_->bonds.table.size();
 }
 
 void FixMpm::setup(int) {
@@ -277,6 +292,8 @@ void FixMpm::setup(int) {
 // Commands may have changed velocities since the end of the last step.
 void FixMpm::pre_initial_integrate() {
   const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
+  if (first && !prepared_) check_unprepared();
+  if (first) prepared_ = false;
   if (first || divided) {
     atoms_.read(cement_->grains());
     guarded([&] {

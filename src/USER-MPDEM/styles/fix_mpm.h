@@ -107,6 +107,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void tell_substeps();
   void fill_atoms();
   void show_homes(bool for_run);
+  void check_positions();
+  void check_unprepared();
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
@@ -123,6 +125,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   class FixGravity* gravity_ = nullptr;  // fix whose gravity acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
+  bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
+  std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
   double auto_step_ = 0.0;      // time step that `timestep auto` found last
   double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;
