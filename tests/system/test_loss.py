@@ -43,6 +43,8 @@ CASES = {
                               ["fix mpm (id cem)", "more than two cells", "check"]),
     "bonded grain leaves the box": ([(HOLD + PULL, "fix motion grains move linear 0 0 1e4\nvelocity all set 0 0 1e4\n"), (RUN, "run 2000\n")],
                                     ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+    "a compute outlives its fix": (after("compute d calcite mpm/atom cem damage\nunfix bond\nunfix cem\nwrite_dump calcite custom last.txt id c_d\n"),
+                                   ["compute mpm/atom (id d)", "fix mpm 'cem' is gone"]),
     # not finite
     "force of a grain": (with_force("v_bad 0 0"), ["fix mpm (id cem)", "not finite"]),
     "force of a grain, updated": (UPDATED + with_force("v_bad 0 0"), ["fix mpm (id cem)", "not finite"]),

@@ -149,3 +149,13 @@ def test_what_does_not_deform(tmp_path, figures):
     assert set(p["c_attached"]) == {0, 1}
     side = np.where(at[:, 2] < middle, bond, bond + 1)
     assert (p["c_grain"] == np.where(p["c_attached"] > 0, side, 0)).all()
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_before_a_run(ranks, tmp_path, monkeypatch):
+    """`write_dump` evaluates the compute without a run, whatever lies in the memory that LIGGGHTS gives to it."""
+    monkeypatch.setenv("MALLOC_PERTURB_", "1")
+    text = pair(SPACING, cement=f"inner {INNER} outer {OUTER}") + cement(2 * SPACING, DT)
+    run(text + "compute v calcite mpm/atom cem volume\nwrite_dump calcite custom points.txt id c_v\n", tmp_path, ranks)
+    rows = np.loadtxt((tmp_path / "points.txt").read_text().split("ITEM: ATOMS")[-1].splitlines()[1:])
+    assert len(rows) > 100 and (rows[:, 1] > 0).all()

@@ -158,6 +158,25 @@ std::string shape_error(F f) {
   return {};
 }
 
+// Volumes from the least to the largest are met. Others are refused, with a message that names both.
+template <class Solve, class Volume>
+void expect_volumes_in_range(Solve size_for, Volume volume_of) {
+  for (const double gap : {0.0, 2e-4, 1e-3})
+    for (const double inner : {0.0, 5e-4}) {
+      const GrainPair pair{3e-3, 5e-3, gap, Eigen::Vector3d(0, 0, 1)};
+      const auto error = [&](double V) { return shape_error([&] { size_for(pair, V, inner); }); };
+      const auto named = [](const std::string& why, const std::string& word) { return std::stod(why.substr(why.find(word) + word.size())); };
+      const double least = named(error(1.0), "at least "), most = named(error(1.0), "at most ");
+      EXPECT_LT(least, 0.2 * most);
+      if (gap > 0.0) {
+        EXPECT_GT(least, 1e-6 * most);
+        EXPECT_NE(error(0.999 * least).find("at least"), std::string::npos) << gap << " " << inner;
+      }
+      for (const double V : {std::max(1.001 * least, 1e-7 * most), 0.999 * most})
+        EXPECT_NEAR(volume_of(pair, size_for(pair, V, inner), inner) / V, 1.0, 1e-9) << gap << " " << inner;
+    }
+}
+
 // Finds from the volume of each case the size that the case has.
 template <class Case, class Volume, class SizeOf>
 void expect_inverts(const std::vector<Case>& cases, double Case::*size, Volume volume, SizeOf size_of, double tolerance, const char* what) {

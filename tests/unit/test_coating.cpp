@@ -172,5 +172,10 @@ TEST(Coating, RefusesWhatIsNoBody) {
   EXPECT_NE(test::shape_error([&] { Coating::thickness_for_volume(p, 1e-9, M_PI, 3.5e-3); }).find("inner radius"), std::string::npos);
 }
 
+TEST(Coating, MeetsVolumesFromTheLeastToTheLargest) {
+  test::expect_volumes_in_range([](const GrainPair& pair, double V, double inner) { return Coating::thickness_for_volume(pair, V, M_PI, inner); },
+                                [](const GrainPair& pair, double size, double inner) { return Coating(pair, size, M_PI, inner).volume(); });
+}
+
 }  // namespace
 }  // namespace mpdem

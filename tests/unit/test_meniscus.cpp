@@ -187,5 +187,10 @@ TEST(Meniscus, RefusesWhatIsNoBody) {
   }
 }
 
+TEST(Meniscus, MeetsVolumesFromTheLeastToTheLargest) {
+  test::expect_volumes_in_range([](const GrainPair& pair, double V, double inner) { return Meniscus::filling_for_volume(pair, V, 0.0, inner); },
+                                [](const GrainPair& pair, double size, double inner) { return Meniscus(pair, size, 0.0, inner).volume(); });
+}
+
 }  // namespace
 }  // namespace mpdem

@@ -49,6 +49,15 @@ TEST_F(Table, GoesOnBehindTheRowsThatStay) {
   EXPECT_EQ(text(), "step,a\n0,1\n5,2\n5,3\n7,9\n");
 }
 
+// Rows from before `reset_timestep` have later steps.
+TEST_F(Table, KeepsRowsOfStepsThatWereResetSince) {
+  put("step,a\n0,1\n5,2\n10,3\n0,4\n5,5\n10,6\n");
+  TableFile t;
+  ASSERT_EQ(t.open(name, "step,a", 5), "");
+  EXPECT_EQ(t.kept_to(), 5);
+  EXPECT_EQ(text(), "step,a\n0,1\n5,2\n10,3\n0,4\n5,5\n");
+}
+
 TEST_F(Table, LeavesOutRowsThatAreNotWhole) {
   for (const char* end : {"1", "1,", "1\n", "1,2"}) {
     put(std::string("step,a,b\n0,1,1\n") + end);

@@ -62,10 +62,11 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
         [&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *
         (1.0 - 1e-12);
   if (volume_of(most) == 0.0) Coating(pair, most, cap, inner);  // throws with a message about what is wrong besides the volume
-  if (!(volume > 0.0) || volume_of(most) < volume) {
+  const double least = least_of_rising(volume_of, most);
+  if (!(volume > 0.0 && volume >= least && volume <= volume_of(most))) {
     std::ostringstream why;
-    why << "a coating of volume " << volume << " does not fit: on these grains it holds more than 0 and at most "
-        << volume_of(most) << "; reduce the content or widen the cap";
+    why << "a coating of volume " << volume << " does not fit: on these grains and outside the inner radius " << inner << " it holds at least " << least
+        << " and at most " << volume_of(most) << "; use a content between them, a wider cap for more, or a narrower one for less";
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double t) { return volume_of(t) - volume; }, 0.0, most);

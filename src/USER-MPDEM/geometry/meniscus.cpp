@@ -76,15 +76,16 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
     for (int i = 0; i < 60; ++i) (measure_of(0.5 * (lo + hi)) > 0.0 ? lo : hi) = 0.5 * (lo + hi);
     limit = lo;
   }
-  const double most = measure_of(limit);
-  if (!(value > 0.0) || most < value) {
+  const double most = measure_of(limit), least = least_of_rising(measure_of, limit);
+  if (!(value > 0.0 && value >= least && value <= most)) {
     std::ostringstream why;
     if (!(contact_angle >= 0.0 && contact_angle < 0.5 * M_PI))
       why << "contact angle " << contact_angle / kDegree << " degrees must lie in [0, 90)";
     else if (most == 0.0)
       why << "with the contact angle " << contact_angle / kDegree << " degrees no meniscus spans the gap of these grains; use a smaller one";
     else
-      why << "a meniscus of " << name << " " << value << " does not fit: between these grains it has more than 0 and at most " << most << "; reduce it";
+      why << "a meniscus of " << name << " " << value << " does not fit: between these grains and outside the inner radius " << inner << " it has at least " << least
+          << " and at most " << most << "; use a value between them, or another inner radius";
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double b) { return measure_of(b) - value; }, 0.0, limit);

@@ -125,6 +125,13 @@ double bisect_rising(F f, double lo, double hi) {
   return hi;
 }
 
+// Least value of a measure (volume, neck) that rises with a size, but is 0 for sizes below `hi` at which there is no
+// shape.
+template <class F>
+double least_of_rising(F measure, double hi) {
+  return measure(bisect_rising([&](double size) { return measure(size) > 0.0 ? 1.0 : -1.0; }, 0.0, hi));
+}
+
 }  // namespace mpdem
 
 #endif

@@ -54,7 +54,9 @@ ComputeMpmAtom::ComputeMpmAtom(LAMMPS* lmp, int& iarg, int narg, char** arg) : C
   mpdem::Arguments args(lmp, mpdem::text_of("compute mpm/atom (id ", id, ")"), narg, arg, iarg);
   peratom_flag = 1;
   size_peratom_cols = 0;
-  vector_atom = nullptr;  // Compute does not set it
+  // Compute does not set these. `write_dump` before a run reads the flag; each rank would go by what it finds there.
+  vector_atom = nullptr;
+  invoked_flag = 0;
   cement_id_ = args.word("the ID of a fix mpm");
   if (!find_cement()) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
   const std::vector<std::string> names = names_of(find_cement()->law());
@@ -112,6 +114,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
 
 void ComputeMpmAtom::compute_peratom() {
   invoked_peratom = update->ntimestep;
+  init();  // `write_dump` evaluates computes without a run, and `unfix` may come before it
   cement_->show_points();
   if (atom->nlocal > size_) {
     memory->destroy(vector_atom);
