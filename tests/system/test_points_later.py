@@ -57,6 +57,20 @@ def test_weight(tmp_path):
     assert abs(found["now"]["f_bond[3]"][-1]) > 0
 
 
+@pytest.mark.parametrize("boundary, ranks", [("s s s", 1), ("s s s", 2), ("f m s", 2)])
+def test_sides_that_follow_the_atoms(boundary, ranks, tmp_path, figures):
+    """There is no box beyond the middles of the grains, which are all atoms there are. It grows when the points are made."""
+    found = []
+    for sides in ("f f f", boundary):
+        text = scene("later", boundary=sides) + pull(0.5, 8e-6) + thermo(10, ["f_bond", AWAKE, "f_cem[2]", "atoms"])
+        found.append(run(text + "run 1200\n", tmp_path / sides.replace(" ", ""), ranks).table())
+    fixed, following = found
+    assert following["atoms"][0] == 2 and following[AWAKE][-1] == 1 and following["f_cem[2]"][-1] > 20
+    for name in ("atoms", AWAKE, "f_cem[2]"):
+        assert (fixed[name] == following[name]).all(), name
+    figures.below(f"{boundary}, {ranks} ranks: force with a box that grows, over its peak", np.abs(fixed["f_bond"] - following["f_bond"]).max() / fixed["f_bond"].max(), 1e-9)
+
+
 @pytest.mark.parametrize("at", [300, 770, 900])
 def test_restart(at, tmp_path):
     """Without points, when they are asked for, and with them: the same to the bit."""

@@ -82,8 +82,11 @@ SceneBox scene_box(const Domain& domain) {
     box.high[c] = domain.boxhi[c];
     box.period[c] = domain.prd[c];
     box.periodic[c] = domain.periodicity[c] != 0;
-    box.own_low[c] = domain.sublo[c];
-    box.own_high[c] = domain.subhi[c];
+    // A side that follows the atoms lets them lie beyond it. LIGGGHTS moves it before it exchanges atoms.
+    constexpr int kFollows = 2;
+    constexpr double kAnywhere = 1e150;
+    box.own_low[c] = domain.boundary[c][0] >= kFollows && domain.sublo[c] == domain.boxlo[c] ? -kAnywhere : domain.sublo[c];
+    box.own_high[c] = domain.boundary[c][1] >= kFollows && domain.subhi[c] == domain.boxhi[c] ? kAnywhere : domain.subhi[c];
   }
   return box;
 }
