@@ -194,7 +194,7 @@ def test_stability(figures):
 
 
 BAD = {
-    "many": ("subcycle 8", "subcycle 1001", ["fix mpm (id cem)", "'subcycle 1001'", "at most 1000"]),
+    "many": ("subcycle 8", "subcycle 1001", ["fix mpm (id cem)", "'subcycle 1001'", "from 1 to 1000", "'auto'"]),
     "none": ("subcycle 8", "subcycle 0", ["fix mpm (id cem)", "subcycle", "0"]),
     "a word": ("subcycle 8", "subcycle yes", ["fix mpm (id cem)", "subcycle", "yes"]),
     "a long step": ("timestep     1.28e-07", "timestep     1e-06", ["fix mpm (id cem)", "1e-06 exceeds the stable step", "of 8 sub-steps", "use 'timestep"]),

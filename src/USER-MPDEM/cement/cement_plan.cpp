@@ -77,7 +77,8 @@ std::string CementPlan::trouble_of_geometry(PlannedBond& bond) const {
     return text_of("grains ", g0.tag, " and ", g1.tag, " are not neighbours: their gap ", gap, " exceeds half the smaller radius, ", reach,
                    "; bring them together or name other grains");
   if (!(gap > -0.2 * reach))
-    return text_of("grains ", g0.tag, " and ", g1.tag, " overlap by ", -gap, ", more than a tenth of the smaller radius, ", 0.2 * reach);
+    return text_of("grains ", g0.tag, " and ", g1.tag, " overlap by ", -gap, ", more than a tenth of the smaller radius, ", 0.2 * reach,
+                   "; move them apart, or name other grains");
   return "";
 }
 

@@ -162,7 +162,7 @@ void WriteRestart::write(char* file) {
   std::uint64_t all = 0;
   MPI_Reduce(&bytes, &all, 1, MPI_UINT64_T, MPI_SUM, 0, world);
   if (region) all = 0;  // what was written is not known
-  AtomVecMpdem::of(lmp)->write_with_points({});
+  AtomVecMpdem::of(lmp)->forget_nodes();
   std::string complaint;
   if (me == 0) complaint = write_seal(with(name, "base"), split ? 0 : all, block, split ? nprocs : 0, update->ntimestep);
   if (split && complaint.empty())

@@ -51,31 +51,33 @@ bool Arguments::accept(const std::string& keyword) {
   return true;
 }
 
-double Arguments::number(const std::string& keyword) {
+double Arguments::number(const std::string& keyword, const std::string& or_word) {
   const std::string w = word("a number for '" + keyword + "'");
   char* end = nullptr;
   const double v = std::strtod(w.c_str(), &end);
   if (w.empty() || *end != '\0' || !std::isfinite(v))
-    complain("'" + keyword + " " + w + "': a finite number is needed");
+    complain("'" + keyword + " " + w + "': a finite number" + or_word + " is needed");
   return v;
 }
 
-double Arguments::positive(const std::string& keyword) {
-  const double v = number(keyword);
-  if (!(v > 0.0)) complain(text_of("'", keyword, " ", v, "': must be greater than 0"));
+double Arguments::positive(const std::string& keyword, const std::string& or_word) {
+  const double v = number(keyword, or_word);
+  if (!(v > 0.0)) complain(text_of("'", keyword, " ", v, "': must be greater than 0", or_word));
   return v;
 }
 
-double Arguments::not_negative(const std::string& keyword) {
-  const double v = number(keyword);
-  if (!(v >= 0.0)) complain(text_of("'", keyword, " ", v, "': must not be negative"));
+double Arguments::not_negative(const std::string& keyword, const std::string& or_word) {
+  const double v = number(keyword, or_word);
+  if (!(v >= 0.0)) complain(text_of("'", keyword, " ", v, "': must not be negative", or_word.empty() ? "" : "; use a positive number, 0", or_word));
   return v;
 }
 
-int Arguments::integer(const std::string& keyword, int least) {
-  const double v = number(keyword);
-  if (v != std::floor(v) || v < least || v > 2147483647.0)
-    complain(text_of("'", keyword, " ", v, "': a whole number of at least ", least, " is needed"));
+int Arguments::integer(const std::string& keyword, int least, int most, const std::string& or_word) {
+  const std::string w = word("a whole number for '" + keyword + "'");
+  char* end = nullptr;
+  const double v = std::strtod(w.c_str(), &end);
+  if (w.empty() || *end != '\0' || v != std::floor(v) || !(v >= least && v <= most))
+    complain(text_of("'", keyword, " ", w, "': a whole number from ", least, " to ", most, or_word, " is needed"));
   return static_cast<int>(v);
 }
 

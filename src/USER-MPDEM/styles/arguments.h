@@ -7,6 +7,7 @@
 #ifndef MPDEM_ARGUMENTS_H
 #define MPDEM_ARGUMENTS_H
 
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -35,10 +36,11 @@ class Arguments {
   void once(const std::string& keyword, const std::string& scope = "");
 
   // Reads a word that is a number with all of its characters.
-  double number(const std::string& keyword);
-  double positive(const std::string& keyword);
-  double not_negative(const std::string& keyword);
-  int integer(const std::string& keyword, int least);
+  // or_word: what a message adds about words that may stand in place of the number, " or 'auto'".
+  double number(const std::string& keyword, const std::string& or_word = {});
+  double positive(const std::string& keyword, const std::string& or_word = {});
+  double not_negative(const std::string& keyword, const std::string& or_word = {});
+  int integer(const std::string& keyword, int least, int most = std::numeric_limits<int>::max(), const std::string& or_word = {});
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) { return allowed[place_of_choice(keyword, allowed)]; }
   // Returns the next word, which has to be one of these.
   std::string keyword(const std::vector<std::string>& allowed);

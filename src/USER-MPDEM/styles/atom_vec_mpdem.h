@@ -67,6 +67,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // file, on the ranks that have these points then.
   static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
   void write_with_points(std::map<int, std::vector<double>> of_bonds);
+  void forget_nodes() { rows_.clear(); }
   std::vector<double> restored_rows;
 
   // Returns the atom style in use, or null.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "arguments.h"
 #include "law_words.h"
@@ -88,8 +89,7 @@ double take_step_fraction(Arguments& args) {
 }
 
 void take_subcycle(Arguments& args, CementOptions& o) {
-  o.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer("subcycle", 1);
-  if (o.subcycle > kMostSubsteps) args.complain(text_of("'subcycle ", o.subcycle, "': number of sub-steps, must be at most ", kMostSubsteps));
+  o.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer("subcycle", 1, kMostSubsteps, ", 'no' or 'auto'");
 }
 
 // Energies of a crack per area that a script asks for; 0: none.
@@ -204,9 +204,7 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "basis") {
       o.basis = static_cast<Basis>(args.place_of_choice(key, Bases::names()));
     } else if (key == "mass_order") {
-      o.mass_order = args.integer(key, 1);
-      if (o.mass_order > 2)
-        args.complain(text_of("'mass_order ", o.mass_order, "': must be 1, the lumped mass, or 2; further terms were found to gain nothing"));
+      o.mass_order = args.integer(key, 1, 2);
     } else if (key == "kinematics") {
       o.updated = args.choice(key, {"total", "updated"}) == "updated";
     } else if (key == "edge") {
@@ -227,7 +225,7 @@ CementWords take_cement_words(Arguments& args) {
       const bool automatic = args.accept("auto");
       args.once(automatic ? "reproject auto" : "reproject N");
       if (automatic) o.reproject_distortion = args.positive("reproject auto");
-      else o.reproject_every = args.integer(key, 1);
+      else o.reproject_every = args.integer(key, 1, std::numeric_limits<int>::max(), " or 'auto'");
     } else if (key == "skip") {
       take_skip(args, w);
     } else if (key == "timestep") {

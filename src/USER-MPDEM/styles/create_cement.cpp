@@ -177,7 +177,7 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
     } else if (key == "attach") {
       wish.attach = args.positive(key);
     } else if (key == "inner") {
-      wish.inner = args.accept("auto") ? -1.0 : args.not_negative(key);
+      wish.inner = args.accept("auto") ? -1.0 : args.not_negative(key, " or 'auto'");
       has_inner = true;
     } else if (key == "grid") {
       for (double& g : wish.grid) g = args.number(key);

@@ -65,7 +65,10 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   report_ = std::make_unique<mpdem::CementReport>(lmp, who());
 }
 
-FixMpm::~FixMpm() = default;
+// A restart file that is written after this has no nodes of the cement.
+FixMpm::~FixMpm() {
+  if (avec_) avec_->forget_nodes();
+}
 
 std::string FixMpm::who() const { return text_of("fix mpm (id ", id, "): "); }
 

@@ -47,11 +47,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     const std::string key = args.word("a keyword");
     args.once(key);
     if (key == "kn") {
-      kn_ = args.accept("auto") ? -1.0 : args.positive(key);
+      kn_ = args.accept("auto") ? -1.0 : args.positive(key, " or 'auto'");
     } else if (key == "kt") {
-      kt_ = args.accept("auto") ? -1.0 : args.positive(key);
+      kt_ = args.accept("auto") ? -1.0 : args.positive(key, " or 'auto'");
     } else if (key == "length") {
-      length_ = args.accept("cell") ? -1.0 : args.positive(key);
+      length_ = args.accept("cell") ? -1.0 : args.positive(key, " or 'cell'");
     } else if (key == "at") {
       at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
     } else if (key == "damping") {
