@@ -2,7 +2,7 @@
 """What is lost stops the run: exit status not 0, and one message on the screen, which is a file here, and
 in the log, on one rank and on two."""
 import pytest
-from scenes import cement, edit, hosted, launch, pair, pull
+from scenes import cement, edit, hosted, launch, pair, pull, restarted
 
 GOOD = (pair(2e-4) + cement(4e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 check 5")
         + pull(1.0, 1e-6) + "run 20\n")
@@ -89,6 +89,11 @@ CASES = {
                                            ["run ... pre no", "material points", "were deleted"]),
     "points are displaced without a setup": ([(RUN, RUN + "displace_atoms calcite move 0 0 1e-6 units box\nrun 20 pre no\n")],
                                              ["fix mpm (id cem)", "changed position or velocity of material point"]),
+    "points grow before the run": (before("set type 2 diameter 1e-3\n"), ["fix mpm (id cem)", "changed the diameter of material point", "create_cement"]),
+    "points grow": (after("set type 2 diameter 1e-3\n"), ["fix mpm (id cem)", "changed the diameter of material point"]),
+    "points get heavier": (after("set type 2 density 5000\n"), ["fix mpm (id cem)", "density of the points is 5000, and was 2710", "before the first run"]),
+    "points get heavier after a restart": (after("write_restart r\nclear\n" + restarted("r") + GOOD[GOOD.index("timestep"):].replace(RUN, "set type 2 density 5000\n")),
+                                           ["fix mpm (id cem)", "density of the points is 5000, and was 2710"]),
     "a grain grows": (after("set group second diameter 0.0101\n"),
                       ["fix mpm (id cem)", "bonded grain 2 has radius 0.00505", "made for 0.005", "create_cement"]),
     "a grain grows in the run": ([(RUN, "variable d equal 0.01*(1+1e-6*step)\nfix grow second adapt 1 atom diameter v_d\n" + RUN)],

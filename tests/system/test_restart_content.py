@@ -10,7 +10,7 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, NODE = 45, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
+FIX_HEAD, FIX_BOND, NODE = 46, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
         "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51, "home": 52}

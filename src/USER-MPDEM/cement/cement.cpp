@@ -5,6 +5,7 @@
 #include "cement.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "../mpm/point_state.h"
 #include "../numerics/flush_denormals.h"
@@ -111,6 +112,12 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
 }
 
 std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() { return mpdem::stiffness_of_bonds(scene_, arrangement_.of_copies(&*scene_.penalty)); }
+
+void Cement::set_density(double density) {
+  if (scene_.bodies_started > 0 && std::fabs(density - scene_.density()) > 1e-12 * density)
+    throw BadState(text_of("the density of the points is ", density, ", and was ", scene_.density(), " in the steps before; change it before the first run"));
+  scene_.inertia = scene_.options.mass_scale * density;
+}
 
 void Cement::take_up_commands() {
   BondedGrains& grains = scene_.grains;

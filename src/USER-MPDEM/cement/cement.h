@@ -47,7 +47,8 @@ class Cement {
   // Settings of the script.
   const CementOptions& options() const { return scene_.options; }
   const Law& law() const { return *scene_.law; }
-  void set_density(double density) { scene_.inertia = scene_.options.mass_scale * density; }  // density of the calcite
+  // Sets the density of the calcite. Throws BadState if cement moved with another one before.
+  void set_density(double density);
   void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
   double density() const { return scene_.density(); }
   double inertia() const { return scene_.inertia; }  // density with the mass scale

@@ -58,6 +58,7 @@ struct CementHead {
   bool unilateral = false;    // are failed points stiff while their crack is closed
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
+  double density = 0.0;       // of the calcite
   bool split = false;         // do nodes split, see fracture/node_copies.h
   int bodies = 0, copies = 0;  // numbers of rows that follow
   double nodes = 0.0;          // number of rows of nodes, of all ranks
@@ -84,6 +85,7 @@ struct CementHead {
     visit("the scale of the inertia", h.mass_scale, kPositive);
     visit("the number of copies of nodes", h.copies, kCount);
     visit("the sub-step of 'subcycle auto'", h.longest_substep, kNotNegative);
+    visit("the density", h.density, kPositive);
   }
 };
 

@@ -69,6 +69,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   const std::array<double, 5> elastic = numbers_of(scene_.law->elasticity().constants);
   std::copy(elastic.begin(), elastic.end(), head.elastic);
   head.mass_scale = scene_.options.mass_scale;
+  head.density = scene_.density();
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(scene_.bonds.table.size());
   head.nodes = nodes_to_pack(scene_);
@@ -116,6 +117,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
   const std::size_t table = scene_.bonds.table.size();
   scene_.dt_last = head.step;
   scene_.bodies_started = head.bodies_started;
+  scene_.inertia = scene_.options.mass_scale * head.density;
   stable_step_.restore(head.eigenvalue);
   restored_ = true;
   const int me = rank_in(scene_.comm);

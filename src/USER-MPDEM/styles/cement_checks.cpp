@@ -64,6 +64,13 @@ std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
   return "";
 }
 
+std::string trouble_with_diameter(const std::string& who, const Atom& atom, const AtomVecMpdem& avec, int i) {
+  const double r = atom.radius[i], volume = avec.points_of(i).blocks[avec.slot[i] / kLanes].volume[avec.slot[i] % kLanes];
+  if (std::fabs(4.0 / 3.0 * M_PI * r * r * r - volume) <= 1e-9 * volume) return "";
+  return who + text_of("a command changed the diameter of material point ", atom.tag[i], " to ", 2.0 * r, "; its volume is ", volume,
+                       " by create_cement, and stays so; for other volumes create the cement with another spacing or content");
+}
+
 }  // namespace
 
 CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
@@ -89,6 +96,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     if (!(lmp->atom->mask[i] & fix->groupbit) && trouble.empty())
       trouble = who + text_of("material point ", lmp->atom->tag[i], " is not in group '", lmp->group->names[fix->igroup],
                               "'; use the group named in create_cement");
+    if (trouble.empty()) trouble = trouble_with_diameter(who, *lmp->atom, avec, i);
     least = std::min(least, lmp->atom->density[i]);
     most = std::max(most, lmp->atom->density[i]);
     for (int k = 0; k < lmp->modify->nfix && trouble.empty(); ++k) {

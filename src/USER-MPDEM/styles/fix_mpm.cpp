@@ -92,7 +92,7 @@ void FixMpm::init() {
   make_points_of_run();
   const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_);
   points_expected_ = points.expected;
-  cement_->set_density(points.density);
+  guarded([&] { cement_->set_density(points.density); });
   mpdem::check_box(lmp, who(), table);
   mpdem::check_axis(lmp, who(), table, o);
   guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
