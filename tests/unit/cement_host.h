@@ -330,7 +330,7 @@ class RowOfGrains : public CementHost {
     o.unilateral = row_.unilateral;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
-    o.skip.nonlocal = row_.length > 0.0;
+    o.advance.nonlocal = row_.length > 0.0;
     const VtiElasticity elasticity(VtiConstants::isotropic(kYoung, 0.0));
     std::unique_ptr<Law> law;
     if (row_.B0 > 0.0) law = std::make_unique<TensorDamage>(elasticity, p);

@@ -157,6 +157,24 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
 
 // A piece that is rigid with a grain, as a bond between the grain and itself (cement/rigid_pieces.h), after any turn: loads against a sum over its nodes,
 // in the pack and alone.
+// It is the largest eigenvalue of the coupling blocks in the metric of the others.
+TEST_F(CondensedBond, CouplingIsAnEigenvalue) {
+  CondensedModel::Matrix12 own = model.M, between = model.M;
+  own.topRightCorner<6, 6>().setZero();
+  own.bottomLeftCorner<6, 6>().setZero();
+  between -= own;
+  model.find_coupling();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver{Eigen::MatrixXd(between), Eigen::MatrixXd(own)};
+  EXPECT_NEAR(model.coupling, solver.eigenvalues().maxCoeff(), 1e-12);
+  EXPECT_GT(model.coupling, 0.01);
+  double numbers[CondensedModel::kNumbers];
+  model.pack(numbers);
+  CondensedModel other;
+  other.unpack(numbers);
+  EXPECT_EQ(other.coupling, model.coupling);
+  EXPECT_EQ((other.N - model.N).norm(), 0.0);
+}
+
 TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
   for (int s = 0; s < 2; ++s) {
     place(0.9);
@@ -168,7 +186,8 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
       nodes.emplace_back(random.uniform(0.5, 1.0), random.vector());
       rigid.add_node(nodes.back().first, nodes.back().second, Eigen::Matrix<double, 3, 6>::Zero());
     }
-    EXPECT_EQ(rigid.coupling(), 0.0);
+    rigid.find_coupling();
+    EXPECT_EQ(rigid.coupling, 0.0);
     GrainState state;
     std::vector<Grain> grain(1);
     grain[0].tag = piece.grain[0];

@@ -141,7 +141,7 @@ TEST(BorrowedNodes, WhoMayBorrow) {
   for (const BlockMeta& m : {some, first, none}) EXPECT_FALSE(BorrowedNodes(o, nullptr).may_borrow(m));
   CementOptions unilateral(o), all_points(o), bonds(o);
   unilateral.unilateral = true;
-  all_points.skip.skip_failed = false;
+  all_points.advance.skip_failed = false;
   bonds.split = false;
   for (const CementOptions& other : {unilateral, all_points, bonds}) EXPECT_FALSE(BorrowedNodes(other, nullptr).may_borrow(dead));
   PenaltyParameters p;

@@ -13,12 +13,12 @@ namespace mpdem {
 namespace {
 
 // Motion of each of these bonds, over all ranks. Velocities are ahead by the kick of the next drift.
-std::vector<BondMotion> motion_of(const Scene& scene, const std::vector<int>& rows) {
+std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int>& rows) {
   static_assert(sizeof(BondMotion) % sizeof(double) == 0, "sums of numbers");
   constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
   std::vector<BondMotion> sums(rows.size(), BondMotion{});
   for (std::size_t n = 0; n < rows.size(); ++n)
-    if (const Bond* b = scene.bonds.find(rows[n])) sums[n] = mpdem::motion_of(b->grid, scene.kick());
+    if (const Bond* b = scene.bonds.find(rows[n])) sums[n] = mpdem::sums_of_motion(b->grid, scene.kick());
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), kWidth * static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, scene.comm);
   return sums;
 }
@@ -26,10 +26,10 @@ std::vector<BondMotion> motion_of(const Scene& scene, const std::vector<int>& ro
 // Gives momentum and angular momentum back, so that they are what they were. The energy that is missing counts as
 // released.
 void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<BondMotion>& before) {
-  std::vector<BondMotion> after = motion_of(scene, rows);
+  std::vector<BondMotion> after = sums_of_motion(scene, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
     if (Bond* b = scene.bonds.find(rows[n])) give_back_motion(b->grid, before[n], after[n]);
-  after = motion_of(scene, rows);
+  after = sums_of_motion(scene, rows);
   const int me = rank_in(scene.comm);
   for (std::size_t n = 0; n < rows.size() && me == 0; ++n) scene.books.release(before[n].kinetic - after[n].kinetic);
 }
@@ -82,7 +82,7 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
   restored_.bring();
   const std::vector<int> untied = how.splits ? rows : scene_.options.split ? std::vector<int>() : divisions_.cracks.untie(scene_.options);
   const bool moves = scene_.laid_out && !untied.empty();
-  const std::vector<BondMotion> motion = moves ? motion_of(scene_, untied) : std::vector<BondMotion>();
+  const std::vector<BondMotion> motion = moves ? sums_of_motion(scene_, untied) : std::vector<BondMotion>();
   std::vector<LayoutRequest> requests;
   for (int row : rows)
     if (Bond* b = scene_.bonds.find(row)) requests.push_back(request_of(*b, parts));
@@ -177,7 +177,7 @@ void Arrangement::adopt(std::vector<BondLayout>& layouts) {
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
     start_anew(b);
-    b.near_threshold = scene_.options.skip.nonlocal && is_near_threshold(b.points, *scene_.law);
+    b.near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b.points, *scene_.law);
     b.failed.clear();
     b.laid_out_blocks = b.points.blocks.size();
     if (l.new_slot.empty()) continue;

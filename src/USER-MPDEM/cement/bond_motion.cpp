@@ -6,7 +6,7 @@
 
 namespace mpdem {
 
-BondMotion motion_of(const Grid& grid, double kick) {
+BondMotion sums_of_motion(const Grid& grid, double kick) {
   BondMotion s{};
   for (int i = 0; i < grid.size(); ++i) {
     if (!grid.halo.counts_here()[i] || grid.mass[i] == 0.0) continue;

@@ -15,7 +15,7 @@ struct BondMotion {
 };
 
 // Sums over the nodes that this rank counts. Velocities are ahead of the stored ones by `kick` times the acceleration.
-BondMotion motion_of(const Grid& grid, double kick);
+BondMotion sums_of_motion(const Grid& grid, double kick);
 // Adds the rigid motion that takes momentum, and angular momentum about the centre of mass, from `now` to what they were.
 // The centre of mass goes along with mass that changes its node. So about any other place the angular momentum would
 // depend on the velocity at which all that there is flies.

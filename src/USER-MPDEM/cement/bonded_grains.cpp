@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "../numerics/length.h"
+#include "../numerics/rotation.h"
 
 namespace mpdem {
 
@@ -133,10 +134,7 @@ void BondedGrains::turn(double dt) {
     if (rate == 0.0) continue;
     const double c = std::cos(0.5 * rate * dt), s = std::sin(0.5 * rate * dt) / rate;
     const double p[4] = {c, s * w[0], s * w[1], s * w[2]};
-    const double r[4] = {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-                         p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-                         p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
-                         p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1]};
+    const std::array<double, 4> r = quaternion_product(p, q);
     const double n = 1.0 / std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
     for (int d = 0; d < 4; ++d) q[d] = n * r[d];
   }

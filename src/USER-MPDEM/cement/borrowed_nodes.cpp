@@ -10,7 +10,7 @@
 namespace mpdem {
 
 BorrowedNodes::BorrowedNodes(const CementOptions& options, const PenaltyParameters* penalty)
-    : allowed_(options.split && options.skip.skip_failed && !options.unilateral && !(penalty && penalty->friction >= 0.0)),
+    : allowed_(options.split && options.advance.skip_failed && !options.unilateral && !(penalty && penalty->friction >= 0.0)),
       skins_(penalty && penalty->law->keeps_skins()) {}
 
 namespace {

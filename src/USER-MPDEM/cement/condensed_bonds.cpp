@@ -53,10 +53,13 @@ struct Rim {
   int most_steps(const Body& body) const { return !body.in_motion && (failed || !tied) ? kMostStepsOfCandidate : kMostStaticSteps; }
 };
 
-void sum_over_ranks(MPI_Comm comm, CondensedModel& model) {
-  if (comm == MPI_COMM_SELF) return;
-  MPI_Allreduce(MPI_IN_PLACE, model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
-  MPI_Allreduce(MPI_IN_PLACE, model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
+// Sums over the ranks that have nodes of the bond.
+void complete(MPI_Comm comm, CondensedModel& model) {
+  if (comm != MPI_COMM_SELF) {
+    MPI_Allreduce(MPI_IN_PLACE, model.M.data(), 144, MPI_DOUBLE, MPI_SUM, comm);
+    MPI_Allreduce(MPI_IN_PLACE, model.N.data(), 108, MPI_DOUBLE, MPI_SUM, comm);
+  }
+  model.find_coupling();
 }
 
 }  // namespace
@@ -76,7 +79,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   if (b)
     for (int i = 0; i < b->grid.size(); ++i)
       if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
-  sum_over_ranks(comm, model);
+  complete(comm, model);
   if (is_too_heavy(model)) throw BadState("the static fields of a bond are far off at nodes that hold by next to nothing; use 'edge tied', points that hold, or 'condense no'");
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
@@ -109,7 +112,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
     s->models.assign(2, CondensedModel());
     for (CondensedModel& m : s->models) m.middle = middle;
   }
-  for (CondensedModel& m : s->models) sum_over_ranks(comm, m);
+  for (CondensedModel& m : s->models) complete(comm, m);
   return s;
 }
 
@@ -467,7 +470,7 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
 
 double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const {
   show_strain(b, part);
-  const bool averaged = options.skip.nonlocal;
+  const bool averaged = options.advance.nonlocal;
   if (averaged) b.average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
   return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
 }
@@ -476,7 +479,7 @@ double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& opti
 // might be due. They are looked at again when a change of the motion might have made them due. So the step in which a
 // bond wakes does not depend on when it was looked at.
 std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options, const Law& law, std::vector<int>& together) {
-  const double times = options.skip.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
+  const double times = options.advance.nonlocal ? bound_of_averages(law) : 1.0, wakes = root_of_share(law, options.wake) / times;
   std::vector<int> rows;
   if (!pack_.any_level_reaches(wakes)) return rows;
   for (std::size_t part = 0; part < members_.size(); ++part) {
@@ -488,7 +491,7 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
     const int pattern = bonds.table[m.body].pattern;
     Bond* b = pattern == 0 ? bonds.find(m.body) : m.tells ? &patterns_.at(pattern).of.bond : nullptr;
     if (!b) continue;
-    if (options.skip.nonlocal && cut_.count(m.body) > 0) together.push_back(m.body);
+    if (options.advance.nonlocal && cut_.count(m.body) > 0) together.push_back(m.body);
     else if (note_look(part, largest_root(*b, static_cast<int>(part), options, law), options, law)) rows.push_back(m.body);
   }
   return rows;
@@ -498,7 +501,7 @@ bool CondensedBonds::note_look(std::size_t part, double root, const CementOption
   Member& m = members_[part];
   for (int j = 0; j < 6; ++j) m.looked_at[j] = pack_.relative(static_cast<int>(part), j);
   const double wakes = root_of_share(law, options.wake), bound = pack_.level(static_cast<int>(part));
-  m.margin = options.skip.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, wakes) : margin_of_root(law, bound, root, wakes);
+  m.margin = options.advance.nonlocal ? margin_of_average(law, bound_of_averages(law) * bound, root, wakes) : margin_of_root(law, bound, root, wakes);
   return root >= wakes;
 }
 

@@ -116,7 +116,7 @@ void Condensing::book_changes() {
 std::vector<int> Condensing::rows_that_are_due() {
   std::vector<int> together;
   std::vector<int> mine = condensed_.due(scene_.bonds, scene_.options, *scene_.law, together);
-  if (!scene_.options.skip.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
+  if (!scene_.options.advance.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
   together = scene_.agreed_rows(together);
   if (!together.empty()) {
     for (int row : together)
@@ -157,7 +157,7 @@ void Condensing::wake() {
     Bond* b = scene_.bonds.find(row);
     if (!b) continue;
     b->resting = Resting();
-    b->near_threshold = scene_.options.skip.nonlocal && is_near_threshold(b->points, *scene_.law);
+    b->near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b->points, *scene_.law);
   }
   added_.refresh(rows);
 }

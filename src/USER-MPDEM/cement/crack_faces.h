@@ -49,8 +49,7 @@ class CrackFaces {
   // Collective as add_force(). Largest slip above a cell of pairs that would touch in the last step, and whose material
   // holds to a grain; 0: none.
   double slid_too_far(const PointStore& points, Grid& grid) const;
-  // Deepest overlap of a pair in the last step.
-  double deepest() const { return deepest_; }
+  double deepest() const { return deepest_; }  // deepest overlap of a pair in the last step
   int pairs() const { return static_cast<int>(pairs_.size()); }
   int touching() const { return touching_; }
 

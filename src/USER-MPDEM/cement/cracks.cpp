@@ -87,7 +87,7 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
-std::size_t place_of(const std::vector<int>& rows, int row) { return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(); }
+std::size_t index_of(const std::vector<int>& rows, int row) { return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(); }
 
 // Bonds as a whole, each on one rank.
 struct WholeBonds {
@@ -142,7 +142,7 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < sent.count[rank]; ++i, ++n) {
       const Sent& s = sent.data[n];
-      const std::size_t place = place_of(rows, s.body);
+      const std::size_t place = index_of(rows, s.body);
       whole.points[place].push_back(s.point);
       whole.sources[place].push_back({rank, s.slot});
     }
@@ -173,7 +173,7 @@ void Cracks::watch_links(const Bond& bond) {
 void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.body];
   if (s.path_cut || s.separation.separated) return;
-  s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tags[slot / kLanes][slot % kLanes]);
+  s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tag(slot));
   if (s.path_cut) cut_.push_back(bond.body);
 }
 

@@ -39,7 +39,7 @@ void set_frames(PointStore& points, const Body& body, const CementOptions& optio
       f.x[l] = q.x();
       f.y[l] = q.y();
       f.z[l] = q.z();
-      if (m.damaged && law.state_is_tensor()) {  // the damage was given in the axes of the box
+      if (m.damaged && law.state_is_tensor()) {  // the damage was given in the axes of the bond
         const Sym3<vd> D = rotate_back(rotation_matrix(f), state_of<TensorDamage>(points, static_cast<int>(b)));
         const double numbers[6] = {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
         points.set_state(kLanes * static_cast<int>(b) + l, numbers);

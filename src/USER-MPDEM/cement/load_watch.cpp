@@ -15,7 +15,7 @@ namespace {
 Three<double> three(const double* x) { return {{x[0], x[1], x[2]}}; }
 
 // side: the first of the two sides.
-RelativeMotion<double> motion_of(const Body& body, const GrainSide* side) {
+RelativeMotion<double> relative_motion(const Body& body, const GrainSide* side) {
   Mat3<double> turn[2];
   Three<double> arm[2];
   const Three<double> apart = three(body.centre[1]) - three(body.centre[0]);
@@ -44,7 +44,7 @@ void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, 
   for (const BondedGrains::OwnedSide& o : grains.owned()) {
     if (static_cast<std::size_t>(o.body) >= sums_.size() || table[o.body].condensed) continue;
     const GrainSide* sides = &grains.sides.sides[o.at - o.side];
-    const RelativeMotion<double> motion = motion_of(table[o.body], sides);
+    const RelativeMotion<double> motion = relative_motion(table[o.body], sides);
     const GrainSide& s = sides[o.side];
     const double share = o.side == 0 ? -0.5 * dt : 0.5 * dt;
     const Three<double> force = three(s.force), F = turned_back(motion.Q, force), M = turned_back(motion.Q, three(s.torque) - cross(motion.r[o.side], force));

@@ -50,7 +50,7 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
 }
 
 void average_drives(Scene& scene, bool any_bond_is_cut) {
-  if (!scene.options.skip.nonlocal) return;
+  if (!scene.options.advance.nonlocal) return;
   scene.timer.start(StepTimer::kPoints);
   const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
   std::vector<int> rows;

@@ -26,7 +26,7 @@ struct CementOptions {
   Transfer transfer;
   int reproject_every = 0;               // steps between two re-projections; 0: none
   double reproject_distortion = 0.0;     // distortion that makes a new reference; 0: none
-  AdvanceOptions skip;
+  AdvanceOptions advance;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
   double length = 0.0;                   // length over which the drive of the damage is averaged; 0: no average
   double half_band = 0.0;                // half of the band of a crack with this length, Law::crack_band(); 0: no band, or not known
@@ -43,8 +43,10 @@ struct CementOptions {
   // Do the nodes beside a crack share the mass of what failed there, see fracture/node_copies.h? Points that may be
   // stiff again keep their mass at their own nodes. The bound of the step rests on that.
   bool shares_failed_mass() const { return split && !unilateral; }
-  // Do points give velocity to nodes at all?
+  // Do points give their velocity to the nodes, in every step or every so many?
   bool transfers() const { return updated || reproject_every > 0; }
+  // Do they ever? With `reproject auto` they do where they get a new reference.
+  bool reprojects() const { return transfers() || reproject_distortion > 0.0; }
   // Largest dt^2 lambda. For a mode that a transfer removes altogether, it is half of what the central difference
   // allows.
   double stability_bound() const { return (transfers() ? 2.0 : 4.0) / mass_order; }

@@ -110,7 +110,7 @@ void Parting::split_nodes() {
 // tied no longer give mass back, see give_back_motion(). Returns the nodes whose ties and masses are new.
 std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const double kick = scene_.kick();
-  const BondMotion before = motion_of(b.grid, kick);
+  const BondMotion before = sums_of_motion(b.grid, kick);
   const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, scene_.options.cell, scene_.options.basis);
   const BorrowedNodes borrowed(scene_.options, scene_.penalty ? &*scene_.penalty : nullptr);
   std::vector<Key> more = divisions_.splits.standing_at(b.body, parts.split);
@@ -148,8 +148,8 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));
   b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
-    give_back_motion(b.grid, before, motion_of(b.grid, kick));
-    scene_.books.release(before.kinetic - motion_of(b.grid, kick).kinetic);
+    give_back_motion(b.grid, before, sums_of_motion(b.grid, kick));
+    scene_.books.release(before.kinetic - sums_of_motion(b.grid, kick).kinetic);
   }
   return nodes;
 }

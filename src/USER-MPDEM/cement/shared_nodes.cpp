@@ -9,7 +9,7 @@ void SharedNodes::bind() {
   for (Bond& b : scene_.bonds.awake())
     if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
   sums_.build(halos);
-  if (!scene_.options.skip.nonlocal) return;
+  if (!scene_.options.advance.nonlocal) return;
   const int cut = !halos.empty();
   int any;
   MPI_Allreduce(&cut, &any, 1, MPI_INT, MPI_MAX, scene_.comm);

@@ -66,7 +66,7 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
     const double half_gap = 0.5 * ((second - first).norm() - body.radius[0] - body.radius[1]);
     for (int s = 0; s < 2; ++s) {
       Matrix6 to_middle = Matrix6::Identity();
-      to_middle.topRightCorner<3, 3>() = -cross((s == 0 ? 1.0 : -1.0) * (body.radius[s] + half_gap) * axis);
+      to_middle.topRightCorner<3, 3>() = -cross_matrix((s == 0 ? 1.0 : -1.0) * (body.radius[s] + half_gap) * axis);
       const auto at = stiffness.emplace(body.grain[s], Matrix6::Zero()).first;
       at->second += to_middle.transpose() * Eigen::Map<const Matrix6>(found[row].K) * to_middle;
     }

@@ -117,7 +117,7 @@ class Equations {
 };
 
 // Motion of the second grain about its centre, by motion j about the middle.
-void motion_of(int j, const Vector3& arm, double* motion) {
+void unit_motion(int j, const Vector3& arm, double* motion) {
   Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
   (j < 3 ? t : turn)[j % 3] = 1.0;
   t += turn.cross(arm);
@@ -138,7 +138,7 @@ std::vector<double> first_guess(const StaticParts& p, const BondFrame& frame, in
     double apart[2], motion[6];
     for (int s = 0; s < 2; ++s) apart[s] = std::max(0.0, (X - centre(p.side[s])).norm() - p.body.radius[s]);
     const double sum = apart[0] + apart[1], share = sum > 0.0 ? apart[0] / sum : 0.5;
-    motion_of(j, X - frame.middle, motion);
+    unit_motion(j, X - frame.middle, motion);
     for (int d = 0; d < 3; ++d) x[3 * i + d] = share * motion[d];
   }
   return x;
@@ -208,7 +208,7 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   for (int j = 0; j < 6; ++j) {
     std::vector<double>& x = bond.displacement[j];
     if (parts) {
-      motion_of(j, centre(parts->side[1]) - bond.frame.middle, motion[j][1]);
+      unit_motion(j, centre(parts->side[1]) - bond.frame.middle, motion[j][1]);
       x = first_guess(*parts, bond.frame, j);
     }
     force[j].resize(x.size());

@@ -40,7 +40,7 @@ class Total : public Kinematics {
       scene_.timer.start(StepTimer::kPoints);
       if (may_be_distorted) b.grid.clear_force();
       else b.grid.begin_forces();
-      b.resting.advance(b.points, b.grid, *scene_.law, dt, o.skip, forces_.pass());
+      b.resting.advance(b.points, b.grid, *scene_.law, dt, o.advance, forces_.pass());
       scene_.timer.start(StepTimer::kCoupling);
       forces_.take_failed(b);
       forces_.let_go(b);

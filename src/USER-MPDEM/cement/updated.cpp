@@ -112,7 +112,7 @@ class Updated : public Kinematics {
     scene_.timer.start(StepTimer::kCoupling);
     b.links.find_moves(b.grid, dt);
     scene_.timer.start(StepTimer::kPoints);
-    b.updated.advance(b.points, b.grid, *scene_.law, scene_.inertia, dt, kick, o.transfer, o.skip, forces_.pass());
+    b.updated.advance(b.points, b.grid, *scene_.law, scene_.inertia, dt, kick, o.transfer, o.advance, forces_.pass());
     forces_.take_failed(b);
   }
 

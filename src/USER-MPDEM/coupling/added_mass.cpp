@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "eight_shares.h"
+#include "rigid_motion.h"
 
 namespace mpdem {
 
@@ -69,28 +70,6 @@ std::vector<AddedMass::Share> AddedMass::shares() const {
 
 namespace {
 
-// Velocity or acceleration at r from the centre of a grain.
-template <class T>
-void rigid_at(const double* linear, const double* angular, const T* r, T* at) {
-  for (int d = 0; d < 3; ++d) {
-    const int e = (d + 1) % 3, g = (d + 2) % 3;
-    at[d] = linear[d] + angular[e] * r[g] - angular[g] * r[e];
-  }
-}
-
-void acceleration_at(const GrainSide& s, const double* r, double* a) { rigid_at(s.a, s.alpha, r, a); }
-void jump_at(const GrainSide& s, const double* r, double* v) { rigid_at(s.jump, s.jump + 3, r, v); }
-
-void add_to_grain(const double* r, const double* f, double scale, double* force, double* torque) {
-  for (int d = 0; d < 3; ++d) {
-    const int e = (d + 1) % 3, g = (d + 2) % 3;
-    force[d] += scale * f[d];
-    torque[d] += scale * (r[e] * f[g] - r[g] * f[e]);
-  }
-}
-
-void add_to_grain(const double* r, const double* f, double scale, GrainSide& s) { add_to_grain(r, f, scale, s.force, s.torque); }
-
 bool jumps(const GrainSide& s) {
   return std::any_of(s.jump, s.jump + 6, [](double j) { return j != 0.0; });
 }
@@ -111,7 +90,7 @@ void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
     for (int n = 0; n < 2; ++n) {
       if (a.mass[n] == 0.0) continue;
       double r[3];
-      a.lever_arm(grid, side[n], r);
+      lever_arm(grid, a.node, side[n], r);
       f(a.node, a.mass[n], side[n], r);
     }
   });
@@ -136,7 +115,7 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
     e.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
       e.lever_arm(side[n], r[n]);
-      rigid_at(side[n].a, side[n].alpha, r[n], of_grain[n]);
+      acceleration_at(side[n], r[n], of_grain[n]);
       for (int d = 0; d < 3; ++d) f[d] += own.mass[n] * of_grain[n][d];
     }
     const vd inverse = 1.0 / e.inertia;
@@ -173,7 +152,7 @@ void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double gr
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
     for (int n = 0; n < 2; ++n) {
-      a.lever_arm(grid, side[n], r[n]);
+      lever_arm(grid, a.node, side[n], r[n]);
       jump_at(side[n], r[n], of_grain[n]);
       for (int d = 0; d < 3; ++d) of_node[d] += inverse * a.mass[n] * of_grain[n][d];
     }
@@ -207,7 +186,7 @@ double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double l
   for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double of_grain[3], jump[3];
-    rigid_at(s.v, s.omega, r, of_grain);
+    velocity_at(s, r, of_grain);
     jump_at(s, r, jump);
     for (int d = 0; d < 3; ++d) {
       const double v = grid.velocity[3 * node + d] + later * grid.acceleration[3 * node + d] - (of_grain[d] - jump[d]);
@@ -230,7 +209,7 @@ double AddedMass::work_of_reaction(const Grid& grid, const GrainSide* side, cons
   for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
     if (!counts[node]) return;
     double of_grain[3];
-    rigid_at(s.v, s.omega, r, of_grain);
+    velocity_at(s, r, of_grain);
     for (int d = 0; d < 3; ++d) work += mass * field[3 * node + d] * of_grain[d];
   });
   return work;
@@ -255,7 +234,7 @@ double AddedMass::energy(const Grid& grid, const GrainSide* side, double early, 
     if (!counts[node]) return;
     double rate[3], of_grain[3];
     acceleration_at(s, r, rate);
-    rigid_at(s.v, s.omega, r, of_grain);
+    velocity_at(s, r, of_grain);
     for (int d = 0; d < 3; ++d) {
       const double v = grid.velocity[3 * node + d] - of_grain[d];
       const double a = grid.acceleration[3 * node + d] - rate[d];

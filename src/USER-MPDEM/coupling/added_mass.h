@@ -47,10 +47,6 @@ class AddedMass {
   struct Share {
     int node;
     double mass[2];  // of the links to each side
-    // Vector from the centre of a grain to the node.
-    void lever_arm(const Grid& grid, const GrainSide& s, double* r) const {
-      for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
-    }
   };
   std::vector<Share> shares() const;
   // Shares are kept eight side by side. EightNodes has what is equal in bonds of one shape.

@@ -23,7 +23,7 @@ Three<double> three(const Vector3& x) { return {{x[0], x[1], x[2]}}; }
 void CondensedModel::add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field) {
   const Vector3 Y = X - middle;
   Eigen::Matrix<double, 3, 6> P;
-  P << Matrix3::Identity(), -cross(Y);
+  P << Matrix3::Identity(), -cross_matrix(Y);
   Eigen::Matrix<double, 3, 12> both;
   both << P - field, field;
   M += m * both.transpose() * both;
@@ -35,14 +35,16 @@ void CondensedModel::pack(double* n) const {
   n = std::copy(middle.data(), middle.data() + 3, n);
   n = std::copy(K.data(), K.data() + 36, n);
   n = std::copy(M.data(), M.data() + 144, n);
-  std::copy(N.data(), N.data() + 108, n);
+  n = std::copy(N.data(), N.data() + 108, n);
+  *n = coupling;
 }
 
 void CondensedModel::unpack(const double* n) {
   std::copy(n, n + 3, middle.data());
   std::copy(n + 3, n + 39, K.data());
   std::copy(n + 39, n + 183, M.data());
-  std::copy(n + 183, n + kNumbers, N.data());
+  std::copy(n + 183, n + 291, N.data());
+  coupling = n[291];
 }
 
 void GrainLoads::add_to(GrainSide* side) const {
@@ -53,13 +55,15 @@ void GrainLoads::add_to(GrainSide* side) const {
     }
 }
 
-double CondensedModel::coupling() const {
-  if (M.topRightCorner<6, 6>().isZero(0.0)) return 0.0;
+void CondensedModel::find_coupling() {
+  coupling = 0.0;
+  if (M.topRightCorner<6, 6>().isZero(0.0)) return;
+  coupling = 1.0;
   const Eigen::LLT<Matrix6> first(M.topLeftCorner<6, 6>()), second(M.bottomRightCorner<6, 6>());
-  if (first.info() != Eigen::Success || second.info() != Eigen::Success) return 1.0;
+  if (first.info() != Eigen::Success || second.info() != Eigen::Success) return;
   const Matrix6 half = first.matrixL().solve(Matrix6(M.topRightCorner<6, 6>()));
   const Matrix6 both = second.matrixL().solve(Matrix6(half.transpose()));
-  return std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
+  coupling = std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
 }
 
 CondensedMotion::CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side) {

@@ -42,9 +42,10 @@ struct CondensedModel {
 
   // Adds a node of mass m at X with its row of the six fields, field(component, motion).
   void add_node(double m, const Vector3& X, const Eigen::Matrix<double, 3, 6>& field);
-  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1.
-  double coupling() const;
-  static constexpr int kNumbers = 3 + 36 + 144 + 108;
+  // Largest value of 2 |q_0.M_01 q_1| over q_0.M_00 q_0 + q_1.M_11 q_1. Call find_coupling() when M is complete.
+  double coupling = 0.0;
+  void find_coupling();
+  static constexpr int kNumbers = 3 + 36 + 144 + 108 + 1;
   void pack(double* numbers) const;
   void unpack(const double* numbers);
 };

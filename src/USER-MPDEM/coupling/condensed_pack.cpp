@@ -5,27 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../numerics/rotation.h"
+
 namespace mpdem {
 
 namespace {
 
 using Vec = Three<vd>;
 using Mat = Mat3<vd>;
-
-
-Mat matrix_of(const vd* q) {
-  const vd w = q[0], x = q[1], y = q[2], z = q[3];
-  return {{{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)},
-           {2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)},
-           {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}}};
-}
-
-void multiply(const vd* p, const vd* q, vd* r) {
-  r[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
-  r[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];
-  r[2] = p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3];
-  r[3] = p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1];
-}
 
 // Returns q x q^T.
 Mat turned(const Mat& q, const Mat& x) { return product(product(q, x), transpose(q)); }
@@ -121,7 +108,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
     for (int s = 0; s < 2; ++s) b.slot[s][lane] = slot_of(part.body->grain[s]);
     if (n >= parts.size()) continue;
     b.count = lane + 1;
-    most = std::max(most, part.model->coupling());
+    most = std::max(most, part.model->coupling);
   }
   MPI_Allreduce(&most, &coupling_, 1, MPI_DOUBLE, MPI_MAX, comm);
   motion_.assign(kMotion * tags_.size(), 0.0);
@@ -224,9 +211,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
       omega[s].a[d] = lanes_of(kOmega + d);
     }
     const vd q[4] = {lanes_of(kQ), lanes_of(kQ + 1), lanes_of(kQ + 2), lanes_of(kQ + 3)};
-    vd e[4];
-    multiply(q, b.back[s], e);
-    turn[s] = matrix_of(e);
+    turn[s] = rotation_of(quaternion_product(q, b.back[s]).data());
     arm[s] = Vec{{b.arm[s][0], b.arm[s][1], b.arm[s][2]}};
   }
   const RelativeMotion<vd> m(turn, arm, x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}});

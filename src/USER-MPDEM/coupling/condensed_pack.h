@@ -61,7 +61,7 @@ class CondensedPack {
   double jump_load(int grain, int d) const { return jump_load_.empty() ? 0.0 : jump_load_[6 * slot_of_owned_[grain] + d]; }
   double inertial_load(int grain, int d) const { return inertial_load_[6 * slot_of_owned_[grain] + d]; }
   double weight(int grain, int d) const { return weight_.empty() ? 0.0 : weight_[6 * slot_of_owned_[grain] + d]; }
-  // mass() is the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling() of all bonds.
+  // mass() is the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling of all bonds.
   const double* mass(int grain) const { return &mass_[kSym6 * slot_of_owned_[grain]]; }
   double coupling() const { return coupling_; }
   // Subtracts sum M_st a_t from the six numbers of each owned grain.

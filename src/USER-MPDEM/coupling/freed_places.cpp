@@ -9,6 +9,7 @@
 
 #include "../mpm/lane_by_lane.h"
 #include "free_weights.h"
+#include "rigid_motion.h"
 
 namespace mpdem {
 
@@ -23,8 +24,6 @@ vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2
 vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
 
 int side_of(const Body& body, int grain) { return body.grain[0] == grain ? 0 : 1; }
-bool has_failed(const PointStore& points, int slot) { return points.meta[slot / kLanes].failed >> slot % kLanes & 1; }
-int tag_of(const PointStore& points, int slot) { return points.tags[slot / kLanes][slot % kLanes]; }
 
 double distance(const double* a, const double* b) {
   double square = 0.0;
@@ -55,7 +54,7 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
   blocks_.clear();
   const auto key = [&](int i) {
     const FreedPlace& p = points.places[i];
-    return std::make_pair(side_of(body, p.grain), tag_of(points, p.slot));
+    return std::make_pair(side_of(body, p.grain), points.tag(p.slot));
   };
   std::vector<int> order(points.places.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -83,7 +82,7 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
       b.radius[lane] = p.radius;
       b.place[lane] = *i;
       b.taken |= static_cast<std::uint8_t>(1u << lane);
-      if (!has_failed(points, p.slot)) b.holds |= static_cast<std::uint8_t>(1u << lane);
+      if (!points.has_failed(p.slot)) b.holds |= static_cast<std::uint8_t>(1u << lane);
       if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
       grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
                         &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]);
@@ -167,11 +166,7 @@ void FreedPlaces::add_force(Grid& grid, GrainSide* side) const {
     with_basis(grid.basis, [&](auto type) {
       scatter_value_by_lane(grid.force.data(), b.closed, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
     });
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      s.force[d] -= sum_lanes(f[d]);
-      s.torque[d] -= sum_lanes(t.q[e] * f[g] - t.q[g] * f[e]);
-    }
+    take_from_grain(t.q, f, s);
   }
 }
 
@@ -187,7 +182,9 @@ void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSid
   with_basis(grid.basis, [&](auto type) {
     gather_value_by_lane(grid.velocity.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), v);
   });
-  for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * t.q[(d + 2) % 3] - s.omega[(d + 2) % 3] * t.q[(d + 1) % 3];
+  vd of_grain[3];
+  velocity_at(s, t.q, of_grain);
+  for (int d = 0; d < 3; ++d) v[d] -= of_grain[d];
 }
 
 // A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
@@ -282,7 +279,7 @@ double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid,
 void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) {
   std::vector<FreedPlace> opened;
   for (const Link& k : points.links) {
-    const bool failed = points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1;
+    const bool failed = points.has_failed(k.slot);
     if ((!k.attached || failed) && !find(points.places, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
   }
   take(points, body, grid, side, std::move(opened), false);
@@ -323,7 +320,7 @@ std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, co
     for (int l = 0; l < kLanes; ++l) {
       if (!((b.taken & ~b.holds) >> l & 1)) continue;
       const FreedPlace& p = points.places[b.place[l]];
-      Mover m{points.meta[p.slot / kLanes].body, p.grain, tag_of(points, p.slot), p.area, {}, {}, body.spacing};
+      Mover m{points.meta[p.slot / kLanes].body, p.grain, points.tag(p.slot), p.area, {}, {}, body.spacing};
       const double* centre = body.centre[b.side];
       const double r = distance(p.X, centre);
       // From the surface of the grain, not from the point that failed: that may have been the last one at the bottom of
@@ -405,8 +402,8 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
   std::vector<FreedPlace>& places = points.places;
   places.erase(std::remove_if(places.begin(), places.end(),
                               [&](const FreedPlace& p) {
-                                return has_failed(points, p.slot) &&
-                                       std::find(gone.begin(), gone.end(), std::array<int, 2>{tag_of(points, p.slot), p.grain}) != gone.end();
+                                return points.has_failed(p.slot) &&
+                                       std::find(gone.begin(), gone.end(), std::array<int, 2>{points.tag(p.slot), p.grain}) != gone.end();
                               }),
                places.end());
   std::vector<FreedPlace> fresh;

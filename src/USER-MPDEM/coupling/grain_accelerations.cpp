@@ -60,8 +60,8 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
   const Vector3 S(m[1], m[2], m[3]), E(e[0], e[1], e[2]);
   Eigen::Matrix<double, 6, 6> B;
   B.topLeftCorner<3, 3>() = m[0] * Matrix3::Identity();
-  B.topRightCorner<3, 3>() = -cross(S + m[0] * E);
-  B.bottomLeftCorner<3, 3>() = cross(S);
+  B.topRightCorner<3, 3>() = -cross_matrix(S + m[0] * E);
+  B.bottomLeftCorner<3, 3>() = cross_matrix(S);
   B.bottomRightCorner<3, 3>() = turning(second(m) + S * E.transpose());
   return B;
 }

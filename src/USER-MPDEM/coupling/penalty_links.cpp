@@ -9,6 +9,7 @@
 
 #include "../mpm/lane_by_lane.h"
 #include "free_weights.h"
+#include "rigid_motion.h"
 #include "traction_laws.h"
 
 namespace mpdem {
@@ -276,7 +277,9 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
 template <class Type>
 void PenaltyLinks::find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const {
   gather(grid.velocity, b, w, v);
-  for (int d = 0; d < 3; ++d) v[d] -= s.v[d] + s.omega[(d + 1) % 3] * q[(d + 2) % 3] - s.omega[(d + 2) % 3] * q[(d + 1) % 3];
+  vd of_grain[3];
+  velocity_at(s, q, of_grain);
+  for (int d = 0; d < 3; ++d) v[d] -= of_grain[d];
 }
 
 template <class Type>
@@ -360,11 +363,7 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
           for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
         }
         scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
-        for (int d = 0; d < 3; ++d) {
-          const int e = (d + 1) % 3, g = (d + 2) % 3;
-          s.force[d] -= sum_lanes(f[d]);
-          s.torque[d] -= sum_lanes(q[e] * f[g] - q[g] * f[e]);
-        }
+        take_from_grain(q, f, s);
       }
     });
   });

@@ -160,7 +160,7 @@ class PenaltyLinks {
 
   // True if the link is attached and no skin.
   bool holds(const PointStore& points, const Link& k) const {
-    return k.attached && !(p_.law->keeps_skins() && (points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1));
+    return k.attached && !(p_.law->keeps_skins() && points.has_failed(k.slot));
   }
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../mpm/block_nodes.h"
+#include "rigid_motion.h"
 
 namespace mpdem {
 
@@ -78,19 +79,17 @@ void Relaxation::for_each_node(const Grid& grid, const GrainSide* side, F f) con
   for (int i = 0; i < static_cast<int>(share_.size()); ++i) {
     if (share_[i] < 0.0) continue;
     Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, rate_ * grid.mass[i]};
-    for (int s = 0; s < 2; ++s)
-      for (int d = 0; d < 3; ++d)
-        node.r[s][d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d] - side[s].x[d];
+    for (int s = 0; s < 2; ++s) lever_arm(grid, i, side[s], node.r[s]);
     const auto is_far = [&](int s) {
       const double* r = node.r[s];
       return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];
     };
     if (is_far(0) || is_far(1)) continue;
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      node.v[d] = grid.velocity[3 * i + d];
-      for (int s = 0; s < 2; ++s)
-        node.v[d] -= node.share[s] * (side[s].v[d] + side[s].omega[e] * node.r[s][g] - side[s].omega[g] * node.r[s][e]);
+    std::copy(&grid.velocity[3 * i], &grid.velocity[3 * i] + 3, node.v);
+    for (int s = 0; s < 2; ++s) {
+      double of_grain[3];
+      velocity_at(side[s], node.r[s], of_grain);
+      for (int d = 0; d < 3; ++d) node.v[d] -= node.share[s] * of_grain[d];
     }
     f(node);
   }
@@ -105,12 +104,7 @@ void Relaxation::add_force(Grid& grid, GrainSide* side) const {
       grid.force[3 * node.at + d] += f[d];
     }
     if (!counts[node.at]) return;
-    for (int s = 0; s < 2; ++s)
-      for (int d = 0; d < 3; ++d) {
-        const int e = (d + 1) % 3, g = (d + 2) % 3;
-        side[s].force[d] -= node.share[s] * f[d];
-        side[s].torque[d] -= node.share[s] * (node.r[s][e] * f[g] - node.r[s][g] * f[e]);
-      }
+    for (int s = 0; s < 2; ++s) add_to_grain(node.r[s], f, -node.share[s], side[s]);
   });
 }
 
@@ -119,13 +113,10 @@ Power Relaxation::power(const Grid& grid, const GrainSide* side) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for_each_node(grid, side, [&](const Node& node) {
     if (!counts[node.at]) return;
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, g = (d + 2) % 3;
-      double a = grid.acceleration[3 * node.at + d];
-      for (int s = 0; s < 2; ++s)
-        a -= node.share[s] * (side[s].a[d] + side[s].alpha[e] * node.r[s][g] - side[s].alpha[g] * node.r[s][e]);
-      power.add(node.scale * node.v[d], node.v[d], a);
-    }
+    double of_grain[2][3];
+    for (int s = 0; s < 2; ++s) acceleration_at(side[s], node.r[s], of_grain[s]);
+    for (int d = 0; d < 3; ++d)
+      power.add(node.scale * node.v[d], node.v[d], grid.acceleration[3 * node.at + d] - node.share[0] * of_grain[0][d] - node.share[1] * of_grain[1][d]);
   });
   return power;
 }

@@ -5,31 +5,15 @@
 #include <algorithm>
 
 #include "relaxation.h"
+#include "rigid_motion.h"
 
 namespace mpdem {
 
 namespace {
 
-void lever_arm(const Grid& grid, int node, const GrainSide& s, double* r) {
-  for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
-}
-
-void acceleration_at(const GrainSide& s, const double* r, double* a) {
-  for (int d = 0; d < 3; ++d) {
-    const int e = (d + 1) % 3, g = (d + 2) % 3;
-    a[d] = s.a[d] + s.alpha[e] * r[g] - s.alpha[g] * r[e];
-  }
-}
-
 void take_from_grain(const double* r, const double* f, double scale, GrainSide& s) {
-  for (int d = 0; d < 3; ++d) {
-    const int e = (d + 1) % 3, g = (d + 2) % 3;
-    const double force = scale * f[d], torque = scale * (r[e] * f[g] - r[g] * f[e]);
-    s.force[d] -= force;
-    s.torque[d] -= torque;
-    s.impulse[d] -= force;
-    s.impulse[3 + d] -= torque;
-  }
+  add_to_grain(r, f, -scale, s);
+  add_to_grain(r, f, -scale, s.impulse, s.impulse + 3);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ struct FillPoint {
   } link[2];
   // Only points from a file have the next members.
   Vector3 axis = Vector3::Zero();            // axis of the elasticity; zero: from the rule of fix mpm
-  double damage[6] = {0, 0, 0, 0, 0, 0};     // xx yy zz yz xz xy in the axes of the box
+  double damage[6] = {0, 0, 0, 0, 0, 0};     // xx yy zz yz xz xy in the axes of the bond
   bool failed = false;
 };
 

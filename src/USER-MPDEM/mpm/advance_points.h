@@ -21,7 +21,7 @@
 
 namespace mpdem {
 
-// Work that a pass may leave out because it cannot change the result.
+// What drives the damage in a pass, and work that it may leave out because that cannot change the result.
 struct AdvanceOptions {
   bool skip_undamaged = true;  // leave out the return map where a bound shows that no damage grows
   bool skip_failed = true;     // leave out blocks all of whose points failed

@@ -41,14 +41,14 @@ Key neighbour(const Next& next, Key k, int direction, int steps, bool other = fa
   return other ? k.with_field(other_sheet(k.field())) : k;
 }
 
-Key copy_of(const Key& k) { return k.with_field(other_sheet(k.field())); }
+Key on_other_sheet(const Key& k) { return k.with_field(other_sheet(k.field())); }
 
 void make_unique(std::vector<Key>& keys) {
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-int place_of(const std::vector<Key>& keys, const Key& k) {
+int index_of(const std::vector<Key>& keys, const Key& k) {
   const auto it = std::lower_bound(keys.begin(), keys.end(), k);
   return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
 }
@@ -59,7 +59,7 @@ int directions_of(Code code) { return (code & kCopy) ? 1 : __builtin_popcount(co
 template <class F>
 void for_each_term(const Next& next, const Key& k, Code code, F f) {
   if (code & kCopy) {
-    f(copy_of(k), 1.0, true);
+    f(on_other_sheet(k), 1.0, true);
     return;
   }
   const double share = 1.0 / directions_of(code);
@@ -133,7 +133,7 @@ class Surroundings {
 
  private:
   int at(const Key& k) const {
-    const int n = place_of(wanted_, k);
+    const int n = index_of(wanted_, k);
     return n >= 0 && found_[n] ? n : -1;
   }
   const Next& next_;
@@ -147,7 +147,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
   const std::vector<Key>& keys = nodes.keys;
   std::vector<Key> copies;
   for (std::size_t i = 0; i < keys.size(); ++i)
-    if (nodes.sheets[i] == kJoined) copies.push_back(copy_of(keys[i]));
+    if (nodes.sheets[i] == kJoined) copies.push_back(on_other_sheet(keys[i]));
   make_unique(copies);
   std::vector<char> found;
   const std::vector<double> of_copies = fetch_values(comm, 1, keys, nodes.mass, copies, found);
@@ -155,7 +155,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
   std::vector<char> joined(keys.size(), 0);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (nodes.sheets[i] != kJoined) continue;
-    const int c = place_of(copies, copy_of(keys[i]));
+    const int c = index_of(copies, on_other_sheet(keys[i]));
     if (!found[c]) continue;
     joined[i] = 1;
     mass[i] += of_copies[c];
@@ -220,7 +220,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
     std::vector<Key> ask;
     for (const Key& k : open)
       for_each_term(nodes.next, k, codes.at(k), [&](const Key& master, double, bool) {
-        if (!codes.count(master) && place_of(keys, master) < 0) ask.push_back(master);
+        if (!codes.count(master) && index_of(keys, master) < 0) ask.push_back(master);
       });
     make_unique(ask);
     std::vector<char> found;
@@ -313,7 +313,7 @@ std::size_t EdgeTies::Rows::memory_usage() const {
 void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool whole) {
   clear();
   const auto node = [&keys](const Key& k) {
-    const int n = place_of(keys, k);
+    const int n = index_of(keys, k);
     if (n < 0) throw std::logic_error("a tie to a node that the grid does not have");
     return n;
   };
@@ -336,7 +336,7 @@ void EdgeTies::bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Ke
   const int count = static_cast<int>(ties.size());
   std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
   for (int t = 0; t < count; ++t) {
-    for (const auto& b : ties[t].behind) behind[t].emplace_back(place_of(keys, b.first), b.second);
+    for (const auto& b : ties[t].behind) behind[t].emplace_back(index_of(keys, b.first), b.second);
     if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
   }
   // Slaves whose nodes behind are free come first. There are no circles.

@@ -27,7 +27,7 @@ std::string name_of_law(int number) { return law_entries()[number - 1].name; }
 
 // Takes up the damage tensor that a file gave for a point. Returns what is wrong, or an empty string.
 std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
-  const bool failed = points.meta[slot / kLanes].failed >> slot % kLanes & 1;
+  const bool failed = points.has_failed(slot);
   double D[kMostStateFields] = {}, state[kMostStateFields] = {};
   for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
   const bool damaged = std::any_of(D, D + kMostStateFields, [](double v) { return v != 0.0; });

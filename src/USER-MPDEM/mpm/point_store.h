@@ -125,6 +125,9 @@ class PointStore {
   std::vector<Link> links;  // ascending in slot
   std::vector<FreedPlace> places;  // ascending in slot and grain
 
+  int tag(int slot) const { return tags[slot / kLanes][slot % kLanes]; }
+  bool has_failed(int slot) const { return meta[slot / kLanes].failed >> slot % kLanes & 1; }
+
   // Appends a point and returns its slot.
   int add(const PointRecord& r, int tag);
   PointRecord record(int slot) const;

@@ -17,7 +17,7 @@ inline Eigen::Matrix3d matrix_of(const Mat3<double>& m) {
 }
 
 // The matrix [r] with [r] v = r x v.
-inline Eigen::Matrix3d cross(const Eigen::Vector3d& r) {
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
   Eigen::Matrix3d m;
   m << 0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0;
   return m;

@@ -59,7 +59,7 @@ void HaloSums::build(const std::vector<HaloSum*>& parts) {
 
 void HaloSums::sum(const std::vector<double*>& values, int width) { messages_.sum(parts_.data(), values.data(), parts_.size(), width); }
 
-std::size_t HaloMessages::place_of(int rank) const {
+std::size_t HaloMessages::index_of(int rank) const {
   return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin());
 }
 
@@ -71,7 +71,7 @@ void HaloMessages::build(HaloSum* const* parts, std::size_t n) {
   items_.assign(ranks_.size(), 0);
   for (std::size_t p = 0; p < n; ++p)
     for (std::size_t s = 0; s < parts[p]->shared_.ranks.size(); ++s)
-      items_[place_of(parts[p]->shared_.ranks[s])] += parts[p]->shared_.items[s].size();
+      items_[index_of(parts[p]->shared_.ranks[s])] += parts[p]->shared_.items[s].size();
   send_.resize(ranks_.size());
   recv_.resize(ranks_.size());
   requests_.resize(2 * ranks_.size());
@@ -89,7 +89,7 @@ void HaloMessages::sum(HaloSum* const* parts, double* const* values, std::size_t
   for (std::size_t p = 0; p < n; ++p) {
     const Sharing& s = parts[p]->shared_;
     for (std::size_t k = 0; k < s.ranks.size(); ++k) {
-      std::vector<double>& to = send_[place_of(s.ranks[k])];
+      std::vector<double>& to = send_[index_of(s.ranks[k])];
       for (int i : s.items[k]) to.insert(to.end(), values[p] + static_cast<long>(i) * width, values[p] + static_cast<long>(i + 1) * width);
     }
   }
@@ -106,7 +106,7 @@ void HaloMessages::sum(HaloSum* const* parts, double* const* values, std::size_t
         part.add_own(values[p], width);
         own_added = true;
       }
-      const std::size_t r = place_of(part.shared_.ranks[k]);
+      const std::size_t r = index_of(part.shared_.ranks[k]);
       const double* in = &recv_[r][read_[r]];
       for (int i : part.shared_.items[k])
         for (int c = 0; c < width; ++c) values[p][static_cast<long>(i) * width + c] += *in++;

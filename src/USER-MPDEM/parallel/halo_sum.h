@@ -25,7 +25,7 @@ class HaloMessages {
   void sum(HaloSum* const* parts, double* const* values, std::size_t n, int width);
 
  private:
-  std::size_t place_of(int rank) const;
+  std::size_t index_of(int rank) const;
 
   std::vector<int> ranks_;          // all with which a body is shared, ascending
   std::vector<std::size_t> items_;  // number of items shared with each of these ranks

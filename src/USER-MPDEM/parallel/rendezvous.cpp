@@ -22,23 +22,23 @@ int home_rank(const Key& k, int ranks) {
   return static_cast<int>(h % static_cast<std::uint64_t>(ranks));
 }
 
-struct Report {
+struct Holder {
   Key key;
   int rank, index;
 };
 
-// Reports of all ranks for the keys at home here, ordered by key, then rank.
-std::vector<Report> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) {
+// Holders of all ranks for the keys at home here, ordered by key, then rank.
+std::vector<Holder> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) {
   int ranks;
   MPI_Comm_size(comm, &ranks);
-  std::vector<std::vector<Report>> out(ranks);
+  std::vector<std::vector<Holder>> out(ranks);
   int me;
   MPI_Comm_rank(comm, &me);
   for (std::size_t i = 0; i < keys.size(); ++i)
     out[home_rank(keys[i], ranks)].push_back({keys[i], me, static_cast<int>(i)});
-  std::vector<Report> all = all_to_all(comm, out).data;
+  std::vector<Holder> all = all_to_all(comm, out).data;
   std::sort(all.begin(), all.end(),
-            [](const Report& a, const Report& b) { return std::tie(a.key, a.rank) < std::tie(b.key, b.rank); });
+            [](const Holder& a, const Holder& b) { return std::tie(a.key, a.rank) < std::tie(b.key, b.rank); });
   return all;
 }
 
@@ -49,7 +49,7 @@ Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys) {
   int ranks;
   MPI_Comm_size(comm, &ranks);
   if (ranks == 1) return shared;
-  const std::vector<Report> all = gather_at_home(comm, keys);
+  const std::vector<Holder> all = gather_at_home(comm, keys);
   struct Answer {
     int index, other;
   };
@@ -107,15 +107,15 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   if (ranks == 1) return result;
 
   // Homes learn which ranks hold and want each key. Then they tell a holder to send.
-  const std::vector<Report> have = gather_at_home(comm, keys);
-  const std::vector<Report> want = gather_at_home(comm, missing);
+  const std::vector<Holder> have = gather_at_home(comm, keys);
+  const std::vector<Holder> want = gather_at_home(comm, missing);
   struct Order {
     int holder_index, wanter, wanter_index;
   };
   std::vector<std::vector<Order>> orders(ranks);
-  for (const Report& w : want) {
+  for (const Holder& w : want) {
     const auto it =
-        std::lower_bound(have.begin(), have.end(), w.key, [](const Report& a, const Key& k) { return a.key < k; });
+        std::lower_bound(have.begin(), have.end(), w.key, [](const Holder& a, const Key& k) { return a.key < k; });
     if (it != have.end() && it->key == w.key) orders[it->rank].push_back({it->index, w.rank, w.index});
   }
   const std::vector<Order> mine = all_to_all(comm, orders).data;

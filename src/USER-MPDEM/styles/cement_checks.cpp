@@ -56,7 +56,7 @@ std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     const int tag = lmp->atom->tag[i], slot = avec.slot[i];
     const GrainState* grain = avec.grain(i);
-    if (avec.is_point(i) && avec.points_of(i).tags[slot / kLanes][slot % kLanes] != tag)
+    if (avec.is_point(i) && avec.points_of(i).tag(slot) != tag)
       return text_of("the IDs of atoms were changed (material point ", tag, ")", cure);
     if (grain && bonded.count(grain->tag) > 0 && grain->tag != tag)
       return text_of("the IDs of atoms were changed (bonded grain ", grain->tag, " is ", tag, " now)", cure);
@@ -287,7 +287,7 @@ void check_links(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, 
   if (law.fields() > 0) return;
   for (const Bond& bond : avec.bonds)
     for (const Link& k : bond.points.links) {
-      const bool skin = k.attached && (bond.points.meta[k.slot / kLanes].failed >> k.slot % kLanes & 1);
+      const bool skin = k.attached && bond.points.has_failed(k.slot);
       if ((k.state[0] == 0.0 && !skin) || !trouble.empty()) continue;
       const Body& body = avec.bonds.body(bond);
       trouble = text_of(who, "a link of the cement of grains ", body.grain[0], " and ", body.grain[1], skin ? " holds a point that failed" : text_of(" has the damage ", k.state[0]),

@@ -148,7 +148,7 @@ void CementReport::warn(Cement& c) const {
   for (const Body& b : c.bonds().table)
     for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
   const double length = c.options().length;
-  if (c.options().skip.nonlocal && length > wide)
+  if (c.options().advance.nonlocal && length > wide)
     lmp_->error->warning("fix mpm", 0, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
                                                ", so that no crack is narrower than a bond; use a length well below that, in the units of the box").c_str());
   const VtiConstants& e = law.elasticity().constants;

@@ -43,9 +43,9 @@ void take_skip(Arguments& args, CementWords& w) {
   args.once("skip " + name);
   const bool on = args.yes_no("skip " + name);
   if (name == "detached") w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that let go take no time"));
-  if (name == "undamaged" || name == "all") o.skip.skip_undamaged = on;
-  if (name == "failed" || name == "all") o.skip.skip_failed = on;
-  if (name == "resting" || name == "all") o.skip.skip_resting = on;
+  if (name == "undamaged" || name == "all") o.advance.skip_undamaged = on;
+  if (name == "failed" || name == "all") o.advance.skip_failed = on;
+  if (name == "resting" || name == "all") o.advance.skip_resting = on;
 }
 
 VtiConstants take_elastic(Arguments& args) {
@@ -100,8 +100,8 @@ struct Softening {
 void take_regularization(Arguments& args, CementOptions& o, Softening& energy) {
   const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
   if (how == "crackband") energy.crack_band = args.positive("regularization crackband");
-  o.skip.nonlocal = how == "nonlocal";
-  if (!o.skip.nonlocal) return;
+  o.advance.nonlocal = how == "nonlocal";
+  if (!o.advance.nonlocal) return;
   o.length = args.positive("regularization nonlocal");
   if (args.accept("energy")) energy.nonlocal = args.positive("regularization nonlocal ... energy");
 }
@@ -122,7 +122,7 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
   std::shared_ptr<Law> law = damage.make(VtiElasticity(constants));
   if (energy.crack_band > 0.0)
     soften(args, "'regularization crackband'", *law, [&] { law->set_crack_energy(energy.crack_band, o.cell); });
-  if (!o.skip.nonlocal) return law;
+  if (!o.advance.nonlocal) return law;
   if (law->inert()) args.complain("'regularization nonlocal' needs a law of damage, 'damage tensor' for instance");
   // a length that is a little less comes from rounding of numbers in a script
   if (o.length < 0.999999 * o.cell)
@@ -151,28 +151,28 @@ void check_together(Arguments& args, CementWords& w) {
   if (o.updated && o.relax > 0.0)
     args.complain(text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' with 'kinematics updated': its damping goes with the reference "
                           "of 'kinematics total'; use that, or damping 0"));
-  const bool transfers = o.updated || o.reproject_every > 0 || o.reproject_distortion > 0.0;
-  if (w.tied_given && o.tied && transfers)
+  const bool reprojects = o.reprojects();
+  if (w.tied_given && o.tied && reprojects)
     args.complain(text_of("'edge tied' is for 'kinematics total' without 'reproject': nodes that points give their velocity to are free; "
                           "use 'edge free' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
-  if (transfers) o.tied = false;
-  if (transfers && o.mass_order > 1)
+  if (reprojects) o.tied = false;
+  if (reprojects && o.mass_order > 1)
     args.complain(text_of("'mass_order ", o.mass_order, "' is for 'kinematics total' without 'reproject', whose nodes keep their velocity; leave it out, or leave ",
                           o.updated ? "'kinematics updated'" : "'reproject'", " out"));
-  if (o.split && transfers)
+  if (o.split && reprojects)
     args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
                           "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.unilateral && w.law->inert()) args.complain("'unilateral yes' needs a law of damage, 'damage tensor' for instance");
   if (o.unilateral && (o.updated || o.reproject_distortion > 0.0))
     args.complain(text_of("'unilateral yes' measures cracks from a reference that stays; use 'kinematics total' without 'reproject auto', or 'unilateral no'"));
-  if (o.condense && transfers)
+  if (o.condense && reprojects)
     args.complain(text_of("'condense yes' is for 'kinematics total' without 'reproject': a condensed bond waits in the reference of its creation; use "
                           "'condense no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.condense && o.mass_order > 1)
     args.complain(text_of("'condense yes' is for 'mass_order 1', the mass that condensed bonds have; use 'condense no' or leave 'mass_order ", o.mass_order, "' out"));
   if (o.condense && o.unilateral)
     args.complain("'condense yes' is for 'unilateral no': points that are stiff again while their crack is closed are not linear; use 'condense no' or leave 'unilateral yes' out");
-  if (o.subcycle != 1 && transfers)
+  if (o.subcycle != 1 && reprojects)
     args.complain(text_of("'subcycle' is for 'kinematics total' without 'reproject': cement follows impulses on its grains by its places in the reference; use "
                           "'subcycle no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.updated && o.basis == Basis::linear)

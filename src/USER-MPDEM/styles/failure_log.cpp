@@ -20,7 +20,7 @@ const char* const kHeader =
 FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int slot) {
   const PointStore& points = bond.points;
   Event e{};
-  e.point = points.tags[slot / kLanes][slot % kLanes];
+  e.point = points.tag(slot);
   e.bond = bond.body + 1;
 
   // Coordinates are polar about the line of centres. The angle counts from the axis of the box that is most across that

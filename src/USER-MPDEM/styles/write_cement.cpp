@@ -15,7 +15,7 @@
 
 #include "../mpm/point_row.h"
 #include "../mpm/point_state.h"
-#include "../parallel/all_to_all.h"
+#include "../parallel/gather_ranks.h"
 #include "arguments.h"
 #include "atom.h"
 #include "atom_vec_mpdem.h"
@@ -143,8 +143,8 @@ void WriteCement::command(int narg, char** arg) {
 
 WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Arguments& args) const {
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
-  std::vector<std::vector<GrainNow>> grains(comm->nprocs);
-  std::vector<std::vector<PointNow>> points(comm->nprocs);
+  std::vector<GrainNow> grains;
+  std::vector<PointNow> points;
   double unframed[2] = {0, 0}, all[2];
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
@@ -161,13 +161,13 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
       }
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
-      points[0].push_back(p);
+      points.push_back(p);
     } else if (avec->orientation(i)) {
       GrainNow g;
       g.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, g.x);
       std::copy(avec->orientation(i), avec->orientation(i) + 4, g.q);
-      grains[0].push_back(g);
+      grains.push_back(g);
     }
   }
   mpdem::stop_if_any(lmp, unknown_law);
@@ -176,8 +176,8 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
     args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));
   Now now;
   now.axes = all[1] > 0.0;
-  for (const GrainNow& g : mpdem::all_to_all(world, grains).data) now.grains[g.tag] = g;
-  now.points = mpdem::all_to_all(world, points).data;
+  for (const GrainNow& g : mpdem::gather_on_first(world, grains)) now.grains[g.tag] = g;
+  now.points = mpdem::gather_on_first(world, points);
   for (const PointNow& p : now.points)
     for (int k = 0; k < p.record.links; ++k)
       now.link_damage = now.link_damage || p.record.link[k].state[0] > 0.0 || (p.record.failed && p.record.link[k].attached);
