@@ -36,19 +36,19 @@ void AddedMass::keep(const std::vector<Share>& shares, const Grid& grid) {
   const std::size_t eights = (shares.size() + kLanes - 1) / kLanes;
   masses_.assign(eights, EightMasses{});
   masses_.shrink_to_fit();
-  std::vector<EightNodes> nodes(eights, EightNodes{});
+  std::vector<EightNodes> nodes;
+  nodes.reserve(eights);
   for (std::size_t n = 0; n < eights; ++n) {
     EightMasses& m = masses_[n];
-    EightNodes& e = nodes[n];
-    e.count = static_cast<int>(std::min<std::size_t>(kLanes, shares.size() - kLanes * n));
-    for (int l = 0; l < kLanes; ++l) {
-      const Share& a = shares[kLanes * n + (l < e.count ? l : 0)];
-      e.node[l] = a.node;
-      for (int s = 0; s < 2; ++s) m.mass[s][l] = l < e.count ? a.mass[s] : 0.0;
-      m.added[l] = mass_[a.node];
-      e.counted[l] = l < e.count ? grid.halo.counts_here()[a.node] : 0.0;
-      for (int d = 0; d < 3; ++d) e.X[d][l] = grid.keys[a.node].at(d) * grid.h;
+    const int count = static_cast<int>(std::min<std::size_t>(kLanes, shares.size() - kLanes * n));
+    int of[kLanes];
+    for (int l = 0; l < count; ++l) {
+      const Share& a = shares[kLanes * n + l];
+      of[l] = a.node;
+      for (int s = 0; s < 2; ++s) m.mass[s][l] = a.mass[s];
     }
+    nodes.emplace_back(grid, of, count);
+    m.added = nodes.back().one_of(mass_.data());
   }
   nodes_ = std::move(nodes);
   std::vector<std::array<int, 2>> without;
@@ -78,7 +78,7 @@ template <class F>
 void for_each_share(const AddedMass& added, F f) {
   for (std::size_t n = 0; n < added.masses().size(); ++n) {
     const AddedMass::EightMasses& m = added.masses()[n];
-    const AddedMass::EightNodes& e = added.nodes()[n];
+    const EightNodes& e = added.nodes()[n];
     for (int l = 0; l < e.count; ++l) f(AddedMass::Share{e.node[l], {m.mass[0][l], m.mass[1][l]}});
   }
 }
@@ -107,12 +107,12 @@ void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
 }
 
 void AddedMass::carry(Grid& grid, GrainSide* side) const {
-  vd force[2][3] = {}, torque[2][3] = {};
+  EightLoads loads[2];
   for (std::size_t m = 0; m < masses_.size(); ++m) {
     const EightMasses& own = masses_[m];
     const EightShares e(own, nodes_[m], grid);
     vd r[2][3], of_grain[2][3], f[3];
-    e.take(grid.force.data(), f);
+    e.nodes.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
       e.lever_arm(side[n], r[n]);
       acceleration_at(side[n], r[n], of_grain[n]);
@@ -120,22 +120,14 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
     }
     const vd inverse = 1.0 / e.inertia;
     for (int d = 0; d < 3; ++d) f[d] *= inverse;
-    e.put(f, grid.force.data());
+    e.nodes.put(f, grid.force.data());
     for (int n = 0; n < 2; ++n) {
       vd relative[3];
       for (int d = 0; d < 3; ++d) relative[d] = e.nodes.counted * own.mass[n] * (f[d] - of_grain[n][d]);
-      for (int d = 0; d < 3; ++d) {
-        const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
-        force[n][d] += relative[d];
-        torque[n][d] += r[n][e1] * relative[e2] - r[n][e2] * relative[e1];
-      }
+      loads[n].add(r[n], relative);
     }
   }
-  for (int n = 0; n < 2; ++n)
-    for (int d = 0; d < 3; ++d) {
-      side[n].force[d] += sum_lanes(force[n][d]);
-      side[n].torque[d] += sum_lanes(torque[n][d]);
-    }
+  for (int n = 0; n < 2; ++n) loads[n].add_to(side[n]);
 }
 
 void AddedMass::accelerate(Grid& grid, GrainSide* side) const {

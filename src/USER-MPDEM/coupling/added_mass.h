@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "../mpm/grid.h"
+#include "eight_nodes.h"
 #include "freed_places.h"
 #include "grain_sides.h"
 #include "penalty_links.h"
@@ -53,11 +54,6 @@ class AddedMass {
   struct EightMasses {
     vd mass[2];  // 0 in the lanes beyond the last share; these lanes have the node of the first share
     vd added;    // added mass of the nodes, of both sides
-  };
-  struct EightNodes {
-    vd counted;  // 1 where this rank counts the node, 0 where not and in the lanes beyond the last share
-    vd X[3];     // reference
-    int node[kLanes], count, unused[7];
   };
   const std::vector<EightMasses>& masses() const { return masses_; }
   const SharedList<EightNodes>& nodes() const { return nodes_; }

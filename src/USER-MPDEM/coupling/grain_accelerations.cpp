@@ -74,7 +74,7 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
     const AddedMass::EightMasses& own = bond.added->masses()[m];
     const EightShares e(own, bond.added->nodes()[m], grid);
     vd f[3];
-    e.take(grid.force.data(), f);
+    e.nodes.take(grid.force.data(), f);
     const vd inverse = 1.0 / e.inertia;
     for (int s = 0; s < 2; ++s) {
       const vd c = e.nodes.counted * own.mass[s], share = c * inverse;

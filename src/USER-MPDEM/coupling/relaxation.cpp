@@ -70,54 +70,71 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, c
 }
 
 Relaxation::Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed)
-    : rate_(rate(body, critical_share, shear_speed)), share_(shares_of_second_grain(grid, body, held)) {
+    : rate_(rate(body, critical_share, shear_speed)) {
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
-}
-
-template <class F>
-void Relaxation::for_each_node(const Grid& grid, const GrainSide* side, F f) const {
-  for (int i = 0; i < static_cast<int>(share_.size()); ++i) {
-    if (share_[i] < 0.0) continue;
-    Node node{i, {1.0 - share_[i], share_[i]}, {}, {}, rate_ * grid.mass[i]};
-    for (int s = 0; s < 2; ++s) lever_arm(grid, i, side[s], node.r[s]);
-    const auto is_far = [&](int s) {
-      const double* r = node.r[s];
-      return node.share[s] != 0.0 && r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s];
-    };
-    if (is_far(0) || is_far(1)) continue;
-    std::copy(&grid.velocity[3 * i], &grid.velocity[3 * i] + 3, node.v);
-    for (int s = 0; s < 2; ++s) {
-      double of_grain[3];
-      velocity_at(side[s], node.r[s], of_grain);
-      for (int d = 0; d < 3; ++d) node.v[d] -= node.share[s] * of_grain[d];
-    }
-    f(node);
+  const std::vector<double> share = shares_of_second_grain(grid, body, held);
+  std::vector<int> nodes;
+  for (int i = 0; i < grid.size(); ++i)
+    if (share[i] >= 0.0) nodes.push_back(i);
+  for (std::size_t n = 0; n < nodes.size(); n += kLanes) {
+    const EightNodes e(grid, &nodes[n], static_cast<int>(std::min<std::size_t>(kLanes, nodes.size() - n)));
+    eights_.push_back({e, e.one_of(share.data())});
   }
 }
 
+Relaxation::Moving Relaxation::move(const Eight& e, const Grid& grid, const GrainSide* side) const {
+  Moving m;
+  vd x[3];
+  e.nodes.find_places(grid, x);
+  e.nodes.take(grid.velocity.data(), m.v);
+  m.scale = rate_ * e.nodes.one_of(grid.mass.data());
+  for (int s = 0; s < 2; ++s) {
+    m.share[s] = s == 0 ? 1.0 - e.share : e.share;
+    for (int d = 0; d < 3; ++d) m.r[s][d] = x[d] - side[s].x[d];
+    const vd* r = m.r[s];
+    vd of_grain[3];
+    velocity_at(side[s], r, of_grain);
+    for (int d = 0; d < 3; ++d) m.v[d] -= m.share[s] * of_grain[d];
+    m.scale = select((m.share[s] != 0.0) & (r[0] * r[0] + r[1] * r[1] + r[2] * r[2] > reach2_[s]), vd{}, m.scale);
+  }
+  return m;
+}
+
 void Relaxation::add_force(Grid& grid, GrainSide* side) const {
-  const std::vector<char>& counts = grid.halo.counts_here();
-  for_each_node(grid, side, [&](const Node& node) {
-    double f[3];
-    for (int d = 0; d < 3; ++d) {
-      f[d] = -node.scale * node.v[d];
-      grid.force[3 * node.at + d] += f[d];
+  EightLoads loads[2];
+  for (const Eight& e : eights_) {
+    const Moving m = move(e, grid, side);
+    vd f[3], reaction[3];
+    for (int d = 0; d < 3; ++d) f[d] = -m.scale * m.v[d];
+    e.nodes.add(f, grid.force.data());
+    for (int s = 0; s < 2; ++s) {
+      for (int d = 0; d < 3; ++d) reaction[d] = -e.nodes.counted * m.share[s] * f[d];
+      loads[s].add(m.r[s], reaction);
     }
-    if (!counts[node.at]) return;
-    for (int s = 0; s < 2; ++s) add_to_grain(node.r[s], f, -node.share[s], side[s]);
-  });
+  }
+  for (int s = 0; s < 2; ++s) loads[s].add_to(side[s]);
 }
 
 Power Relaxation::power(const Grid& grid, const GrainSide* side) const {
+  vd stored = {}, growth = {};
+  for (const Eight& e : eights_) {
+    const Moving m = move(e, grid, side);
+    vd a[3];
+    e.nodes.take(grid.acceleration.data(), a);
+    for (int s = 0; s < 2; ++s) {
+      vd of_grain[3];
+      acceleration_at(side[s], m.r[s], of_grain);
+      for (int d = 0; d < 3; ++d) a[d] -= m.share[s] * of_grain[d];
+    }
+    const vd scale = e.nodes.counted * m.scale;
+    for (int d = 0; d < 3; ++d) {
+      stored += scale * m.v[d] * m.v[d];
+      growth += scale * m.v[d] * a[d];
+    }
+  }
   Power power;
-  const std::vector<char>& counts = grid.halo.counts_here();
-  for_each_node(grid, side, [&](const Node& node) {
-    if (!counts[node.at]) return;
-    double of_grain[2][3];
-    for (int s = 0; s < 2; ++s) acceleration_at(side[s], node.r[s], of_grain[s]);
-    for (int d = 0; d < 3; ++d)
-      power.add(node.scale * node.v[d], node.v[d], grid.acceleration[3 * node.at + d] - node.share[0] * of_grain[0][d] - node.share[1] * of_grain[1][d]);
-  });
+  power.stored = sum_lanes(stored);
+  power.growth = sum_lanes(growth);
   return power;
 }
 

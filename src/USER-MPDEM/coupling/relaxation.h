@@ -20,6 +20,7 @@
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
+#include "eight_nodes.h"
 #include "grain_sides.h"
 
 namespace mpdem {
@@ -47,18 +48,20 @@ class Relaxation {
   Power power(const Grid& grid, const GrainSide* side) const;
 
  private:
-  struct Node {
-    int at;
-    double share[2];  // shares of the grains in its motion
-    double r[2][3];   // vectors from the centres of the grains
-    double v[3];      // relative to the motion of its grains
-    double scale;     // rate times inertia
+  struct Eight {
+    EightNodes nodes;
+    vd share;  // s
   };
-  // Calls f(node) for nodes that are damped.
-  template <class F>
-  void for_each_node(const Grid& grid, const GrainSide* side, F f) const;
+  // Eight nodes as they move.
+  struct Moving {
+    vd share[2];  // shares of the grains in the motion of the nodes
+    vd r[2][3];   // vectors from the centres of the grains
+    vd v[3];      // relative to the motion of the grains
+    vd scale;     // rate times inertia; 0: not damped
+  };
+  Moving move(const Eight& e, const Grid& grid, const GrainSide* side) const;
   double rate_ = 0.0;
-  std::vector<double> share_;  // s of each node; below 0: not damped
+  std::vector<Eight> eights_;  // nodes that follow a grain
   double reach2_[2] = {0, 0};  // squares of the reach
 };
 
