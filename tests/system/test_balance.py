@@ -105,7 +105,9 @@ def test_restart(runs, tmp_path):
 
 def steps_after(step, output):
     """Lines of thermo of later steps."""
-    return {line for line in output.splitlines() if re.fullmatch(r"\s*\d+( \S+){5}\s*", line) and int(line.split()[0]) > step}
+    lines = {line for line in output.splitlines() if re.fullmatch(r"\s*\d+( \S+){5}\s*", line) and int(line.split()[0]) > step}
+    assert len(lines) == 10
+    return lines
 
 
 def most_atoms(output):

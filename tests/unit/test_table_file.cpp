@@ -32,39 +32,42 @@ class Table : public testing::Test {
 };
 
 TEST_F(Table, BeginsAnew) {
-  put("step,a\n0,1\n");
+  put("step,time,a\n0,0,1\n");
   TableFile t;
-  ASSERT_EQ(t.open(name, "step,a", TableFile::kAnew), "");
+  ASSERT_EQ(t.open(name, "step,time,a", TableFile::kAnew), "");
   EXPECT_EQ(t.kept_to(), -1);
-  EXPECT_EQ(t.write("5,2\n"), "");
-  EXPECT_EQ(text(), "step,a\n5,2\n");  // before it is closed
+  EXPECT_EQ(t.write("5,0.5,2\n"), "");
+  EXPECT_EQ(text(), "step,time,a\n5,0.5,2\n");  // before it is closed
 }
 
 TEST_F(Table, GoesOnBehindTheRowsThatStay) {
-  put("step,a\n0,1\n5,2\n5,3\n10,4\n");
+  put("step,time,a\n0,0,1\n5,0.5,2\n5,0.5,3\n10,1e0,4\n");
   TableFile t;
-  ASSERT_EQ(t.open(name, "step,a", 5), "");
+  ASSERT_EQ(t.open(name, "step,time,a", 0.55), "");
   EXPECT_EQ(t.kept_to(), 5);
-  t.write("7,9\n");
-  EXPECT_EQ(text(), "step,a\n0,1\n5,2\n5,3\n7,9\n");
+  t.write("7,0.7,9\n");
+  EXPECT_EQ(text(), "step,time,a\n0,0,1\n5,0.5,2\n5,0.5,3\n7,0.7,9\n");
 }
 
-// Rows from before `reset_timestep` have later steps.
-TEST_F(Table, KeepsRowsOfStepsThatWereResetSince) {
-  put("step,a\n0,1\n5,2\n10,3\n0,4\n5,5\n10,6\n");
-  TableFile t;
-  ASSERT_EQ(t.open(name, "step,a", 5), "");
-  EXPECT_EQ(t.kept_to(), 5);
-  EXPECT_EQ(text(), "step,a\n0,1\n5,2\n10,3\n0,4\n5,5\n");
+// Rows from before `reset_timestep` have later steps. A file from before that goes on there.
+TEST_F(Table, GoesByTimeWhereStepsWereReset) {
+  const std::string head = "step,time,a\n0,0,1\n5,0.5,2\n10,1,3\n0,1,4\n5,1.5,5\n", before = "step,time,a\n0,0,1\n5,0.5,2\n";
+  for (const double time : {0.55, 1.55}) {
+    put(head + "10,2,6\n");
+    TableFile t;
+    ASSERT_EQ(t.open(name, "step,time,a", time), "");
+    EXPECT_EQ(t.kept_to(), 5);
+    EXPECT_EQ(text(), time < 1.0 ? before : head);
+  }
 }
 
 TEST_F(Table, LeavesOutRowsThatAreNotWhole) {
-  for (const char* end : {"1", "1,", "1\n", "1,2"}) {
-    put(std::string("step,a,b\n0,1,1\n") + end);
+  for (const char* end : {"1", "1,", "1\n", "1,2", "1,0.2", "1,0.2,"}) {
+    put(std::string("step,time,b\n0,0,1\n") + end);
     TableFile t;
-    ASSERT_EQ(t.open(name, "step,a,b", 100), "");
+    ASSERT_EQ(t.open(name, "step,time,b", 100.0), "");
     EXPECT_EQ(t.kept_to(), 0);
-    EXPECT_EQ(text(), "step,a,b\n0,1,1\n");
+    EXPECT_EQ(text(), "step,time,b\n0,0,1\n");
   }
 }
 
@@ -86,7 +89,7 @@ TEST_F(Table, DoesNotTakeTheFileOfOthers) {
 }
 
 TEST_F(Table, SaysThatTheDiskIsFull) {
-  for (long kept : {TableFile::kAnew, 5L}) {
+  for (double kept : {TableFile::kAnew, 5.0}) {
     TableFile t;
     const std::string why = t.open("/dev/full", "step,a", kept);
     EXPECT_NE(why.find("/dev/full: No space left"), std::string::npos) << why;

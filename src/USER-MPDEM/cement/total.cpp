@@ -81,13 +81,14 @@ class Total : public Kinematics {
     scene_.books.do_work(half * work_.gravity_power(b, b.jump));
   }
 
-  // Has any point distorted by more than is asked for? Collective.
+  // Has any point that holds distorted by more than is asked for? Collective.
   bool distorted() const {
     vd most{};
     for (const Bond& bond : scene_.bonds)
       for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
         const Mat3<vd>& F = bond.points.blocks[b].F;
-        const vmask taken = lanes(bond.points.meta[b].occupied);
+        const BlockMeta& m = bond.points.meta[b];
+        const vmask taken = lanes(static_cast<std::uint8_t>(m.occupied & ~m.failed));
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j) most = max(most, select(taken, abs(F.a[i][j] - (i == j ? 1.0 : 0.0)), vd{}));
       }

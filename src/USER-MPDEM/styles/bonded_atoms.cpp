@@ -138,6 +138,10 @@ std::string BondedAtoms::flight(int i, double cell) const {
                  "mpm/couple and the densities of grains and cement, and use a smaller time step");
 }
 
+bool left_the_box(const Domain& box, int d, double x) {
+  return (box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d]) || (box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d]);
+}
+
 void BondedAtoms::watch_for_those_that_leave(double cell) {
   const Atom& atom = *lmp_->atom;
   const Domain& box = *lmp_->domain;
@@ -145,9 +149,7 @@ void BondedAtoms::watch_for_those_that_leave(double cell) {
     for (int d = 0; d < 3 && trouble_.empty(); ++d) {
       const double x = atom.x[i][d];
       const bool finite = std::isfinite(x);
-      const bool below = box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d];
-      const bool above = box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d];
-      if (finite && !below && !above) continue;
+      if (finite && !left_the_box(box, d, x)) continue;
       const std::string who = text_of(who_, "bonded grain ", atom.tag[i], " is lost at step ", lmp_->update->ntimestep, ": ");
       trouble_ = who + (finite ? text_of("it left the simulation box (", "xyz"[d], " = ", x, ", box ", box.boxlo[d], " to ", box.boxhi[d], "); ",
                                          flight(i, cell))

@@ -17,6 +17,9 @@
 
 namespace mpdem {
 
+// Whether a place is beyond a side of the box that stays where it is.
+bool left_the_box(const LAMMPS_NS::Domain& box, int direction, double x);
+
 class BondedAtoms {
  public:
   // who: name of the command, for complaints.

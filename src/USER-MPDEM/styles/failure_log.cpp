@@ -78,11 +78,11 @@ void FailureLog::add_links(const Bond& bond, const Body& body, long step, double
   }
 }
 
-std::string FailureLog::open(MPI_Comm comm, bool continued) {
+std::string FailureLog::open(MPI_Comm comm, double last_kept) {
   int me;
   MPI_Comm_rank(comm, &me);
   open_ = true;
-  return me == 0 ? file_.open(name_, kHeader, continued ? from_ : TableFile::kAnew) : "";
+  return me == 0 ? file_.open(name_, kHeader, last_kept) : "";
 }
 
 std::string FailureLog::write(MPI_Comm comm) {

@@ -19,19 +19,16 @@ namespace mpdem {
 
 class FailureLog {
  public:
-  // An empty name means no log. from: step from which a continued file goes on.
-  void name(const std::string& file, long from) {
-    name_ = file;
-    from_ = from;
-  }
+  // An empty name means no log.
+  void name(const std::string& file) { name_ = file; }
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
   // Note points that fail, with the links that let go with them, and links that let go of points that hold.
   void add(const Bond& bond, const Body& body, long step, double time);
   void add_links(const Bond& bond, const Body& body, long step, double time);
-  // Collective. Opens the file, anew or where it was continued. Returns what went wrong, or an empty text.
-  std::string open(MPI_Comm comm, bool continued);
+  // Collective. Opens the file as TableFile::open() does. Returns what went wrong, or an empty text.
+  std::string open(MPI_Comm comm, double last_kept);
   // Collective. Writes the events that wait. Returns what went wrong, or an empty text.
   std::string write(MPI_Comm comm);
 
@@ -48,7 +45,6 @@ class FailureLog {
   std::string name_;
   TableFile file_;
   bool open_ = false;
-  long from_ = 0;
 };
 
 }  // namespace mpdem

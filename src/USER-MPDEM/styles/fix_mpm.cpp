@@ -60,7 +60,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
     if (!words.warning.empty()) error->warning("fix mpm", 0, (who() + words.warning).c_str());
   }
   step_fraction_ = words.step_fraction;
-  failures_.name(words.events, static_cast<long>(update->ntimestep));
+  failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
   report_ = std::make_unique<mpdem::CementReport>(lmp, who());
 }
@@ -255,6 +255,8 @@ void FixMpm::check_unprepared() {
   if (bonds != prepared_bonds_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
   mpdem::count_points(lmp, "run ... pre no: ", *avec_, points_expected_);
+  if (atom->natoms != atoms_at_end_)
+    mpdem::stop_all(lmp, text_of("run ... pre no: there are ", atom->natoms, " atoms and were ", atoms_at_end_, " at the end of the last run; leave 'pre no' out after commands that make or delete atoms"));
   check_positions();
 }
 
@@ -377,6 +379,8 @@ void FixMpm::end_of_step() {
 }
 
 void FixMpm::post_run() {
+  prepared_ = false;
+  atoms_at_end_ = atom->natoms;
   report_->jump(*cement_);
   fill_atoms();
   write_events();
@@ -446,7 +450,7 @@ void FixMpm::write_events() {
   };
   if (!failures_.is_open()) {
     mpdem::check_only_writer(lmp, who(), "events", events_name(), this);
-    check(failures_.open(world, cement_->restored()));
+    check(failures_.open(world, cement_->restored() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew));
   }
   check(failures_.write(world));
 }
@@ -483,7 +487,7 @@ void FixMpm::fill_atoms() {
         atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
         domain->remap(x, atom->image[i]);
         for (int d = 0; d < 3; ++d)
-          if (!(x[d] >= domain->boxlo[d] && x[d] <= domain->boxhi[d]) && trouble.empty())
+          if ((!std::isfinite(x[d]) || mpdem::left_the_box(*domain, d, x[d])) && trouble.empty())
             trouble = text_of(who(), "material point ", atom->tag[i], " left the simulation box at step ", update->ntimestep, " (", "xyz"[d],
                               " = ", x[d], ", box ", domain->boxlo[d], " to ", domain->boxhi[d], "); ", atoms_.flight(i, cell()));
       }

@@ -127,6 +127,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
   bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
   std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
+  bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
   double auto_step_ = 0.0;      // time step that `timestep auto` found last
   double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;

@@ -63,7 +63,6 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
-      table_from_ = update->ntimestep;
     } else {
       std::vector<std::string> known(kKeywords);
       for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
@@ -216,12 +215,12 @@ void FixMpmCouple::open_table() {
   std::string header = "step,time,bond,grain1,grain2", trouble;
   for (const mpdem::BondColumn& c : mpdem::bond_columns()) header += text_of(",", c.name);
   if (comm->me == 0)
-    trouble = table_.open(table_name_, header + ",mode", cement_->in_motion() ? static_cast<long>(table_from_) : mpdem::TableFile::kAnew);
+    trouble = table_.open(table_name_, header + ",mode", cement_->in_motion() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew);
   stop_if_not_written(trouble);
   table_open_ = true;
-  int kept = comm->me == 0 && table_.kept_to() == static_cast<long>(table_from_);
+  int kept = comm->me == 0 && table_.kept_to() == static_cast<long>(update->ntimestep);
   MPI_Bcast(&kept, 1, MPI_INT, 0, world);
-  if (kept) table_last_ = table_from_;
+  if (kept) table_last_ = update->ntimestep;
 }
 
 // Collective. trouble: why the file was not written, or an empty text.

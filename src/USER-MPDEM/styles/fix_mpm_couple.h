@@ -59,7 +59,6 @@ class FixMpmCouple : public Fix {
   int table_every_ = 0;
   std::string table_name_;
   mpdem::TableFile table_;
-  bigint table_from_ = 0;
   bool table_open_ = false, length_told_ = false;
   bigint table_last_ = -1;
 };

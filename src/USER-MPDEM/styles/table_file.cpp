@@ -15,7 +15,7 @@
 
 namespace mpdem {
 
-std::string TableFile::open(const std::string& name, const std::string& header, long last_kept) {
+std::string TableFile::open(const std::string& name, const std::string& header, double last_kept) {
   name_ = name;
   kept_to_ = -1;
   std::error_code none;
@@ -33,21 +33,19 @@ std::string TableFile::open(const std::string& name, const std::string& header, 
 }
 
 // Cuts the file behind the last row that stays. Rows that stay are not written again, so a full disk cannot take them.
-// Steps may fall within the file, since `reset_timestep` starts them anew. So later steps before that row stay, too.
-std::string TableFile::keep_rows(const std::string& header, long last_kept) {
+std::string TableFile::keep_rows(const std::string& header, double last_kept) {
   std::ifstream old(name_);
   std::string line;
   if (!std::getline(old, line) || line != header)
     return name_ + ": the file is there with other columns, and would be lost";
   const auto columns = std::count(header.begin(), header.end(), ',');
-  std::uintmax_t place = header.size() + 1, end = place;
+  std::uintmax_t end = header.size() + 1;
   while (std::getline(old, line) && !old.eof()) {  // a line without an end of line is no whole row
-    if (std::count(line.begin(), line.end(), ',') != columns) break;
-    place += line.size() + 1;
-    const long step = std::atol(line.c_str());
-    if (step > last_kept) continue;
+    char* rest;
+    const long step = std::strtol(line.c_str(), &rest, 10);
+    if (std::count(line.begin(), line.end(), ',') != columns || *rest != ',' || std::strtod(rest + 1, nullptr) > last_kept) break;
     kept_to_ = step;
-    end = place;
+    end += line.size() + 1;
   }
   old.close();
   std::error_code code;

@@ -129,16 +129,22 @@ void WriteCement::command(int narg, char** arg) {
     std::sort(wanted, wanted + 2);
   }
   std::vector<char> chosen;
+  std::size_t made = 0;
   for (const mpdem::Body& b : avec->bonds.table) {
     chosen.push_back(wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1]));
     if (chosen.back() && b.pattern > 0)
       args.complain(text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], " has no points yet; use 'fix_modify' with 'points all' for fix mpm, and 'run 0', before"));
+    if (chosen.back()) made += b.points;
   }
   if (std::count(chosen.begin(), chosen.end(), 1) == 0)
     args.complain(wanted[0] == 0 ? std::string("there is no cement; use create_cement before")
                                  : text_of("grains ", wanted[0], " and ", wanted[1], " have no cement; name a pair given to create_cement"));
   const Now now = gather(chosen, args);
-  mpdem::stop_if_any(lmp, comm->me == 0 ? write(name, chosen, now) : "");
+  std::string trouble;
+  if (comm->me == 0)
+    trouble = now.points.size() == made ? write(name, chosen, now)
+                                        : text_of("write_cement: ", made - now.points.size(), " of ", made, " material points were deleted or left the box; keep them");
+  mpdem::stop_if_any(lmp, trouble);
 }
 
 WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Arguments& args) const {
