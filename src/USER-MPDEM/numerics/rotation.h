@@ -19,7 +19,7 @@ Mat3<T> rotation_of(const T* q) {
            {2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)}}};
 }
 
-// Rotation q, then p.
+// Returns the rotation by q and then by p.
 template <class T>
 std::array<T, 4> quaternion_product(const T* p, const T* q) {
   return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
