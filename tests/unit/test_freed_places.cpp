@@ -426,7 +426,7 @@ TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
   p.friction = 0.3;
   test::Scene s = scene_of_places(832, p);
   Bond& b = s.bonds[0];
-  b.places.give_inertia(b.points, b.grid, s.side(b), 1e3);
+  b.places.give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
   double stiffness = 0.0;
   for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.inert_area;
   const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b), mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
@@ -465,17 +465,17 @@ TEST(FreedPlaces, HaveAddedMassNearTheirGrainsAlone) {
   };
   double all = 0.0;
   for (const FreedPlace& place : b.points.places) all += place.area;
-  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0));
+  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
   EXPECT_EQ(inert(), 0.0);
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.0), 0.0));
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.0), 0.0, 0.0));
   EXPECT_NEAR(inert(), all, 1e-12 * all);
-  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.0015 * h), 0.0));
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0));
+  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.0015 * h), 0.0, 0.0));
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
   EXPECT_EQ(inert(), 0.0);
   GrainSide* side = at(0.1 * h);
   for (int i = 0; i < 2; ++i)
     for (int d = 0; d < 3; ++d) side[i].v[d] = -(side[i].x[d] - s.bodies[b.body].centre[i][d]);  // back in a time of 1
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, side, 0.6));
+  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, side, 0.0, 0.6));
   EXPECT_GT(inert(), 0.9 * all);
 }
 
@@ -487,7 +487,7 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   test::Scene s = scene_of_places(833, p);
   Bond& b = s.bonds[0];
   EXPECT_EQ(sum_of_stiffness(s, b), 0.0);
-  b.places.give_inertia(b.points, b.grid, s.side(b), 1e3);
+  b.places.give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
   const double whole = sum_of_stiffness(s, b);
   EXPECT_GT(whole, 0.0);
   const int slot = b.points.places.front().slot;

@@ -43,7 +43,7 @@ void AddedMasses::follow_places(const std::vector<int>& moved) {
 
 bool AddedMasses::give_inertia(Bond& b) const {
   const double soon = Scene::kWatchEvery * scene_.now.substeps * scene_.now.dt;
-  return b.places.give_inertia(b.points, b.grid, scene_.grains.side_of(b), soon);
+  return b.places.give_inertia(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, soon);
 }
 
 void AddedMasses::drop_inert() {

@@ -178,24 +178,24 @@ void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U)
   }
 }
 
-void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v) const {
+void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v, vd* of_grain) const {
   with_basis(grid.basis, [&](auto type) {
     gather_value_by_lane(grid.velocity.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), v);
   });
-  vd of_grain[3];
   velocity_at(s, t.q, of_grain);
   for (int d = 0; d < 3; ++d) v[d] -= of_grain[d];
 }
 
 // A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
-bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double soon) {
+bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double dt, double soon) {
   bool changes = false;
   for (Block& b : blocks_) {
     Touch t;
     touch(b, grid, side[b.side], t);
-    vd v[3];
-    find_velocity(b, grid, side[b.side], t, v);
-    const vd least = t.gap + kMargin * soon * min(dot(v, t.n), vd{});
+    vd v[3], of_grain[3];
+    find_velocity(b, grid, side[b.side], t, v, of_grain);
+    const vd gap = t.gap + dt * dot(of_grain, t.n);  // before the grain went on
+    const vd least = gap + kMargin * soon * min(dot(v, t.n), vd{});
     const vd reach = select(b.inert_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
     const vd wanted = of(static_cast<std::uint8_t>(b.holds & bits(least < reach)), b.area);
     for (int l = 0; l < kLanes; ++l) {
@@ -247,8 +247,8 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
     const GrainSide& s = side[b.side];
     Touch t;
     touch(b, grid, s, t);
-    vd v[3];
-    find_velocity(b, grid, s, t, v);
+    vd v[3], of_grain[3];
+    find_velocity(b, grid, s, t, v, of_grain);
     const vd normal = t.gap * (t.gap - dt * dot(v, t.n)), tangential = dot(t.e, t.e) - dt * dot(v, t.e);
     released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), 0.5 * b.area * (k.kn * normal + k.kt * tangential)));
     b.holds &= static_cast<std::uint8_t>(~ends);

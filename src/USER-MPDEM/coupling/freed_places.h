@@ -60,8 +60,8 @@ class FreedPlaces {
   // Gives added mass to places that touch, or may touch within the time `soon`, and takes it from the others. Returns
   // true if that of a place changes. Added mass ties the motion of the cement to that of the grain, so places that are
   // apart must have none. Until this call, places that open or move on have none of their own: the links that let go
-  // still have theirs.
-  bool give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double soon);
+  // still have theirs. The grains are where they are at the end of the step dt, the nodes where they were before it.
+  bool give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double dt, double soon);
   // Adds row sums of the stiffness to two numbers a node, as PenaltyLinks::add_stiffness() does.
   void add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const;
   // Largest depth of a place inside its grain, at the last follow().
@@ -109,7 +109,7 @@ class FreedPlaces {
   const int* columns(const Block& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
   void touch(const Block& b, const Grid& grid, const GrainSide& s, Touch& t) const;
   // Velocity of the places against the grain.
-  void find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v) const;
+  void find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v, vd* of_grain) const;
   vd energy(const Block& b, const Touch& t) const;
   void lay_out(const PointStore& points, const Body& body, const Grid& grid);
   double take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened, bool just_now);
