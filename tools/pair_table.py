@@ -71,8 +71,8 @@ def groups(args):
             found = json.load(f)
     except ValueError as e:
         raise run.Trouble(f"{args.table}: not JSON ({e}); see doc/data/study_strength.json") from None
-    if not isinstance(found, list) or not all(isinstance(g, dict) for g in found):
-        raise run.Trouble(f"{args.table}: must be a list of groups; see doc/data/study_strength.json")
+    if not isinstance(found, list) or not found or not all(isinstance(g, dict) for g in found):
+        raise run.Trouble(f"{args.table}: must be a list of groups, at least one; see doc/data/study_strength.json")
     return found
 
 

@@ -180,3 +180,16 @@ def test_taken_over_by_other_kinematics(tmp_path, figures):
     found = run(first + "run 0\nunfix bond\nunfix cem\n" + again + move + "run 200\n", tmp_path / "after").table()["f_bond"]
     figures.below("shells askew, sheets given up before the run: force, over the largest",
                   abs(found - wanted).max() / abs(wanted).max(), 1e-9)  # rounding feeds the springs of the links
+
+
+@pytest.mark.parametrize("words", ["", "cracks split"])
+def test_written_before_the_first_run(words, tmp_path):
+    """What is written when fix mpm has been defined, but made no step, is the bond with its crevice."""
+    made = pair(CELL / 2, **SHELLS)
+    fixes = CONTACT + pulled(words)
+    one = run(made + fixes + "run 0\nrun 200\n", tmp_path / "one").table()
+    run(made + fixes + "write_restart made.restart\n", tmp_path / "two")
+    two = run(restarted("made.restart") + fixes + "run 0\nrun 200\n", tmp_path / "two", name="in.two").table()
+    assert one["f_bond"].max() > 20
+    for name in SCALARS:
+        assert (one[name] == two[name]).all(), name

@@ -331,3 +331,14 @@ def test_report(ring, tmp_path, figures):
         a, b = (float(re.search(what, out)[1]) for out in (made, again))
         assert a > 0
         figures.below(f"cement from a file, '{what.split(' (')[0]}': change", abs(b / a - 1), 1e-5)
+
+
+@pytest.mark.parametrize("damage", ["", DAMAGE])
+def test_links_that_let_go_before_hold_nothing(ring, tmp_path, damage):
+    """The file has no link to the second grain: the bond is in two from the start, with a law that cannot break too, and damping does not hold that grain."""
+    columns = dict(ring)
+    columns["attached_j"] = 0.0 * columns["attached_j"]
+    write(tmp_path / "cement.txt", columns)
+    script = from_file() + cement(CELL, 5e-9, damage=f"{damage} quasistatic 1 0.5") + pull(1.0, 2e-6) + thermo(20, ["f_bond", "f_bond[17]", "f_bond[22]"])
+    t = run(script + "run 400\n", tmp_path).table()
+    assert (t["f_bond[22]"] == 1).all() and abs(t["f_bond"]).max() == 0.0, t

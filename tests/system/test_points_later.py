@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CONTACT, cement, edit, launch, pair, pull, restarted, run, thermo
+from scenes import CONTACT, cement, dump, edit, launch, pair, pull, restarted, run, thermo
 from test_stiffness_command import rows_of
 
 ROOT = Path(__file__).parents[2]
@@ -176,3 +176,18 @@ def test_message(name, tmp_path):
     assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
     missing = [word for word in needed if word not in result.errors()[0]]
     assert not missing, result.errors()[0]
+
+
+@pytest.mark.parametrize("direction", [(0, 0, 1), (0.36, -0.48, 0.8)])
+def test_points_of_a_run_move_between_their_grains(direction, tmp_path, figures):
+    """Points that are made when a run starts have the motion that create_cement would have given them."""
+    motion = "group moved id 2\nvelocity moved set 1.0 0.3 -0.5\nset atom 2 omegax 300 omegay 100\nset atom 1 omegaz -200\n"
+    points = {}
+    for word in ("now", "later"):
+        text = edit(scene(word, "condense no", direction=direction, half_box=(0.02, 0.02, 0.02)), "create_cement", motion + "create_cement")
+        text += "fix motion grains nve/sphere\n" + dump(1, ["x", "y", "z", "vx", "vy", "vz"]) + "run 0\n"
+        p = run(text, tmp_path / word).points(0)
+        points[word] = np.array([p[c] for c in ("x", "y", "z", "vx", "vy", "vz")])
+    a, b = (p[:, np.lexsort(np.round(p[:3] / 1e-6))] for p in (points["now"], points["later"]))
+    figures.below(f"{direction}: places of points made later against those made now, m", abs(a[:3] - b[:3]).max(), 1e-15)
+    figures.below(f"{direction}: velocities of points made later against those made now, over the largest", abs(a[3:] - b[3:]).max() / abs(a[3:]).max(), 1e-12)

@@ -248,3 +248,48 @@ def test_other_atom_styles_have_no_seal(tmp_path):
     assert launch(script + "write_restart theirs.restart\n", tmp_path, program=program).status == 0
     assert (tmp_path / "ours.restart").read_bytes() == (tmp_path / "theirs.restart").read_bytes()
     assert launch("read_restart theirs.restart\n", tmp_path).status == 0
+
+
+def test_written_again_without_a_run(tmp_path, first):
+    """The motion of nodes that no run has taken up would be lost."""
+    shutil.copy(first(1).directory / "middle.restart", tmp_path)
+    done = launch(edit(CONTINUED, f"run {AFTER}\n", "write_restart other.restart\n"), tmp_path)
+    assert done.status != 0 and "use 'run 0' before write_restart" in done.errors()[0], done.output[-1000:]
+    again = edit(CONTINUED, f"run {AFTER}\n", "run 0\nwrite_restart other.restart\n")
+    run(again, tmp_path, name="in.again")
+    one, other = continue_in(tmp_path, first(1), 1).table(), run(edit(CONTINUED, "middle", "other"), tmp_path, name="in.other").table()
+    assert all((one[name] == other[name]).all() for name in SCALARS)
+
+
+def test_cement_made_after_a_look_at_stiffness(tmp_path, first):
+    """A command that lays out the bonds of the file comes before a bond that the file does not have."""
+    shutil.copy(first(1).directory / "middle.restart", tmp_path)
+    more = ("create_atoms 1 single 0 0 -0.0122 units box\nset atom {id} diameter 0.004 density 2500\ngroup grains id {id}\n"
+            "{look}create_cement calcite pair 1 {id} shape flat inner 0.3e-3 outer 0.9e-3 spacing 1e-4\n")
+    tables = []
+    for look in ("", "bond_stiffness k.csv\n"):
+        script = edit(CONTINUED, f"run {AFTER}\n", more.format(id=first(1).points(BEFORE)["id"].max().astype(int) + 1, look=look) + f"run {AFTER}\n")
+        tables.append(run(script, tmp_path, name=f"in.{len(look)}").table())
+    assert all((tables[0][name] == tables[1][name]).all() for name in SCALARS)
+
+
+def test_grains_on_a_side_of_a_rank(tmp_path):
+    """LIGGGHTS exchanges atoms before it writes, and forces do not go along: those of grains that just crossed are anything."""
+    script = edit(pair(1e-4, gap=2e-4, direction=(0, 0, 1), processors="1 2 1"), "create_cement", "displace_atoms grains move 0 1e-8 0 units box\ncreate_cement")
+    script += FIXES + "fix motion grains move linear 0 -0.5 0\n" + "run 30\nwrite_restart crossed.restart\nrun 1\n"
+    run(script, tmp_path, 2)
+
+
+@pytest.mark.parametrize("divided", [300, 420])
+def test_damped_pieces_in_parts(tmp_path, divided):
+    """What is damped against which grain is found when the bond is examined, so a run that is divided later is the run as a whole."""
+    script = pair(2e-4, gap=4e-4, cement="outer 1.5e-3 inner 0") + cement(4e-4, 1.6e-8, axis="radial", damage="damage tensor B0 9.6e3 quasistatic 2 0.05 check 50")
+    script += "velocity second set 0.2 0 2.0\n" + MOVING + thermo(10, ["f_bond[22]", "f_cem[2]", "f_cem[5]", "f_cem[8]", "f_cem[10]"])
+    whole = run(script + "run 600\n", tmp_path / "whole").table()
+    parts = run(script + f"run {divided}\nrun {600 - divided}\n", tmp_path / "parts").table()
+    apart = 10 * int((whole["f_bond[22]"] > 0).argmax())
+    assert 0 < apart < divided, apart
+    for name in whole:
+        a, b = whole[name], parts[name]
+        b = [b[i] for i in range(len(b)) if i != divided // 10 + 1]
+        assert abs(a - b).max() <= 1e-9 * abs(a).max(), name

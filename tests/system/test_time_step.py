@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import CALCITE, RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
+from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
 
 CELL = 2e-4
 SCENE = pair(CELL / 2) + cement(CELL, 1e-9) + pull(0.1, 2e-6)
@@ -158,3 +158,22 @@ def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
     mass = 2710 * np.pi / (2 * RADIUS) * (2e-3**4 - 1e-3**4)
     figures.below("loose piece between grains that leave: its speed over theirs",
                   abs(t["f_cem[15]"][-1]) / (mass * t["v_w"][-1]), 0.01)
+
+
+@pytest.mark.parametrize("dt", [5e-9, 1.3e-8])
+def test_another_step_keeps_momentum(dt, tmp_path, figures):
+    """Added mass goes with the time step. A run with another step goes on with the momentum of the one before."""
+    head = edit(pair(CELL / 2, half_box=3 * (15e-3,)), "create_cement", "set atom 2 diameter 0.008\ncreate_cement") + cement(CELL, 1e-8, axis="radial")
+    head += "velocity second set 0.2 -0.1 0.3\nset atom 2 omegax 200\nfix motion grains nve/sphere\n" + MOMENTA + thermo(5, MOMENTUM_COLUMNS[:3] + ["f_cem[12]"])
+    t = run(head + f"run 40\ntimestep {dt}\nrun 40\n", tmp_path).table()
+    P = np.array([t[c] for c in MOMENTUM_COLUMNS[:3]])
+    figures.below(f"momentum after a step of {dt} instead of 1e-8, against the start", abs(P - P[:, :1]).max() / abs(P).max(), 1e-12)
+    figures.below(f"energy imbalance with a step of {dt} after 1e-8", abs(t["f_cem[12]"])[-8:].max(), 0.01)
+
+
+def test_check_sees_grains_that_become_free(tmp_path):
+    """With sub-steps the limit of grains on their bonds is found anew when grains are free that were held."""
+    text = edit(pair(CELL / 2), "density 2500", "density 25") + edit(cement(CELL, 1e-7), "mpm cell 0.0002", "mpm cell 0.0002 subcycle 50")
+    text += "fix ts all check/timestep/mpm 5 cem 0.9\nfix hold grains move linear 0 0 0\n" + thermo(5, ["f_ts[2]"]) + "run 5\nunfix hold\nfix free grains nve/sphere\nrun 5\n"
+    limit = run(text, tmp_path).table()["f_ts[2]"]
+    assert limit[-1] < 0.2 * limit[0], limit

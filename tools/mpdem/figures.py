@@ -185,5 +185,5 @@ def save(fig, path):
     try:
         fig.savefig(path)
     except OSError as e:
-        raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written with --out") from None
+        raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written") from None
     plt.close(fig)

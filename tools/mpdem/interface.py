@@ -55,8 +55,12 @@ def draw(args, out, bond, dumps, spacing):
     if "id" not in first or "c_grain" not in first:
         return written
     with open(path) as f:
-        if len(f.readlines()) < 2:
-            return written  # nothing failed
+        lines = f.readlines()
+    missing = [c for c in ("bond", "grain", "point") if c not in (lines[0].strip().split(",") if lines else [])]
+    if missing:
+        raise run.Trouble(f"{path}: no column '{missing[0]}'; name the 'events' file of fix mpm with --events")
+    if len(lines) < 2:
+        return written  # nothing failed
     events = loading.read_table(path)
     events = {c: np.asarray(v)[events["bond"] == bond.number] for c, v in events.items()}
     at_grain = {g: ((events["grain"] == g) | skins(events, first, g)).sum() for g in bond.grains}

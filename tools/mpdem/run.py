@@ -81,7 +81,7 @@ def make_folder(path):
     try:
         os.makedirs(path, exist_ok=True)
     except OSError as e:
-        raise Trouble(f"{path}: {e.strerror}; name a folder that can be written with --out") from None
+        raise Trouble(f"{path}: {e.strerror}; name a folder that can be written") from None
 
 
 def find_bond_file(run_dir, name):

@@ -176,4 +176,4 @@ def write(path, bonds, results):
                           int(r.failure_step) if r.broken else "", r.shares[0], r.shares[1], r.largest_force]
                 out.writerow([b.number, *b.grains] + [f"{v:.8g}" if isinstance(v, float) else v for v in values])
     except OSError as e:
-        raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written with --out") from None
+        raise run.Trouble(f"{path}: {e.strerror}; name a folder that can be written") from None

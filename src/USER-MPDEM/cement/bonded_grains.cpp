@@ -290,7 +290,7 @@ void BondedGrains::book_loads_taken_back(double dt_last, EnergyBooks& books) con
 }
 
 // Bonds carry a part of the momentum on to their other grain.
-void BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
+double BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed) {
   load_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
     std::fill(grains[n].acceleration, grains[n].acceleration + 6, 0.0);
@@ -299,12 +299,20 @@ void BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, Condens
   sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   condensed.set_accelerations(std::vector<double>(6 * grains.size(), 0.0).data());
   impulses_.find_impulse(comm, std::vector<SideMoments>(sides.sides.size()), grains, load_, sides, &condensed);
-  for (Grain& g : grains)
+  double energy = 0.0;
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    Grain& g = grains[n];
     for (int d = 0; d < 6; ++d) {
-      if (!g.free[d]) continue;
+      if (!g.free[d]) {
+        energy += momentum[n][d] * g.velocity[d];
+        continue;
+      }
+      energy += (d < 3 ? g.mass : g.inertia) * g.acceleration[d] * (g.velocity[d] + 0.5 * g.acceleration[d]);
       g.velocity[d] += g.acceleration[d];
       g.state->v[d] += g.acceleration[d];
     }
+  }
+  return energy;
 }
 
 void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {

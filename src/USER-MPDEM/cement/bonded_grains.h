@@ -111,8 +111,8 @@ class BondedGrains {
   void book_loads_taken_back(double dt_last, EnergyBooks& books) const;
   // Collective. Gives momentum, and angular momentum about its centre, to each grain. The grain and its condensed bonds
   // take it up at once, in the free directions of the grain. Accelerations are then those of this impulse, until
-  // distribute().
-  void push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed);
+  // distribute(). Returns the energy that grains of this rank gain, and prescribed ones take.
+  double push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed);
   // Find what is spread over the n sub-steps of the next step. start_spreading() is for the start of a run,
   // spread_loads() for the end of a step.
   void start_spreading(int n);

@@ -137,10 +137,26 @@ void Cement::start_run() {
   if (scene_.penalty && scene_.bodies_started < static_cast<int>(scene_.bonds.table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds, scene_.bodies_started, added_.any(), scene_.books);
   condensed_.follow(grains, scene_.weight().data());
+  std::vector<std::vector<double>> before;
+  const bool new_step = scene_.bodies_started > 0 && scene_.now.dt != scene_.dt_last;
+  if (new_step)
+    for (const Bond& b : scene_.bonds.awake()) before.push_back(b.grid.acceleration);
   kinematics_->find_internal_force();
   forces_.find_at_start();
+  if (new_step) keep_half_kicks(before);
   if (scene_.penalty) forces_.react();
   start_bodies();
+}
+
+// A new time step comes with other added mass, so accelerations are not those that the last step found. The grains made
+// the half kick of the last step with these. So do the nodes, by what the whole kick that is to come lacks of it.
+void Cement::keep_half_kicks(const std::vector<std::vector<double>>& accelerations) {
+  auto before = accelerations.begin();
+  for (Bond& b : scene_.bonds.awake()) {
+    std::vector<double>& v = b.grid.velocity;
+    const std::vector<double>& was = *before++;
+    for (std::size_t i = 0; i < v.size() && b.body < scene_.bodies_started; ++i) v[i] += 0.5 * scene_.dt_last * (was[i] - b.grid.acceleration[i]);
+  }
 }
 
 // Velocities of bodies that were not in motion yet go back half a step. Their energy counts from here. So does the work

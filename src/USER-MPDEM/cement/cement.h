@@ -138,6 +138,7 @@ class Cement {
   void advance();
   void find_forces_anew();
   void start_bodies();
+  void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // of the awake bonds, in the last step
   void restore_bonds(int bodies, RecordReader& in);
 
   // Parts in the order in which they are made, since parts refer to those above them.

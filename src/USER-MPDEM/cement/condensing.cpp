@@ -110,7 +110,9 @@ void Condensing::book_changes() {
     const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
     again_.energy -= e.elastic + e.discrete_kinetic;
   }
-  scene_.books.damp(again_.energy);
+  // what the grains gain with the momentum is work, so that what is damped does not depend on the speed of flight
+  scene_.books.do_work(-again_.to_grains);
+  scene_.books.damp(again_.energy - again_.to_grains);
 }
 
 std::vector<int> Condensing::rows_that_are_due() {
@@ -233,7 +235,7 @@ void Condensing::condense_again() {
     for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
   condensed_.bind(scene_.comm, scene_.bonds, grains);
   condensed_.follow(grains, scene_.weight().data());
-  grains.push(scene_.comm, momentum, *condensed_.pack());
+  again_.to_grains = grains.push(scene_.comm, momentum, *condensed_.pack());
 }
 
 }  // namespace mpdem

@@ -71,6 +71,7 @@ class Condensing {
   struct Change {
     std::vector<int> rows;
     double energy = 0.0;  // energy that the rows had before, on this rank
+    double to_grains = 0.0;  // energy that went to grains of this rank at once
   };
   Change woken_, again_;  // changes of this step: bonds that woke, and bonds condensed again
 };

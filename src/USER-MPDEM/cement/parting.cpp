@@ -37,7 +37,7 @@ std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const 
 
 void Parting::take_up() {
   load_watch_.take_up(scene_.bonds.table.size());
-  if (!divisions_.cracks.take_up(scene_.bonds.table.size()) || !scene_.can_break()) return;
+  if (!divisions_.cracks.take_up(scene_.bonds.table.size()) || !scene_.penalty) return;
   const bool split = scene_.options.split;
   if (split) {
     Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options);

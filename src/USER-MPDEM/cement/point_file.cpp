@@ -360,7 +360,7 @@ class PointFile {
            o_.spacing, "; check the units of lengths and areas and the spacing");
     if (columns_.has(kFoot)) k.foot = o_.to_body(Vector3(side.foot[0], side.foot[1], side.foot[2]));
     const double off = (k.foot - pair_.centre(s)).norm() - pair_.radius(s);
-    if (std::fabs(off) > 1e-6 * pair_.radius(s)) stop(place, "foot point is ", off, " off the surface of grain ", o_.tag[s]);
+    if (std::fabs(off) > 1e-6 * pair_.radius(s)) stop(place, "foot point is ", off, " off the surface of grain ", o_.tag[s], "; use the units and the place of the grains for which the file was written");
     if ((k.foot - p.X).norm() > kFurthestFoot * o_.spacing)
       stop(place, "the point is ", (k.foot - p.X).norm(), " from where it is attached to grain ", o_.tag[s], ", more than ", kFurthestFoot,
            " spacings");

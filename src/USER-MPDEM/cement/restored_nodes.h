@@ -32,7 +32,10 @@ class RestoredNodes {
   void bring();
   // Motion of the nodes of a bond, once bring() was called. any() is false if the motion is not that of a file.
   bool any() const { return !motion_.empty(); }
-  NodeKinematics& of(int body) { return motion_[body]; }
+  NodeKinematics& of(int body) {
+    if (static_cast<std::size_t>(body) >= motion_.size()) motion_.resize(body + 1);  // the bond was made after the file was read
+    return motion_[body];
+  }
   void clear() { motion_.clear(); }
 
  private:

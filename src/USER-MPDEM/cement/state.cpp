@@ -89,7 +89,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   return all;
 }
 
-// Reads the rows of bonds that follow the head.
+// Reads the rows of bonds that follow the head. Bonds that made no step yet are new to the looks for cracks, and to the nodes that split.
 void Cement::restore_bonds(int bodies, RecordReader& in) {
   const int me = rank_in(scene_.comm);
   std::vector<Cracks::State> cracks(bodies);
@@ -108,6 +108,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
   }
   report_.restore(peaks);
   parting_.load_watch().restore(std::move(largest), std::move(loads));
+  cracks.resize(scene_.bodies_started);  // the first look at the others is still to come
   divisions_.cracks.restore(std::move(cracks));
 }
 
@@ -138,7 +139,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     copies[{field_of(row.body, 0), row.place}].push_back({row.part, row.copy, row.first, row.volume});
   }
   if (!in.trouble().empty()) return;
-  if (scene_.options.split) divisions_.splits.restore(head.bodies, std::move(copies));
+  if (scene_.options.split) divisions_.splits.restore(head.bodies_started, std::move(copies));
   restored_nodes_.keep(std::move(rows), head.nodes);
 }
 

@@ -34,7 +34,7 @@ std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
   for (const BlockMeta& m : points.meta)
     for (int l = 0; l < kLanes; ++l) {
       const unsigned holds = (m.holds[0] >> l & 1) + 2 * (m.holds[1] >> l & 1);
-      if (!((m.occupied & ~m.failed) >> l & 1) || holds == 0) continue;
+      if (!(m.occupied >> l & 1) || holds == 0) continue;
       for_each_node_of_lane(grid, m, l, [&](int i) {
         const int node = that_moves(i);
         for (int g = 0; g < 2; ++g)

@@ -25,8 +25,8 @@
 
 namespace mpdem {
 
-// For each node the bits (as in PointRecord::holds) of the grains to which unfailed points with this node in their
-// support hold. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
+// For each node the bits (as in PointRecord::holds) of the grains to which points with this node in their support held
+// when their bond was last examined. Points that failed since then count, so this is the same at any time until the next examination. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
 std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 
 // s of each node. Below 0 for a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.

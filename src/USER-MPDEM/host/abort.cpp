@@ -80,6 +80,22 @@ void Error::all(const char* file, int line, const char* text) {
   std::exit(1);
 }
 
+// Errors of the command line, before there are worlds.
+void Error::universe_all(const char* file, int line, const char* text) {
+  MPI_Barrier(universe->uworld);
+  if (universe->me == 0)
+    for (std::FILE* f : {universe->uscreen, universe->ulogfile})
+      if (f) std::fprintf(f, "ERROR: %s (%s:%d)\n", text, file, line);
+  std::fflush(nullptr);
+  MPI_Finalize();
+  std::exit(1);
+}
+
+void Error::universe_one(const char* file, int line, const char* text) {
+  if (universe->uscreen) std::fprintf(universe->uscreen, "ERROR on proc %d: %s (%s:%d)\n", universe->me, text, file, line);
+  MPI_Abort(universe->uworld, 1);
+}
+
 namespace {
 std::string of_style(const char* kind, const char* style, const char* id, const char* text) {
   const std::string name = std::string(kind) + " " + style + " (id " + id + ")";

@@ -61,6 +61,7 @@ class LawValues {
 };
 
 inline bool is_positive(double v) { return v > 0.0; }
+inline bool is_not_negative(double v) { return v >= 0.0; }
 inline bool is_inside_0_1(double v) { return v > 0.0 && v < 1.0; }
 inline bool is_in_0_1_with_1(double v) { return v > 0.0 && v <= 1.0; }
 

@@ -134,7 +134,7 @@ std::vector<LawWord> TensorDamage::words() {
           {"evolution", nullptr, "", "", {"monotone", "full"}},
           {"zeta", is_in_0_1_with_1, "tensile over compressive strength, must lie in (0, 1]", "", {}},
           {"interface", is_positive, "must be greater than 0", "", {}},
-          {"viscosity", is_positive, "must be greater than 0", "", {}}};
+          {"viscosity", is_not_negative, "must be at least 0, which is none", "", {}}};
 }
 
 TensorDamage::TensorDamage(const VtiElasticity& elasticity, const LawValues& values) : LawOf(elasticity) {

@@ -19,6 +19,7 @@
 #include "fix_gravity.h"
 #include "group.h"
 #include "modify.h"
+#include "private_access.h"
 #include "scene_checks.h"
 #include "update.h"
 
@@ -252,7 +253,7 @@ void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecM
 }
 
 // Looks at bonded and other grains of this rank.
-std::string grain_that_is_not_finite(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec) {
+std::string grain_that_is_not_finite(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, bool forces_known) {
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     if (avec.is_point(i)) continue;
     double sum[5] = {0, 0, 0, 0, 0};
@@ -264,7 +265,7 @@ std::string grain_that_is_not_finite(LAMMPS* lmp, const std::string& who, const 
       sum[4] += lmp->atom->torque[i][d];
     }
     const char* const names[] = {"position", "velocity", "angular velocity", "force", "torque"};
-    for (int q = 0; q < 5; ++q)
+    for (int q = 0; q < (forces_known ? 5 : 3); ++q)
       if (!std::isfinite(sum[q]))
         return text_of(who, "the ", names[q], " of grain ", lmp->atom->tag[i], " is not finite at step ",
                        lmp->update->ntimestep, "; check the fixes that move and load it, the time step and the contact model");
@@ -296,19 +297,24 @@ void check_links(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, 
   stop_if_any(lmp, trouble);
 }
 
-FixGravity* find_gravity(LAMMPS* lmp, const Fix* fix, const AtomVecMpdem& avec) {
+FixGravity* find_gravity(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
   FixGravity* gravity = nullptr;
+  bool comes_later = false;
   for (int k = 0; k < lmp->modify->nfix; ++k) {
     Fix* other = lmp->modify->fix[k];
+    comes_later = comes_later || other == fix;
     int mine = 0, acts;
     for (int i = 0; i < lmp->atom->nlocal && !mine; ++i) mine = avec.is_point(i) && (lmp->atom->mask[i] & other->groupbit);
     for (const Body& b : avec.bonds.table) mine = mine || (b.pattern > 0 && (avec.bonds.patterns[b.pattern - 1].head.mask & other->groupbit));
     MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, lmp->world);
     if (!acts || other == fix) continue;
-    if (FixGravity* g = dynamic_cast<FixGravity*>(other)) gravity = g;
-    else if ((lmp->modify->fmask[k] & FixConst::POST_FORCE) && lmp->comm->me == 0)
+    if (FixGravity* g = dynamic_cast<FixGravity*>(other)) {
+      gravity = g;
+      if (comes_later && is_variable(g))
+        stop_all(lmp, who + text_of("fix '", g->id, "' (gravity) has a variable and was defined after this fix, so that cement would have the gravity of the step before; define it before fix mpm"));
+    } else if ((lmp->modify->fmask[k] & FixConst::POST_FORCE) && lmp->comm->me == 0)
       lmp->error->warning("fix mpm", 0,
-                          text_of("fix '", other->id, "' (", other->style, ") acts on material points, where its force has no effect; "
+                          text_of("fix '", other->id, "' (", other->style, ") acts on material points, on which it has no effect; "
                                   "give it the group of the grains")
                               .c_str());
   }

@@ -41,8 +41,8 @@ void check_points_left_alone(LAMMPS_NS::LAMMPS* lmp, const std::string& who, con
 // started: number of bodies of the table that moved before.
 void check_created_positions(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, double cell, int started);
 void count_points(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, LAMMPS_NS::bigint expected);
-// Returns a complaint about a grain of this rank, or an empty text if all are well.
-std::string grain_that_is_not_finite(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec);
+// Returns a complaint about a grain of this rank, or an empty text if all are well. Forces and torques are looked at if they are known.
+std::string grain_that_is_not_finite(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, bool forces_known);
 std::string axis_name(AxisRule rule, const double* direction);
 
 // Cement of a file may have links with damage, and skins. Only a law with damage of links can go on from these.
@@ -50,7 +50,7 @@ void check_links(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS
 
 // Returns the fix of the gravity that acts on the cement as on the grains, or null. Warns of any other force on
 // material points, which would be without effect.
-LAMMPS_NS::FixGravity* find_gravity(LAMMPS_NS::LAMMPS* lmp, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec);
+LAMMPS_NS::FixGravity* find_gravity(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec);
 
 }  // namespace mpdem
 

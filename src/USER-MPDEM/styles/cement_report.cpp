@@ -120,7 +120,8 @@ void CementReport::stop_if_not_positive(const Cement& c) const {
 void CementReport::stop_if_too_long(const Cement& c, double limit) const {
   if (c.dt() > kRounding * limit)
     stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c), " at step ", lmp_->update->ntimestep,
-                                 "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, or a larger cell"));
+                                 "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, ", c.penalty() && c.penalty()->damping > 0.0 ? text_of("a 'damping' of fix mpm/couple below ", c.penalty()->damping, ", ") : "",
+                                 "or a larger cell"));
 }
 
 // Tells where the damping limits the step, and not the cell. Uses the eigenvalue itself, since with the bound more
@@ -185,12 +186,13 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
     lmp_->error->warning("fix mpm", 0,
                    text_of(who_, "links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
                            ", and the bonds follow late; use a smaller 'timestep', or 'kn auto', 'kt auto' and 'length cell' of fix mpm/couple, ",
-                           "or less ('auto' is 200 C33)")
+                           "or less ('auto' is 200 C33)", c.penalty()->friction > 1.0 ? text_of(", or a 'friction' below ", c.penalty()->friction) : "",
+                           "; look at the 'density' of the grains, too")
                        .c_str());
 }
 
 void CementReport::times(Cement& c, bigint points) {
-  const bigint steps = lmp_->update->ntimestep - timed_from_;
+  const bigint steps = steps_timed_ += lmp_->update->ntimestep - lmp_->update->firststep;
   if (steps <= 0) return;
   const CementOptions& o = c.options();
   const auto& mine = c.timer().seconds();
@@ -337,7 +339,7 @@ void CementReport::jump(Cement& c) {
 }
 
 void CementReport::start_run(Cement& c) {
-  timed_from_ = lmp_->update->ntimestep;
+  steps_timed_ = 0;
   c.timer().clear();
   c.forces().clear_ticks();
   jump_told_ = false;

@@ -57,7 +57,7 @@ class CementReport {
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
   bool reported_ = false, jump_told_ = false;
-  bigint timed_from_ = 0;
+  bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
   bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1;

@@ -39,11 +39,11 @@ void FixCheckTimestepMpm::init() {
                                  "before and name its ID here"));
 }
 
-// Damage softens bonds, so a step that was stable once stays so, until there are other bonds.
+// Damage softens bonds, so a step that was stable once stays so, until there are other bonds, sub-steps or free grains.
 void FixCheckTimestepMpm::setup(int) {
-  const std::size_t bonds = cement_->cement()->bonds.table.size();
-  if (bonds != bonds_) of_grains_ = cement_->stable_step(true);
-  bonds_ = bonds;
+  const std::array<double, 3> scene = {static_cast<double>(cement_->cement()->bonds.table.size()), static_cast<double>(cement_->substeps()), cement_->mark_of_free_grains()};
+  if (scene != scene_) of_grains_ = cement_->stable_step(true);
+  scene_ = scene;
   check();
 }
 void FixCheckTimestepMpm::end_of_step() { check(); }

@@ -12,6 +12,7 @@ FixStyle(check/timestep/mpm,FixCheckTimestepMpm)
 #ifndef MPDEM_FIX_CHECK_TIMESTEP_MPM_H
 #define MPDEM_FIX_CHECK_TIMESTEP_MPM_H
 
+#include <array>
 #include <string>
 
 #include "fix.h"
@@ -34,8 +35,8 @@ class FixCheckTimestepMpm : public Fix {
   double fraction_ = 0.0;
   bool stop_ = false;
   double limit_ = 0.0, share_ = 0.0;
-  double of_grains_ = 0.0;  // limit by grains on their bonds, found when there were bonds_ bonds
-  std::size_t bonds_ = 0;
+  double of_grains_ = 0.0;                  // limit by grains on their bonds, found in the scene_
+  std::array<double, 3> scene_ = {0, 0, 0};  // number of bonds and of sub-steps, and a number that changes with the inertia of free grains
 };
 
 }  // namespace LAMMPS_NS

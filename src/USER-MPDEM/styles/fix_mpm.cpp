@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <limits>
@@ -27,6 +28,7 @@
 #include "output.h"
 #include "point_atoms.h"
 #include "pair.h"
+#include "scene_checks.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -100,7 +102,7 @@ void FixMpm::init() {
   check_host_recipe(lmp, who(), *avec_);
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
-  gravity_ = mpdem::find_gravity(lmp, this, *avec_);
+  gravity_ = mpdem::find_gravity(lmp, who(), this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
@@ -138,8 +140,14 @@ void FixMpm::make_points(const std::vector<int>& rows) {
 
 // Is there a fix mpm/couple? It speaks up in its own init, after this one's.
 bool FixMpm::coupling_follows() {
-  for (int i = 0; i < modify->nfix; ++i)
-    if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
+  bool comes_later = false;
+  for (int i = 0; i < modify->nfix; ++i) {
+    comes_later = comes_later || modify->fix[i] == this;
+    if (std::string(modify->fix[i]->style) != "mpm/couple") continue;
+    if (!comes_later)
+      mpdem::stop_all(lmp, text_of(who(), "fix mpm/couple (id ", modify->fix[i]->id, ") was defined before this fix and has to come after it; unfix it and define it again"));
+    return true;
+  }
   const mpdem::CementOptions& o = cement_->options();
   if (o.relax > 0.0)
     mpdem::stop_all(lmp, who() + text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' damps relative to the grains, "
@@ -254,7 +262,13 @@ void FixMpm::check_unprepared() {
   const std::size_t bonds = avec_->bonds.table.size();
   if (bonds != prepared_bonds_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
-  mpdem::count_points(lmp, "run ... pre no: ", *avec_, points_expected_);
+  if (update->dt != dt_at_end_)
+    mpdem::stop_all(lmp, text_of("run ... pre no: the time step is ", update->dt, " and was ", dt_at_end_, " in the last run; leave 'pre no' out after timestep"));
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  if (all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; }))
+    mpdem::stop_all(lmp, "run ... pre no: fix_modify 'points all' asks for points that are yet to be made; leave 'pre no' out");
+  const mpdem::CementPoints points = mpdem::check_scene(lmp, "run ... pre no: ", this, *avec_);
+  guarded([&] { cement_->set_density(points.density); });
   if (atom->natoms != atoms_at_end_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", atom->natoms, " atoms and were ", atoms_at_end_, " at the end of the last run; leave 'pre no' out after commands that make or delete atoms"));
   check_positions();
@@ -381,6 +395,7 @@ void FixMpm::end_of_step() {
 void FixMpm::post_run() {
   prepared_ = false;
   atoms_at_end_ = atom->natoms;
+  dt_at_end_ = update->dt;
   report_->jump(*cement_);
   fill_atoms();
   write_events();
@@ -405,6 +420,20 @@ double FixMpm::stable_step(bool of_grains) {
   return step;
 }
 
+// Rounding differs with the ranks that grains are on, so the sum is of whole numbers.
+double FixMpm::mark_of_free_grains() {
+  std::uint64_t mine = 0, sum;
+  for (const mpdem::Grain& g : cement_->grains().grains)
+    for (int d = 0; d < 6; ++d) {
+      const double inertia = g.free[d] ? (d < 3 ? g.mass : g.inertia) : 0.0;
+      std::uint64_t bits;
+      std::memcpy(&bits, &inertia, sizeof bits);
+      mine += (bits ^ (bits >> 29)) * (2 * (6 * static_cast<std::uint64_t>(g.tag) + d) + 1) * 0x9e3779b97f4a7c15u >> 12;
+    }
+  MPI_Allreduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, world);
+  return static_cast<double>(sum >> 11);  // 53 bits
+}
+
 std::vector<mpdem::StiffnessOfBond> FixMpm::stiffness_of_bonds() {
   atoms_.check_stayed(*avec_, cell());
   mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
@@ -413,11 +442,13 @@ std::vector<mpdem::StiffnessOfBond> FixMpm::stiffness_of_bonds() {
   return found;
 }
 
-void FixMpm::check_state() {
+void FixMpm::check_state(bool forces_known) {
   guarded([this] { cement_->check_state(); });
-  std::string trouble = mpdem::grain_that_is_not_finite(lmp, who(), *avec_);
+  std::string trouble = mpdem::grain_that_is_not_finite(lmp, who(), *avec_, forces_known);
   if (trouble.empty()) trouble = grain_outside_of_group(lmp, who(), *avec_);
   mpdem::stop_if_any(lmp, trouble);
+  const std::string of_types = mpdem::trouble_with_types(lmp, *avec_, 0);  // grains may be inserted
+  if (!of_types.empty()) mpdem::stop_all(lmp, who() + of_types);
 }
 
 std::array<double, 3> FixMpm::initial_velocity(int tag) {

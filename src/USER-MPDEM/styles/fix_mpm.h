@@ -85,6 +85,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void show_points();
   // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
   double stable_step(bool of_grains = false);
+  // Collective. A number that changes if grains become free or prescribed, or lighter or heavier.
+  double mark_of_free_grains();
   // Number of sub-steps of the cement in a step of LIGGGHTS.
   int substeps() const;
   // Collective. Call after init() of all fixes. Needs a coupling. A run need not have begun.
@@ -112,7 +114,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
-  void check_state();
+  void check_state(bool forces_known = true);
 
   AtomVecMpdem* avec_ = nullptr;
   std::unique_ptr<mpdem::Cement> cement_;
@@ -128,6 +130,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
   std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
   bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
+  double dt_at_end_ = 0.0;          // time step at that end
   double auto_step_ = 0.0;      // time step that `timestep auto` found last
   double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;

@@ -72,8 +72,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
 }
 
 FixMpm* FixMpmCouple::find_cement() const {
-  const int i = modify->find_fix(cement_id_.c_str());
-  return i < 0 ? nullptr : dynamic_cast<FixMpm*>(modify->fix[i]);
+  for (int i = 0; i < modify->nfix; ++i) {
+    Fix* fix = modify->fix[i];
+    if (fix && cement_id_ == fix->id) return dynamic_cast<FixMpm*>(fix);  // LIGGGHTS has a null pointer for a fix that is being replaced
+  }
+  return nullptr;
 }
 
 // Looks for the fix anew, since fixes may come and go between runs.
@@ -115,6 +118,7 @@ void FixMpmCouple::init() {
   check_integrators();
 
   open_table();
+  ready_ = true;
 }
 
 // Places that let go keep their reference, so friction needs a reference that stays.
@@ -233,6 +237,7 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
+  if (!ready_) mpdem::stop_all(lmp, text_of("run ... pre no: fix mpm/couple (id ", id, ") was defined since the last run; leave 'pre no' out"));
   if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
 }
 

@@ -19,8 +19,10 @@ namespace LAMMPS_NS {
 using mpdem::text_of;
 
 void FixMpm::write_restart(FILE* fp) {
+  if (cement_->restored() && !cement_->built() && cement_->bodies_started() > 0)
+    mpdem::stop_all(lmp, who() + "no run has taken up the motion of the nodes since read_restart, and a restart file that is written now would lose it; use 'run 0' before write_restart");
   if (ranks_.shows_homes()) fill_atoms();
-  if (cement_->built()) check_state();  // a spoilt state must not take the place of a good file
+  if (cement_->built()) check_state(false);  // a spoilt state must not take the place of a good file; LIGGGHTS has exchanged atoms, which loses forces
   write_events();                       // a run that goes on from the file does not tell of these events again
   mpdem::CementHead head;
   head.time = update->get_cur_time();

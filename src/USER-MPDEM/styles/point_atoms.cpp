@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "../cement/cement_plan.h"
 #include "../parallel/agree.h"
 #include "atom.h"
 #include "domain.h"
@@ -24,16 +25,17 @@ namespace {
 
 constexpr double kMostTag = 2147483647.0;
 
-// The first grain of a bond: how many ranks have it, place without periods, orientation, velocity.
+// A grain of a bond: how many ranks have it, place without periods, orientation, velocity.
 struct GrainOfRow {
   double found = 0.0, x[3] = {0, 0, 0}, q[4] = {0, 0, 0, 0}, v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
 };
 
-std::vector<GrainOfRow> first_grains(LAMMPS* lmp, AtomVecMpdem& avec, const std::vector<int>& rows) {
+// Both grains of each of these bonds, one after the other.
+std::vector<GrainOfRow> grains_of(LAMMPS* lmp, AtomVecMpdem& avec, const std::vector<int>& rows) {
   Atom& atom = *lmp->atom;
-  std::vector<GrainOfRow> grains(rows.size());
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const int i = atom.map(avec.bonds.table[rows[n]].grain[0]);
+  std::vector<GrainOfRow> grains(2 * rows.size());
+  for (std::size_t n = 0; n < grains.size(); ++n) {
+    const int i = atom.map(avec.bonds.table[rows[n / 2]].grain[n % 2]);
     if (i < 0 || i >= atom.nlocal || !avec.orientation(i)) continue;
     GrainOfRow& g = grains[n];
     g.found = 1.0;
@@ -47,29 +49,39 @@ std::vector<GrainOfRow> first_grains(LAMMPS* lmp, AtomVecMpdem& avec, const std:
   return grains;
 }
 
-// Finds where the points of a body are. Its first grain took them along.
+// Finds where the points of a body are. Its first grain took them along. Their velocities lie between those of both
+// grains, as create_cement gives them.
 class RigidBody {
  public:
-  RigidBody(const Body& body, const GrainOfRow& g) : body_(body), grain_(g), axes_(axes_of(body)) {
+  // grains: both of the body, one after the other
+  RigidBody(const Body& body, const GrainOfRow* grains) : body_(body), grain_(grains[0]), axes_(axes_of(body)) {
+    for (int s = 0; s < 2; ++s) {
+      both_[s].radius = body.radius[s];
+      std::copy(grains[s].v, grains[s].v + 3, both_[s].v);
+      std::copy(grains[s].omega, grains[s].omega + 3, both_[s].omega);
+    }
     if (!body.in_motion) return;
     // turns from the axes of the body back to those of the grain, and on to the box as the grain lies now
-    turned_ = product(rotation_of(g.q), transpose(rotation_of(body.orientation[0])));
+    turned_ = product(rotation_of(grain_.q), transpose(rotation_of(body.orientation[0])));
   }
   void find(const double* X, double* x, double* v) const {
-    double arm[3];
-    for (int d = 0; d < 3; ++d) arm[d] = X[d] - body_.centre[0][d];
-    const std::array<double, 3> r = turned(body_.in_motion ? turned_ : axes_, arm);
-    const std::array<double, 3> at_rest = place_in_box(body_, axes_, X);
+    std::array<double, 3> r[2];  // from the centres of the grains
+    for (int s = 0; s < 2; ++s) {
+      double arm[3];
+      for (int d = 0; d < 3; ++d) arm[d] = X[d] - body_.centre[s][d];
+      r[s] = turned(body_.in_motion ? turned_ : axes_, arm);
+    }
+    const std::array<double, 3> at_rest = place_in_box(body_, axes_, X), velocity = velocity_between(both_, r);
     for (int d = 0; d < 3; ++d) {
-      x[d] = body_.in_motion ? grain_.x[d] + body_.shift[0][d] + r[d] : at_rest[d];
-      const int e = (d + 1) % 3, f = (d + 2) % 3;
-      v[d] = grain_.v[d] + grain_.omega[e] * r[f] - grain_.omega[f] * r[e];
+      x[d] = body_.in_motion ? grain_.x[d] + body_.shift[0][d] + r[0][d] : at_rest[d];
+      v[d] = velocity[d];
     }
   }
 
  private:
   const Body& body_;
   const GrainOfRow& grain_;
+  GrainToBond both_[2];
   Mat3<double> axes_, turned_;
 };
 
@@ -148,14 +160,15 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
   if (rows.empty()) return 0.0;
   AtomVecMpdem& avec = *AtomVecMpdem::of(lmp);
   const SceneBox box = scene_box(*lmp->domain);
-  const std::vector<GrainOfRow> grains = first_grains(lmp, avec, rows);
+  const std::vector<GrainOfRow> grains = grains_of(lmp, avec, rows);
   const int first_tag = last_tag(lmp) + 1;
   double expected = 0.0;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const Body& body = avec.bonds.table[rows[n]];
     expected += body.points;
-    if (grains[n].found == 0.0)
-      throw BadState(text_of("grain ", body.grain[0], " has cement but was deleted or lost; keep bonded grains, or use a larger box"));
+    for (int s = 0; s < 2; ++s)
+      if (grains[2 * n + s].found == 0.0)
+        throw BadState(text_of("grain ", body.grain[s], " has cement but was deleted or lost; keep bonded grains, or use a larger box"));
   }
   if (first_tag - 1 + expected > kMostTag)
     throw BadState(text_of("the ", expected, " points of bonds that wake exceed the number of atom IDs; create the cement with a larger spacing"));
@@ -165,7 +178,7 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
   for (std::size_t n = 0; n < rows.size(); ++n) {
     Body& body = avec.bonds.table[rows[n]];
     const PointPattern& pattern = avec.bonds.patterns[body.pattern - 1];
-    const RigidBody rigid(body, grains[n]);
+    const RigidBody rigid(body, &grains[2 * n]);
     int mine = 0;
     for (const bool count : {true, false}) {
       if (!count) atoms.reserve(mine, n + 1 < rows.size());

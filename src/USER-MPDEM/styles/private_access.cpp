@@ -9,6 +9,7 @@
 
 #include "comm.h"
 #include "dump.h"
+#include "fix_gravity.h"
 #include "fix_move.h"
 #include "fix_setforce.h"
 #include "input.h"
@@ -58,6 +59,13 @@ MPDEM_EXPOSE(FixMove, char*, zvarstr)
 MPDEM_EXPOSE(FixMove, char*, vxvarstr)
 MPDEM_EXPOSE(FixMove, char*, vyvarstr)
 MPDEM_EXPOSE(FixMove, char*, vzvarstr)
+MPDEM_EXPOSE(FixGravity, char*, mstr)
+MPDEM_EXPOSE(FixGravity, char*, vstr)
+MPDEM_EXPOSE(FixGravity, char*, pstr)
+MPDEM_EXPOSE(FixGravity, char*, tstr)
+MPDEM_EXPOSE(FixGravity, char*, xstr)
+MPDEM_EXPOSE(FixGravity, char*, ystr)
+MPDEM_EXPOSE(FixGravity, char*, zstr)
 MPDEM_EXPOSE(FixSetForce, int, xstyle)
 MPDEM_EXPOSE(FixSetForce, int, ystyle)
 MPDEM_EXPOSE(FixSetForce, int, zstyle)
@@ -91,6 +99,11 @@ SetForceMembers members_of(const FixSetForce* f) {
   return {{f->*pointer(FixSetForce_xstyle()), f->*pointer(FixSetForce_ystyle()), f->*pointer(FixSetForce_zstyle())},
           {f->*pointer(FixSetForce_xstr()), f->*pointer(FixSetForce_ystr()), f->*pointer(FixSetForce_zstr())},
           f->*pointer(FixSetForce_iregion()) >= 0};
+}
+
+bool is_variable(const FixGravity* g) {
+  return g->*pointer(FixGravity_mstr()) || g->*pointer(FixGravity_vstr()) || g->*pointer(FixGravity_pstr()) || g->*pointer(FixGravity_tstr()) ||
+         g->*pointer(FixGravity_xstr()) || g->*pointer(FixGravity_ystr()) || g->*pointer(FixGravity_zstr());
 }
 
 const char* formula_of(Variable* variables, int place) { return (variables->*pointer(Variable_data()))[place][0]; }

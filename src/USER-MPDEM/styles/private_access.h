@@ -17,6 +17,7 @@ class Comm;
 class Compute;
 class Dump;
 class Fix;
+class FixGravity;
 class FixMove;
 class FixSetForce;
 class Input;
@@ -58,6 +59,9 @@ struct MoveMembers {
   const char *place_variable[3], *velocity_variable[3];
 };
 MoveMembers members_of(const LAMMPS_NS::FixMove* move);
+
+// Does the gravity change, by a variable?
+bool is_variable(const LAMMPS_NS::FixGravity* gravity);
 
 // Returns the formula of a variable of style equal, by its place in the table of variables.
 const char* formula_of(LAMMPS_NS::Variable* variables, int place);

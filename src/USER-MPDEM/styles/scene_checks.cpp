@@ -48,7 +48,7 @@ std::string trouble_with_types(LAMMPS* lmp, const AtomVecMpdem& cement, int type
   for (int t = 1; t < types; ++t)
     if (point[t] && grain[t] != none)
       return text_of("type ", t, " is that of grain ", grain[t], " too; give cement an atom type of its own, by 'type' of create_cement and one type "
-                     "more in create_box");
+                     "more in create_box, and grains another 'atom_type' of fix particletemplate");
   return "";
 }
 
