@@ -213,11 +213,11 @@ def test_energy_of_dust_is_the_same_in_flight(tmp_path, figures):
     """What is damped when a broken bond is condensed does not depend on the speed of the flight: what grains gain with the momentum of dust is work."""
     taken = {}
     for V in (0, 30, -30):
-        motion = f"velocity grains set 0 0 {V}\nvelocity second set 0 0 {V + 0.6}\nfix free grains nve/sphere\n"
+        motion = f"velocity grains set 0 0 {V}\nvelocity second set 0 0 {V + 2.0}\nset group second omegax 1000\nfix free grains nve/sphere\n"
         text = edit(broken("yes", motion=motion, half_box=(6e-3, 6e-3, 3e-2)), "quasistatic 1 0.2", "quasistatic 1 0.05")
         t = run(text + thermo(1, [AWAKE, SEPARATED, "f_cem[2]", "f_cem[10]", "f_cem[12]"]) + "run 8000\n", tmp_path / str(V)).table()
         _, _, rests = when(t)
         taken[V] = t["f_cem[10]"][rests] - t["f_cem[10]"][rests - 1]
         figures.below(f"flight at {V} m/s: energy imbalance", abs(t["f_cem[12]"]).max(), 0.01)
     for V in (30, -30):
-        figures.below(f"energy of dust damped in a flight at {V} m/s, against that at rest", abs(taken[V] / taken[0] - 1), 1e-2)
+        figures.below(f"energy of dust damped in a flight at {V} m/s, against that at rest", abs(taken[V] / taken[0] - 1), 0.03)
