@@ -274,10 +274,9 @@ def test_cement_made_after_a_look_at_stiffness(tmp_path, first):
 
 
 def test_grains_on_a_side_of_a_rank(tmp_path):
-    """LIGGGHTS exchanges atoms before it writes, and forces do not go along: those of grains that just crossed are anything."""
-    script = edit(pair(1e-4, gap=2e-4, direction=(0, 0, 1), processors="1 2 1"), "create_cement", "displace_atoms grains move 0 1e-8 0 units box\ncreate_cement")
-    script += FIXES + "fix motion grains move linear 0 -0.5 0\n" + "run 30\nwrite_restart crossed.restart\nrun 1\n"
-    run(script, tmp_path, 2)
+    """LIGGGHTS exchanges atoms before it writes, and forces do not go along: grains that have crossed a side since have any force."""
+    script = edit(pair(1e-4, gap=2e-4, processors="2 2 1"), "create_cement", "displace_atoms grains move 1e-8 1e-8 0 units box\ncreate_cement")
+    run(script + FIXES + "fix motion grains move linear -0.05 -0.05 0\nrun 300\nwrite_restart crossed.restart\nrun 1\n", tmp_path, 4)
 
 
 @pytest.mark.parametrize("divided", [80, 170])

@@ -31,7 +31,7 @@ void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& 
   if (lmp->neighbor->style == kNeighborMulti)
     mpdem::stop_all(lmp, who + "'neighbor ... multi' finds no contacts of grains in LIGGGHTS; use 'neighbor ... bin'");
   if (std::strcmp(lmp->update->integrate_style, "verlet") != 0)
-    mpdem::stop_all(lmp, who + mpdem::text_of("'run_style ", lmp->update->integrate_style, "' calls no fix with the forces of a whole step, so that cement would do nothing; use 'run_style verlet', and 'subcycle' of fix mpm for steps of the cement that are shorter"));
+    mpdem::stop_all(lmp, who + mpdem::text_of("'run_style ", lmp->update->integrate_style, "' never calls fix mpm, so that cement would do nothing; use 'run_style verlet', and 'subcycle' of fix mpm where the cement needs shorter steps"));
   if (!atom.firstgroupname) mpdem::stop_all(lmp, who + "'atom_modify first' is not set" + kRecipe);
   const int ghosts = mpdem::ghost_group(lmp->comm);
   if (ghosts == 0) mpdem::stop_all(lmp, who + "'communicate ... group' is not set" + kRecipe);
