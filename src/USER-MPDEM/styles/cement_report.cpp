@@ -251,6 +251,7 @@ void CementReport::modes(Cement& c) {
   const std::vector<Cracks::Ahead> ahead = c.cracks_ahead(holding);
   if (lmp_->comm->me != 0) return;
   auto of_next = ahead.begin();
+  bool shares_nodes = false;  // does a bond hold by less than half of a section whose crack has no nodes of its own?
   for (std::size_t b = 0; b < told.size(); ++b) {
     if (!told[b]) continue;
     std::string text = text_of(who_, "bond ", b + 1, " of grains ", table[b].grain[0], " and ",
@@ -269,8 +270,14 @@ void CementReport::modes(Cement& c) {
     } else {
       text += text_of("; ", a.whole > 0.0 ? 100.0 * a.left / a.whole : 0.0, " % of its weakest section is left (", a.left, " of ", a.whole,
                       " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
+      shares_nodes = shares_nodes || 2.0 * a.left < a.whole;
     }
     say(text + "\n");
+  }
+  const CementOptions& o = c.options();
+  if (shares_nodes && !split_told_ && !o.split && !o.reprojects()) {
+    split_told_ = true;
+    say(text_of(who_, "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix mpm parts them\n"));
   }
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }

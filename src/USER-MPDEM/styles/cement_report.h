@@ -56,7 +56,7 @@ class CementReport {
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
-  bool reported_ = false, jump_told_ = false;
+  bool reported_ = false, jump_told_ = false, split_told_ = false;
   bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
