@@ -74,3 +74,14 @@ def test_law_that_cannot(tmp_path, damage, words, message):
 
 def scene(words):
     return pair(1e-4) + CONTACT + cement(2e-4, 1e-9, damage=f"damage tensor B0 {B0} regularization {words}") + "run 0\n"
+
+
+@pytest.mark.parametrize("words, cracks", [
+    ("", "bonds"), ("regularization nonlocal 2e-4", "split"), ("regularization nonlocal 2e-4 cracks bonds", "bonds"),
+    ("regularization nonlocal 2e-4 condense yes", "bonds"), ("regularization nonlocal 2e-4 kinematics updated", "bonds"),
+    ("regularization nonlocal 2e-4 reproject 10", "bonds")])
+def test_cracks_by_default(tmp_path, words, cracks):
+    """The average ends at a crack only where its sides have nodes of their own."""
+    done = launch(pair(1e-4) + cement(2e-4, 1e-9, damage=f"damage tensor B0 9.6e3 {words}") + CONTACT + "run 0\n", tmp_path)
+    assert done.status == 0, done.output
+    assert re.search(r"^  cracks +(\w+)$", done.output, re.M)[1] == cracks

@@ -42,7 +42,7 @@ void AddedMasses::follow_places(const std::vector<int>& moved) {
 }
 
 bool AddedMasses::give_inertia(Bond& b) const {
-  const double soon = Scene::kWatchEvery * scene_.now.substeps * scene_.now.dt;
+  const double soon = scene_.watch_every() * scene_.now.substeps * scene_.now.dt;
   return b.places.give_inertia(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, soon);
 }
 

@@ -11,6 +11,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -52,7 +53,7 @@ struct StepInput {
 };
 
 struct Scene {
-  static constexpr int kWatchEvery = 5;  // steps between looks at bonds that may have come apart, and at places that let go
+  static constexpr int kWatchEvery = 5;  // steps of the cement between looks at bonds that may have come apart, and at places that let go
 
   MPI_Comm comm;
   Bonds& bonds;
@@ -80,7 +81,9 @@ struct Scene {
   bool ends_step() const { return substep == now.substeps; }
   // The time from the middle of the last step to that of this one.
   double kick() const { return 0.5 * (dt_last + now.dt); }
-  bool watches() const { return begins_step() && (now.number - 1) % kWatchEvery == 0; }
+  // Steps of the host between two looks, which come with the first sub-step.
+  int watch_every() const { return std::max(1, kWatchEvery / now.substeps); }
+  bool watches() const { return begins_step() && (now.number - 1) % watch_every() == 0; }
   // Is this the first step after a check of the whole state?
   bool follows_check() const { return begins_step() && (now.number - 1) % options.check_every == 0; }
 

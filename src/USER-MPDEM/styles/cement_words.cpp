@@ -159,6 +159,8 @@ void check_together(Arguments& args, CementWords& w) {
   if (reprojects && o.mass_order > 1)
     args.complain(text_of("'mass_order ", o.mass_order, "' is for 'kinematics total' without 'reproject', whose nodes keep their velocity; leave it out, or leave ",
                           o.updated ? "'kinematics updated'" : "'reproject'", " out"));
+  // An average of the drive ends at a crack only where its sides have nodes of their own.
+  if (!w.cracks_given) o.split = o.advance.nonlocal && !reprojects && !o.condense;
   if (o.split && reprojects)
     args.complain(text_of("'cracks split' is for 'kinematics total' without 'reproject': where points meet other nodes as they move, a crack has no nodes "
                           "of its own; use 'cracks bonds' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
@@ -240,6 +242,7 @@ CementWords take_cement_words(Arguments& args) {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {
       o.split = args.choice(key, {"bonds", "split"}) == "split";
+      w.cracks_given = true;
     } else if (key == "unilateral") {
       o.unilateral = args.choice(key, {"yes", "no"}) == "yes";
     } else if (key == "condense") {

@@ -21,7 +21,7 @@ struct CementWords {
   std::shared_ptr<const Law> law;
   double step_fraction = 0.0;    // share of the limit; 0: the script sets the time step
   std::string events;            // name of the file of events, or empty
-  bool tied_given = false, transfer_given = false;
+  bool tied_given = false, transfer_given = false, cracks_given = false;
   std::vector<std::string> notes;  // words that have no effect any more
   std::string warning;             // text about a combination that is known to be poor, or empty
 };
