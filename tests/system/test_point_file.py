@@ -279,6 +279,13 @@ def test_bad_words(tmp_path, name):
         assert word in errors[0], (word, errors[0])
 
 
+def test_attach_beyond_the_cement(ring, tmp_path):
+    """Every point would be bonded to both grains."""
+    write(tmp_path / "cement.txt", {k: ring[k] for k in ("x", "y", "z", "volume")})
+    errors = launch(from_file(words="attach 1"), tmp_path, 2).errors()
+    assert len(errors) == 1 and "'attach 1': must be at most 4 spacings" in errors[0] and "area_i area_j" in errors[0], errors
+
+
 def test_initial_damage_against_the_cutoff(ring, tmp_path):
     column = dict(ring)
     column["dzz"] = np.full(len(ring["x"]), 0.8)

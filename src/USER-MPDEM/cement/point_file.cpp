@@ -249,6 +249,8 @@ class PointFile {
         attach_(o_.attach > 0.0 ? o_.attach : o_.spacing) {}
 
   PointCloud read() {
+    if (attach_ > kFurthestFoot * o_.spacing)
+      stop("'attach ", attach_, "': must be at most ", kFurthestFoot, " spacings, ", kFurthestFoot * o_.spacing, "; or give the areas of links in columns 'area_i area_j'");
     std::vector<std::string> words;
     std::vector<double> numbers(columns_.count());
     while (file_.next(words)) {
