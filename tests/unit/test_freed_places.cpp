@@ -12,6 +12,7 @@
 #include "lanes.h"
 #include "parallel/agree.h"
 #include "cement_host.h"
+#include "coupling/cohesive_traction.h"
 #include "linked_bonds.h"
 #include "numerics/length.h"
 #include "mpi_ranks.h"
@@ -515,6 +516,48 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   double after = 0.0;
   for (const FreedPlace& place : b.points.places) after += place.area;
   EXPECT_NEAR(after, area + all, 1e-12 * after);
+}
+
+// Points fail one after another, and their places go on to points that fail later: links and places have all of the area
+// at any time, with links that stay on as skins too.
+TEST(FreedPlaces, KeepTheAreaOfTheLinks) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  for (bool skins : {false, true}) {
+    PenaltyParameters p = test::penalty(false, 0.0);
+    p.friction = 0.3;
+    if (skins) p.law = std::make_shared<CohesiveTraction>(TractionStiffness{1e13, 1e13}, LawValues());
+    test::Scene s(835, p);
+    Bond& b = s.bonds[0];
+    const Body& body = s.bodies[0];
+    b.places = FreedPlaces(b.points, body, p, b.grid);
+    const auto area = [&] {
+      double sum = 0.0;
+      for (const FreedPlace& place : b.points.places) sum += place.area;
+      for (const Link& k : b.points.links) sum += k.attached && !b.points.has_failed(k.slot) ? k.area : 0.0;
+      return sum;
+    };
+    const double whole = area();
+    int carried = 0;  // points that fail with a place of another point
+    for (std::size_t n = 0; n + 1 < s.slots[0].size(); ++n) {
+      const std::vector<int> failed{s.slots[0][n]};
+      for (const FreedPlace& place : b.points.places) carried += place.slot == failed[0];
+      double released = 0.0;
+      const std::vector<int> links = b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
+      b.points.meta[failed[0] / kLanes].failed |= static_cast<std::uint8_t>(1u << failed[0] % kLanes);
+      b.places.end(b.points, b.grid, s.side(b), failed, 0.0);
+      b.places.open(b.points, body, b.grid, s.side(b), links);
+      if (n % 3 != 0) continue;
+      std::vector<FreedPlaces::Arrival> arrivals;
+      std::vector<std::array<int, 2>> gone;
+      for (const FreedPlaces::Mover& m : b.places.movers(b.points, body)) {
+        arrivals.push_back({m, FreedPlaces::nearest(b.points, m).slot});
+        gone.push_back({m.tag, m.grain});
+      }
+      b.places.move(b.points, body, b.grid, s.side(b), arrivals, gone);
+      ASSERT_NEAR(area(), whole, 1e-12 * whole) << (skins ? "skins, " : "") << n + 1 << " points failed";
+    }
+    EXPECT_GT(carried, 20);
+  }
 }
 
 // Points fail: what their places store is released, and they bear nothing until they go on. A force that ends within a step has worked with its

@@ -3,6 +3,8 @@
 #include "nodal_forces.h"
 
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "places.h"
 
@@ -20,11 +22,13 @@ void NodalForces::let_go(Bond& b) {
   b.mass.forget();
   b.impulse.forget();
   b.sort_links();
-  b.let_go_of_failed = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
+  std::vector<int> links = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
   if (scene_.touches()) {
     pass_.released += b.places.end(b.points, b.grid, scene_.grains.side_of(b), b.failed, scene_.now.dt);
-    open_places(scene_, b, b.failed, {});
+    open_places(scene_, b, links);
   }
+  b.let_go_of_failed.clear();
+  if (!scene_.keeps_skins()) b.let_go_of_failed = std::move(links);
   if (scene_.options.unilateral) {
     b.closing.add(b.points, scene_.law->elasticity(), b.failed);
     pass_.released -= b.closing.energy_at_beginning(b.points, b.grid, b.failed, scene_.now.dt);
@@ -39,7 +43,7 @@ void NodalForces::follow_links(Bond& b) {
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
-  if (scene_.touches()) open_places(scene_, b, {}, b.link_step.let_go);
+  if (scene_.touches()) open_places(scene_, b, b.link_step.let_go);
   scene_.host.links_let_go(b);
   cracks_.watch_links(b);
 }

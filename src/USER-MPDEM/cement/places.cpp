@@ -22,9 +22,9 @@ struct Offer {
 
 }  // namespace
 
-void open_places(Scene& scene, Bond& b, const std::vector<int>& failed, const std::vector<int>& links) {
+void open_places(Scene& scene, Bond& b, const std::vector<int>& links) {
   if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds.body(b), *scene.penalty, b.grid);
-  scene.books.release(-b.places.open(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), failed, links));
+  scene.books.release(-b.places.open(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), links));
   b.places_may_move = true;
 }
 

@@ -13,9 +13,8 @@
 
 namespace mpdem {
 
-// Opens places of a bond: those of points that failed, and those of links that let go of points that hold. Both lists
-// are ascending.
-void open_places(Scene& scene, Bond& b, const std::vector<int>& failed, const std::vector<int>& links);
+// Opens places of a bond, of links that held until now.
+void open_places(Scene& scene, Bond& b, const std::vector<int>& links);
 // Call at the start of a run. Opens places of new bonds that were cracked in their file.
 void open_places_of_files(Scene& scene);
 // Collective, at the start of a step. Places whose points failed go on to the nearest points that hold, in steps in

@@ -263,15 +263,8 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
   return released;
 }
 
-double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& failed,
-                         const std::vector<int>& links) {
+double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links) {
   std::vector<FreedPlace> opened;
-  for (int slot : failed) {
-    const auto [k, end] = of_slot(points.links, slot);
-    // A link that let go before has a place already. One that is attached still holds a skin.
-    for (auto link = k; link != end; ++link)
-      if (!find(points.places, slot, link->grain)) opened.push_back(opened_by(points, *link, p_.at_surface));
-  }
   for (int link : links) opened.push_back(opened_by(points, points.links[link], p_.at_surface));
   return take(points, body, grid, side, std::move(opened), true);
 }

@@ -45,9 +45,9 @@ class FreedPlaces {
   // Ends the places of points that failed (slots), which bear nothing any more. Returns the energy that is released, by
   // the rule of PenaltyLinks::let_go().
   double end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt);
-  // Opens the places of links that let go: those of slots that failed, and other links of the store. Returns the energy that the new places store.
-  double open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& failed,
-              const std::vector<int>& links);
+  // Opens the places of links of the store that held until now. A point may have the place of another one already; areas
+  // add up. Returns the energy that the new places store.
+  double open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links);
   // Opens the places of all links that had let go when the cement was made.
   void open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side);
 

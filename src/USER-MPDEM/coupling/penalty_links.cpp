@@ -479,7 +479,7 @@ std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>
       for (int l = 0; l < kLanes; ++l)
         if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l])) freed |= static_cast<std::uint8_t>(1u << l);
       if (freed) release(i, freed, energy_of_ending(law, i, grid, side[b.side], dt), law.keeps_skins(), points, released);
-      for (int l = 0; l < kLanes && !law.keeps_skins(); ++l)
+      for (int l = 0; l < kLanes; ++l)
         if (freed >> l & 1) gone.push_back(b.link[l]);
     }
   });

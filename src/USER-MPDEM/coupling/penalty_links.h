@@ -99,9 +99,9 @@ class PenaltyLinks {
   void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
 
   // Frees the links of points that failed (slots, ascending; links of the store ascend in slot). Adds the energy that
-  // they gave up to `released`. Returns the links of the store that let go, ascending. With a law that keeps skins the
-  // links stay attached without a force: a failed point has no stress, and shares its nodes with the cement that came
-  // off it. Freed links count for the added mass until drop_inertia() is called.
+  // they gave up to `released`. Returns the links of the store that held until now, ascending. With a law that keeps
+  // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that
+  // came off it. Freed links count for the added mass until drop_inertia() is called.
   std::vector<int> let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released);
   bool drop_inertia(PointStore& points);  // returns true if some links were inert
   // Makes the blocks that a new layout would have, for unchanged points and nodes.
