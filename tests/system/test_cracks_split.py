@@ -269,3 +269,20 @@ def test_cut_but_for_a_point(tmp_path, figures):
         assert t["f_bond[22]"][-1] == (name == "split")
     figures.note("cut but for a point, shared nodes: force over that of the whole bond", f"{force['bonds'] / force['whole']:.4f}")
     figures.below("cut but for a point, split nodes: force over that of the whole bond", abs(force["split"] / force["whole"]), 1e-3)
+
+
+def test_new_cement_leaves_other_bonds_alone(tmp_path, figures):
+    """A bond is made while another one breaks, between two looks at what came apart."""
+    third = "create_atoms 1 single -0.0098 0 -0.003 units box\n"
+    scene = edit(pair(CELL / 2, shape="flat", cement="inner 1e-3 outer 2.2e-3", half_box=3 * (15e-3,)), "set          type 1", third + "set          type 1")
+    columns = [f"f_bond[1][{n}]" for n in (14, 18)]
+    words = (cement(CELL, 8e-9, axis="radial", damage=f"{DAMAGE} check 1000") + pull(3.0, 2e-6) + "group third id 3\nfix third third move linear 0 0 0\n"
+             + thermo(1, columns))
+    more = f"create_cement calcite pair 1 3 shape flat content 0.005 spacing {CELL / 2:.15g}\n"
+    for cut in (215, 274):
+        alone, beside = (run(scene + words + f"run {cut}\n{made}run 60\n", tmp_path / f"{cut}{bool(made)}").table() for made in ("", more))
+        failed = alone["f_bond[1][18]"]
+        assert failed[cut] > failed[cut - 5] > 0
+        assert (failed == beside["f_bond[1][18]"]).all()
+        figures.below(f"cement made at step {cut}: force of the other bond, over the peak",
+                      abs(alone["f_bond[1][14]"] - beside["f_bond[1][14]"]).max() / abs(alone["f_bond[1][14]"]).max(), 1e-12)

@@ -198,15 +198,20 @@ bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points)
 
 // Returns rows whose path is cut and where something broke since. Debris is looked for in all bonds that came apart,
 // since it may be in any of them.
-std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris) {
-  std::vector<int> rows = union_of_ranks(comm, cut_);
-  rows.insert(rows.end(), new_.begin(), new_.end());  // in no row of the first kind: their paths are cut already
+std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris, int from) {
+  const auto take = [from](std::vector<int>& rows) {  // those before `from` stay
+    const auto first = std::stable_partition(rows.begin(), rows.end(), [from](int row) { return row < from; });
+    const std::vector<int> taken(first, rows.end());
+    rows.erase(first, rows.end());
+    return taken;
+  };
+  std::vector<int> rows = union_of_ranks(comm, take(cut_));
+  const std::vector<int> fresh = take(new_);
+  rows.insert(rows.end(), fresh.begin(), fresh.end());  // in no row of the first kind: their paths are cut already
   for (int row : rows) states_[row].path_cut = false;
-  cut_.clear();
-  new_.clear();
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
   if (debris) {
-    for (std::size_t row = 0; row < bonds.table.size(); ++row)
+    for (std::size_t row = from; row < bonds.table.size(); ++row)
       if (states_[row].separation.separated && !bonds.table[row].condensed) rows.push_back(static_cast<int>(row));
   }
   std::sort(rows.begin(), rows.end());
@@ -224,9 +229,9 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   return looked_at;
 }
 
-Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris) {
+Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris, int from) {
   Found found;
-  const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris);
+  const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris, from);
   if (looked_at.empty()) return found;
   const int ranks = ranks_of(comm);
 

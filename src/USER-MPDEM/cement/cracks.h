@@ -54,14 +54,14 @@ class Cracks {
   // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and those that have
   // come apart already if `debris`. skins: TractionLaw::keeps_skins(). Skins tell what let go from what broke beside
   // it, so the band of a crack does not count there. Returns the bonds that need a new layout, the same on all ranks,
-  // and their new parts on this one.
+  // and their new parts on this one. Rows before `from` wait.
   struct Found {
     std::vector<int> lay_out;  // ascending
     NewPartsOfBonds parts;
     std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
     std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: pieces of bonds that came apart, on the ranks that looked
   };
-  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris);
+  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris, int from = 0);
   // Returns bonds that came apart and have ties until now. Their next layout is without ties.
   std::vector<int> untie(const CementOptions& options);
 
@@ -86,7 +86,7 @@ class Cracks {
 
  private:
   void note(const Bond& bond, int slot);
-  std::vector<int> rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris);
+  std::vector<int> rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris, int from);
   Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
                      const std::vector<CrackPoint>& points, bool skins) const;
 

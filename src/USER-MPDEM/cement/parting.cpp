@@ -37,13 +37,14 @@ std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const 
 
 void Parting::take_up() {
   load_watch_.take_up(scene_.bonds.table.size());
+  const int from = static_cast<int>(divisions_.cracks.size());
   if (!divisions_.cracks.take_up(scene_.bonds.table.size()) || !scene_.penalty) return;
   const bool split = scene_.options.split;
   if (split) {
-    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options);
+    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options, from);
     if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
   }
-  Cracks::Found found = look_at_bonds(true);
+  Cracks::Found found = look_at_bonds(true, from);
   if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, split});
   find_relaxation(found.held);
 }
@@ -73,8 +74,8 @@ std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
 }
 
 // Bonds that hold only by bridges narrower than a cell come apart there.
-Cracks::Found Parting::look_at_bonds(bool debris) {
-  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, scene_.keeps_skins(), debris);
+Cracks::Found Parting::look_at_bonds(bool debris, int from) {
+  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, scene_.keeps_skins(), debris, from);
   if (!scene_.options.split) return found;
   Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds, scene_.options, found.pieces);
   found.parts = std::move(split.parts);

@@ -22,7 +22,8 @@ class Parting {
   Parting(Scene& scene, Divisions& divisions, Arrangement& arrangement, AddedMasses& added)
       : scene_(scene), divisions_(divisions), arrangement_(arrangement), added_(added) {}
 
-  // Call after the layout of a run. Bonds that are new may be cracked, so it looks at them.
+  // Call after the layout of a run. Bonds that are new may be cracked, so it looks at them. Others wait for the step of
+  // their next look.
   void take_up();
   // Call at the start of a step. Looks at bonds after a check, and where a path of intact points is cut. It is not part
   // of the check itself. There the forces of the step are still to be shown, and the step may be that of a restart
@@ -38,7 +39,7 @@ class Parting {
   LoadWatch& load_watch() { return load_watch_; }  // for restart files
 
  private:
-  Cracks::Found look_at_bonds(bool debris);
+  Cracks::Found look_at_bonds(bool debris, int from = 0);  // from: the first row
   void split_nodes();
   void lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts);
   void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);

@@ -239,12 +239,12 @@ void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOption
     if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
 }
 
-Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
+Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from) {
   Found found;
   const int ranks = ranks_of(comm), me = rank_in(comm), n = static_cast<int>(bonds.table.size());
   std::vector<std::vector<SentTag>> out(ranks);
   for (Bond& bond : bonds)
-    for (std::size_t b = 0; b < bond.points.meta.size(); ++b) {
+    for (std::size_t b = 0; bond.body >= from && b < bond.points.meta.size(); ++b) {
       const BlockMeta& m = bond.points.meta[b];
       const int fresh = m.failed & ~m.looked_at;
       for (int l = 0; l < kLanes && fresh; ++l)
