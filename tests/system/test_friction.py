@@ -140,3 +140,25 @@ def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
         figures.below(f"cracks {cracks}, {ranks} ranks: force of the broken bond against one rank, over the peak",
                       abs(tables[ranks]["f_bond"] - alone["f_bond"]).max() / alone["f_bond"].max(), 1e-7)
         assert (tables[ranks]["f_bond[18]"] == alone["f_bond[18]"]).all()
+
+
+@pytest.mark.parametrize("share, most", [(0.4, 1.1), (0.8, 1.6)])
+def test_debonded_cement_that_is_hit(tmp_path, figures, share, most):
+    """A free grain pulls its cement off and hits it again and again, with steps that links need much added mass for. Contact needs less, and the
+    energy that it makes is that of its added mass."""
+    text = edit(pair(1.25e-4, gap=3e-4, cement="inner 1e-3 outer 2e-3", half_box=3 * (12.5e-3,)), "create_cement",
+                "group first id 1\ngroup second id 2\nvelocity second set 0 0 0.2\ncreate_cement")
+    words = cement(2.5e-4, 1e-8, elastic=(60e9, 60e9, 0.2, 0.2, 25e9), damage=f"timestep auto {share} check 20",
+                   couple="kn auto kt auto interface cohesive tn 1e6 tt 1e6 Gn 0.2 Gt 0.2 friction 0.3").split("group        first")[0].replace("timestep     1e-08\n", "")
+    back = "".join(f"velocity second set 0 0 {v}\nrun {int(600 / share)}\n" for v in (-0.1, 0.1))
+    grain = "variable kinetic equal 0.5*mass[2]*(vx[2]^2+vy[2]^2+vz[2]^2)\n"
+    t = run(text + CONTACT + words + "fix hold first move linear 0 0 0\nfix go second nve/sphere\n" + grain
+            + thermo(5, ["f_bond[17]", "v_kinetic"] + [f"f_cem[{i}]" for i in (5, 6, 7, 12)]) + f"run {int(600 / share)}\n" + back, tmp_path).table()
+    energy = sum(t[c] for c in ("v_kinetic", "f_cem[5]", "f_cem[6]", "f_cem[7]"))
+    assert t["f_bond[17]"][-1] > 500
+    first = len(energy) // 3
+    figures.below(f"step of {share:g}: largest energy of the pulled pair over the first", energy[:first].max() / energy[0], 1.01)
+    for n in (1, 2):
+        part = energy[n * first + 2:(n + 1) * first]
+        figures.below(f"step of {share:g}: largest energy over the first, hit {n}", part.max() / part[0], most)
+    figures.below(f"step of {share:g}: energy imbalance", abs(t["f_cem[12]"][10:]).max(), 0.03)

@@ -429,7 +429,7 @@ TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
   Bond& b = s.bonds[0];
   b.places.give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
   double stiffness = 0.0;
-  for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest() * place.inert_area;
+  for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest_contact() * place.inert_area;
   const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b), mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
   EXPECT_GT(mean, 0.9);
   EXPECT_LT(mean, 1.05);

@@ -269,7 +269,7 @@ void Cement::check_state() {
     const double slid = b.faces.slid_too_far(b.points, b.grid);
     if (b.places.deepest() > kDeepest * scene_.options.cell && trouble.empty())
       trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", scene_.now.number, ", the most is ", kDeepest,
-                        " of a cell, ", kDeepest * scene_.options.cell, "; use a larger 'kn' of fix mpm/couple or slower grains");
+                        " of a cell, ", kDeepest * scene_.options.cell, "; use slower grains, a smaller time step, or a larger 'kn' of fix mpm/couple");
     else if (slid > 0.0 && trouble.empty())
       trouble = text_of("faces of a crack in the cement touch after they slid ", slid, " at step ", scene_.now.number, ", with 'friction' the most is a cell, ",
                         scene_.options.cell, "; end the run before, or use 'kinematics updated' without 'friction'");

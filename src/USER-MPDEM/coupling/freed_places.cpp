@@ -114,11 +114,12 @@ void FreedPlaces::touch(const Block& b, const Grid& grid, const GrainSide& s, To
 
 vd FreedPlaces::energy(const Block& b, const Touch& t) const {
   const vd in = max(-t.gap, vd{});
-  return of(b.holds, 0.5 * b.area * (p_.law->stiffness().kn * in * in + p_.law->stiffness().kt * dot(t.e, t.e)));
+  const TractionStiffness k = p_.contact();
+  return of(b.holds, 0.5 * b.area * (k.kn * in * in + k.kt * dot(t.e, t.e)));
 }
 
 double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide* side) {
-  const TractionStiffness& k = p_.law->stiffness();
+  const TractionStiffness k = p_.contact();
   double rubbed = 0.0;
   deepest_ = 0.0;
   for (Block& b : blocks_) {
@@ -155,7 +156,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
 
 void FreedPlaces::add_force(Grid& grid, GrainSide* side) const {
   if (blocks_.empty()) return;
-  const TractionStiffness& k = p_.law->stiffness();
+  const TractionStiffness k = p_.contact();
   for (const Block& b : blocks_) {
     if (!b.closed) continue;
     GrainSide& s = side[b.side];
@@ -216,7 +217,7 @@ void FreedPlaces::add_stiffness(const Grid& grid, const GrainSide* side, double*
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l)
         if (b.inert_area[l] > 0.0)
-          free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, kOneSided * (1.0 + side[b.side].mass_ratio) * p_.stiffest() * b.inert_area[l],
+          free.add_row_sums(columns(b) + columns_of_cell_ * l, w, l, kOneSided * (1.0 + side[b.side].mass_ratio) * p_.stiffest_contact() * b.inert_area[l],
                             penalty + b.side);
     }
   });
@@ -237,7 +238,7 @@ FreedPlace opened_by(const PointStore& points, const Link& k, bool at_surface) {
 }  // namespace
 
 double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt) {
-  const TractionStiffness& k = p_.law->stiffness();
+  const TractionStiffness k = p_.contact();
   double released = 0.0;
   for (Block& b : blocks_) {
     std::uint8_t ends = 0;
@@ -425,7 +426,7 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
       p.closed = s->second.pressed > 0.0;
       double square = 0.0;
       for (double e : s->second.slip) square += e * e;
-      p.rubs = p_.law->stiffness().kt * std::sqrt(square) / p.area;
+      p.rubs = p_.contact().kt * std::sqrt(square) / p.area;
       p.radius = p.closed ? size + s->second.pressed / p.area : std::min(p.radius, size);
       for (int i = 0; i < 3; ++i) {
         p.stick[i] = 0.0;

@@ -19,7 +19,7 @@
 // that is less. So nothing is pushed at once. A point follows one place of each grain, which has the area of all places
 // that came to it. A closed place keeps its force.
 //
-// The stiffness is that of the links. Where a place touches or is about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of
+// The stiffness is that of the links, or PenaltyParameters::most_contact if that is less. Where a place touches or is about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of
 // mass m that comes back from a one-sided spring k is as fast as it came if k dt^2 <= 2 m. At 4 m, where a two-sided
 // spring is still stable, it may come back with three times its energy.
 #ifndef MPDEM_FREED_PLACES_H

@@ -31,6 +31,9 @@ const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping
 // Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
 // (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
+// Contact of places that let go is not stiffer than this over one cell. Links need the accuracy. Contact needs little
+// added mass (PenaltyParameters::most_contact), as much as the cement there weighs.
+constexpr double kContactOverC33 = 5.0;
 
 }  // namespace
 
@@ -104,6 +107,7 @@ void FixMpmCouple::init() {
   p.damping = damping_;
   p.at_surface = at_surface_;
   p.friction = friction_;
+  p.most_contact = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
   check_friction();
   cement_->set_coupling(this, p);
 
