@@ -42,7 +42,7 @@ struct Row {
   double friction = -1.0;    // friction of places that let go; below 0: none
   bool loose = false;        // links to the first grain are not attached from the start
   bool skin_failed = false;  // and their points have failed
-  bool cracked = false;      // two layers in the middle have failed
+  int cracked = 0;           // this many layers in the middle have failed, an odd one above it
   double crumbled = 0.0;     // points at x above this have failed and hold to no grain; 0: none
   bool unilateral = false;
   bool split = false;        // nodes are split where material parts
@@ -434,7 +434,7 @@ class RowOfGrains : public CementHost {
       r.body = row;
       std::copy(p.X.data(), p.X.data() + 3, r.X);
       r.volume = p.volume;
-      r.failed = row_.cracked && std::fabs(p.X[2]) < kSpacing;
+      r.failed = p.X[2] > -kSpacing * (row_.cracked / 2) && p.X[2] < kSpacing * ((row_.cracked + 1) / 2);
       const bool crumbled = row_.crumbled != 0.0 && p.X[0] > row_.crumbled;
       r.failed = r.failed || crumbled;
       if (r.failed) r.damage[2] = 0.9;  // along z

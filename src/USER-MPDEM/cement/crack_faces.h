@@ -3,11 +3,14 @@
 //
 // Contact of crack faces in the cement of one bond, with Coulomb friction. Where nodes split (fracture/node_copies.h),
 // the copies of a node are the two faces. The jump over the crack is that of their displacements, w = u_b - u_a. It was
-// zero when the node split. The normal n points from a to b. It follows from the gradient of the volume that holds of
-// either copy in the present state (S. G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl. Mech. Engrg.
-// 187, 2000, 529-541):
+// zero when the node split. The normal n points from a to b. It follows from the volume that holds of either copy in
+// the present state and from its gradient (after S. G. Bardenhagen, J. U. Brackbill, D. Sulsky, Comput. Methods Appl.
+// Mech. Engrg. 187, 2000, 529-541, who take the difference of the gradients):
 //
-//   G_a = sum V F^-T grad N_a     n = (G_a - G_b)/|G_a - G_b|
+//   V_a = sum V N_a     G_a = sum V F^-T grad N_a     n = g/|g|, g = G_a/V_a - G_b/V_b
+//
+// Where the cement ends across the crack, both copies have the same G/V along it. The plain difference keeps a part of
+// that if one copy has more material than the other, and tilts the normal.
 //
 // Two nodes exchange just the force that leaves w.n >= 0 at the end of the next step (forward increments of N. J.
 // Carpenter, R. L. Taylor, M. G. Katona, Int. J. Numer. Methods Engrg. 32, 1991, 103-128). With the lumped masses N
@@ -66,7 +69,7 @@ class CrackFaces {
   int touching_ = 0;
   std::vector<Pair> pairs_;      // sorted by place
   std::vector<int> blocks_;      // blocks that have nodes of pairs
-  std::vector<double> normal_;   // G of the formula, three numbers a node
+  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers a node; V is the first of them
 };
 
 }  // namespace mpdem
