@@ -79,7 +79,11 @@ mpdem::StepInput FixMpm::step_input() const {
   now.number = update->ntimestep;
   now.substeps = substeps();
   now.dt = update->dt / now.substeps;
-  if (gravity_) gravity_->get_gravity(now.gravity);
+  for (FixGravity* fix : gravities_) {
+    double g[3];
+    fix->get_gravity(g);
+    for (int d = 0; d < 3; ++d) now.gravity[d] += g[d];
+  }
   return now;
 }
 
@@ -102,7 +106,7 @@ void FixMpm::init() {
   check_host_recipe(lmp, who(), *avec_);
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
-  gravity_ = mpdem::find_gravity(lmp, who(), this, *avec_);
+  gravities_ = mpdem::gravities(lmp, who(), this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init

@@ -124,7 +124,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
-  class FixGravity* gravity_ = nullptr;  // fix whose gravity acts on the points too
+  std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
   bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
