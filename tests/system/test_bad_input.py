@@ -50,6 +50,7 @@ CASES = {
     "fix mpm: skip twice": ([("axis radial", "axis radial skip failed yes skip failed no")], ["'skip failed' is given twice"]),
     "fix mpm/couple: twice": ([("kt auto", "kt auto kn 1e12")], ["fix mpm/couple (id bond)", "'kn' is given twice"]),
     "create_cement: twice": ([("outer 2e-3", "outer 2e-3 outer 1.5e-3")], ["create_cement", "'outer' is given twice in shape number 1"]),
+    "write_cement: pair twice": ([("run 10\n", "write_cement a.txt pair 1 2 pair 1 2\nrun 10\n")], ["write_cement", "'pair' is given twice"]),
     "create_cement: spacing twice": ([("spacing 0.0001", "spacing 0.0001 spacing 2e-4")], ["create_cement", "'spacing' is given twice"]),
     # method
     "basis": ([("axis radial", "axis radial basis quartic")], ["fix mpm (id cem)", "quartic", "one of", "quadratic"]),
