@@ -97,6 +97,7 @@ CASES = {
     "another fix mpm/couple without a setup": ([(RUN, RUN + "fix bond grains mpm/couple cem kn auto kt auto csv 5 b.csv\nrun 20 pre no\n")],
                                                ["run ... pre no", "fix mpm/couple (id bond)", "since the last run"]),
     "a time integrator without forces of whole steps": ([(RUN, "run_style respa 1\n" + RUN)], ["fix mpm (id cem)", "'run_style respa'", "run_style verlet"]),
+    "a minimization": ([(HOLD + PULL, "fix motion grains nve/sphere\n"), (RUN, "compute thermo_pe all pe\nminimize 0 0 50 50\n")], ["fix mpm (id cem)", "'minimize'", "use 'run'", "quasistatic"]),
     "the coupling comes before": ([(RUN, "unfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 6e10 0.2\n" + RUN)],
                                   ["fix mpm (id cem)", "fix mpm/couple (id bond)", "has to come after it"]),
     "a coupling is replaced by one of another cement": (after("fix bond grains mpm/couple cement kn auto kt auto\n"), ["fix mpm/couple (id bond)", "'cement' is not a fix mpm"]),
