@@ -68,6 +68,9 @@ class AtomVecMpdem : public AtomVecSphere {
   static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
   void write_with_points(std::map<int, std::vector<double>> of_bonds);
   void forget_nodes() { rows_.clear(); }
+  // The same on all ranks. Stops if there is cement in motion, and no fix mpm to write the motion of its nodes. Call
+  // before a restart file is written.
+  void check_motion_is_kept() const;
   std::vector<double> restored_rows;
 
   // Returns the atom style in use, or null.
@@ -96,6 +99,8 @@ class AtomVecMpdem : public AtomVecSphere {
   int pack_rows(int i, double* buf);
   void send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const;
   void drop_grains_that_left();
+  bool is_in_motion() const;
+  bool has_fix(const char* style) const;
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
   int size_of_state(int i) const;
