@@ -17,7 +17,9 @@
 #include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
+#include "fix_mpm_couple.h"
 #include "group.h"
+#include "modify.h"
 #include "point_atoms.h"
 #include "scene_checks.h"
 #include "update.h"
@@ -232,6 +234,8 @@ void CreateCement::command(int narg, char** arg) {
   } catch (const mpdem::BadState& e) {
     mpdem::stop_all(lmp, e.what());
   }
+  for (int k = 0; k < modify->nfix; ++k)
+    if (FixMpmCouple* fix = dynamic_cast<FixMpmCouple*>(modify->fix[k])) fix->count_bonds();
 }
 
 Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {

@@ -42,7 +42,7 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   cement_id_ = args.word("the ID of a fix mpm");
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
-  size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bonds.table.size()));
+  count_bonds();
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     args.once(key);
@@ -71,6 +71,9 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   }
 }
 
+// A name with [1] has to be taken before there are bonds.
+void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }
+
 FixMpm* FixMpmCouple::find_cement() const {
   for (int i = 0; i < modify->nfix; ++i) {
     Fix* fix = modify->fix[i];
@@ -90,7 +93,7 @@ int FixMpmCouple::setmask() { return END_OF_STEP; }
 
 void FixMpmCouple::init() {
   take_cement();
-  size_array_rows = static_cast<int>(cement_->cement()->bonds.table.size());
+  count_bonds();
   const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
