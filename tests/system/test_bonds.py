@@ -84,6 +84,16 @@ def test_cement_added_between_runs(tmp_path, ranks):
     assert abs(force[0]) < 1e-6 * abs(force[-1]) and force[-1] < 0
 
 
+def test_values_are_not_divided_by_the_number_of_atoms(tmp_path):
+    names = ["f_cem", "f_cem[1]", "f_cem[6]", "f_cem[12]", "f_bond", "f_bond[3]", "f_bond[1][16]", "f_limit[1]", "f_limit[2]"]
+    script = pair(CELL / 2) + cement(CELL, 1e-8) + pull(0.1, 1e-6) + "fix limit all check/timestep/mpm 10 cem 0.9\n" + thermo(50, names)
+    with_norm = run(script + "thermo_modify norm yes\nrun 50\n", tmp_path / "yes").table()
+    without = run(script + "run 50\n", tmp_path / "no").table()
+    assert without["f_cem[1]"][-1] > 1000 and without["f_bond[3]"][-1] != 0
+    for name in names:
+        assert (with_norm[name] == without[name]).all(), name
+
+
 def test_rows_of_bonds_that_are_made_after_the_fix(tmp_path):
     """thermo_style and fix ave/time look at their number before the first run."""
     scene = grains([(0, 0, -0.005), (0, 0, 0.005), (0.01, 0, 0.005)], "-0.006 0.016 -0.006 0.006 -0.0105 0.0105")

@@ -51,7 +51,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   scalar_flag = vector_flag = 1;
   size_vector = kVectorSize;
   global_freq = 1;
-  extscalar = extvector = 1;
+  extscalar = extvector = 0;  // atoms are grains and points, and their number has no meaning for cement; `thermo_modify norm yes` divides by it
   mpdem::Arguments args(lmp, text_of("fix mpm (id ", id, ")"), narg, arg, 3);
   if (!avec_) args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   const mpdem::CementWords words = mpdem::take_cement_words(args);

@@ -39,6 +39,7 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   scalar_flag = vector_flag = array_flag = 1;
   size_vector = size_array_cols = static_cast<int>(mpdem::bond_columns().size());
   global_freq = 1;
+  extscalar = extvector = extarray = 0;  // values of a bond are not divided by the number of atoms
   cement_id_ = args.word("the ID of a fix mpm");
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
