@@ -96,6 +96,15 @@ CASES = {
     "another density of points without a setup": ([(RUN, RUN + "set group calcite density 3000\nrun 20 pre no\n")], ["density of the points", "2710"]),
     "another fix mpm/couple without a setup": ([(RUN, RUN + "fix bond grains mpm/couple cem kn auto kt auto csv 5 b.csv\nrun 20 pre no\n")],
                                                ["run ... pre no", "fix mpm/couple (id bond)", "since the last run"]),
+    "another gravity without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "unfix weight\nfix load grains gravity 1e9 vector 0 1 0\nrun 20 pre no\n")],
+                                        ["run ... pre no", "fix gravity (id load)", "defined since the last run", "leave 'pre no' out"]),
+    "gravity of the same name without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "fix weight all gravity 9.81 vector 1 0 0\nrun 20 pre no\n")],
+                                                 ["run ... pre no", "fix gravity (id weight)", "defined since the last run"]),
+    "no gravity any more without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "unfix weight\nrun 20 pre no\n")],
+                                            ["run ... pre no", "fix gravity (id weight)", "removed since the last run"]),
+    "no gravity any more in parts of a run": ([(RUN, 'fix weight all gravity 9.81 vector 0 0 -1\n' + RUN + 'run 20 pre no every 10 "unfix weight"\n')],
+                                              ["run ... pre no", "fix gravity (id weight)", "removed since the last run"]),
+    "no fix mpm without a setup": ([(RUN, "fix limit all check/timestep/mpm 10 cem 0.9\n" + RUN + "unfix bond\nunfix cem\nrun 20 pre no\n")], ["atom_style mpdem", "no fix mpm"]),
     "a time integrator without forces of whole steps": ([(RUN, "run_style respa 1\n" + RUN)], ["fix mpm (id cem)", "'run_style respa'", "run_style verlet"]),
     "a minimization": ([(HOLD + PULL, "fix motion grains nve/sphere\n"), (RUN, "compute thermo_pe all pe\nminimize 0 0 50 50\n")], ["fix mpm (id cem)", "'minimize'", "use 'run'", "quasistatic"]),
     "the coupling comes before": ([(RUN, "unfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 6e10 0.2\n" + RUN)],
@@ -175,6 +184,15 @@ def test_message(tmp_path, name, ranks):
     assert not missing, errors[0]
     in_log = [line for line in (tmp_path / "log.liggghts").read_text(errors="replace").splitlines() if line.startswith("ERROR")]
     assert in_log == errors
+
+
+def test_a_fix_before_the_cement_is_removed_without_a_setup(tmp_path):
+    """LIGGGHTS calls fixes by their places, and so would leave out fix mpm."""
+    if not hosted():
+        pytest.skip("a LIGGGHTS with the package compiled in calls nothing of it then")
+    result = launch(edit(GOOD, "fix          cem", "fix weight all gravity 9.81 vector 0 0 -1\nfix          cem") + "unfix weight\nrun 20 pre no\n", tmp_path)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    assert "run ... pre no: fix gravity (id weight) was removed since the last run" in result.errors()[0]
 
 
 @pytest.mark.parametrize("hold", ["fix hold first freeze\n", HOLD, "fix rest first nve/sphere\nfix hold first freeze\n"])

@@ -23,6 +23,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include "../coupling/grain_state.h"
 #include "../cement/bond.h"
 #include "atom_vec_sphere.h"
+#include "prepared_fixes.h"
 #include "waiting_state.h"
 
 namespace LAMMPS_NS {
@@ -41,6 +42,8 @@ class AtomVecMpdem : public AtomVecSphere {
   std::vector<GrainState> grains;
   // State of fixes for points that were made after read_restart and before the first run.
   WaitingState waiting;
+  // Fixes of the last run with fix mpm. They are known here, since fix mpm may be one of those that go.
+  PreparedFixes prepared_fixes;
 
   bool is_point(int i) const { return slot[i] >= 0; }
   const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i has to be one of them

@@ -72,6 +72,11 @@ FixMpm::~FixMpm() {
   if (avec_) avec_->forget_nodes();
 }
 
+// LIGGGHTS prepares the next run then, also with `pre no`, and so the atom style finds that its cement has no fix.
+void FixMpm::pre_delete(bool by_script) {
+  if (by_script) update->first_update = 0;
+}
+
 std::string FixMpm::who() const { return text_of("fix mpm (id ", id, "): "); }
 
 mpdem::StepInput FixMpm::step_input() const {
@@ -263,6 +268,7 @@ void FixMpm::check_positions() {
 
 // With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
 void FixMpm::check_unprepared() {
+  avec_->prepared_fixes.check_same(lmp);  // for a LIGGGHTS with the package compiled in
   const std::size_t bonds = avec_->bonds.table.size();
   if (bonds != prepared_bonds_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
@@ -293,6 +299,7 @@ void FixMpm::setup_pre_neighbor() {
 }
 
 void FixMpm::setup(int) {
+  avec_->prepared_fixes.note(lmp);
   hidden_.start(this);
   ranks_.start_run(this);
   report_->start_run(*cement_);

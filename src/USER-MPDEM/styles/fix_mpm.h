@@ -36,6 +36,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   FixMpm(LAMMPS* lmp, int narg, char** arg);
   ~FixMpm() override;
 
+  void pre_delete(bool by_script) override;
   int setmask() override;
   void init() override;
   void setup_pre_exchange() override;

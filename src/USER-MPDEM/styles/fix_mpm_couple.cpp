@@ -122,7 +122,6 @@ void FixMpmCouple::init() {
   check_integrators();
 
   open_table();
-  ready_ = true;
 }
 
 // Places that let go keep their reference, so friction needs a reference that stays.
@@ -241,7 +240,6 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
-  if (!ready_) mpdem::stop_all(lmp, text_of("run ... pre no: fix mpm/couple (id ", id, ") was defined since the last run; leave 'pre no' out"));
   if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
 }
 

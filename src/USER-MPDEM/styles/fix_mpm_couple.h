@@ -63,7 +63,6 @@ class FixMpmCouple : public Fix {
   std::string table_name_;
   mpdem::TableFile table_;
   bool table_open_ = false, length_told_ = false;
-  bool ready_ = false;  // a run has begun with init() of this fix
   bigint table_last_ = -1;
 };
 
