@@ -15,6 +15,9 @@ namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
                                             "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "balance", "skip", "check", "events"};
 
+constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
+constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
+
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
 void take_transfer(Arguments& args, CementWords& w) {
@@ -32,7 +35,7 @@ void take_transfer(Arguments& args, CementWords& w) {
       args.complain(text_of("'transfer flip ", o.transfer.flip_share, "': share of FLIP, the rest is PIC, must lie in [0, 1]"));
   } else {
     o.transfer.method = Transfer::xpic;
-    o.transfer.order = args.integer("transfer xpic", 1);
+    o.transfer.order = args.integer("transfer xpic", 1, kMostProjections);
   }
 }
 
@@ -235,9 +238,8 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "subcycle") {
       take_subcycle(args, o);
     } else if (key == "quasistatic") {
-      o.mass_scale = args.number("quasistatic");
-      if (!(o.mass_scale >= 1.0)) args.complain(text_of("'quasistatic ", o.mass_scale, "': factor on the inertia, must be 1 or more"));
-      o.relax = args.not_negative("quasistatic: the second number, share of critical damping,");
+      o.mass_scale = args.between("quasistatic", 1.0, kMostInertia, "factor on the inertia");
+      o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
     } else if (key == "events") {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {

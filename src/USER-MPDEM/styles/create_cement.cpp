@@ -40,6 +40,8 @@ using mpdem::text_of;
 using mpdem::Vector3;
 
 namespace {
+constexpr double kMostShift = 1000.0;  // of the origin of the grid, in spacings
+
 // All keywords. Those of shapes come once each.
 std::vector<std::string> keywords() {
   std::vector<std::string> all = {"shape"};
@@ -218,6 +220,10 @@ void CreateCement::check_words(const Arguments& args, const CementWish& wish, bo
       args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
     return;
   }
+  for (double g : wish.grid)
+    if (std::fabs(g) > kMostShift * wish.spacing)
+      args.complain(text_of("'grid ", wish.grid[0], " ", wish.grid[1], " ", wish.grid[2], "': each must lie within ", kMostShift, " spacings, ", kMostShift * wish.spacing,
+                            ", of the middle of the gap; parts of a cell are enough"));
   if (wish.attach > 0.0) args.complain(text_of("'attach ", wish.attach, "' belongs to 'file'; shapes know what is attached"));
   if (wish.shapes.empty())
     args.complain("keyword 'shape' is missing; use 'shape " + joined(shapes_with(""), "', 'shape ") + "', or 'file' and a name");

@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "atom.h"
 #include "cement_checks.h"
+#include "cement_words.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -31,6 +32,8 @@ const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping
 // Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
 // (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
+
+constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
 
 }  // namespace
 
@@ -56,11 +59,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     } else if (key == "at") {
       at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
     } else if (key == "damping") {
-      damping_ = args.not_negative(key);
+      damping_ = args.between(key, 0.0, mpdem::kMostDamping, "share of critical damping");
     } else if (key == "interface") {
       interface_ = mpdem::read_choice(args, key, mpdem::traction_entries());
     } else if (key == "friction") {
-      friction_ = args.not_negative(key);
+      friction_ = args.between(key, 0.0, kMostFriction, "coefficient of friction");
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
