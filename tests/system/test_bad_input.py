@@ -323,6 +323,8 @@ WARN = {
     "length beyond the bond": (with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 1"), ["fix mpm (id cem)", "nonlocal 1'", "width of the widest bond, 0.003", "units of the box"]),
     "steps of very different length": ([(PULLING, FREE), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\n")],
                                       ["fix mpm (id cem)", "energy of the cement was made", "of the largest work or energy at step 120", "use one 'timestep'"]),
+    "steps of a grain that are limited": ([(PULLING, "velocity second set 0 0 0.05\nfix m grains nve/limit absolute 1e-10\n"), ("timestep     1e-09", "timestep     1e-8"), ("run 10\n", "run 500\n")],
+                                          ["fix mpm (id cem)", "energy of the cement was made", "fix 'm' (nve/limit)", "use 'fix nve/sphere'"]),
     "wide cell": ([("cell 0.0002", "cell 0.00041")], ["'cell 0.00041'", "4.1 spacings", "two spacings"]),
     "moduli in GPa": ([("vti 60000000000 40000000000 0.25 0.2 18000000000", "vti 60 40 0.25 0.2 18")], ["fix mpm (id cem)", "strain of 18", "Pa, not GPa"]),
     "damping that costs half the step": ([("diameter 0.01 density 2500", "diameter 0.01 density 25"), (PULLING, "fix m grains nve/sphere\n"),

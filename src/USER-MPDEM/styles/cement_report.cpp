@@ -15,6 +15,8 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "fix.h"
+#include "modify.h"
 #include "update.h"
 
 namespace mpdem {
@@ -192,6 +194,21 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
                        .c_str());
 }
 
+namespace {
+// Collective. Returns text on a bonded grain whose integrator limits its way in a step, or an empty text.
+std::string limited_grain(LAMMPS* lmp, Cement& c) {
+  std::string found;
+  for (int k = 0; k < lmp->modify->nfix; ++k) {
+    const Fix& fix = *lmp->modify->fix[k];
+    if (std::string(fix.style) != "nve/limit") continue;
+    for (const Grain& g : c.grains().grains)
+      if (found.empty() && (lmp->atom->mask[lmp->atom->map(g.tag)] & fix.groupbit))
+        found = text_of("; bonded grain ", g.tag, " is moved by fix '", fix.id, "' (nve/limit), which makes and takes energy where it limits the way: use 'fix nve/sphere'");
+  }
+  return first_text(lmp->world, found);
+}
+}  // namespace
+
 void CementReport::times(Cement& c, bigint points) {
   const bigint steps = steps_timed_ += lmp_->update->ntimestep - lmp_->update->firststep;
   if (steps <= 0) return;
@@ -211,6 +228,7 @@ void CementReport::times(Cement& c, bigint points) {
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
   const CementTotals& now = totals(c);
+  const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
   const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
   const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
@@ -231,7 +249,7 @@ void CementReport::times(Cement& c, bigint points) {
     lmp_->error->warning("fix mpm", 0,
                          text_of(who_, "energy of the cement was ", now.imbalance < 0.0 ? "made" : "lost", ", ", 100.0 * std::fabs(now.imbalance),
                                  " % of the largest work or energy at step ", lmp_->update->ntimestep,
-                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator")
+                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator", limited)
                              .c_str());
 }
 
