@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <map>
 
+#include "../mpm/point_state.h"
 #include "arguments.h"
 #include "atom.h"
 #include "cement_checks.h"
@@ -76,6 +77,21 @@ namespace {
 std::string of_substeps(const Cement& c) {
   return c.substeps() > 1 ? text_of(" of ", c.substeps(), " sub-steps") : std::string();
 }
+
+// Collective. Returns the number of points that failed without a damage that tells the direction of their crack, as those
+// of a file may.
+bigint failed_without_damage(MPI_Comm world, Cement& c) {
+  bigint mine = 0, all;
+  for (const Bond& bond : c.bonds())
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        const BlockMeta& m = bond.points.meta[b];
+        const bool waits = (m.occupied & m.failed & ~m.debris) >> l & 1;
+        if (waits && !(crack_of(bond.points, kLanes * static_cast<int>(b) + l).damage[0] > 0.0)) ++mine;
+      }
+  MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  return all;
+}
 }  // namespace
 
 void CementReport::parameters(Cement& c, bigint points) {
@@ -98,6 +114,12 @@ void CementReport::parameters(Cement& c, bigint points) {
     say(text);
     warn(c);
   }
+  const bigint open = o.unilateral && !reported_ ? failed_without_damage(lmp_->world, c) : 0;
+  if (open > 0 && lmp_->comm->me == 0)
+    lmp_->error->warning("fix mpm", 0,
+                         text_of(who_, open, " points failed and have no damage, so that 'unilateral yes' knows no direction of their cracks, and these never close; give the point "
+                                 "file the columns 'd1 d2 d3 v1x v1y v1z v2x v2y v2z' or 'dxx dyy dzz dyz dxz dxy' besides 'failed', or use 'unilateral no'")
+                             .c_str());
   if (o.condense && c.penalty()) {
     int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
