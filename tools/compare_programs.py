@@ -104,12 +104,14 @@ def run(exe, scene, ranks, folder):
         said = (folder / "screen.txt").read_text().splitlines()
         errors = [line for line in said if line.startswith("ERROR")] or said[-10:]
         sys.exit("\n".join([f"compare_programs.py: {exe} ended with status {status} on {script}:", *errors]))
+    if not any(len(read(table)[1]) > 0 for table in folder.glob("*.csv")):
+        sys.exit(f"compare_programs.py: {exe} ended well on {script}, but left no table with rows; give a build of liggghts-mpdem")
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def read(path):
     """Header and rows of a table, as words."""
-    lines = path.read_text().splitlines()
+    lines = path.read_text().splitlines() or [""]
     return lines[0].split(","), [line.split(",") for line in lines[1:]]
 
 

@@ -110,10 +110,14 @@ def write(path, rows):
 def read(path):
     try:
         with open(path, newline="") as f:
-            rows = list(csv.DictReader(f))
+            table = csv.DictReader(f)
+            rows = list(table)
+        lacking = [c for c in COLUMNS[:5] if c not in (table.fieldnames or [])]
+        if lacking or not rows:
+            raise ValueError
         return [{**r, "amount": float(r["amount"]), "peak": float(r["peak"])} for r in rows]
     except (KeyError, ValueError, TypeError):
-        raise run.Trouble(f"{path}: not a flaws.csv of flawed_pairs.py") from None
+        raise run.Trouble(f"{path}: not a flaws.csv of flawed_pairs.py, or one without rows; name another") from None
 
 
 def draw(path, rows):

@@ -11,6 +11,7 @@ leaves build/figures/fuzz.json: how many inputs of each scene ended in which way
 build/figures/mutants.json: which test fails with each planted bug. What stands in the page
 between the marks of a table is replaced if it was measured, the rest is left as it is.
 """
+import contextlib
 import glob
 import json
 import os
@@ -26,18 +27,27 @@ def files(folder):
     return [p for p in sorted(glob.glob(os.path.join(folder, "*.json"))) if os.path.basename(p) not in (FUZZ, MUTANTS)]
 
 
-def rows(folder):
-    for path in files(folder):
-        with open(path) as f:
-            records = json.load(f)
-        for test in dict.fromkeys(r["test"] for r in records):
-            of_test = [r for r in records if r["test"] == test]
-            limited = [r for r in of_test if r["limit"] is not None]
-            if not limited:
-                continue
-            yield {"file": os.path.splitext(os.path.basename(path))[0], "test": test, "what": of_test[0]["what"],
-                   "cases": len({r["case"] for r in of_test}), "figures": len(limited),
-                   "worst": max(limited, key=closeness), "met": all(r["met"] for r in limited)}
+@contextlib.contextmanager
+def reading(path):
+    """What is wrong with a file is told in one line."""
+    try:
+        yield
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError) as wrong:
+        sys.exit(f"reliability.py: {path}: holds no figures of tests ({type(wrong).__name__}: {wrong}); delete it and measure again")
+
+
+def rows(path):
+    """The tests of a file, each with its figure that is nearest to its limit."""
+    with open(path) as f:
+        records = json.load(f)
+    for test in dict.fromkeys(r["test"] for r in records):
+        of_test = [r for r in records if r["test"] == test]
+        limited = [r for r in of_test if r["limit"] is not None]
+        if not limited:
+            continue
+        yield {"file": os.path.splitext(os.path.basename(path))[0], "test": test, "what": of_test[0]["what"],
+               "cases": len({r["case"] for r in of_test}), "figures": len(limited),
+               "worst": max(limited, key=closeness), "met": all(r["met"] for r in limited)}
 
 
 def closeness(r):
@@ -47,16 +57,20 @@ def closeness(r):
     return r["value"] / r["limit"]
 
 
+def row_of(r):
+    w = r["worst"]
+    name = f"`{r['file']}`: {r['test'].replace('test_', '').replace('_', ' ')}"
+    what = (r["what"] or r["test"].replace("test_", "").replace("_", " ")).replace("|", "\\|")
+    return (f"| {name} | {what} | {r['cases']}, {r['figures']} | {w['figure'].replace('|', chr(92) + '|')} | "
+            f"{w['value']:.2g}{'' if r['met'] else ' **not met**'} | {w['limit']:g} |")
+
+
 def table(folder):
     text = ["| test | what was tried | cases, figures | figure nearest to its limit | measured | limit |", "|---|---|---|---|---|---|"]
-    for r in rows(folder):
-        w = r["worst"]
-        name = f"`{r['file']}`: {r['test'].replace('test_', '').replace('_', ' ')}"
-        what = (r["what"] or r["test"].replace("test_", "").replace("_", " ")).replace("|", "\\|")
-        text.append(f"| {name} | {what} | {r['cases']}, {r['figures']} | {w['figure'].replace('|', chr(92) + '|')} | "
-                    f"{w['value']:.2g}{'' if r['met'] else ' **not met**'} | {w['limit']:g} |")
+    for path in files(folder):
+        with reading(path):
+            text += [row_of(r) for r in rows(path)]
     return "\n".join(text)
-
 
 def fuzz_table(path):
     with open(path) as f:
@@ -104,11 +118,15 @@ def main():
         text = replace(text, "table", table(folder), page)
         written.append("of tests")
     if os.path.exists(fuzz):
-        text = replace(text, "fuzz", fuzz_table(fuzz), page)
+        with reading(fuzz):
+            of_fuzz = fuzz_table(fuzz)
+        text = replace(text, "fuzz", of_fuzz, page)
         written.append("of the fuzzer")
     mutants = os.path.join(folder, MUTANTS)
     if os.path.exists(mutants):
-        text = replace(text, "mutants", mutants_table(mutants), page)
+        with reading(mutants):
+            of_mutants = mutants_table(mutants)
+        text = replace(text, "mutants", of_mutants, page)
         written.append("of the mutants")
     if not written:
         sys.exit(f"reliability.py: no figures in {folder}; run `make test`, `make stress`, `make fuzz` or `make mutants`")

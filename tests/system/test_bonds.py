@@ -84,6 +84,27 @@ def test_cement_added_between_runs(tmp_path, ranks):
     assert abs(force[0]) < 1e-6 * abs(force[-1]) and force[-1] < 0
 
 
+def test_values_are_not_divided_by_the_number_of_atoms(tmp_path):
+    names = ["f_cem", "f_cem[1]", "f_cem[6]", "f_cem[12]", "f_bond", "f_bond[3]", "f_bond[1][16]", "f_limit[1]", "f_limit[2]"]
+    script = pair(CELL / 2) + cement(CELL, 1e-8) + pull(0.1, 1e-6) + "fix limit all check/timestep/mpm 10 cem 0.9\n" + thermo(50, names)
+    with_norm = run(script + "thermo_modify norm yes\nrun 50\n", tmp_path / "yes").table()
+    without = run(script + "run 50\n", tmp_path / "no").table()
+    assert without["f_cem[1]"][-1] > 1000 and without["f_bond[3]"][-1] != 0
+    for name in names:
+        assert (with_norm[name] == without[name]).all(), name
+
+
+def test_rows_of_bonds_that_are_made_after_the_fix(tmp_path):
+    """thermo_style and fix ave/time look at their number before the first run."""
+    scene = grains([(0, 0, -0.005), (0, 0, 0.005), (0.01, 0, 0.005)], "-0.006 0.016 -0.006 0.006 -0.0105 0.0105")
+    scene += CREATE % (1, 2) + cement(CELL, 1e-8) + CREATE % (2, 3) + "fix motion grains nve/sphere\n"
+    scene += "fix rows all ave/time 1 1 5 f_bond[15] mode vector file rows.txt\n" + thermo(5, ["f_bond[1][15]", "f_bond[2][15]"]) + "run 5\n"
+    table = run(scene, tmp_path).table()
+    rows = [line.split() for line in (tmp_path / "rows.txt").read_text().splitlines()[-3:]]
+    assert rows[0] == ["5", "2"] and [row[0] for row in rows[1:]] == ["1", "2"]
+    assert table["f_bond[2][15]"][-1] == pytest.approx(float(rows[2][1]), rel=1e-4)
+
+
 @pytest.mark.parametrize("ranks, processors", [(1, "* * *"), (2, "1 1 2"), (2, "1 2 1")])
 def test_beside_bonds_that_break(tmp_path, ranks, processors):
     """Each that comes apart is a new layout of all; a bond that does not is the same to the bit as without them."""

@@ -110,6 +110,13 @@ def test_words(words, expected, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("text", ["", "a,b\n", "a,b\n1,2\n", "flaw,amount,seed,load,peak\n", "flaw,amount,seed,load,peak\npores,0.1\n"])
+def test_a_table_that_cannot_be_drawn(text, tmp_path):
+    (tmp_path / "odd.csv").write_text(text)
+    done = drive(tmp_path / "out", "--redraw", tmp_path / "odd.csv")
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "odd.csv: not a flaws.csv" in done.stderr, done.stderr
+
+
 def test_a_file_that_is_none_of_points(tmp_path):
     sys.path.insert(0, str(ROOT / "tools"))
     from mpdem import flaws, run

@@ -17,7 +17,7 @@ def scene(words=WORDS, damage="check 20", **more):
 
 
 @pytest.mark.parametrize("words, damage, message", [
-    ("friction -0.1", "check 20", "friction"),
+    ("friction -0.1", "check 20", "[0, 100]"),
     ("friction nan", "check 20", "friction"),
     ("friction", "check 20", "friction"),
     (WORDS, "check 20 kinematics updated", "'friction' needs a reference that stays, and fix mpm 'cem' has 'kinematics updated'"),

@@ -125,7 +125,7 @@ def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
                    "fix pull second move linear 0 0 12\nfix push last move linear 0 0 0\n"
                    + thermo(20, ["f_bond", "f_bond[18]", "f_cem[5]", "f_cem[6]", "f_cem[7]", "f_cem[10]", "f_cem[12]"])
                    + "run 80\nunfix push\nfix push last move linear 1e-3 0 -1e-3\nrun 40\n"
-                   "unfix push\nfix push last move linear 0 0 0\nrun 40 pre no\nrun 100\n")
+                   "unfix push\nfix push last move linear 0 0 0\nrun 1\nrun 39 pre no\nrun 100\n")
         done = run(script, tmp_path / f"{on}{ranks}", ranks)
         if on == "yes" and ranks == 1:
             assert "2 of 3 bonds at rest" in done.output

@@ -2,7 +2,7 @@
 """What is lost stops the run: exit status not 0, and one message on the screen, which is a file here, and
 in the log, on one rank and on two."""
 import pytest
-from scenes import cement, edit, hosted, launch, pair, pull, restarted
+from scenes import cement, edit, hosted, launch, pair, pull, restarted, run, thermo
 
 GOOD = (pair(2e-4) + cement(4e-4, 1e-9, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 check 5")
         + pull(1.0, 1e-6) + "run 20\n")
@@ -96,12 +96,28 @@ CASES = {
     "another density of points without a setup": ([(RUN, RUN + "set group calcite density 3000\nrun 20 pre no\n")], ["density of the points", "2710"]),
     "another fix mpm/couple without a setup": ([(RUN, RUN + "fix bond grains mpm/couple cem kn auto kt auto csv 5 b.csv\nrun 20 pre no\n")],
                                                ["run ... pre no", "fix mpm/couple (id bond)", "since the last run"]),
+    "another gravity without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "unfix weight\nfix load grains gravity 1e9 vector 0 1 0\nrun 20 pre no\n")],
+                                        ["run ... pre no", "fix gravity (id load)", "defined since the last run", "leave 'pre no' out"]),
+    "gravity of the same name without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "fix weight all gravity 9.81 vector 1 0 0\nrun 20 pre no\n")],
+                                                 ["run ... pre no", "fix gravity (id weight)", "defined since the last run"]),
+    "no gravity any more without a setup": ([(RUN, "fix weight all gravity 9.81 vector 0 0 -1\n" + RUN + "unfix weight\nrun 20 pre no\n")],
+                                            ["run ... pre no", "fix gravity (id weight)", "removed since the last run"]),
+    "no gravity any more in parts of a run": ([(RUN, 'fix weight all gravity 9.81 vector 0 0 -1\n' + RUN + 'run 20 pre no every 10 "unfix weight"\n')],
+                                              ["run ... pre no", "fix gravity (id weight)", "removed since the last run"]),
+    "no fix mpm without a setup": ([(RUN, "fix limit all check/timestep/mpm 10 cem 0.9\n" + RUN + "unfix bond\nunfix cem\nrun 20 pre no\n")], ["atom_style mpdem", "no fix mpm"]),
     "a time integrator without forces of whole steps": ([(RUN, "run_style respa 1\n" + RUN)], ["fix mpm (id cem)", "'run_style respa'", "run_style verlet"]),
+    "a minimization": ([(HOLD + PULL, "fix motion grains nve/sphere\n"), (RUN, "compute thermo_pe all pe\nminimize 0 0 50 50\n")], ["fix mpm (id cem)", "'minimize'", "use 'run'", "quasistatic"]),
     "the coupling comes before": ([(RUN, "unfix cem\nfix cem calcite mpm cell 4e-4 elastic isotropic 6e10 0.2\n" + RUN)],
                                   ["fix mpm (id cem)", "fix mpm/couple (id bond)", "has to come after it"]),
     "a coupling is replaced by one of another cement": (after("fix bond grains mpm/couple cement kn auto kt auto\n"), ["fix mpm/couple (id bond)", "'cement' is not a fix mpm"]),
     "gravity of the step before": ([(RUN, "variable g equal 9.81*step\nfix weight all gravity v_g vector 0 0 -1\n" + RUN)],
                                    ["fix mpm (id cem)", "fix 'weight' (gravity)", "define it before"]),
+    "gravity of a part of the cement": ([(RUN, "group part id 3:500\nfix weight part gravity 9.81 vector 0 0 -1\n" + RUN)],
+                                        ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'part'", "'all'"]),
+    "gravity of a part of the cement, points made later": (
+        [("-0.0125 0.0125", "-0.0125 0.0225"), ("group        grains type 1", "create_atoms 1 single 0 0 0.015 units box\nset type 1 diameter 0.01 density 2500\ngroup        grains type 1"),
+         ("timestep     1e-09", "create_cement calcite pair 2 3 shape flat inner 1e-3 outer 2e-3 spacing 2e-4 points later\ntimestep     1e-09")]
+        + FREE + [(RUN, "group made subtract all grains\nfix weight made gravity 9.81 vector 0 0 -1\n" + RUN)], ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'made'", "'all'"]),
     "a grain of the type of cement": (FREE + [(RUN, RUN + "create_atoms 2 single 0 0 0.011 units box\nset atom 963 diameter 1e-3 density 2500\ngroup grains id 963\n" + RUN)],
                                       ["type 2 is that of grain 963 too", "atom_type"]),
     "points are deleted after no steps": ([(RUN, RUN + "run 0\ndelete_atoms group calcite compress no\nrun 20 pre no\n")],
@@ -113,6 +129,9 @@ CASES = {
     "points get heavier": (after("set type 2 density 5000\n"), ["fix mpm (id cem)", "density of the points is 5000, and was 2710", "before the first run"]),
     "points get heavier after a restart": (after("write_restart r\nclear\n" + restarted("r") + GOOD[GOOD.index("timestep"):].replace(RUN, "set type 2 density 5000\n")),
                                            ["fix mpm (id cem)", "density of the points is 5000, and was 2710"]),
+    "a restart file without fix mpm": (after(f"write_restart r\nclear\n{restarted('r')}write_restart r\n"),
+                                       ["write_restart", "grains 1 and 2", "in motion", "no fix mpm", "'run 0'"]),
+    "a restart file after unfix": (after("unfix bond\nunfix cem\nwrite_restart r\n"), ["write_restart", "grains 1 and 2", "in motion", "no fix mpm", "'unfix' it later"]),
     "a grain grows": (after("set group second diameter 0.0101\n"),
                       ["fix mpm (id cem)", "bonded grain 2 has radius 0.00505", "made for 0.005", "create_cement"]),
     "a grain grows in the run": ([(RUN, "variable d equal 0.01*(1+1e-6*step)\nfix grow second adapt 1 atom diameter v_d\n" + RUN)],
@@ -167,6 +186,15 @@ def test_message(tmp_path, name, ranks):
     assert in_log == errors
 
 
+def test_a_fix_before_the_cement_is_removed_without_a_setup(tmp_path):
+    """LIGGGHTS calls fixes by their places, and so would leave out fix mpm."""
+    if not hosted():
+        pytest.skip("a LIGGGHTS with the package compiled in calls nothing of it then")
+    result = launch(edit(GOOD, "fix          cem", "fix weight all gravity 9.81 vector 0 0 -1\nfix          cem") + "unfix weight\nrun 20 pre no\n", tmp_path)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    assert "run ... pre no: fix gravity (id weight) was removed since the last run" in result.errors()[0]
+
+
 @pytest.mark.parametrize("hold", ["fix hold first freeze\n", HOLD, "fix rest first nve/sphere\nfix hold first freeze\n"])
 def test_ways_to_hold_a_grain(tmp_path, hold):
     result = launch(edit(GOOD, HOLD, hold), tmp_path)
@@ -179,6 +207,20 @@ def test_commands_that_leave_grains_where_they_are(tmp_path):
     script += "unfix pull\nunfix hold\nfix motion grains nve/sphere\nvelocity grains set 30 30 30\ntimestep 5e-10\nrun 20\nreset_timestep 0\nrun 20\n"
     result = launch(script, tmp_path, 2)
     assert result.status == 0 and not result.errors(), result.output[-2000:]
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_gravities_add_up(tmp_path, ranks):
+    script = edit(edit(GOOD, "fix          bond grains mpm/couple cem kn auto kt auto\n", ""), HOLD + PULL, "")
+    script = edit(script, RUN, "fix motion grains nve/sphere\nfix down all gravity 9.81 vector 0 0 -1\nfix along all gravity 9.81 vector 1 0 0\n"
+                  "fix across grains gravity 9.81 vector 0 1 0\nfix up grains gravity 9.81 vector 0 -1 0\n" + thermo(20, ["f_cem[13]", "f_cem[14]", "f_cem[15]"]) + RUN)
+    table = run(script, tmp_path, ranks).table()
+    assert table["f_cem[13]"][-1] > 0 and table["f_cem[15]"][-1] == pytest.approx(-table["f_cem[13]"][-1], rel=1e-9)
+    assert abs(table["f_cem[14]"][-1]) < 1e-9 * table["f_cem[13]"][-1]
+
+
+def test_a_fix_that_reads_forces_acts_on_nothing(tmp_path):
+    assert "acts on material points" not in run(edit(GOOD, RUN, "fix last all store/force\n" + RUN), tmp_path).output
 
 
 # Overlapping grains in the upper half of the box only: too many neighbours for one rank of two.

@@ -202,11 +202,13 @@ def test_map_of_modes(tmp_path):
         mode_map.plt.close(fig)
 
 
-def test_redraw_bad_table(tmp_path):
-    (tmp_path / "table.csv").write_text("shape,load\nflat,tension\n")
+@pytest.mark.parametrize("text", ["shape,load\nflat,tension\n", "", "a,b\n", "a,b\n1,2\n", "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\n",
+                                  "shape,load,content,parameters,stress_grain,mode,share_grain1,share_grain2\nflat,tension\n"])
+def test_redraw_bad_table(tmp_path, text):
+    (tmp_path / "table.csv").write_text(text)
     done = subprocess.run(["/usr/bin/python3", ROOT / "tools" / "pair_table.py", tmp_path, "--redraw", tmp_path / "table.csv"],
                           capture_output=True, text=True)
-    assert done.returncode != 0 and "not a table.csv of pair_table.py" in done.stderr
+    assert done.returncode == 1 and "not a table.csv of pair_table.py" in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
 
 
 def test_skins():

@@ -179,6 +179,21 @@ CRACKS = {
 }
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("unilateral, damage, warned", [("yes", 0.0, True), ("yes", 0.95, False), ("no", 0.0, False)])
+def test_failed_points_without_damage(ring, tmp_path, unilateral, damage, warned, ranks):
+    """Their cracks have no direction and do not close, which a user has to know."""
+    column = dict(ring)
+    column["failed"] = (abs(ring["z"]) < SPACING).astype(float)
+    column["dzz"] = damage * column["failed"]
+    write(tmp_path / "cement.txt", column)
+    done = run(from_file() + cement(CELL, 5e-9, axis="radial", damage=f"{DAMAGE} unilateral {unilateral}") + shift(1e-9, 1e-6) + "run 1\nrun 1\n", tmp_path, ranks)
+    told = [line for line in done.output.splitlines() if "never close" in line]
+    assert len(told) == warned, done.output[-2000:]
+    if warned:
+        assert f" {int(column['failed'].sum())} points failed and have no damage" in told[0] and "'d1 d2 d3 v1x" in told[0]
+
+
 @pytest.mark.parametrize("crack", CRACKS)
 def test_mode_of_a_constructed_crack(ring, tmp_path, figures, crack):
     where, mode = CRACKS[crack]

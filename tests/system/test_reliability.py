@@ -63,6 +63,16 @@ def test_mutants(write):
                          for by in ("`test_mpm: Grid.A`", "Nobody reads it.", "**survives**", "**not run**")]
 
 
+@pytest.mark.parametrize("name, text", [("test_file", "{"), ("test_file", "[1, 2]"), ("test_file", '{"a": 1}'), ("test_file", '[{"test": "test_a"}]'),
+                                        ("fuzz", "[]"), ("fuzz", "nonsense"), ("mutants", "[]"), ("mutants", '[{"seed": 1}]')])
+def test_a_file_that_holds_no_figures(write, tmp_path, name, text):
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / f"{name}.json").write_text(text)
+    status, error, page = write()
+    assert status == 1 and page == PAGE and len(error.splitlines()) == 1, error
+    assert f"{name}.json: holds no figures of tests" in error
+
+
 def test_nothing_measured_or_nowhere_to_write(write, tmp_path):
     status, error, page = write()
     assert status == 1 and page == PAGE

@@ -153,6 +153,12 @@ def test_message(name, tmp_path):
     assert "Traceback" not in done.stderr
 
 
+def test_nothing_to_draw(tmp_path):
+    done = drive(tmp_path / "out", *TINY, "--redraw")
+    assert done.returncode == 1 and len(done.stderr.splitlines()) == 1 and "no load of this plan is finished there; give the folder" in done.stderr, done.stderr
+    assert not (tmp_path / "out" / "specimen.csv").exists()
+
+
 def test_a_failing_run_is_told(tmp_path):
     """Bonds for which the cement is too coarse: the message of the program, and that others needed it."""
     done = drive(tmp_path / "out", *TINY, "--set", "spacing=2e-3")

@@ -291,15 +291,16 @@ def beads_at(folder, most=None):
     return found
 
 
-def write(path, runs, out):
-    """The finished loads, measured anew; returns them with their results."""
+def write(path, runs, out, needs_rows=False):
+    """The finished loads, measured anew; returns them with their results. needs_rows: none is a mistake."""
     rows = [(r, {**res, **r.results(os.path.join(out, r.label))}) for r, res in ((r, runner.finished(out, r)) for r in runs if isinstance(r, Load))
             if res is not None]
     for load, res in rows:
         line = mohr_coulomb([other for _, other in rows if load.test == other["test"] == "compression" and load.content == other["content"]])
         res["beyond_cap"] = int(line is not None and load.pressure in line["beyond"])
-    if not rows and os.path.exists(path):
-        raise Trouble(f"{out}: no load of this plan is finished there, and {path} stays as it is; give the folder and the words of the runs")
+    if not rows and (needs_rows or os.path.exists(path)):
+        stays = f", and {path} stays as it is" if os.path.exists(path) else ""
+        raise Trouble(f"{out}: no load of this plan is finished there{stays}; give the folder and the words of the runs")
     with open(path + ".tmp", "w", newline="") as f:
         w = csv.writer(f, lineterminator="\n")
         w.writerow(COLUMNS)

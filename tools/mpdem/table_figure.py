@@ -79,11 +79,13 @@ def read(path):
     try:
         with open(path, newline="") as f:
             rows = list(csv.DictReader(f))
+        if not rows:
+            raise ValueError("it has no rows")
         return [(SimpleNamespace(shape=r["shape"], load=r["load"], content=float(r["content"]),
                                  extra=dict(w.replace(":", " ").split("=") for w in r["parameters"].split())),
                  {"stress_grain": float(r["stress_grain"]), "mode": r["mode"],
                   "share_grain1": float(r["share_grain1"]), "share_grain2": float(r["share_grain2"])}) for r in rows]
-    except (KeyError, ValueError) as e:
+    except (KeyError, ValueError, TypeError, AttributeError, csv.Error) as e:
         raise files.Trouble(f"{path}: not a table.csv of pair_table.py ({e}); name one") from None
 
 

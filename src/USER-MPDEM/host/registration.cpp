@@ -6,7 +6,7 @@
 // LAMMPS::post_create(). Atom styles are a compile-time chain inside Atom::new_avec(). LAMMPS::help() prints the list
 // of `-h`. LIGGGHTS calls these functions through the symbol table. So the definitions below take precedence over the
 // library's when the executable exports its symbols (-rdynamic). They call the originals first or last. So does
-// LAMMPS::init(), which begins every run.
+// LAMMPS::init(), which begins every run, and Output::setup(), which is called with 0 where a run is not prepared.
 #include <cstring>
 
 #include "../styles/atom_vec_mpdem.h"
@@ -22,6 +22,7 @@
 #include "abort.h"
 #include "atom.h"
 #include "original.h"
+#include "output.h"
 #include "universe.h"
 
 namespace {
@@ -63,6 +64,12 @@ void LAMMPS::post_create() {
 void LAMMPS::init() {
   mpdem::learn_log_name(this);
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4initEv")(this);
+}
+
+void Output::setup(int memory_is_told) {
+  const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
+  if (memory_is_told == 0 && cement && !cement->bonds.table.empty()) cement->prepared_fixes.check_same(lmp);
+  original<void (*)(Output*, int)>("_ZN9LAMMPS_NS6Output5setupEi")(this, memory_is_told);
 }
 
 AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {

@@ -152,6 +152,7 @@ namespace LAMMPS_NS {
 
 void WriteRestart::write(char* file) {
   const bool ours = AtomVecMpdem::of(lmp) != nullptr;
+  if (ours) AtomVecMpdem::of(lmp)->check_motion_is_kept();  // LIGGGHTS would begin the file, which may be the one that was read
   AtomVecMpdem::restart_is_sealed = ours;
   mpdem::original<void (*)(WriteRestart*, char*)>("_ZN9LAMMPS_NS12WriteRestart5writeEPc")(this, file);
   if (!ours) return;

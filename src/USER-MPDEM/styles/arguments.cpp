@@ -72,6 +72,12 @@ double Arguments::not_negative(const std::string& keyword, const std::string& or
   return v;
 }
 
+double Arguments::between(const std::string& keyword, double least, double most, const std::string& what) {
+  const double v = number(keyword);
+  if (!(v >= least && v <= most)) complain(text_of("'", keyword, " ", v, "': ", what, what.empty() ? "" : ", ", "must lie in [", least, ", ", most, "]"));
+  return v;
+}
+
 int Arguments::integer(const std::string& keyword, int least, int most, const std::string& or_word) {
   const std::string w = word("a whole number for '" + keyword + "'");
   char* end = nullptr;

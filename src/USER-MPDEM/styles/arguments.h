@@ -40,6 +40,8 @@ class Arguments {
   double number(const std::string& keyword, const std::string& or_word = {});
   double positive(const std::string& keyword, const std::string& or_word = {});
   double not_negative(const std::string& keyword, const std::string& or_word = {});
+  // what: text on the meaning of the number, for the message.
+  double between(const std::string& keyword, double least, double most, const std::string& what = {});
   int integer(const std::string& keyword, int least, int most = std::numeric_limits<int>::max(), const std::string& or_word = {});
   std::string choice(const std::string& keyword, const std::vector<std::string>& allowed) { return allowed[place_of_choice(keyword, allowed)]; }
   // Returns the next word, which has to be one of these.

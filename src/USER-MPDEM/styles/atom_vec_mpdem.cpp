@@ -72,14 +72,28 @@ void AtomVecMpdem::init() {
   AtomVecSphere::init();
   waiting.finish(lmp);
   // `run 0` moves nothing, but LIGGGHTS drops what a restart file holds for fix mpm at the first run of all
-  const bool moved = std::any_of(bonds.table.begin(), bonds.table.end(), [](const mpdem::Body& b) { return b.in_motion; });
-  if (update->whichflag == 0 || (update->nsteps == 0 && !moved) || bonds.table.empty()) return;
+  if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which one it was
-  for (int k = 0; k < modify->nfix; ++k)
-    if (std::strcmp(modify->fix[k]->style, "mpm") == 0 || std::strcmp(modify->fix[k]->style, "mpm/couple") == 0) return;
+  if (has_fix("mpm") || has_fix("mpm/couple")) return;
   mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
                                       " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
                                       "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
+}
+
+bool AtomVecMpdem::is_in_motion() const {
+  return std::any_of(bonds.table.begin(), bonds.table.end(), [](const mpdem::Body& b) { return b.in_motion; });
+}
+
+bool AtomVecMpdem::has_fix(const char* style) const {
+  return std::any_of(modify->fix, modify->fix + modify->nfix, [&](const Fix* fix) { return std::strcmp(fix->style, style) == 0; });
+}
+
+// fix mpm looks itself whether it has the motion.
+void AtomVecMpdem::check_motion_is_kept() const {
+  if (!is_in_motion() || has_fix("mpm")) return;
+  mpdem::stop_all(lmp, mpdem::text_of("write_restart: the cement of grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
+                                      " has been in motion, and there is no fix mpm, which has the motion of its nodes, so that the file would lose it; after "
+                                      "read_restart define fix mpm with the ID it had and use 'run 0' before write_restart, and 'unfix' it later only"));
 }
 
 void AtomVecMpdem::grow(int n) {
@@ -209,6 +223,7 @@ int AtomVecMpdem::pack_rows(int i, double* buf) {
 
 // The size is exact: the file gets as many numbers as are announced here.
 int AtomVecMpdem::size_restart() {
+  check_motion_is_kept();
   int n = AtomVecSphere::size_restart();
   for (int i = 0; i < atom->nlocal; ++i) n += size_of_state(i) + 1;
   for (auto& b : rows_) {

@@ -23,6 +23,7 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include "../coupling/grain_state.h"
 #include "../cement/bond.h"
 #include "atom_vec_sphere.h"
+#include "prepared_fixes.h"
 #include "waiting_state.h"
 
 namespace LAMMPS_NS {
@@ -41,6 +42,8 @@ class AtomVecMpdem : public AtomVecSphere {
   std::vector<GrainState> grains;
   // State of fixes for points that were made after read_restart and before the first run.
   WaitingState waiting;
+  // Fixes of the last run with fix mpm. They are known here, since fix mpm may be one of those that go.
+  PreparedFixes prepared_fixes;
 
   bool is_point(int i) const { return slot[i] >= 0; }
   const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i has to be one of them
@@ -68,6 +71,9 @@ class AtomVecMpdem : public AtomVecSphere {
   static constexpr int kNumbersOfRow = mpdem::kMostNumbers<mpdem::NodeRow>, kMostRowsOfPoint = 4096;
   void write_with_points(std::map<int, std::vector<double>> of_bonds);
   void forget_nodes() { rows_.clear(); }
+  // The same on all ranks. Stops if there is cement in motion, and no fix mpm to write the motion of its nodes. Call
+  // before a restart file is written.
+  void check_motion_is_kept() const;
   std::vector<double> restored_rows;
 
   // Returns the atom style in use, or null.
@@ -96,6 +102,8 @@ class AtomVecMpdem : public AtomVecSphere {
   int pack_rows(int i, double* buf);
   void send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const;
   void drop_grains_that_left();
+  bool is_in_motion() const;
+  bool has_fix(const char* style) const;
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
   int size_of_state(int i) const;

@@ -297,28 +297,47 @@ void check_links(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, 
   stop_if_any(lmp, trouble);
 }
 
-FixGravity* find_gravity(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
-  FixGravity* gravity = nullptr;
+namespace {
+
+// Returns whether the group of a fix has some points of the cement, and whether it leaves some out, those that are made
+// later with them.
+struct PointsOfGroup {
+  bool some, others;
+};
+PointsOfGroup points_of_group(LAMMPS* lmp, const Fix* fix, const AtomVecMpdem& avec) {
+  int found[2] = {0, 0};  // points in the group, and points beside it
+  for (int i = 0; i < lmp->atom->nlocal; ++i)
+    if (avec.is_point(i)) found[!(lmp->atom->mask[i] & fix->groupbit)] = 1;
+  for (const Body& b : avec.bonds.table)
+    if (b.pattern > 0) found[!(avec.bonds.patterns[b.pattern - 1].head.mask & fix->groupbit)] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, found, 2, MPI_INT, MPI_MAX, lmp->world);
+  return {found[0] != 0, found[1] != 0};
+}
+
+}  // namespace
+
+std::vector<FixGravity*> gravities(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
+  std::vector<FixGravity*> found;
   bool comes_later = false;
   for (int k = 0; k < lmp->modify->nfix; ++k) {
     Fix* other = lmp->modify->fix[k];
     comes_later = comes_later || other == fix;
-    int mine = 0, acts;
-    for (int i = 0; i < lmp->atom->nlocal && !mine; ++i) mine = avec.is_point(i) && (lmp->atom->mask[i] & other->groupbit);
-    for (const Body& b : avec.bonds.table) mine = mine || (b.pattern > 0 && (avec.bonds.patterns[b.pattern - 1].head.mask & other->groupbit));
-    MPI_Allreduce(&mine, &acts, 1, MPI_INT, MPI_MAX, lmp->world);
-    if (!acts || other == fix) continue;
+    const PointsOfGroup points = points_of_group(lmp, other, avec);
+    if (!points.some || other == fix) continue;
     if (FixGravity* g = dynamic_cast<FixGravity*>(other)) {
-      gravity = g;
+      if (points.others)
+        stop_all(lmp, who + text_of("fix '", g->id, "' (gravity) has a part of the material points in its group '", lmp->group->names[g->igroup],
+                                    "', and cement has weight as a whole or not at all; use a group that holds all of them, 'all' for instance, or none"));
       if (comes_later && is_variable(g))
         stop_all(lmp, who + text_of("fix '", g->id, "' (gravity) has a variable and was defined after this fix, so that cement would have the gravity of the step before; define it before fix mpm"));
-    } else if ((lmp->modify->fmask[k] & FixConst::POST_FORCE) && lmp->comm->me == 0)
+      found.push_back(g);
+    } else if ((lmp->modify->fmask[k] & FixConst::POST_FORCE) && std::string(other->style) != "store/force" && lmp->comm->me == 0)
       lmp->error->warning("fix mpm", 0,
                           text_of("fix '", other->id, "' (", other->style, ") acts on material points, on which it has no effect; "
                                   "give it the group of the grains")
                               .c_str());
   }
-  return gravity;
+  return found;
 }
 
 }  // namespace mpdem

@@ -48,9 +48,10 @@ std::string axis_name(AxisRule rule, const double* direction);
 // Cement of a file may have links with damage, and skins. Only a law with damage of links can go on from these.
 void check_links(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::AtomVecMpdem& avec, const TractionLaw& law);
 
-// Returns the fix of the gravity that acts on the cement as on the grains, or null. Warns of any other force on
-// material points, which would be without effect.
-LAMMPS_NS::FixGravity* find_gravity(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec);
+// Collective. Returns the fixes of the gravity that acts on the cement as on the grains. Their sum is its gravity. Stops
+// if one has a part of the points in its group. Warns of any other force on material points, which would be without
+// effect.
+std::vector<LAMMPS_NS::FixGravity*> gravities(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec);
 
 }  // namespace mpdem
 

@@ -9,12 +9,15 @@
 #include <cstdio>
 #include <map>
 
+#include "../mpm/point_state.h"
 #include "arguments.h"
 #include "atom.h"
 #include "cement_checks.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "fix.h"
+#include "modify.h"
 #include "update.h"
 
 namespace mpdem {
@@ -74,6 +77,21 @@ namespace {
 std::string of_substeps(const Cement& c) {
   return c.substeps() > 1 ? text_of(" of ", c.substeps(), " sub-steps") : std::string();
 }
+
+// Collective. Returns the number of points that failed without a damage that tells the direction of their crack, as those
+// of a file may.
+bigint failed_without_damage(MPI_Comm world, Cement& c) {
+  bigint mine = 0, all;
+  for (const Bond& bond : c.bonds())
+    for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        const BlockMeta& m = bond.points.meta[b];
+        const bool waits = (m.occupied & m.failed & ~m.debris) >> l & 1;
+        if (waits && !(crack_of(bond.points, kLanes * static_cast<int>(b) + l).damage[0] > 0.0)) ++mine;
+      }
+  MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  return all;
+}
 }  // namespace
 
 void CementReport::parameters(Cement& c, bigint points) {
@@ -96,6 +114,12 @@ void CementReport::parameters(Cement& c, bigint points) {
     say(text);
     warn(c);
   }
+  const bigint open = o.unilateral && !reported_ ? failed_without_damage(lmp_->world, c) : 0;
+  if (open > 0 && lmp_->comm->me == 0)
+    lmp_->error->warning("fix mpm", 0,
+                         text_of(who_, open, " points failed and have no damage, so that 'unilateral yes' knows no direction of their cracks, and these never close; give the point "
+                                 "file the columns 'd1 d2 d3 v1x v1y v1z v2x v2y v2z' or 'dxx dyy dzz dyz dxz dxy' besides 'failed', or use 'unilateral no'")
+                             .c_str());
   if (o.condense && c.penalty()) {
     int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
@@ -192,6 +216,21 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
                        .c_str());
 }
 
+namespace {
+// Collective. Returns text on a bonded grain whose integrator limits its way in a step, or an empty text.
+std::string limited_grain(LAMMPS* lmp, Cement& c) {
+  std::string found;
+  for (int k = 0; k < lmp->modify->nfix; ++k) {
+    const Fix& fix = *lmp->modify->fix[k];
+    if (std::string(fix.style) != "nve/limit") continue;
+    for (const Grain& g : c.grains().grains)
+      if (found.empty() && (lmp->atom->mask[lmp->atom->map(g.tag)] & fix.groupbit))
+        found = text_of("; bonded grain ", g.tag, " is moved by fix '", fix.id, "' (nve/limit), which makes and takes energy where it limits the way: use 'fix nve/sphere'");
+  }
+  return first_text(lmp->world, found);
+}
+}  // namespace
+
 void CementReport::times(Cement& c, bigint points) {
   const bigint steps = steps_timed_ += lmp_->update->ntimestep - lmp_->update->firststep;
   if (steps <= 0) return;
@@ -211,6 +250,7 @@ void CementReport::times(Cement& c, bigint points) {
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
   const CementTotals& now = totals(c);
+  const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
   const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
   const double all = s.back(), cpu = s.end()[-2], point_steps = static_cast<double>(points) * static_cast<double>(steps);
@@ -231,7 +271,7 @@ void CementReport::times(Cement& c, bigint points) {
     lmp_->error->warning("fix mpm", 0,
                          text_of(who_, "energy of the cement was ", now.imbalance < 0.0 ? "made" : "lost", ", ", 100.0 * std::fabs(now.imbalance),
                                  " % of the largest work or energy at step ", lmp_->update->ntimestep,
-                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator")
+                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator", limited)
                              .c_str());
 }
 

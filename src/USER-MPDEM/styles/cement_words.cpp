@@ -15,6 +15,11 @@ namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
                                             "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "balance", "skip", "check", "events"};
 
+constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
+constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
+
+constexpr double kMostStrain = 1e6;     // at failure
+
 bool is_one_of(const std::string& key, const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), key) != list.end(); }
 
 void take_transfer(Arguments& args, CementWords& w) {
@@ -32,7 +37,7 @@ void take_transfer(Arguments& args, CementWords& w) {
       args.complain(text_of("'transfer flip ", o.transfer.flip_share, "': share of FLIP, the rest is PIC, must lie in [0, 1]"));
   } else {
     o.transfer.method = Transfer::xpic;
-    o.transfer.order = args.integer("transfer xpic", 1);
+    o.transfer.order = args.integer("transfer xpic", 1, kMostProjections);
   }
 }
 
@@ -131,6 +136,16 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
   law->set_length(o.length);
   if (energy.nonlocal > 0.0) soften(args, "'regularization nonlocal ... energy'", *law, [&] { law->set_nonlocal_energy(energy.nonlocal); });
   return law;
+}
+
+// Complains of a law whose strength or energy is no number, or that fails at strains that none of its strains can be.
+void check_strength(const Arguments& args, const Law& law, const std::string& name) {
+  if (law.inert()) return;
+  const VtiConstants& e = law.elasticity().constants;
+  const ImpliedStrength s = law.implied_strength(std::max(e.Ep, e.Ez));
+  if (s.failure_strain <= kMostStrain && std::isfinite(s.tensile_strength) && std::isfinite(s.work_per_volume)) return;
+  args.complain(text_of("'damage ", name, "': cement would fail at a strain of ", s.failure_strain, " with a strength of ", s.tensile_strength, "; the strain must lie in (0, ",
+                        kMostStrain, "], ", law.advice_on_strain()));
 }
 
 // Complains of words that do not go together.
@@ -235,9 +250,8 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "subcycle") {
       take_subcycle(args, o);
     } else if (key == "quasistatic") {
-      o.mass_scale = args.number("quasistatic");
-      if (!(o.mass_scale >= 1.0)) args.complain(text_of("'quasistatic ", o.mass_scale, "': factor on the inertia, must be 1 or more"));
-      o.relax = args.not_negative("quasistatic: the second number, share of critical damping,");
+      o.mass_scale = args.between("quasistatic", 1.0, kMostInertia, "factor on the inertia");
+      o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
     } else if (key == "events") {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {
@@ -264,6 +278,7 @@ CementWords take_cement_words(Arguments& args) {
   if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
   if (!has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
   w.law = make_law(args, damage, constants, softening, o);
+  check_strength(args, *w.law, damage.entry->name);
   if (const std::optional<Localisation> band = w.law->crack_band()) o.half_band = 0.5 * band->width * o.length;
   check_together(args, w);
   return w;

@@ -16,6 +16,8 @@ namespace mpdem {
 
 class Arguments;
 
+constexpr double kMostDamping = 100.0;  // most damping that a script may ask for, over the critical one
+
 struct CementWords {
   CementOptions options;
   std::shared_ptr<const Law> law;

@@ -17,7 +17,9 @@
 #include "atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
+#include "fix_mpm_couple.h"
 #include "group.h"
+#include "modify.h"
 #include "point_atoms.h"
 #include "scene_checks.h"
 #include "update.h"
@@ -38,6 +40,8 @@ using mpdem::text_of;
 using mpdem::Vector3;
 
 namespace {
+constexpr double kMostShift = 1000.0;  // of the origin of the grid, in spacings
+
 // All keywords. Those of shapes come once each.
 std::vector<std::string> keywords() {
   std::vector<std::string> all = {"shape"};
@@ -216,6 +220,10 @@ void CreateCement::check_words(const Arguments& args, const CementWish& wish, bo
       args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
     return;
   }
+  for (double g : wish.grid)
+    if (std::fabs(g) > kMostShift * wish.spacing)
+      args.complain(text_of("'grid ", wish.grid[0], " ", wish.grid[1], " ", wish.grid[2], "': each must lie within ", kMostShift, " spacings, ", kMostShift * wish.spacing,
+                            ", of the middle of the gap; parts of a cell are enough"));
   if (wish.attach > 0.0) args.complain(text_of("'attach ", wish.attach, "' belongs to 'file'; shapes know what is attached"));
   if (wish.shapes.empty())
     args.complain("keyword 'shape' is missing; use 'shape " + joined(shapes_with(""), "', 'shape ") + "', or 'file' and a name");
@@ -232,6 +240,8 @@ void CreateCement::command(int narg, char** arg) {
   } catch (const mpdem::BadState& e) {
     mpdem::stop_all(lmp, e.what());
   }
+  for (int k = 0; k < modify->nfix; ++k)
+    if (FixMpmCouple* fix = dynamic_cast<FixMpmCouple*>(modify->fix[k])) fix->count_bonds();
 }
 
 Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {

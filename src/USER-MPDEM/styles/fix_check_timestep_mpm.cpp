@@ -26,6 +26,7 @@ FixCheckTimestepMpm::FixCheckTimestepMpm(LAMMPS* lmp, int narg, char** arg) : Fi
   if (!args.empty()) args.complain("'" + args.word("") + "' is one word too many; the form is N ID FRACTION [warn|stop]");
   vector_flag = 1;
   size_vector = 2;
+  extvector = 0;
   global_freq = nevery;
 }
 

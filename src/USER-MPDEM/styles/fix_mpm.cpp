@@ -51,7 +51,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   scalar_flag = vector_flag = 1;
   size_vector = kVectorSize;
   global_freq = 1;
-  extscalar = extvector = 1;
+  extscalar = extvector = 0;  // atoms are grains and points, and their number has no meaning for cement; `thermo_modify norm yes` divides by it
   mpdem::Arguments args(lmp, text_of("fix mpm (id ", id, ")"), narg, arg, 3);
   if (!avec_) args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   const mpdem::CementWords words = mpdem::take_cement_words(args);
@@ -72,6 +72,11 @@ FixMpm::~FixMpm() {
   if (avec_) avec_->forget_nodes();
 }
 
+// LIGGGHTS prepares the next run then, also with `pre no`, and so the atom style finds that its cement has no fix.
+void FixMpm::pre_delete(bool by_script) {
+  if (by_script) update->first_update = 0;
+}
+
 std::string FixMpm::who() const { return text_of("fix mpm (id ", id, "): "); }
 
 mpdem::StepInput FixMpm::step_input() const {
@@ -79,7 +84,11 @@ mpdem::StepInput FixMpm::step_input() const {
   now.number = update->ntimestep;
   now.substeps = substeps();
   now.dt = update->dt / now.substeps;
-  if (gravity_) gravity_->get_gravity(now.gravity);
+  for (FixGravity* fix : gravities_) {
+    double g[3];
+    fix->get_gravity(g);
+    for (int d = 0; d < 3; ++d) now.gravity[d] += g[d];
+  }
   return now;
 }
 
@@ -102,7 +111,7 @@ void FixMpm::init() {
   check_host_recipe(lmp, who(), *avec_);
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
-  gravity_ = mpdem::find_gravity(lmp, who(), this, *avec_);
+  gravities_ = mpdem::gravities(lmp, who(), this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
@@ -259,6 +268,7 @@ void FixMpm::check_positions() {
 
 // With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
 void FixMpm::check_unprepared() {
+  avec_->prepared_fixes.check_same(lmp);  // for a LIGGGHTS with the package compiled in
   const std::size_t bonds = avec_->bonds.table.size();
   if (bonds != prepared_bonds_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
@@ -289,6 +299,7 @@ void FixMpm::setup_pre_neighbor() {
 }
 
 void FixMpm::setup(int) {
+  avec_->prepared_fixes.note(lmp);
   hidden_.start(this);
   ranks_.start_run(this);
   report_->start_run(*cement_);

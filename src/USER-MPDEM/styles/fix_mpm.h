@@ -36,6 +36,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   FixMpm(LAMMPS* lmp, int narg, char** arg);
   ~FixMpm() override;
 
+  void pre_delete(bool by_script) override;
   int setmask() override;
   void init() override;
   void setup_pre_exchange() override;
@@ -124,7 +125,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
-  class FixGravity* gravity_ = nullptr;  // fix whose gravity acts on the points too
+  std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
   bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`

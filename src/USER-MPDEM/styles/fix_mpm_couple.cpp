@@ -10,6 +10,7 @@
 #include "arguments.h"
 #include "atom.h"
 #include "cement_checks.h"
+#include "cement_words.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
@@ -35,6 +36,8 @@ constexpr double kAutoOverC33 = 200.0;
 // added mass (PenaltyParameters::most_contact), as much as the cement there weighs.
 constexpr double kContactOverC33 = 5.0;
 
+constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
+
 }  // namespace
 
 FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
@@ -42,10 +45,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   scalar_flag = vector_flag = array_flag = 1;
   size_vector = size_array_cols = static_cast<int>(mpdem::bond_columns().size());
   global_freq = 1;
+  extscalar = extvector = extarray = 0;  // values of a bond are not divided by the number of atoms
   cement_id_ = args.word("the ID of a fix mpm");
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
-  size_array_rows = std::max<int>(1, static_cast<int>(cement_->cement()->bonds.table.size()));
+  count_bonds();
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     args.once(key);
@@ -58,11 +62,11 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     } else if (key == "at") {
       at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
     } else if (key == "damping") {
-      damping_ = args.not_negative(key);
+      damping_ = args.between(key, 0.0, mpdem::kMostDamping, "share of critical damping");
     } else if (key == "interface") {
       interface_ = mpdem::read_choice(args, key, mpdem::traction_entries());
     } else if (key == "friction") {
-      friction_ = args.not_negative(key);
+      friction_ = args.between(key, 0.0, kMostFriction, "coefficient of friction");
     } else if (key == "csv") {
       table_every_ = args.integer(key, 1);
       table_name_ = args.word("a file name for 'csv'");
@@ -73,6 +77,9 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
     }
   }
 }
+
+// A name with [1] has to be taken before there are bonds.
+void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }
 
 FixMpm* FixMpmCouple::find_cement() const {
   for (int i = 0; i < modify->nfix; ++i) {
@@ -93,7 +100,7 @@ int FixMpmCouple::setmask() { return END_OF_STEP; }
 
 void FixMpmCouple::init() {
   take_cement();
-  size_array_rows = static_cast<int>(cement_->cement()->bonds.table.size());
+  count_bonds();
   const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
@@ -122,7 +129,6 @@ void FixMpmCouple::init() {
   check_integrators();
 
   open_table();
-  ready_ = true;
 }
 
 // Places that let go keep their reference, so friction needs a reference that stays.
@@ -241,7 +247,6 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
-  if (!ready_) mpdem::stop_all(lmp, text_of("run ... pre no: fix mpm/couple (id ", id, ") was defined since the last run; leave 'pre no' out"));
   if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
 }
 

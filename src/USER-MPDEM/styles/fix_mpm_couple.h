@@ -32,6 +32,9 @@ class FixMpmCouple : public Fix {
   double compute_vector(int n) override;
   double compute_array(int row, int column) override;
 
+  // Sets the number of rows of the array to that of the bonds. Call after bonds are made, since thermo output and fix
+  // ave/time look at it when they are defined.
+  void count_bonds();
   // Name of the file of the table, or empty.
   const std::string& table_name() const { return table_name_; }
   bool table_open() const { return table_open_; }
@@ -60,7 +63,6 @@ class FixMpmCouple : public Fix {
   std::string table_name_;
   mpdem::TableFile table_;
   bool table_open_ = false, length_told_ = false;
-  bool ready_ = false;  // a run has begun with init() of this fix
   bigint table_last_ = -1;
 };
 

@@ -30,6 +30,9 @@ void check_host_recipe(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& 
   const Atom& atom = *lmp->atom;
   if (lmp->neighbor->style == kNeighborMulti)
     mpdem::stop_all(lmp, who + "'neighbor ... multi' finds no contacts of grains in LIGGGHTS; use 'neighbor ... bin'");
+  constexpr int kMinimize = 2;  // value of Update::whichflag
+  if (lmp->update->whichflag == kMinimize)
+    mpdem::stop_all(lmp, who + "'minimize' never calls fix mpm, so that cement would do nothing; use 'run', and 'quasistatic' of fix mpm where the cement shall come to rest");
   if (std::strcmp(lmp->update->integrate_style, "verlet") != 0)
     mpdem::stop_all(lmp, who + mpdem::text_of("'run_style ", lmp->update->integrate_style, "' never calls fix mpm, so that cement would do nothing; use 'run_style verlet', and 'subcycle' of fix mpm where the cement needs shorter steps"));
   if (!atom.firstgroupname) mpdem::stop_all(lmp, who + "'atom_modify first' is not set" + kRecipe);

@@ -125,6 +125,7 @@ void WriteCement::command(int narg, char** arg) {
   int wanted[2] = {0, 0};
   while (!args.empty()) {
     if (!args.accept("pair")) args.unknown(args.word(""), {"pair"});
+    args.once("pair");
     for (int& t : wanted) t = args.integer("pair", 1);
     std::sort(wanted, wanted + 2);
   }
