@@ -19,7 +19,7 @@ RelativeMotion<double> relative_motion(const Body& body, const GrainSide* side) 
   Mat3<double> turn[2];
   Three<double> arm[2];
   const Three<double> apart = three(body.centre[1]) - three(body.centre[0]);
-  const double length = std::sqrt(dot(apart, apart)), to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length;
+  const double length = std::sqrt(dot(apart, apart)), to_middle = share_to_middle(body, length);
   for (int s = 0; s < 2; ++s) {
     turn[s] = product(side[s].R, transpose(rotation_of(body.orientation[s])));
     arm[s] = (s == 0 ? to_middle : to_middle - 1.0) * apart;
@@ -75,8 +75,9 @@ std::vector<int> LoadWatch::look(MPI_Comm comm, const std::vector<Body>& table, 
   std::vector<int> gone;
   const std::vector<Sums> all = sums_of_all(comm);
   for (std::size_t r = 0; r < all.size(); ++r) {
+    if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
     const double time = all[r][0], radius = radius_of(table[r]);
-    if (radius == 0.0 || time * shear_speed < 4.0 * radius) continue;
+    if (radius == 0.0 || table[r].condensed || time * shear_speed < 4.0 * radius) continue;
     sums_[r] = Sums{};
     const double load = size_of(&all[r][1], 1.0 / radius) / time, motion = size_of(&all[r][7], radius) / time;
     if (load < kGone * largest_[r].load && motion > largest_[r].motion) gone.push_back(static_cast<int>(r));

@@ -176,7 +176,6 @@ void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
       arrangement_.start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
       scene_.host.slots_changed(*b);
-      if (scene_.options.updated) b->updated.bind(b->points, b->grid);
     }
     if (!cut.empty()) arrangement_.lay_out(cut, std::move(parts), {true, true});
     added_.refresh(rows);

@@ -82,7 +82,7 @@ CopyLattice::Line line_of(const Body& body, double cell) {
       line.axis = d;
     }
   }
-  const double to_middle = 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / length(apart);
+  const double to_middle = share_to_middle(body, length(apart));
   for (int d = 0; d < 3; ++d) line.middle[d] = (body.centre[0][d] + to_middle * apart[d]) / cell;
   return line;
 }

@@ -79,6 +79,8 @@ struct Body {
   }
 };
 
+// Share of the way from the first centre to the second at which the middle of the gap lies. distance: of the centres.
+inline double share_to_middle(const Body& body, double distance) { return 0.5 + 0.5 * (body.radius[0] - body.radius[1]) / distance; }
 inline Mat3<double> axes_of(const Body& body) { return rotation_of(body.turn); }
 // Converts coordinates of a body to those of the box. axes: axes_of(body).
 inline std::array<double, 3> place_in_box(const Body& body, const Mat3<double>& axes, const double* X) {

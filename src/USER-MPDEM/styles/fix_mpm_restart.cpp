@@ -42,9 +42,11 @@ void FixMpm::write_restart(FILE* fp) {
 
 // Every rank gets the same numbers.
 void FixMpm::restart(char* buf) {
-  const auto check = [this](const std::string& what) {
-    if (!what.empty())
-      mpdem::stop_all(lmp, text_of(who(), "its data in the restart file are damaged: ", what, "; use another restart file"));
+  const auto damaged = [this](const std::string& what) {
+    return what.empty() ? what : text_of(who(), "its data in the restart file are damaged: ", what, "; use another restart file");
+  };
+  const auto check = [&](const std::string& what) {
+    if (!what.empty()) mpdem::stop_all(lmp, damaged(what));
   };
   // LIGGGHTS does not tell how long its copy is.
   const std::size_t numbers = malloc_usable_size(buf) / sizeof(double);
@@ -66,7 +68,7 @@ void FixMpm::restart(char* buf) {
   std::vector<double> nodes;
   nodes.swap(avec_->restored_rows);
   guarded([&] { cement_->restore(head, in, nodes); });
-  check(in.trouble());
+  mpdem::stop_if_any(lmp, damaged(in.trouble()));  // the nodes are those of this rank
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = head.time;
   update->atimestep = update->ntimestep;
