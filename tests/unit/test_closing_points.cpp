@@ -33,7 +33,7 @@ class FailedBody : public ::testing::Test {
       body.points.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
       body.points.meta[b].damaged = true;
     });
-    closing = ClosingPoints(body.points, law->elasticity());
+    closing = ClosingPoints(body.points, law->elasticity(), 0.0);
   }
   template <class F>
   void displace(F u) {
@@ -43,6 +43,13 @@ class FailedBody : public ::testing::Test {
     }
   }
   double energy() const { return closing.energy(body.points, body.grid); }
+  // Gives all points a slip of this size along the crack.
+  void slip_by(double size) {
+    body.points.let_slip();
+    const Vector slip = size * normal.unitOrthogonal();
+    for (PointSlip& s : body.points.slip)
+      for (int d = 0; d < 3; ++d) s.at[d] = splat(slip[d]);
+  }
   // The tensor n n of the normal, in the frame of the material.
   Sym3<double> normal_squared(int b, int l) const {
     const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
@@ -100,7 +107,7 @@ class PressedWhenFailed : public FailedBody {
       double* of = reinterpret_cast<double*>(&p.strain);
       for (int i = 0; i < 6; ++i) of[kLanes * i + l] = strain[i];
     });
-    closing = ClosingPoints(body.points, law->elasticity());
+    closing = ClosingPoints(body.points, law->elasticity(), 0.0);
   }
   // Energy of the stress n.tau n of points that hold, in the state in which they failed.
   double energy_of_stress() const {
@@ -192,14 +199,15 @@ TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
   EXPECT_LT(found(body, false), 1e-6 * expected);
 }
 
-// The force is the slope of the energy, also where the pressure is at its bound, a tenth of the stiffness.
+// The force is the slope of the energy, also where the pressure is at its bound, a tenth of the stiffness, and with
+// friction that sticks after a large slip.
 TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {
-  for (double share : {0.02, 0.3}) {
+  for (const auto& [share, friction] : {std::pair<double, double>{0.02, 0.0}, {0.3, 0.0}, {0.02, 0.4}, {0.3, 0.4}}) {
+    closing = ClosingPoints(body.points, law->elasticity(), friction);
+    if (friction > 0.0) slip_by(0.5);
     displace([&](const Vector& X) { return Vector(-share * normal.dot(X) * normal + 0.005 * kCell * random.vector()); });
     body.grid.clear_force();
-    double released = 0.0;
-    closing.add_force(body.points, body.grid, 0.0, released);
-    EXPECT_EQ(released, 0.0);
+    EXPECT_EQ(closing.add_force(body.points, body.grid, 0.0).released, 0.0);
     Vector sum = Vector::Zero(), moment = Vector::Zero();
     double size = 0.0;
     test::Worst slope;
@@ -226,6 +234,93 @@ TEST_F(FailedBody, ForceIsTheSlopeOfTheEnergy) {
   }
 }
 
+// The points are pressed, slide to and fro in both directions of the crack, turn, and open.
+class Sliding : public FailedBody {
+ protected:
+  static constexpr double kMu = 0.3, kPressed = 0.01, kSlide = 0.5, kDt = 1e-8;
+  Sliding() : across(normal.cross(normal.unitOrthogonal())) {
+    closing = ClosingPoints(body.points, law->elasticity(), kMu);
+    body.grid.velocity.assign(3 * body.grid.size(), 0.0);
+  }
+  // Moves on to the deformation F in one step, and sums up what the forces do.
+  void go(const test::Matrix& F) {
+    const std::vector<double> was = body.grid.displacement, force = body.grid.force;
+    displace([&](const Vector& X) { return Vector(F * X - X); });
+    for (std::size_t i = 0; i < was.size(); ++i) body.grid.velocity[i] = (body.grid.displacement[i] - was[i]) / kDt;
+    body.grid.clear_force();
+    const ClosingPoints::Losses losses = closing.add_force(body.points, body.grid, kDt);
+    rubbed += losses.rubbed;
+    for (std::size_t i = 0; i < was.size(); ++i) work -= 0.5 * (force[i] + body.grid.force[i]) * (body.grid.displacement[i] - was[i]);
+  }
+  test::Matrix pressed_and_slid(double press, const Vector& slide) const {
+    return test::Matrix::Identity() - press * normal * normal.transpose() + slide * normal.transpose();
+  }
+  // Stress n.T of the whole, from the virtual work of the forces in a motion n.x v.
+  Vector traction() const {
+    Vector sum = Vector::Zero();
+    double volume = 0.0;
+    body.for_points([&](int b, int l) { volume += body.points.blocks[b].volume[l]; });
+    for (int n = 0; n < body.grid.size(); ++n) sum -= normal.dot(body.place(n) + body.at(body.grid.displacement, n)) * body.at(body.grid.force, n);
+    return sum / volume;
+  }
+  // Shear over the pressure, where the crack is wider than in the reference by no more than the pressure makes it.
+  double shear_over_pressure() const {
+    const Vector t = traction();
+    return (t - t.dot(normal) * normal).norm() / -t.dot(normal);
+  }
+  Vector across;
+  double rubbed = 0.0, work = 0.0;
+};
+
+TEST_F(Sliding, BearsMuTimesThePressure) {
+  const Vector along = normal.unitOrthogonal();
+  go(pressed_and_slid(kPressed, Vector::Zero()));
+  EXPECT_LT(shear_over_pressure(), 1e-9);
+  go(pressed_and_slid(kPressed, 1e-4 * along));  // sticks
+  const double sticks = shear_over_pressure();
+  EXPECT_GT(sticks, 0.0);
+  EXPECT_LT(sticks, kMu);
+  EXPECT_EQ(rubbed, 0.0);
+  for (int n = 1; n <= 100; ++n) go(pressed_and_slid(kPressed, 0.01 * n * kSlide * along));
+  test::expect_within(std::fabs(shear_over_pressure() / kMu - 1.0), 1e-6, "shear over pressure, over mu");
+  EXPECT_GT(traction().dot(along), 0.0);
+  for (int n = 1; n <= 100; ++n) go(pressed_and_slid(kPressed, kSlide * along + 0.01 * n * kSlide * across));
+  test::expect_within(std::fabs(shear_over_pressure() / kMu - 1.0), 1e-6, "shear over pressure, over mu");
+  EXPECT_GT(traction().dot(across), 0.99 * kMu * -traction().dot(normal));
+  // the pressure falls to half while it sticks, so the shear follows it
+  go(pressed_and_slid(0.5 * kPressed, kSlide * (along + across)));
+  EXPECT_LT(shear_over_pressure(), kMu * (1.0 + 1e-6));
+}
+
+TEST_F(Sliding, KeepsTheBooks) {
+  const Vector along = normal.unitOrthogonal();
+  constexpr int kSteps = 200;
+  double most = 0.0;
+  for (int n = 0; n <= 4 * kSteps; ++n) {  // a closed path of slip while the pressure comes and goes, and the crack opens in between
+    const double turn = 2.0 * M_PI * n / kSteps, press = kPressed * std::sin(0.5 * turn);
+    const Vector slide = kSlide * ((std::cos(turn) - 1.0) * along + 0.5 * std::sin(2.0 * turn) * across);
+    go(test::rotation(across, 0.3 * std::sin(turn)) * pressed_and_slid(press, slide));
+    EXPECT_GE(rubbed, (1.0 - 1e-9) * most);
+    most = std::max(most, rubbed);
+    test::expect_within(std::fabs(work - energy() - rubbed) / energy_of(kPressed), 1e-2, "work less energies, over that of the pressure");
+  }
+  EXPECT_GT(rubbed, 0.9 * work);
+  EXPECT_GT(rubbed, 10.0 * energy_of(kPressed));
+}
+
+// What a crack slid while it was open is no matter when it closes, and a crack that failed in a sheared state starts without shear.
+TEST_F(Sliding, ForgetsWhatItSlidWhileOpen) {
+  const Vector along = normal.unitOrthogonal();
+  go(pressed_and_slid(kPressed, 0.2 * along));
+  for (const Vector& slide : {Vector(-kSlide * along), Vector(kSlide * across)}) {
+    go(pressed_and_slid(-kPressed, slide));
+    EXPECT_LT(energy(), 1e-20 * energy_of(kPressed));
+    EXPECT_LT(traction().norm(), 1e-9 * law->elasticity().C33);
+    go(pressed_and_slid(kPressed, slide));
+    EXPECT_LT(shear_over_pressure(), 1e-6);
+  }
+}
+
 // A point that is squeezed or torn too far has no crack that closes any more, also where it comes back. What it stored is booked.
 TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   const Vector side = normal.unitOrthogonal();
@@ -236,10 +331,8 @@ TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   displace(squeeze(0.5));
   const double stored = energy();
   ASSERT_GT(stored, 0.0);
-  double released = 0.0;
   body.grid.clear_force();
-  closing.add_force(body.points, body.grid, dt, released);
-  EXPECT_EQ(released, 0.0);
+  EXPECT_EQ(closing.add_force(body.points, body.grid, dt).released, 0.0);
   double work = 0.0;  // of the last force, on half of the way of the step in which it ends
   for (int n = 0; n < body.grid.size(); ++n) {
     const Vector way = -0.4 * side.dot(body.place(n)) * side;
@@ -248,13 +341,13 @@ TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   }
   displace(squeeze(0.9));
   body.grid.clear_force();
-  closing.add_force(body.points, body.grid, dt, released);
+  const double released = closing.add_force(body.points, body.grid, dt).released;
   EXPECT_NEAR(released, stored - work, 1e-9 * stored);
   EXPECT_EQ(body.grid.force, std::vector<double>(body.grid.force.size(), 0.0));
   displace(squeeze(0.0));
   EXPECT_EQ(energy(), 0.0);
   body.for_points([&](int b, int l) { EXPECT_TRUE(body.points.record(kLanes * b + l).debris); });
-  EXPECT_EQ(ClosingPoints(body.points, law->elasticity()).energy(body.points, body.grid), 0.0);
+  EXPECT_EQ(ClosingPoints(body.points, law->elasticity(), 0.0).energy(body.points, body.grid), 0.0);
 }
 
 }  // namespace

@@ -250,11 +250,14 @@ TEST(CrackFaces, CarryCompressionAndNoTension) {
   EXPECT_LT(std::fabs(force_at_end(off, 1)[2]), 2e-3 * force);
 }
 
-// An odd layer leaves more material on one face than on the other.
+// An odd layer leaves more material on one face than on the other. With `unilateral` the points of the crack carry a part of both forces.
 TEST(CrackFaces, SlideWithMuN) {
   if (test::ranks() > 1) GTEST_SKIP();
-  for (const auto& [mu, layers] : {std::pair<double, int>{0.0, 2}, {0.3, 2}, {0.0, 1}, {0.3, 1}}) {
-    RowOfGrains host(MPI_COMM_WORLD, cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), mu, layers));
+  for (const auto& [mu, layers, unilateral] : {std::tuple<double, int, bool>{0.0, 2, false}, {0.3, 2, false}, {0.0, 1, false}, {0.3, 1, false},
+                                               {0.0, 2, true}, {0.3, 2, true}, {0.3, 1, true}, {0.3, 4, true}}) {
+    Row r = cracked(on_path({0, 0, -kPush}, {(unilateral ? 8.0 : 1.5) * kPush / kRampTime, 0, 0}), mu, layers);
+    r.unilateral = unilateral;
+    RowOfGrains host(MPI_COMM_WORLD, r);
     host.setup();
     host.run(3 * kRampSteps);
     double N = 0.0, T = 0.0;
@@ -304,26 +307,40 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
   EXPECT_EQ(overlapped, 1);
 }
 
+bool any_of_ranks(bool mine) {
+  int all = mine;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  return all > 0;
+}
+
 TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
-  Row r = cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), 0.3);
-  r.loose = true;  // and the grain's place
-  RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r);
-  host.setup();
-  alone.setup();
-  host.run(1203);
-  alone.run(1203);
-  const BondState &a = host.cement->report().bond_states()[0], &b = alone.cement->report().bond_states()[0];
-  for (int d : {0, 2}) test::expect_within(std::fabs(a.force[1][d] - b.force[1][d]) / a.force[1][2], 1e-9, "force against that of one rank");
-  const RowOfGrains::Saved saved = host.save();
-  RowOfGrains again(MPI_COMM_WORLD, r, saved, host.bonds.table);
-  again.setup();
-  host.setup();
-  host.run(30);
-  again.run(30);
-  test::expect_same_bits(host.content(), again.content());
-  int touching = 0;
-  for (const Bond& bond : again.bonds) touching += bond.faces.touching();
-  EXPECT_GT(touching, 100);
+  for (bool unilateral : {false, true}) {
+    Row r = cracked(on_path({0, 0, -kPush}, {1.5 * kPush / kRampTime, 0, 0}), 0.3);
+    r.loose = true;  // and the grain's place
+    r.unilateral = unilateral;
+    RowOfGrains host(MPI_COMM_WORLD, r), alone(MPI_COMM_SELF, r);
+    host.setup();
+    alone.setup();
+    host.run(1203);
+    alone.run(1203);
+    const BondState &a = host.cement->report().bond_states()[0], &b = alone.cement->report().bond_states()[0];
+    for (int d : {0, 2}) test::expect_within(std::fabs(a.force[1][d] - b.force[1][d]) / a.force[1][2], 1e-9, "force against that of one rank");
+    const RowOfGrains::Saved saved = host.save();
+    RowOfGrains again(MPI_COMM_WORLD, r, saved, host.bonds.table);
+    again.setup();
+    host.setup();
+    host.run(30);
+    again.run(30);
+    test::expect_same_bits(host.content(), again.content());
+    int touching = 0;
+    bool slid = false;
+    for (const Bond& bond : again.bonds) {
+      touching += bond.faces.touching();
+      slid = slid || !bond.points.slip.empty();
+    }
+    EXPECT_GT(touching, 100);
+    EXPECT_EQ(any_of_ranks(slid), unilateral);
+  }
 }
 
 TEST(CrackFaces, SlideByUpToACell) {
@@ -378,7 +395,7 @@ TEST(ClosingPoints, CarryCompressionWithTheStiffnessOfWholeCement) {
   EXPECT_GT(t.external_work, -1e-3 * most);  // nothing came out of the cycle
 }
 
-// The largest stable step is so with a crack that closes: it is held for long just below.
+// The largest stable step is so with a crack that closes and slides: it is held for long just below.
 TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   if (test::ranks() > 1) GTEST_SKIP();
   Row r = cracked(on_path({0, 0, -kPush}), 0.3);
@@ -387,8 +404,8 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   host.setup();
   const double step = host.cement->stable_step().find();
   r.path = [](double t) {
-    const Ramp in{0.0, kRampTime};
-    return Way{{0, 0, -kPush * in.share(t)}, {0, 0, -kPush * in.rate(t)}};
+    const Ramp in{0.0, kRampTime}, slide{kRampTime, 2.0 * kRampTime};
+    return Way{{4.0 * kPush * slide.share(t), 0, -kPush * in.share(t)}, {4.0 * kPush * slide.rate(t), 0, -kPush * in.rate(t)}};
   };
   RowOfGrains at_limit(MPI_COMM_WORLD, r);
   at_limit.dt = 0.98 * step;
@@ -397,6 +414,7 @@ TEST(ClosingPoints, LeaveTheBoundOfTheStep) {
   const CementTotals t = at_limit.cement->report().totals(0.1);
   EXPECT_GT(step, test::kStep);
   EXPECT_LT(t.kinetic, 0.1 * t.elastic);
+  EXPECT_GT(t.rubbed, t.elastic);
   test::expect_within(std::fabs(t.imbalance), 1e-2, "imbalance");
 }
 

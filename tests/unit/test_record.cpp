@@ -199,7 +199,7 @@ TYPED_TEST(Records, EachNumberIsItsOwn) {
   const std::vector<Described> said = listed(r).numbers;
   for (std::size_t n = 0; n < numbers.size(); ++n) {
     const std::string& name = said[n].name;
-    if (name.find("its number of") != std::string::npos || name == "'is moving'" || name == "'loads are spread' of a bonded grain") continue;  // others follow
+    if (name.find("its number of") != std::string::npos || name == "'is moving'" || name == "'has slid'" || name == "'loads are spread' of a bonded grain") continue;  // others follow
     std::vector<double> changed = numbers;
     changed[n] = said[n].whole ? (numbers[n] == said[n].range.low ? said[n].range.high : said[n].range.low) : 0.5 * numbers[n];
     TypeParam back;
@@ -249,7 +249,7 @@ std::string layout_of() {
 TEST(Record, LayoutsAreThoseOfTheVersion) {
   const std::string cure = "the layout of a record changed: raise AtomVecMpdem::kRestartVersion or CementHead::kVersion, and then write the new sum here";
   EXPECT_EQ(layout_of<Body>(), "82cc144c985906a5") << cure;
-  EXPECT_EQ(layout_of<PointRecord>(), "2a78b3551ea7c389") << cure;
+  EXPECT_EQ(layout_of<PointRecord>(), "13053266c7af1764") << cure;
   EXPECT_EQ(layout_of<GrainState>(), "ef9dc01f2a011b2e") << cure;
   EXPECT_EQ(layout_of<CementHead>(), "7babbbfec367db0") << cure;
   EXPECT_EQ(layout_of<BondRow>(), "c0e7435fd76e3e0c") << cure;

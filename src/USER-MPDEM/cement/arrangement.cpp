@@ -163,7 +163,7 @@ void Arrangement::start_anew(Bond& b) const {
   b.places = scene_.touches() ? FreedPlaces(b.points, scene_.bonds.body(b), *scene_.penalty, b.grid) : FreedPlaces();
   b.places_may_move = true;  // points may have come that failed on another rank since the last look
   b.faces = scene_.faces_touch() ? CrackFaces(b.points, b.grid, divisions_.splits, scene_.penalty->friction) : CrackFaces();
-  b.closing = scene_.options.unilateral ? ClosingPoints(b.points, scene_.law->elasticity()) : ClosingPoints();
+  b.closing = scene_.options.unilateral ? ClosingPoints(b.points, scene_.law->elasticity(), scene_.touches() ? scene_.penalty->friction : 0.0) : ClosingPoints();
   b.added = AddedMass();
   b.resting = Resting();
   find_relaxation(b);

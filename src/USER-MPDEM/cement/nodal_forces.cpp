@@ -56,9 +56,9 @@ void NodalForces::add_link_forces(Bond& b) {
   if (scene_.options.updated) b.links.add_force(b.grid, scene_.grains.side_of(b));
   else b.resting.add_force(b.links, b.grid, scene_.grains.side_of(b));
   b.places.add_force(b.grid, scene_.grains.side_of(b));
-  double released = 0.0;
-  b.closing.add_force(b.points, b.grid, scene_.now.dt, released);
-  scene_.books.release(released);
+  const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
+  scene_.books.release(closing.released);
+  scene_.books.rub(closing.rubbed);
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
@@ -166,8 +166,7 @@ void NodalForces::find_at_start() {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
     b.places.add_force(b.grid, scene_.grains.side_of(b));
-    double released = 0.0;  // nothing moves
-    b.closing.add_force(b.points, b.grid, 0.0, released);
+    b.closing.add_force(b.points, b.grid, 0.0);  // nothing moves
     b.grid.ties.pull_back(b.grid.force.data());
   }
   complete();

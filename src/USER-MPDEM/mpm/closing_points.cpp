@@ -38,7 +38,8 @@ double width_when_closed(const PointStore& points, int slot, const std::array<do
 
 }  // namespace
 
-ClosingPoints::ClosingPoints(const PointStore& points, const VtiElasticity& undamaged) {
+ClosingPoints::ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction)
+    : friction_(std::max(friction, 0.0)), G_(undamaged.softest_shear()) {
   std::vector<int> failed;
   for (std::size_t b = 0; b < points.meta.size(); ++b)
     for (int l = 0; l < kLanes; ++l)
@@ -55,7 +56,7 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   const CrackOfPoint crack = crack_of(points, slot);
   if (!(crack.damage[0] > 0.0) || (points.meta[block].debris >> l & 1)) return;
   auto at = std::lower_bound(blocks_.begin(), blocks_.end(), block, [](const Block& b, int n) { return b.block < n; });
-  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}});
+  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}});
   const PointBlock& p = points.blocks[block];
   const Mat3<vd> Q = rotation_matrix(p.q);
   double n0[3], n[3], size = 0.0;  // n: in the frame of the material
@@ -71,6 +72,9 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
   at->K[l] = contract(along, undamaged.stress(along));
   at->lambda_0[l] = width_when_closed(points, slot, {at->n0[0][l], at->n0[1][l], at->n0[2][l]}, along, at->K[l]);
+  if (friction_ <= 0.0) return;
+  const Crack failed = crack_of_block(*at, p.F);
+  for (int i = 0; i < 3; ++i) at->gamma_f[i][l] = at->n0[i][l] - failed.lambda[l] * failed.lambda[l] * failed.back[i][l];
 }
 
 ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd>& F) {
@@ -88,13 +92,15 @@ ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd
   const vd inverse = 1.0 / select(c.sound, J, splat(1.0));
   vd square{};
   for (int i = 0; i < 3; ++i) {
-    c.across[i] = inverse * (cof.a[i][0] * b.n0[0] + cof.a[i][1] * b.n0[1] + cof.a[i][2] * b.n0[2]);
+    for (int j = 0; j < 3; ++j) c.inverse_transposed.a[i][j] = inverse * cof.a[i][j];
+    c.across[i] = c.inverse_transposed.a[i][0] * b.n0[0] + c.inverse_transposed.a[i][1] * b.n0[1] + c.inverse_transposed.a[i][2] * b.n0[2];
     square += c.across[i] * c.across[i];
   }
   c.lambda = 1.0 / sqrt(select(c.sound, square, splat(1.0)));
   c.closed = c.sound & (c.lambda < b.lambda_0);
   c.width = select(c.closed, c.lambda - b.lambda_0, vd{});
-  for (int j = 0; j < 3; ++j) c.back[j] = inverse * (cof.a[0][j] * c.across[0] + cof.a[1][j] * c.across[1] + cof.a[2][j] * c.across[2]);
+  for (int j = 0; j < 3; ++j)
+    c.back[j] = c.inverse_transposed.a[0][j] * c.across[0] + c.inverse_transposed.a[1][j] * c.across[1] + c.inverse_transposed.a[2][j] * c.across[2];
   return c;
 }
 
@@ -107,46 +113,99 @@ void ClosingPoints::for_each_block(const PointStore& points, const Grid& grid, F
         Mat3<vd> D = gather_gradient(grid.displacement.data(), m.column, w);
         for (int i = 0; i < 3; ++i) D.a[i][i] += 1.0;
         const Crack c = crack_of_block(b, D);
-        if (any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
+        if (friction_ > 0.0 || any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
       });
     }
   });
 }
 
-vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crack& c) {
-  const vd bounded = max(c.width, splat(-kMostPressed));
-  return points.blocks[b.block].volume * b.K * bounded * (c.width - 0.5 * bounded);
+vd ClosingPoints::pressure(const Block& b, const Crack& c) { return -b.K * max(c.width, splat(-kMostPressed)); }
+
+ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Block& b, const Crack& c) {
+  Shear s;
+  const vmask bears = c.sound & (b.K > 0.0);
+  vd slope{};  // e.gamma
+  for (int i = 0; i < 3; ++i) {
+    s.gamma[i] = b.n0[i] - c.lambda * c.lambda * c.back[i];
+    const vd slip = points.slip.empty() ? vd{} : points.slip[b.block].at[i];
+    s.e[i] = select(bears, s.gamma[i] - b.gamma_f[i] - slip, vd{});
+    slope += s.e[i] * s.gamma[i];
+  }
+  // The part of F^-T e along n = lambda F^-T n0 is -e.gamma/lambda.
+  const Mat3<vd>& m = c.inverse_transposed;
+  for (int i = 0; i < 3; ++i) s.traction[i] = m.a[i][0] * s.e[0] + m.a[i][1] * s.e[1] + m.a[i][2] * s.e[2] + slope * c.across[i];
+  return s;
 }
 
-Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c) {
-  const vd k = -points.blocks[b.block].volume * b.K * max(c.width, splat(-kMostPressed)) * c.lambda * c.lambda * c.lambda;
+vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crack& c) const {
+  const vd bounded = max(c.width, splat(-kMostPressed)), volume = points.blocks[b.block].volume;
+  const vd pressed = volume * b.K * bounded * (c.width - 0.5 * bounded);
+  if (friction_ <= 0.0) return pressed;
+  const Shear s = shear_of(points, b, c);
+  return pressed + 0.5 * G_ * volume * (s.e[0] * s.e[0] + s.e[1] * s.e[1] + s.e[2] * s.e[2]);
+}
+
+Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c) const {
+  const vd volume = points.blocks[b.block].volume, k = volume * pressure(b, c) * c.lambda * c.lambda * c.lambda;
   Mat3<vd> T;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) T.a[i][j] = k * c.across[i] * c.back[j];
+  if (friction_ <= 0.0) return T;
+  const Shear s = shear_of(points, b, c);
+  const vd G = G_ * volume * c.lambda * c.lambda;  // n = lambda F^-T n0
+  for (int j = 0; j < 3; ++j) {
+    const Mat3<vd>& m = c.inverse_transposed;
+    const vd traction = m.a[0][j] * s.traction[0] + m.a[1][j] * s.traction[1] + m.a[2][j] * s.traction[2];
+    for (int i = 0; i < 3; ++i) T.a[i][j] -= G * (s.traction[i] * c.back[j] + c.across[i] * traction);
+  }
   return T;
 }
 
-void ClosingPoints::add_force(PointStore& points, Grid& grid, double dt, double& released) {
+double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& before, const Crack& now) const {
+  const Shear s = shear_of(points, b, now);
+  const vd most = friction_ * pressure(b, now), size = G_ * sqrt(s.traction[0] * s.traction[0] + s.traction[1] * s.traction[1] + s.traction[2] * s.traction[2]);
+  const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
+  if (!any(slides)) return 0.0;
+  const Shear first = shear_of(points, b, before);
+  const vd share = select(slides, 1.0 - most / size, vd{});
+  points.let_slip();
+  vd taken{};
+  for (int i = 0; i < 3; ++i) {
+    const vd slip = share * s.e[i];
+    taken += 0.5 * G_ * (first.e[i] + s.e[i] - slip) * slip;
+    points.slip[b.block].at[i] += slip;
+  }
+  return sum_lanes(points.blocks[b.block].volume * taken);
+}
+
+ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
+  Losses losses;
   for_each_block(points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
     const int* column = points.meta[b.block].column;
     const vmask lost = ~c.sound & (b.K > 0.0);
-    if (any(lost)) {
+    if (dt > 0.0 && (friction_ > 0.0 || any(lost))) {
       const Mat3<vd> rate = gather_gradient(grid.velocity.data(), column, w);
       Mat3<vd> F_before = F;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) F_before.a[i][j] -= dt * rate.a[i][j];
       const Crack before = crack_of_block(b, F_before);
-      const Mat3<vd> T = weighted_piola(points, b, before);
-      vd energy = energy_of(points, b, before);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
-      released += sum_lanes(select(lost, energy, vd{}));
-      points.meta[b.block].debris |= bits(lost);
-      Block& own = *std::lower_bound(blocks_.begin(), blocks_.end(), b.block, [](const Block& x, int n) { return x.block < n; });
-      own.K = select(lost, vd{}, own.K);
+      if (any(lost)) losses.released += lose(points, b, before, rate, lost, dt);
+      if (friction_ > 0.0) losses.rubbed += slide(points, b, before, c);
     }
     scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c));
   });
+  return losses;
+}
+
+double ClosingPoints::lose(PointStore& points, const Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) {
+  const Mat3<vd> T = weighted_piola(points, b, before);
+  vd energy = energy_of(points, b, before);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
+  points.meta[b.block].debris |= bits(lost);
+  Block& own = *std::lower_bound(blocks_.begin(), blocks_.end(), b.block, [](const Block& x, int n) { return x.block < n; });
+  own.K = select(lost, vd{}, own.K);
+  return sum_lanes(select(lost, energy, vd{}));
 }
 
 double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const {

@@ -16,6 +16,19 @@
 //
 //   lambda_0 = min(1, lambda_f) + <-tau_nn>/(K lambda_f)        lambda_f, tau_nn: width, and stress n.tau n, when the point failed
 //
+// With a friction mu > 0 a closed crack bears shear too. It sticks with the softest shear modulus G of the undamaged material, and
+// slides where that would be more than mu p:
+//
+//   gamma  = n0 - lambda^2 C^-1 n0, C = F^T F    motion of its sides along the crack, over the width, in the reference
+//   e      = gamma - gamma_f - s                 gamma_f: gamma when the point failed
+//   g      = G (I - n n) F^-T e                  shear per area of the reference
+//   |g| <= mu p; else s moves along e until it is so. An open crack has e = 0
+//   w_e    = V G |e|^2/2,  tau_e = V lambda (n g^T + g n^T)
+//
+// The slip s is kept by the points (PointStore::slip). tau_e is the slope of w_e, since the rate of gamma has the part
+// 2 lambda D n of the plane. In a step friction takes V G (e + e')/2 . ds, with e and e' at its ends. So the books of central differences
+// close.
+//
 // So a point that fails never becomes stronger, and w is at most the energy that it had (Cauchy's inequality with K >=
 // n.C(D):(n n).n). Failed points keep deformation, strain and state, and lambda_0 is found from these. A point that a
 // file gave as failed without damage stays without force. The operator K n n n n is at most C0. Pressure on a distorted
@@ -36,15 +49,20 @@ namespace mpdem {
 class ClosingPoints {
  public:
   ClosingPoints() = default;
-  // Takes all points that failed.
-  ClosingPoints(const PointStore& points, const VtiElasticity& undamaged);
+  // Takes all points that failed. friction: mu; 0 or less: closed cracks slide freely.
+  ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction);
   // Adds the points of these slots, which ascend.
   void add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed);
 
-  // Adds the forces to the nodes. Must be called before tied nodes hand on their forces. Points that are too distorted
-  // since this step of dt become debris, BlockMeta::debris. The energy that they had in excess of what their force did
-  // in the first half of the step is added to `released`.
-  void add_force(PointStore& points, Grid& grid, double dt, double& released);
+  // Energies that a step takes. Points that are too distorted since this step become debris, BlockMeta::debris. `released`
+  // has the energy that they had in excess of what their force did in the first half of the step. `rubbed` is the
+  // energy that friction took.
+  struct Losses {
+    double released = 0.0, rubbed = 0.0;
+  };
+  // Adds the forces to the nodes. Must be called before tied nodes hand on their forces. The nodes moved by dt times
+  // their velocity to where they are. With dt = 0 nothing slips.
+  Losses add_force(PointStore& points, Grid& grid, double dt);
   double energy(const PointStore& points, const Grid& grid) const;
   // Energy that the closed points among these slots (ascending) had when their force began. The step of dt in which
   // they failed ends now. A force that begins within a step acts with its new value over half of the motion of that
@@ -57,19 +75,33 @@ class ClosingPoints {
   struct Block {
     int block;
     vd n0[3], K, lambda_0;  // K is zero in lanes that hold
+    vd gamma_f[3];
   };
   struct Crack {
     vmask sound, closed;         // lanes that are not too distorted; of these, lanes whose crack is closed
     vd width, lambda;            // lambda - lambda_0 where it is closed, else 0
     vd across[3], back[3];       // F^-T n0, F^-1 F^-T n0
+    Mat3<vd> inverse_transposed;  // F^-T
+  };
+  // Shear of a crack: gamma, e, and g/G.
+  struct Shear {
+    vd gamma[3], e[3], traction[3];
   };
   static Crack crack_of_block(const Block& b, const Mat3<vd>& F);
-  // Calls f(block, weights, crack, F) for each block with a lane that closes or is not sound.
+  // Calls f(block, weights, crack, F) for each block with a lane that closes or is not sound. With friction, for each block.
   template <class F>
   void for_each_block(const PointStore& points, const Grid& grid, F f) const;
-  static vd energy_of(const PointStore& points, const Block& b, const Crack& c);
-  static Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c);
+  static vd pressure(const Block& b, const Crack& c);
+  static Shear shear_of(const PointStore& points, const Block& b, const Crack& c);
+  // Energy and stress of the pressure, and with friction of the shear.
+  vd energy_of(const PointStore& points, const Block& b, const Crack& c) const;
+  Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c) const;
+  // Moves the slip. before: the crack at the beginning of the step. Returns the energy that friction takes.
+  double slide(PointStore& points, const Block& b, const Crack& before, const Crack& now) const;
+  // Makes debris of lanes, and returns the energy that they release. rate: the velocity gradient of the step.
+  double lose(PointStore& points, const Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt);
   void set(const PointStore& points, const VtiElasticity& undamaged, int slot);
+  double friction_ = 0.0, G_ = 0.0;
   std::vector<Block> blocks_;  // ascending in block
 };
 

@@ -99,6 +99,7 @@ void PointStore::append_copy(const PointStore& from, int b) {
   meta.push_back(from.meta[b]);
   tags.push_back(from.tags[b]);
   if (!from.motion.empty()) motion.push_back(from.motion[b]);
+  if (!from.slip.empty()) slip.push_back(from.slip[b]);
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 

@@ -99,6 +99,8 @@ struct PointRecord {
   int places = 0;
   FreedPlace place[kMaxLinks];
   bool debris = false;  // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
+  bool has_slip = false;  // slip is set
+  double slip[3] = {0, 0, 0};  // failed, and its crack slid by this share of its width under friction, see mpm/closing_points.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -127,6 +129,8 @@ struct PointRecord {
     const int freed = visit.length("its number of freed places", p.places, kMaxLinks);
     for (int k = 0; k < freed; ++k) visit.part(p.place[k]);
     visit("'is debris'", p.debris);
+    visit("'has slid'", p.has_slip);
+    if (visit.present(p.has_slip)) visit("the slip of its crack", p.slip, kFinite);
   }
 };
 

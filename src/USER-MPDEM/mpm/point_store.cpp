@@ -25,6 +25,7 @@ void each_field(Store& s, int b, Record& r, F f) {
   f(s.blocks[b].F, r.F);
   f(s.blocks[b].q, r.q);
   f(s.blocks[b].strain, r.strain);
+  if (!s.slip.empty()) f(s.slip[b].at, r.slip);
   if (s.motion.empty()) return;
   f(s.motion[b].X0, r.X0);
   f(s.motion[b].v, r.v);
@@ -63,6 +64,7 @@ void PointStore::clear() {
 void PointStore::set(int slot, const PointRecord& r, int tag) {
   const int b = slot / kLanes, l = slot % kLanes;
   if (r.moving) let_move();
+  if (r.has_slip) let_slip();
   each_field(*this, b, r, [l](auto& in_block, const auto& in_record) {
     double* to = lane(in_block, l);
     const double* from = reinterpret_cast<const double*>(&in_record);
@@ -156,6 +158,7 @@ PointRecord PointStore::record(int slot) const {
     double* to = reinterpret_cast<double*>(&in_record);
     for (std::size_t i = 0; i < components(in_block, in_record); ++i) to[i] = from[kLanes * i];
   });
+  r.has_slip = std::any_of(r.slip, r.slip + 3, [](double s) { return s != 0.0; });
   r.law = law_number_;
   for (int i = 0; i < state_fields_; ++i) r.damage[i] = state(b)[i][l];
   const auto [links_of, links_end] = of_slot(links, slot);
@@ -194,6 +197,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   meta.reserve(n);
   tags.reserve(n);
   if (!other.motion.empty()) motion.reserve(n);
+  if (!other.slip.empty()) slip.reserve(n);
 }
 
 // Adds a record with its links and places. Slots must ascend from call to call.
@@ -216,10 +220,15 @@ void PointStore::let_move() {
     for (int d = 0; d < 3; ++d) motion[b].X0[d] = blocks[b].X[d];
 }
 
+void PointStore::let_slip() {
+  if (slip.empty()) slip.assign(blocks.size(), PointSlip{});
+}
+
 void PointStore::append_block() {
   blocks.push_back(empty_block());
   if (!state_.empty()) state_.resize(blocks.size() * state_fields_);
   if (!motion.empty()) motion.emplace_back(PointMotion{});
+  if (!slip.empty()) slip.emplace_back(PointSlip{});
   meta.emplace_back();
   tags.emplace_back();
   tags.back().fill(0);
@@ -253,6 +262,8 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
   set_state(new_slot, numbers);
   if (!motion.empty()) copy(motion[to], from.motion[b]);
+  if (!from.slip.empty()) let_slip();
+  if (!slip.empty()) copy(slip[to], from.slip.empty() ? PointSlip{} : from.slip[b]);
   tags[to][new_lane] = from.tags[b][l];
   const BlockMeta& m = from.meta[b];
   BlockMeta& n = meta[to];

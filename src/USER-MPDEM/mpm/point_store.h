@@ -45,6 +45,11 @@ struct PointMotion {
   Mat3<vd> C;
 };
 
+// Slip of the cracks of points that failed, as in a PointRecord.
+struct PointSlip {
+  vd at[3];
+};
+
 struct BlockMeta {
   int body = 0, part = 0;
   int base[3] = {0, 0, 0};       // cell, see basis.h
@@ -120,6 +125,7 @@ class PointStore {
  public:
   std::vector<PointBlock> blocks;
   std::vector<PointMotion> motion;  // empty while the first reference stands
+  std::vector<PointSlip> slip;      // empty while no crack slid under friction, see closing_points.h
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
@@ -197,6 +203,8 @@ class PointStore {
 
   // Gives the points a motion at rest, unless they have a motion.
   void let_move();
+  // Gives the points a slip of zero, unless they have a slip.
+  void let_slip();
 
   // Appends a block without points in cell `base` and returns its number.
   int add_block(int body, int part, const int* base, double cell, Basis basis);
@@ -218,6 +226,7 @@ class PointStore {
     f(s.blocks);
     f(s.state_);
     f(s.motion);
+    f(s.slip);
     f(s.meta);
     f(s.tags);
     f(s.links);
@@ -229,6 +238,7 @@ class PointStore {
     f(s.blocks, 1);
     if (!s.state_.empty()) f(s.state_, s.state_fields_);
     if (!s.motion.empty()) f(s.motion, 1);
+    if (!s.slip.empty()) f(s.slip, 1);
     f(s.meta, 1);
     f(s.tags, 1);
   }
