@@ -190,6 +190,46 @@ def test_moved_mirrored_and_turned(damage, tmp_path, figures, long):
         assert other.table()["f_cem[2]"][-1] == done.table()["f_cem[2]"][-1] or not damage
 
 
+def opens_and_slides(R):
+    """A bead of 4 mm is pulled off one of 10 mm, pushed back, and shaken across, in the axes that R turns."""
+    to = [int(np.argmax(abs(R @ e))) for e in np.eye(3)]
+    assert (R @ np.eye(3) >= -1e-12).all(), "a permutation of the axes"
+
+    def along(line, across, *, nothing="NULL"):
+        words = [nothing] * 3
+        words[to[2]], words[to[0]] = line, across
+        return words
+
+    text = host() + "region box block -0.013 0.013 -0.013 0.013 -0.013 0.013 units box\ncreate_box 2 box\n"
+    for place in ("-0.00505", "0.00205"):
+        text += "create_atoms 1 single " + " ".join(along(place, "0", nothing="0")) + " units box\n"
+    text += ("group grains type 1\ngroup small id 2\nset type 1 diameter 0.01 density 2500\nset group small diameter 0.004\n" + NEIGHBOURS
+             + "create_cement calcite pair 1 2 shape flat outer 1.2e-3 spacing 1.25e-4\n"
+             + cement(2.5e-4, 6e-9, axis="radial", damage="damage tensor B0 2e3", couple="friction 0"))
+    way, period, opens, every = 1e-6, 1.2e-5, 6e-7, 8e-6
+    text += (f"variable t equal step*dt\nvariable x equal {way}*(1-cos(2*PI*v_t/{period}))\nvariable u equal {way}*2*PI/{period}*sin(2*PI*v_t/{period})\n"
+             f"variable z equal {opens}*sin(2*PI*v_t/{every})^3\nvariable w equal {opens}*6*PI/{every}*sin(2*PI*v_t/{every})^2*cos(2*PI*v_t/{every})\n"
+             "fix hold first move linear 0 0 0\nfix go second move variable " + " ".join(along("v_z", "v_x") + along("v_w", "v_u")) + "\n")
+    return text + thermo(25, FORCES + REST) + "run 600\n"
+
+
+def test_friction(tmp_path, figures):
+    """What let go goes on to other points, of which several are as near. None of them comes first."""
+    def forces_of(R):
+        done = run(opens_and_slides(R), tmp_path)
+        return forces(done), done.table()["f_cem[2]"]
+
+    f, failed = forces_of(np.eye(3))
+    assert failed[-1] > 500
+    peak = np.linalg.norm(f[:, 2], axis=1).max()
+    figures.below("friction: force across the mirror plane over the peak", abs(f[:, [0, 2], 1]).max() / peak, 1e-9)
+    for what, to in (("turned onto x", [1, 2, 0]), ("turned onto y", [2, 0, 1]), ("shaken across the other axis", [1, 0, 2])):
+        R = np.eye(3)[:, np.argsort(to)].T
+        other, failed_there = forces_of(R)
+        figures.below(f"friction, {what}: force over the peak", abs(other - moved(f, R)).max() / peak, 1e-9)
+        assert failed_there[-1] == failed[-1]
+
+
 def tetrahedron(place):
     """Four grains as they touch in fcc, three held and one pulled; the box is periodic."""
     half = 0.0125

@@ -525,9 +525,11 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   std::vector<std::array<int, 2>> gone;
   for (const FreedPlaces::Mover& m : b.places.movers(b.points, s.bodies[0])) {
     const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
-    ASSERT_GE(to.tag, 0);
-    EXPECT_NE(to.slot, slot);
-    arrivals.push_back({m, to.slot});
+    ASSERT_FALSE(to.slots.empty());
+    for (int near : to.slots) {
+      EXPECT_NE(near, slot);
+      arrivals.push_back({m, near, 1.0 / static_cast<double>(to.slots.size())});
+    }
     gone.push_back({m.tag, m.grain});
   }
   ASSERT_FALSE(arrivals.empty());
@@ -570,7 +572,8 @@ TEST(FreedPlaces, KeepTheAreaOfTheLinks) {
       std::vector<FreedPlaces::Arrival> arrivals;
       std::vector<std::array<int, 2>> gone;
       for (const FreedPlaces::Mover& m : b.places.movers(b.points, body)) {
-        arrivals.push_back({m, FreedPlaces::nearest(b.points, m).slot});
+        const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
+        for (int near : to.slots) arrivals.push_back({m, near, 1.0 / static_cast<double>(to.slots.size())});
         gone.push_back({m.tag, m.grain});
       }
       b.places.move(b.points, body, b.grid, s.side(b), arrivals, gone);

@@ -9,15 +9,21 @@
 #include <map>
 
 #include "../parallel/gather_ranks.h"
-#include "../parallel/ranks.h"
 
 namespace mpdem {
 
 namespace {
 
+// The nearest points that a rank has for a mover.
 struct Offer {
-  int mover, rank, tag;
+  int mover, points;
   double distance;
+};
+
+// The nearest points of all ranks.
+struct Nearest {
+  int points = 0;
+  double distance = 0.0;
 };
 
 }  // namespace
@@ -56,30 +62,31 @@ std::vector<int> move_places(Scene& scene) {
         continue;
       }
       const FreedPlaces::Found f = FreedPlaces::nearest(b.points, m);
-      if (f.tag < 0) continue;
-      moves[b.body].arrivals.push_back({m, f.slot});
+      if (f.slots.empty()) continue;
+      for (int slot : f.slots) moves[b.body].arrivals.push_back({m, slot, 1.0 / static_cast<double>(f.slots.size())});
       moves[b.body].gone.push_back({m.tag, m.grain});
     }
   }
-  const int me = rank_in(scene.comm);
   const std::vector<FreedPlaces::Mover> all = gather_all(scene.comm, abroad);
   if (!all.empty()) {
     std::vector<Offer> mine;
-    std::vector<int> slot(all.size(), -1);
+    std::vector<FreedPlaces::Found> found(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Bond* b = scene.bonds.find(all[i].body);
-      const FreedPlaces::Found f = b ? FreedPlaces::nearest(b->points, all[i]) : FreedPlaces::Found();
-      if (f.tag < 0) continue;
-      mine.push_back({static_cast<int>(i), me, f.tag, f.distance});
-      slot[i] = f.slot;
+      if (b) found[i] = FreedPlaces::nearest(b->points, all[i]);
+      if (!found[i].slots.empty()) mine.push_back({static_cast<int>(i), static_cast<int>(found[i].slots.size()), found[i].distance});
     }
-    std::vector<Offer> best(all.size(), Offer{0, -1, -1, 0.0});
-    for (const Offer& o : gather_all(scene.comm, mine))
-      if (FreedPlaces::Found{o.distance, o.tag, 0}.nearer_than({best[o.mover].distance, best[o.mover].tag, 0})) best[o.mover] = o;
+    std::vector<Nearest> best(all.size());
+    for (const Offer& o : gather_all(scene.comm, mine)) {
+      Nearest& n = best[o.mover];
+      if (n.points == 0 || o.distance < n.distance) n = {o.points, o.distance};
+      else if (o.distance == n.distance) n.points += o.points;
+    }
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (best[i].tag < 0 || !scene.bonds.find(all[i].body)) continue;
+      if (best[i].points == 0 || !scene.bonds.find(all[i].body)) continue;
       OfBond& of_bond = moves[all[i].body];
-      if (best[i].rank == me) of_bond.arrivals.push_back({all[i], slot[i]});
+      if (found[i].distance == best[i].distance)
+        for (int slot : found[i].slots) of_bond.arrivals.push_back({all[i], slot, 1.0 / best[i].points});
       of_bond.gone.push_back({all[i].tag, all[i].grain});
     }
   }

@@ -343,8 +343,11 @@ FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m
     const vd apart = 9.0 * square - 8.0 * along * along;
     for (int l = 0; l < kLanes; ++l) {
       if (!(holds >> l & 1)) continue;
-      const Found f{std::floor(apart[l] / part), points.tags[b][l], kLanes * static_cast<int>(b) + l};
-      if (f.nearer_than(best)) best = f;
+      const double distance = std::floor(apart[l] / part);
+      if (!best.slots.empty() && distance > best.distance) continue;
+      if (distance < best.distance) best.slots.clear();
+      best.distance = distance;
+      best.slots.push_back(kLanes * static_cast<int>(b) + l);
     }
   }
   return best;
@@ -377,7 +380,7 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
   std::map<std::pair<int, int>, Sum> sums;  // by slot and grain
   double before_it = 0.0, after = 0.0;
   add_energy(grid, side, before_it);
-  for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.mover.area;
+  for (const Arrival& a : arrivals) sums[{a.slot, a.mover.grain}].area += a.share * a.mover.area;
   // Places that are there already keep their force.
   for (const Block& b : blocks_) {
     Touch t;

@@ -17,7 +17,7 @@
 // moves to the nearest point that holds (FreedPlace), half a spacing before it towards the grain. Failed material
 // between them keeps its thickness: r is the distance of the new place in the reference, or the present distance if
 // that is less. So nothing is pushed at once. A point follows one place of each grain, which has the area of all places
-// that came to it. A closed place keeps its force.
+// that came to it. Points that are equally near share a place. A closed place keeps its force.
 //
 // The stiffness is that of the links, or PenaltyParameters::most_contact if that is less. Where a place touches or is about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of
 // mass m that comes back from a one-sided spring k is as fast as it came if k dt^2 <= 2 m. At 4 m, where a two-sided
@@ -75,18 +75,19 @@ class FreedPlaces {
   };
   // Places whose points failed. They stay in the store until move() drops them.
   std::vector<Mover> movers(const PointStore& points, const Body& body) const;
-  // The point of the store that holds and is nearest to the place on the surface. Distances across the normal count three times. tag is -1 if no point holds.
+  // The points of the store that hold and are nearest to the place on the surface. Distances across the normal count three times.
+  // Points that are equally near share the place, since none of them comes first in a bond that is its own mirror image.
   struct Found {
-    double distance = 0;  // square, in whole parts of kTie: rounding, which depends on the units, must not choose between equally far points
-    int tag = -1, slot = -1;
+    double distance = 0;  // square, in whole parts of kTie, so that rounding makes no difference between points
+    std::vector<int> slots;  // ascending; empty if no point holds
     static constexpr double kTie = 1.0471e-6;  // share of the square of the spacing; no distance in a lattice is a whole number of these
-    bool nearer_than(const Found& o) const { return tag >= 0 && (o.tag < 0 || distance < o.distance || (distance == o.distance && tag < o.tag)); }
   };
   static Found nearest(const PointStore& points, const Mover& m);
   // Moves places to the slots of `arrivals`, and drops the failed ones that `gone` names. Returns the increase of stored energy.
   struct Arrival {
     Mover mover;
     int slot;
+    double share;  // of the area
   };
   double move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
               const std::vector<std::array<int, 2>>& gone);  // tag and grain
