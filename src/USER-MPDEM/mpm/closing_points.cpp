@@ -56,7 +56,7 @@ void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged
   const CrackOfPoint crack = crack_of(points, slot);
   if (!(crack.damage[0] > 0.0) || (points.meta[block].debris >> l & 1)) return;
   auto at = std::lower_bound(blocks_.begin(), blocks_.end(), block, [](const Block& b, int n) { return b.block < n; });
-  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}});
+  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}, friction_ > 0.0});
   const PointBlock& p = points.blocks[block];
   const Mat3<vd> Q = rotation_matrix(p.q);
   double n0[3], n[3], size = 0.0;  // n: in the frame of the material
@@ -104,16 +104,16 @@ ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd
   return c;
 }
 
-template <class F>
-void ClosingPoints::for_each_block(const PointStore& points, const Grid& grid, F f) const {
+template <class Blocks, class F>
+void ClosingPoints::for_each_block(Blocks& blocks, const PointStore& points, const Grid& grid, F f) {
   with_basis(grid.basis, [&](auto type) {
-    for (const Block& b : blocks_) {
+    for (auto& b : blocks) {
       const BlockMeta& m = points.meta[b.block];
       with_weights<decltype(type)>(points.blocks[b.block], m, 1.0 / grid.h, [&](const auto& w) {
         Mat3<vd> D = gather_gradient(grid.displacement.data(), m.column, w);
         for (int i = 0; i < 3; ++i) D.a[i][i] += 1.0;
         const Crack c = crack_of_block(b, D);
-        if (friction_ > 0.0 || any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
+        if (b.stuck || any(c.closed | (~c.sound & (b.K > 0.0)))) f(b, w, c, D);
       });
     }
   });
@@ -121,15 +121,15 @@ void ClosingPoints::for_each_block(const PointStore& points, const Grid& grid, F
 
 vd ClosingPoints::pressure(const Block& b, const Crack& c) { return -b.K * max(c.width, splat(-kMostPressed)); }
 
-ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Block& b, const Crack& c) {
-  Shear s;
-  const vmask bears = c.sound & (b.K > 0.0);
+ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Block& b, const Crack& c, vmask bear) const {
+  Shear s{};
+  if (friction_ <= 0.0) return s;
   vd slope{};  // e.gamma
   for (int i = 0; i < 3; ++i) {
-    s.gamma[i] = b.n0[i] - c.lambda * c.lambda * c.back[i];
+    const vd gamma = b.n0[i] - c.lambda * c.lambda * c.back[i];
     const vd slip = points.slip.empty() ? vd{} : points.slip[b.block].at[i];
-    s.e[i] = select(bears, s.gamma[i] - b.gamma_f[i] - slip, vd{});
-    slope += s.e[i] * s.gamma[i];
+    s.e[i] = select(bear, gamma - b.gamma_f[i] - slip, vd{});
+    slope += s.e[i] * gamma;
   }
   // The part of F^-T e along n = lambda F^-T n0 is -e.gamma/lambda.
   const Mat3<vd>& m = c.inverse_transposed;
@@ -139,40 +139,46 @@ ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Blo
 
 vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crack& c) const {
   const vd bounded = max(c.width, splat(-kMostPressed)), volume = points.blocks[b.block].volume;
-  const vd pressed = volume * b.K * bounded * (c.width - 0.5 * bounded);
-  if (friction_ <= 0.0) return pressed;
-  const Shear s = shear_of(points, b, c);
-  return pressed + 0.5 * G_ * volume * (s.e[0] * s.e[0] + s.e[1] * s.e[1] + s.e[2] * s.e[2]);
+  const Shear s = shear_of(points, b, c, c.closed);
+  return volume * (b.K * bounded * (c.width - 0.5 * bounded) + 0.5 * G_ * (s.e[0] * s.e[0] + s.e[1] * s.e[1] + s.e[2] * s.e[2]));
 }
 
-Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c) const {
+Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c, const Shear& shear) const {
   const vd volume = points.blocks[b.block].volume, k = volume * pressure(b, c) * c.lambda * c.lambda * c.lambda;
-  Mat3<vd> T;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) T.a[i][j] = k * c.across[i] * c.back[j];
-  if (friction_ <= 0.0) return T;
-  const Shear s = shear_of(points, b, c);
   const vd G = G_ * volume * c.lambda * c.lambda;  // n = lambda F^-T n0
+  const Mat3<vd>& m = c.inverse_transposed;
+  Mat3<vd> T;
   for (int j = 0; j < 3; ++j) {
-    const Mat3<vd>& m = c.inverse_transposed;
-    const vd traction = m.a[0][j] * s.traction[0] + m.a[1][j] * s.traction[1] + m.a[2][j] * s.traction[2];
-    for (int i = 0; i < 3; ++i) T.a[i][j] -= G * (s.traction[i] * c.back[j] + c.across[i] * traction);
+    const vd traction = m.a[0][j] * shear.traction[0] + m.a[1][j] * shear.traction[1] + m.a[2][j] * shear.traction[2];
+    for (int i = 0; i < 3; ++i) T.a[i][j] = k * c.across[i] * c.back[j] - G * (shear.traction[i] * c.back[j] + c.across[i] * traction);
   }
   return T;
 }
 
-double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& before, const Crack& now) const {
-  const Shear s = shear_of(points, b, now);
-  const vd most = friction_ * pressure(b, now), size = G_ * sqrt(s.traction[0] * s.traction[0] + s.traction[1] * s.traction[1] + s.traction[2] * s.traction[2]);
+double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& before, const Crack& now, Shear& shear) const {
+  const Shear first = shear_of(points, b, before, before.closed);
+  const vmask closes = now.closed & ~before.closed;
+  if (any(closes)) {
+    points.let_slip();
+    for (int i = 0; i < 3; ++i) {
+      vd& slip = points.slip[b.block].at[i];
+      slip = select(closes, b.n0[i] - before.lambda * before.lambda * before.back[i] - b.gamma_f[i], slip);
+    }
+  }
+  // A crack that opens slides until nothing is left.
+  shear = shear_of(points, b, now, now.closed | (now.sound & before.closed));
+  const vd size = G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
+  const vd most = friction_ * pressure(b, now);
   const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
   if (!any(slides)) return 0.0;
-  const Shear first = shear_of(points, b, before);
   const vd share = select(slides, 1.0 - most / size, vd{});
   points.let_slip();
   vd taken{};
   for (int i = 0; i < 3; ++i) {
-    const vd slip = share * s.e[i];
-    taken += 0.5 * G_ * (first.e[i] + s.e[i] - slip) * slip;
+    const vd slip = share * shear.e[i];
+    shear.e[i] -= slip;
+    shear.traction[i] *= 1.0 - share;
+    taken += 0.5 * G_ * (first.e[i] + shear.e[i]) * slip;
     points.slip[b.block].at[i] += slip;
   }
   return sum_lanes(points.blocks[b.block].volume * taken);
@@ -180,9 +186,10 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
 
 ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
   Losses losses;
-  for_each_block(points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
+  for_each_block(blocks_, points, grid, [&](Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
     const int* column = points.meta[b.block].column;
     const vmask lost = ~c.sound & (b.K > 0.0);
+    Shear shear;
     if (dt > 0.0 && (friction_ > 0.0 || any(lost))) {
       const Mat3<vd> rate = gather_gradient(grid.velocity.data(), column, w);
       Mat3<vd> F_before = F;
@@ -190,32 +197,34 @@ ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, d
         for (int j = 0; j < 3; ++j) F_before.a[i][j] -= dt * rate.a[i][j];
       const Crack before = crack_of_block(b, F_before);
       if (any(lost)) losses.released += lose(points, b, before, rate, lost, dt);
-      if (friction_ > 0.0) losses.rubbed += slide(points, b, before, c);
+      losses.rubbed += slide(points, b, before, c, shear);
+    } else {
+      shear = shear_of(points, b, c, c.closed);
     }
-    scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c));
+    b.stuck = friction_ > 0.0 && any(c.closed);
+    if (any(c.closed)) scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c, shear));
   });
   return losses;
 }
 
-double ClosingPoints::lose(PointStore& points, const Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) {
-  const Mat3<vd> T = weighted_piola(points, b, before);
+double ClosingPoints::lose(PointStore& points, Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) const {
+  const Mat3<vd> T = weighted_piola(points, b, before, shear_of(points, b, before, before.closed));
   vd energy = energy_of(points, b, before);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
   points.meta[b.block].debris |= bits(lost);
-  Block& own = *std::lower_bound(blocks_.begin(), blocks_.end(), b.block, [](const Block& x, int n) { return x.block < n; });
-  own.K = select(lost, vd{}, own.K);
+  b.K = select(lost, vd{}, b.K);
   return sum_lanes(select(lost, energy, vd{}));
 }
 
 double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const {
   double sum = 0.0;
-  for_each_block(points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>&) {
+  for_each_block(blocks_, points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>&) {
     std::uint8_t began = 0;
     for (auto slot = std::lower_bound(failed.begin(), failed.end(), kLanes * b.block); slot != failed.end() && *slot / kLanes == b.block; ++slot)
       began |= static_cast<std::uint8_t>(1u << *slot % kLanes);
     if (!began) return;
-    const Mat3<vd> T = weighted_piola(points, b, c), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
+    const Mat3<vd> T = weighted_piola(points, b, c, shear_of(points, b, c, c.closed)), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
     vd energy = energy_of(points, b, c);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) energy += 0.5 * dt * T.a[i][j] * rate.a[i][j];
@@ -226,7 +235,7 @@ double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& 
 
 double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {
   double sum = 0.0;
-  for_each_block(points, grid, [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
+  for_each_block(blocks_, points, grid, [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
   return sum;
 }
 

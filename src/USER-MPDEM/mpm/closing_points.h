@@ -25,9 +25,9 @@
 //   |g| <= mu p; else s moves along e until it is so. An open crack has e = 0
 //   w_e    = V G |e|^2/2,  tau_e = V lambda (n g^T + g n^T)
 //
-// The slip s is kept by the points (PointStore::slip). tau_e is the slope of w_e, since the rate of gamma has the part
-// 2 lambda D n of the plane. In a step friction takes V G (e + e')/2 . ds, with e and e' at its ends. So the books of central differences
-// close.
+// The slip s is kept by the points (PointStore::slip). That of an open crack is not kept up: when the crack closes, s is what leaves
+// e = 0 at the beginning of the step. tau_e is the slope of w_e, since the rate of gamma has the part 2 lambda D n of the plane. In a
+// step friction takes V G (e + e')/2 . ds, with e and e' at its ends. So the books of central differences close.
 //
 // So a point that fails never becomes stronger, and w is at most the energy that it had (Cauchy's inequality with K >=
 // n.C(D):(n n).n). Failed points keep deformation, strain and state, and lambda_0 is found from these. A point that a
@@ -76,6 +76,7 @@ class ClosingPoints {
     int block;
     vd n0[3], K, lambda_0;  // K is zero in lanes that hold
     vd gamma_f[3];
+    bool stuck = true;  // may a crack of the block have borne shear a step ago
   };
   struct Crack {
     vmask sound, closed;         // lanes that are not too distorted; of these, lanes whose crack is closed
@@ -83,23 +84,24 @@ class ClosingPoints {
     vd across[3], back[3];       // F^-T n0, F^-1 F^-T n0
     Mat3<vd> inverse_transposed;  // F^-T
   };
-  // Shear of a crack: gamma, e, and g/G.
+  // Shear of a crack: e, and g/G.
   struct Shear {
-    vd gamma[3], e[3], traction[3];
+    vd e[3], traction[3];
   };
   static Crack crack_of_block(const Block& b, const Mat3<vd>& F);
-  // Calls f(block, weights, crack, F) for each block with a lane that closes or is not sound. With friction, for each block.
-  template <class F>
-  void for_each_block(const PointStore& points, const Grid& grid, F f) const;
+  // Calls f(block, weights, crack, F) for each block with a lane that is closed, not sound, or may have borne shear.
+  template <class Blocks, class F>
+  static void for_each_block(Blocks& blocks, const PointStore& points, const Grid& grid, F f);
   static vd pressure(const Block& b, const Crack& c);
-  static Shear shear_of(const PointStore& points, const Block& b, const Crack& c);
-  // Energy and stress of the pressure, and with friction of the shear.
+  // The shear of the lanes that bear it. Nothing without friction.
+  Shear shear_of(const PointStore& points, const Block& b, const Crack& c, vmask bear) const;
+  // Energy and stress of the pressure and of the shear.
   vd energy_of(const PointStore& points, const Block& b, const Crack& c) const;
-  Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c) const;
-  // Moves the slip. before: the crack at the beginning of the step. Returns the energy that friction takes.
-  double slide(PointStore& points, const Block& b, const Crack& before, const Crack& now) const;
+  Mat3<vd> weighted_piola(const PointStore& points, const Block& b, const Crack& c, const Shear& shear) const;
+  // Moves the slip, and has the shear after it. before: the crack at the beginning of the step. Returns the energy that friction takes.
+  double slide(PointStore& points, const Block& b, const Crack& before, const Crack& now, Shear& shear) const;
   // Makes debris of lanes, and returns the energy that they release. rate: the velocity gradient of the step.
-  double lose(PointStore& points, const Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt);
+  double lose(PointStore& points, Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) const;
   void set(const PointStore& points, const VtiElasticity& undamaged, int slot);
   double friction_ = 0.0, G_ = 0.0;
   std::vector<Block> blocks_;  // ascending in block
