@@ -50,6 +50,23 @@ class FailedBody : public ::testing::Test {
     for (PointSlip& s : body.points.slip)
       for (int d = 0; d < 3; ++d) s.at[d] = splat(slip[d]);
   }
+  // All points keep the deformation F in which they failed, and with it the strain in the frame of the material.
+  void keep_deformation(const test::Matrix& F) {
+    body.for_points([&](int b, int l) {
+      PointBlock& p = body.points.blocks[b];
+      const Mat3<vd> Q = rotation_matrix(p.q);
+      test::Matrix frame;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+          p.F.a[i][j][l] = F(i, j);
+          frame(i, j) = Q.a[i][j][l];
+        }
+      const test::Matrix e = frame.transpose() * (0.5 * (F + F.transpose()) - test::Matrix::Identity()) * frame;
+      const double strain[6] = {e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1)};
+      double* of = reinterpret_cast<double*>(&p.strain);
+      for (int i = 0; i < 6; ++i) of[kLanes * i + l] = strain[i];
+    });
+  }
   // The tensor n n of the normal, in the frame of the material.
   Sym3<double> normal_squared(int b, int l) const {
     const Mat3<vd> Q = rotation_matrix(body.points.blocks[b].q);
@@ -89,24 +106,10 @@ TEST_F(FailedBody, StoresEnergyWhileClosedAlone) {
   EXPECT_NEAR(energy(), closed, 1e-9 * closed);
 }
 
-// A point kept the deformation F when it failed, and with it the strain in the frame of the material.
 class PressedWhenFailed : public FailedBody {
  protected:
   void fail_at(const test::Matrix& F) {
-    body.for_points([&](int b, int l) {
-      PointBlock& p = body.points.blocks[b];
-      const Mat3<vd> Q = rotation_matrix(p.q);
-      test::Matrix frame;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-          p.F.a[i][j][l] = F(i, j);
-          frame(i, j) = Q.a[i][j][l];
-        }
-      const test::Matrix e = frame.transpose() * (F - test::Matrix::Identity()) * frame;
-      const double strain[6] = {e(0, 0), e(1, 1), e(2, 2), e(1, 2), e(0, 2), e(0, 1)};
-      double* of = reinterpret_cast<double*>(&p.strain);
-      for (int i = 0; i < 6; ++i) of[kLanes * i + l] = strain[i];
-    });
+    keep_deformation(F);
     closing = ClosingPoints(body.points, law->elasticity(), 0.0);
   }
   // Energy of the stress n.tau n of points that hold, in the state in which they failed.
@@ -319,6 +322,31 @@ TEST_F(Sliding, ForgetsWhatItSlidWhileOpen) {
     go(pressed_and_slid(kPressed, slide));
     EXPECT_LT(shear_over_pressure(), 1e-6);
   }
+}
+
+// Points fail under pressure at the end of a step that closed them and sheared them. They bear shear from there on alone.
+TEST_F(Sliding, StartsWithoutShearWhereAPointFails) {
+  const Vector along = normal.unitOrthogonal();
+  const test::Matrix F = pressed_and_slid(kPressed, 0.1 * along);
+  keep_deformation(F);
+  std::vector<int> slots;
+  body.for_points([&](int b, int l) {
+    body.points.meta[b].failed = 0;
+    slots.push_back(kLanes * b + l);
+  });
+  std::sort(slots.begin(), slots.end());
+  closing = ClosingPoints(body.points, law->elasticity(), kMu);
+  go(pressed_and_slid(-kPressed, Vector::Zero()));
+  for (int slot : slots) body.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+  closing.add(body.points, law->elasticity(), slots);
+  go(F);
+  EXPECT_GT(energy(), 0.0);
+  EXPECT_LT(shear_over_pressure(), 1e-9);
+  EXPECT_LT(rubbed, 1e-20 * energy());
+  EXPECT_TRUE(body.points.slip.empty());
+  go(pressed_and_slid(kPressed, 0.1 * along + 1e-3 * across));
+  test::expect_within(std::fabs(shear_over_pressure() / kMu - 1.0), 1e-6, "shear over pressure, over mu");
+  EXPECT_GT(rubbed, 0.0);
 }
 
 // A point that is squeezed or torn too far has no crack that closes any more, also where it comes back. What it stored is booked.

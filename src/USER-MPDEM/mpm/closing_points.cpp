@@ -3,7 +3,6 @@
 #include "closing_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "../material/corotational.h"
@@ -19,62 +18,63 @@ namespace {
 constexpr double kMostDistorted = 4.0;
 constexpr double kMostPressed = 0.1;  // largest pressure, over K
 
-// lambda_0 of a point with the crack normal n0. along: n n in the frame of the material.
-double width_when_closed(const PointStore& points, int slot, const std::array<double, 3>& n0, const Sym3<double>& along, double K) {
-  const int block = slot / kLanes, l = slot % kLanes;
+// lambda_0 of points with the crack normals n0. along: n n in the frame of the material.
+vd width_when_closed(const PointStore& points, int block, const vd* n0, const Sym3<vd>& along, vd K) {
   const Mat3<vd> back = mpdem::inverse(points.blocks[block].F);
-  double square = 0.0;
+  vd square{};
   for (int i = 0; i < 3; ++i) {
-    const double across = back.a[0][i][l] * n0[0] + back.a[1][i][l] * n0[1] + back.a[2][i][l] * n0[2];
+    const vd across = back.a[0][i] * n0[0] + back.a[1][i] * n0[1] + back.a[2][i] * n0[2];
     square += across * across;
   }
-  const double width = 1.0 / std::sqrt(square);
+  const vd width = 1.0 / sqrt(square);
   const Sym3<vd> stress = with_law(*points.law(), [&](const auto& law) -> Sym3<vd> {
     return law.stress(points.blocks[block].strain, state_of<std::decay_t<decltype(law)>>(points, block));
   });
-  const double pressed = -contract(along, Sym3<double>{stress.xx[l], stress.yy[l], stress.zz[l], stress.yz[l], stress.xz[l], stress.xy[l]});
-  return std::min(1.0, width) + std::max(pressed, 0.0) / (K * width);
+  return min(splat(1.0), width) + max(-contract(along, stress), vd{}) / (K * width);
 }
 
 }  // namespace
 
 ClosingPoints::ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction)
     : friction_(std::max(friction, 0.0)), G_(undamaged.softest_shear()) {
-  std::vector<int> failed;
-  for (std::size_t b = 0; b < points.meta.size(); ++b)
-    for (int l = 0; l < kLanes; ++l)
-      if (points.meta[b].failed >> l & 1) failed.push_back(kLanes * static_cast<int>(b) + l);
-  add(points, undamaged, failed);
+  for (std::size_t b = 0; b < points.meta.size(); ++b) set(points, undamaged, static_cast<int>(b), points.meta[b].failed, 0);
 }
 
 void ClosingPoints::add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed) {
-  for (int slot : failed) set(points, undamaged, slot);
+  for (auto slot = failed.begin(); slot != failed.end();) {
+    const int block = *slot / kLanes;
+    std::uint8_t fresh = 0;
+    for (; slot != failed.end() && *slot / kLanes == block; ++slot) fresh |= static_cast<std::uint8_t>(1u << *slot % kLanes);
+    set(points, undamaged, block, fresh, fresh);
+  }
 }
 
-void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged, int slot) {
-  const int block = slot / kLanes, l = slot % kLanes;
-  const CrackOfPoint crack = crack_of(points, slot);
-  if (!(crack.damage[0] > 0.0) || (points.meta[block].debris >> l & 1)) return;
+void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged, int block, std::uint8_t failed, std::uint8_t fresh) {
+  failed &= static_cast<std::uint8_t>(~points.meta[block].debris);
+  if (!failed) return;
+  const CracksOfBlock cracks = cracks_of(points, block);
+  const vmask taken = lanes(failed) & (cracks.damage[0] > 0.0);
+  if (!any(taken)) return;
   auto at = std::lower_bound(blocks_.begin(), blocks_.end(), block, [](const Block& b, int n) { return b.block < n; });
-  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}, friction_ > 0.0});
+  if (at == blocks_.end() || at->block != block) at = blocks_.insert(at, Block{block, {}, {}, {}, {}, 0, friction_ > 0.0});
   const PointBlock& p = points.blocks[block];
   const Mat3<vd> Q = rotation_matrix(p.q);
-  double n0[3], n[3], size = 0.0;  // n: in the frame of the material
+  vd n0[3], n[3];  // n: in the frame of the material
   for (int i = 0; i < 3; ++i) {
-    n0[i] = n[i] = 0.0;
-    for (int j = 0; j < 3; ++j) {
-      n0[i] += p.F.a[j][i][l] * crack.normal[j];
-      n[i] += Q.a[j][i][l] * crack.normal[j];
-    }
-    size += n0[i] * n0[i];
+    n0[i] = p.F.a[0][i] * cracks.normal[0] + p.F.a[1][i] * cracks.normal[1] + p.F.a[2][i] * cracks.normal[2];
+    n[i] = Q.a[0][i] * cracks.normal[0] + Q.a[1][i] * cracks.normal[1] + Q.a[2][i] * cracks.normal[2];
   }
-  for (int i = 0; i < 3; ++i) at->n0[i][l] = n0[i] / std::sqrt(size);
-  const Sym3<double> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
-  at->K[l] = contract(along, undamaged.stress(along));
-  at->lambda_0[l] = width_when_closed(points, slot, {at->n0[0][l], at->n0[1][l], at->n0[2][l]}, along, at->K[l]);
+  const vd inverse = 1.0 / sqrt(n0[0] * n0[0] + n0[1] * n0[1] + n0[2] * n0[2]);
+  for (vd& x : n0) x *= inverse;
+  const Sym3<vd> along{n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]};
+  const vd K = contract(along, undamaged.stress(along));
+  for (int i = 0; i < 3; ++i) at->n0[i] = select(taken, n0[i], at->n0[i]);
+  at->K = select(taken, K, at->K);
+  at->lambda_0 = select(taken, width_when_closed(points, block, n0, along, K), at->lambda_0);
+  at->fresh |= fresh;
   if (friction_ <= 0.0) return;
-  const Crack failed = crack_of_block(*at, p.F);
-  for (int i = 0; i < 3; ++i) at->gamma_f[i][l] = at->n0[i][l] - failed.lambda[l] * failed.lambda[l] * failed.back[i][l];
+  const Crack failing = crack_of_block(*at, p.F);
+  for (int i = 0; i < 3; ++i) at->gamma_f[i] = select(taken, at->n0[i] - failing.lambda * failing.lambda * failing.back[i], at->gamma_f[i]);
 }
 
 ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd>& F) {
@@ -98,7 +98,7 @@ ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd
   }
   c.lambda = 1.0 / sqrt(select(c.sound, square, splat(1.0)));
   c.closed = c.sound & (c.lambda < b.lambda_0);
-  c.width = select(c.closed, c.lambda - b.lambda_0, vd{});
+  c.overlap = select(c.closed, b.lambda_0 - c.lambda, vd{});
   for (int j = 0; j < 3; ++j)
     c.back[j] = c.inverse_transposed.a[0][j] * c.across[0] + c.inverse_transposed.a[1][j] * c.across[1] + c.inverse_transposed.a[2][j] * c.across[2];
   return c;
@@ -119,7 +119,7 @@ void ClosingPoints::for_each_block(Blocks& blocks, const PointStore& points, con
   });
 }
 
-vd ClosingPoints::pressure(const Block& b, const Crack& c) { return -b.K * max(c.width, splat(-kMostPressed)); }
+vd ClosingPoints::pressure(const Block& b, const Crack& c) { return b.K * min(c.overlap, splat(kMostPressed)); }
 
 ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Block& b, const Crack& c, vmask bear) const {
   Shear s{};
@@ -138,9 +138,9 @@ ClosingPoints::Shear ClosingPoints::shear_of(const PointStore& points, const Blo
 }
 
 vd ClosingPoints::energy_of(const PointStore& points, const Block& b, const Crack& c) const {
-  const vd bounded = max(c.width, splat(-kMostPressed)), volume = points.blocks[b.block].volume;
+  const vd bounded = min(c.overlap, splat(kMostPressed)), volume = points.blocks[b.block].volume;
   const Shear s = shear_of(points, b, c, c.closed);
-  return volume * (b.K * bounded * (c.width - 0.5 * bounded) + 0.5 * G_ * (s.e[0] * s.e[0] + s.e[1] * s.e[1] + s.e[2] * s.e[2]));
+  return volume * (b.K * bounded * (c.overlap - 0.5 * bounded) + 0.5 * G_ * (s.e[0] * s.e[0] + s.e[1] * s.e[1] + s.e[2] * s.e[2]));
 }
 
 Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b, const Crack& c, const Shear& shear) const {
@@ -156,8 +156,9 @@ Mat3<vd> ClosingPoints::weighted_piola(const PointStore& points, const Block& b,
 }
 
 double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& before, const Crack& now, Shear& shear) const {
-  const Shear first = shear_of(points, b, before, before.closed);
-  const vmask closes = now.closed & ~before.closed;
+  const vmask old = ~lanes(b.fresh), was_closed = before.closed & old;  // the shear of points that fail now begins at 0
+  const Shear first = shear_of(points, b, before, was_closed);
+  const vmask closes = now.closed & ~before.closed & old;
   if (any(closes)) {
     points.let_slip();
     for (int i = 0; i < 3; ++i) {
@@ -166,7 +167,7 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
     }
   }
   // A crack that opens slides until nothing is left.
-  shear = shear_of(points, b, now, now.closed | (now.sound & before.closed));
+  shear = shear_of(points, b, now, now.closed | (now.sound & was_closed));
   const vd size = G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
   const vd most = friction_ * pressure(b, now);
   const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
@@ -189,7 +190,7 @@ ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, d
   for_each_block(blocks_, points, grid, [&](Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
     const int* column = points.meta[b.block].column;
     const vmask lost = ~c.sound & (b.K > 0.0);
-    Shear shear;
+    Shear shear{};
     if (dt > 0.0 && (friction_ > 0.0 || any(lost))) {
       const Mat3<vd> rate = gather_gradient(grid.velocity.data(), column, w);
       Mat3<vd> F_before = F;
@@ -197,13 +198,14 @@ ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, d
         for (int j = 0; j < 3; ++j) F_before.a[i][j] -= dt * rate.a[i][j];
       const Crack before = crack_of_block(b, F_before);
       if (any(lost)) losses.released += lose(points, b, before, rate, lost, dt);
-      losses.rubbed += slide(points, b, before, c, shear);
+      if (friction_ > 0.0) losses.rubbed += slide(points, b, before, c, shear);
     } else {
       shear = shear_of(points, b, c, c.closed);
     }
     b.stuck = friction_ > 0.0 && any(c.closed);
     if (any(c.closed)) scatter_gradient(grid.force.data(), column, w, weighted_piola(points, b, c, shear));
   });
+  for (Block& b : blocks_) b.fresh = 0;
   return losses;
 }
 

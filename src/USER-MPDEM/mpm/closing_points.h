@@ -49,9 +49,9 @@ namespace mpdem {
 class ClosingPoints {
  public:
   ClosingPoints() = default;
-  // Takes all points that failed. friction: mu; 0 or less: closed cracks slide freely.
+  // Takes all points that failed in earlier steps. friction: mu; 0 or less: closed cracks slide freely.
   ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction);
-  // Adds the points of these slots, which ascend.
+  // Adds the points of these slots, which ascend and failed in this step.
   void add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed);
 
   // Energies that a step takes. Points that are too distorted since this step become debris, BlockMeta::debris. `released`
@@ -76,11 +76,12 @@ class ClosingPoints {
     int block;
     vd n0[3], K, lambda_0;  // K is zero in lanes that hold
     vd gamma_f[3];
-    bool stuck = true;  // may a crack of the block have borne shear a step ago
+    std::uint8_t fresh;  // lanes that failed in this step
+    bool stuck;          // may a crack of the block have borne shear a step ago
   };
   struct Crack {
     vmask sound, closed;         // lanes that are not too distorted; of these, lanes whose crack is closed
-    vd width, lambda;            // lambda - lambda_0 where it is closed, else 0
+    vd overlap, lambda;          // overlap: lambda_0 - lambda where it is closed, else 0
     vd across[3], back[3];       // F^-T n0, F^-1 F^-T n0
     Mat3<vd> inverse_transposed;  // F^-T
   };
@@ -102,7 +103,8 @@ class ClosingPoints {
   double slide(PointStore& points, const Block& b, const Crack& before, const Crack& now, Shear& shear) const;
   // Makes debris of lanes, and returns the energy that they release. rate: the velocity gradient of the step.
   double lose(PointStore& points, Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) const;
-  void set(const PointStore& points, const VtiElasticity& undamaged, int slot);
+  // Takes the points of one block that failed. fresh: those of them that failed in this step.
+  void set(const PointStore& points, const VtiElasticity& undamaged, int block, std::uint8_t failed, std::uint8_t fresh);
   double friction_ = 0.0, G_ = 0.0;
   std::vector<Block> blocks_;  // ascending in block
 };

@@ -63,25 +63,40 @@ std::array<double, 3> without_sign(std::array<double, 3> normal) {
   return normal;
 }
 
-CrackOfPoint crack_of(const PointStore& points, int slot) {
-  const int b = slot / kLanes, lane = slot % kLanes;
-  const Mat3<vd> R = rotation_matrix(points.blocks[b].q);
+CracksOfBlock cracks_of(const PointStore& points, int block) {
+  const Mat3<vd> R = rotation_matrix(points.blocks[block].q);
   Sym3<vd> damage, opening;
   with_law(*points.law(), [&](const auto& l) {
-    const auto state = state_of<std::decay_t<decltype(l)>>(points, b);
+    const auto state = state_of<std::decay_t<decltype(l)>>(points, block);
     damage = l.damage(state);
-    opening = l.opening(points.blocks[b].strain, state);
+    opening = l.opening(points.blocks[block].strain, state);
   });
   const Spectral d = eigen(rotate(R, damage)), n = eigen(rotate(R, opening));
+  CracksOfBlock c;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    double values[3];
+    for (int i = 0; i < 3; ++i) values[i] = d.value[i][lane];
+    std::sort(values, values + 3, [](double x, double y) { return x > y; });
+    int first = 0;
+    for (int i = 1; i < 3; ++i)
+      if (n.value[i][lane] > n.value[first][lane]) first = i;
+    const auto& axis = n.axes.a;
+    const std::array<double, 3> normal = without_sign({axis[0][first][lane], axis[1][first][lane], axis[2][first][lane]});
+    for (int i = 0; i < 3; ++i) {
+      c.damage[i][lane] = values[i];
+      c.normal[i][lane] = normal[i];
+    }
+  }
+  return c;
+}
+
+CrackOfPoint crack_of(const PointStore& points, int slot) {
+  const CracksOfBlock all = cracks_of(points, slot / kLanes);
   CrackOfPoint c;
-  for (int i = 0; i < 3; ++i) c.damage[i] = d.value[i][lane];
-  std::sort(c.damage, c.damage + 3, [](double x, double y) { return x > y; });
-  int first = 0;
-  for (int i = 1; i < 3; ++i)
-    if (n.value[i][lane] > n.value[first][lane]) first = i;
-  const auto& axis = n.axes.a;
-  const std::array<double, 3> normal = without_sign({axis[0][first][lane], axis[1][first][lane], axis[2][first][lane]});
-  std::copy(normal.begin(), normal.end(), c.normal);
+  for (int i = 0; i < 3; ++i) {
+    c.damage[i] = all.damage[i][slot % kLanes];
+    c.normal[i] = all.normal[i][slot % kLanes];
+  }
   return c;
 }
 

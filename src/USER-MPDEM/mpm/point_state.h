@@ -51,9 +51,14 @@ std::vector<vd> largest_damages(const PointStore& points);
 struct CrackOfPoint {
   double damage[3], normal[3];
 };
+// The same for the points of a block.
+struct CracksOfBlock {
+  vd damage[3], normal[3];
+};
 // A normal has no sign, so its largest component is made positive.
 std::array<double, 3> without_sign(std::array<double, 3> normal);
 CrackOfPoint crack_of(const PointStore& points, int slot);
+CracksOfBlock cracks_of(const PointStore& points, int block);
 
 // Damage tensor of a point in its material frame (xx yy zz yz xz xy). Throws std::domain_error if the state belongs to
 // a law that the store does not know.
