@@ -567,7 +567,7 @@ TEST(FreedPlaces, KeepTheAreaOfTheLinks) {
       const std::vector<int> links = b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
       b.points.meta[failed[0] / kLanes].failed |= static_cast<std::uint8_t>(1u << failed[0] % kLanes);
       b.places.end(b.points, b.grid, s.side(b), failed, 0.0);
-      b.places.open(b.points, body, b.grid, s.side(b), links);
+      b.places.open(b.points, body, b.grid, s.side(b), links, test::kDt);
       if (n % 3 != 0) continue;
       std::vector<FreedPlaces::Arrival> arrivals;
       std::vector<std::array<int, 2>> gone;

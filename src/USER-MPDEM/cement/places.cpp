@@ -30,7 +30,7 @@ struct Nearest {
 
 void open_places(Scene& scene, Bond& b, const std::vector<int>& links) {
   if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds.body(b), *scene.penalty, b.grid);
-  scene.books.release(-b.places.open(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), links));
+  scene.books.release(-b.places.open(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), links, scene.now.dt));
   b.places_may_move = true;
 }
 

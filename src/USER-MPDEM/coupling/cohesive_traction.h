@@ -9,7 +9,7 @@
 //   end          lambdaf = 2 G/(kn lambda0) with 1/G = (1 - B)/Gn + B/Gt
 //   damage       d = lambdaf (lambda - lambda0)/(lambda (lambdaf - lambda0)), from 0 to 1; it never falls
 //   traction     (1 - d) of the penalty, 1 - d/2 of it under compression; none once d is 1
-//   released     kn <-delta_n>^2/4 times the change of d by shear, and kn <-delta_n>^2/4 when d reaches 1: energy of a link under compression
+//                given up: kn <-delta_n>^2/4 times the change of d by shear, and kn <-delta_n>^2/4 when d reaches 1
 //   dissipated   by a step of damage at one mode, in closed form: G lambda0 d/(lambdaf - d (lambdaf - lambda0))
 //
 // Stiffness under compression falls to a half, since added mass (added_mass.h) leaves a node that only links hold just
@@ -77,7 +77,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
 
   TractionUpdate update(const LinkSeparation& delta, State& s) const {
     const double kn = stiffness().kn, ratio = stiffness().kt / kn;
-    const vd open = max(delta.n, vd{}), pressed = min(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
+    const vd open = max(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
     const vd B = select(square > 0.0, shear / square, vd{});
     const vd onset = 1.0 / (kn * sqrt((1.0 - B) / (tn_ * tn_) + ratio * B / (tt_ * tt_)));
     const vd G = 1.0 / ((1.0 - B) / Gn_ + B / Gt_);
@@ -87,10 +87,8 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
     u.grown = (lambda > onset) & (d > s.d);
     u.let_go = u.grown & (d >= 1.0);
     const auto spent = [&](vd at) { return G * onset * at / (end - at * soft); };
-    const vd pressure = 0.5 * kn * pressed * pressed, grown = min(d, splat(1.0));
-    u.released = select(u.grown, (kSoftClosed * (grown - s.d) + select(u.let_go, splat(1.0 - kSoftClosed), vd{})) * pressure, vd{});
     u.dissipated = select(u.grown, spent(d) - spent(s.d), vd{});
-    s.d = select(u.grown, grown, s.d);
+    s.d = select(u.grown, min(d, splat(1.0)), s.d);
     return u;
   }
 

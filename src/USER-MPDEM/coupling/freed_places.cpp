@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "../mpm/lane_by_lane.h"
@@ -84,8 +85,9 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
       b.taken |= static_cast<std::uint8_t>(1u << lane);
       if (!points.has_failed(p.slot)) b.holds |= static_cast<std::uint8_t>(1u << lane);
       if (p.closed) b.closed |= static_cast<std::uint8_t>(1u << lane);
-      grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
-                        &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]);
+      if (!grid.find_columns(field_of(points.meta[block].body, points.meta[block].part), base,
+                             &columns_[columns_.size() - (kLanes - lane) * columns_of_cell_]))
+        throw std::logic_error("a place that let go is outside of the grid of its bond");
     }
     for (; lane < kLanes; ++lane)  // empty lanes have the place of the first lane
       for (int d = 0; d < 3; ++d) {
@@ -237,8 +239,15 @@ FreedPlace opened_by(const PointStore& points, const Link& k, bool at_surface) {
 
 }  // namespace
 
-double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt) {
+vd FreedPlaces::energy_across(const Block& b, const Touch& t, const Grid& grid, const GrainSide& s, double dt) const {
   const TractionStiffness k = p_.contact();
+  vd v[3], of_grain[3];
+  find_velocity(b, grid, s, t, v, of_grain);
+  const vd normal = t.gap * (t.gap - dt * dot(v, t.n)), tangential = dot(t.e, t.e) - dt * dot(v, t.e);
+  return 0.5 * b.area * (k.kn * normal + k.kt * tangential);
+}
+
+double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt) {
   double released = 0.0;
   for (Block& b : blocks_) {
     std::uint8_t ends = 0;
@@ -248,10 +257,7 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
     const GrainSide& s = side[b.side];
     Touch t;
     touch(b, grid, s, t);
-    vd v[3], of_grain[3];
-    find_velocity(b, grid, s, t, v, of_grain);
-    const vd normal = t.gap * (t.gap - dt * dot(v, t.n)), tangential = dot(t.e, t.e) - dt * dot(v, t.e);
-    released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), 0.5 * b.area * (k.kn * normal + k.kt * tangential)));
+    released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), energy_across(b, t, grid, s, dt)));
     b.holds &= static_cast<std::uint8_t>(~ends);
     b.closed &= b.holds;
     b.rubs = of(b.closed, b.rubs);
@@ -264,10 +270,22 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
   return released;
 }
 
-double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links) {
+double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links, double dt) {
+  if (links.empty()) return 0.0;
+  const auto pressed = [&] {
+    double sum = 0.0;
+    for (const Block& b : blocks_) {
+      Touch t;
+      touch(b, grid, side[b.side], t);
+      sum += sum_lanes(of(static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds), energy_across(b, t, grid, side[b.side], dt)));
+    }
+    return sum;
+  };
   std::vector<FreedPlace> opened;
   for (int link : links) opened.push_back(opened_by(points, points.links[link], p_.at_surface));
-  return take(points, body, grid, side, std::move(opened), true);
+  const double before_it = pressed();
+  take(points, body, grid, std::move(opened));
+  return pressed() - before_it;
 }
 
 void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side) {
@@ -276,15 +294,18 @@ void FreedPlaces::open_all(PointStore& points, const Body& body, const Grid& gri
     const bool failed = points.has_failed(k.slot);
     if ((!k.attached || failed) && !find(points.places, k.slot, k.grain)) opened.push_back(opened_by(points, k, p_.at_surface));
   }
-  take(points, body, grid, side, std::move(opened), false);
+  if (opened.empty()) return;
+  take(points, body, grid, std::move(opened));
+  for (Block& b : blocks_) {
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    b.radius = min(b.radius, b.radius + t.gap);
+    for (int l = 0; l < kLanes; ++l)
+      if (b.taken >> l & 1) points.places[b.place[l]].radius = b.radius[l];
+  }
 }
 
-// just_now: the links let go in this step. A link that was under pressure keeps its pressure then.
-double FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened,
-                         bool just_now) {
-  if (opened.empty()) return 0.0;
-  double before_it = 0.0, after = 0.0;
-  add_energy(grid, side, before_it);
+void FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid, std::vector<FreedPlace> opened) {
   for (FreedPlace& o : opened) {
     o.radius = distance(o.X, body.centre[side_of(body, o.grain)]);
     if (FreedPlace* there = find(points.places, o.slot, o.grain)) {
@@ -296,16 +317,6 @@ double FreedPlaces::take(PointStore& points, const Body& body, const Grid& grid,
     if (o.slot >= 0) points.places.push_back(o);
   std::sort(points.places.begin(), points.places.end(), before);
   lay_out(points, body, grid);
-  for (Block& b : blocks_) {
-    if (just_now) break;
-    Touch t;
-    touch(b, grid, side[b.side], t);
-    b.radius = min(b.radius, b.radius + t.gap);
-    for (int l = 0; l < kLanes; ++l)
-      if (b.taken >> l & 1) points.places[b.place[l]].radius = b.radius[l];
-  }
-  add_energy(grid, side, after);
-  return after - before_it;
 }
 
 std::vector<FreedPlaces::Mover> FreedPlaces::movers(const PointStore& points, const Body& body) const {

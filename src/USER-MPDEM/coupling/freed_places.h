@@ -45,9 +45,10 @@ class FreedPlaces {
   // Ends the places of points that failed (slots), which bear nothing any more. Returns the energy that is released, by
   // the rule of PenaltyLinks::let_go().
   double end(PointStore& points, const Grid& grid, const GrainSide* side, const std::vector<int>& failed, double dt);
-  // Opens the places of links of the store that held until now. A point may have the place of another one already; areas
-  // add up. Returns the energy that the new places store.
-  double open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links);
+  // Opens the places of links of the store that let go in the step dt, which ends now. A point may have the place of another one
+  // already; areas add up. Returns the energy that the new places have when their force begins. A force that begins within a step
+  // acts with its new value over half of the motion of that step. So it is the present energy less what it gained over that half.
+  double open(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<int>& links, double dt);
   // Opens the places of all links that had let go when the cement was made.
   void open_all(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side);
 
@@ -112,8 +113,11 @@ class FreedPlaces {
   // Velocity of the places against the grain.
   void find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v, vd* of_grain) const;
   vd energy(const Block& b, const Touch& t) const;
+  // Energy of closed places whose force ends or begins in the step dt: half of the product of force and stretch at both ends of the step.
+  vd energy_across(const Block& b, const Touch& t, const Grid& grid, const GrainSide& s, double dt) const;
   void lay_out(const PointStore& points, const Body& body, const Grid& grid);
-  double take(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, std::vector<FreedPlace> opened, bool just_now);
+  // Takes up new places, and lays out all.
+  void take(PointStore& points, const Body& body, const Grid& grid, std::vector<FreedPlace> opened);
 
   PenaltyParameters p_;
   int columns_of_cell_ = 0;

@@ -409,9 +409,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
           freed |= static_cast<std::uint8_t>(1u << l);
           step.let_go.push_back(b.link[l]);
         }
-        // With friction, a freed place takes over the pressure of a link that lets go.
-        const vmask handed_on = lanes(p_.friction < 0.0 ? 0 : freed) & (apart.n < 0.0);
-        const vd released = select(handed_on, area * u.released, taken - area * u.dissipated);
+        const vd released = taken - area * u.dissipated;
         release(i, freed, released, false, points, step.released);
         step.released += sum_lanes(select(lanes(freed), vd{}, released));
       }

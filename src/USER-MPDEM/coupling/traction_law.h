@@ -51,8 +51,8 @@ struct TractionSecant {
 };
 
 struct TractionUpdate {
-  vd dissipated, released;  // energies per area in this update: spent by damage; stored before, and given up as the link softens under pressure or lets go
-  vmask grown, let_go;      // the state changed; the link carries nothing from now on
+  vd dissipated;        // energy per area that damage takes in this update
+  vmask grown, let_go;  // the state changed; the link carries nothing from now on
 };
 
 // Length over which the front of a crack softens in front of a material of these elastic constants.
