@@ -33,8 +33,8 @@ Box box_around(const Body& body, const Box& box) {
 CementMaker::CementMaker(MPI_Comm comm, CementPlan& plan, std::vector<Body>& table, const Scene& scene, CementMakerHost& host)
     : comm_(comm), plan_(plan), wish_(plan.wish()), table_(table), host_(host), first_body_(table.size()),
       atoms_before_(scene.atoms), last_tag_(scene.last_tag) {
-  MPI_Comm_rank(comm_, &me_);
-  MPI_Comm_size(comm_, &ranks_);
+  me_ = rank_in(comm_);
+  ranks_ = ranks_of(comm_);
   grains_ = gather_all(comm_, scene.grains);
   std::vector<Box> boxes;
   for (const Sphere& g : grains_) boxes.emplace_back(g.x - Vector3::Constant(g.radius), g.x + Vector3::Constant(g.radius));

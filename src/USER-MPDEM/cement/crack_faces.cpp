@@ -53,7 +53,7 @@ CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits&
 // Sums over points that hold, where they are now.
 void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   gradient_.assign(3 * grid.size(), 0.0);
-  volume_.assign(3 * grid.size(), 0.0);
+  volume_.assign(grid.size(), 0.0);
   with_basis(grid.basis, [&](auto type) {
     for (int b : blocks_) {
       const BlockMeta& m = points.meta[b];
@@ -64,17 +64,18 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
       Mat3<vd> T;
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) T.a[i][j] = select(lanes(holds), p.volume * back.a[j][i], vd{});
-      const vd volume[3] = {select(lanes(holds), p.volume, vd{}), vd{}, vd{}};
+      const vd volume = select(lanes(holds), p.volume, vd{});
       with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& w) {
         scatter_gradient(gradient_.data(), m.column, w, T);
-        scatter_value(volume_.data(), m.column, w, volume);
+        scatter_scalar(volume_.data(), m.column, w, volume);
       });
     }
   });
-  for (std::vector<double>* sums : {&gradient_, &volume_}) {
-    grid.ties.pull_back(sums->data());
-    if (grid.halo.shares_any()) grid.halo.sum(sums->data(), 3);
-  }
+  grid.ties.pull_back(gradient_.data());
+  grid.ties.pull_back_scalars(volume_.data());
+  if (!grid.halo.shares_any()) return;
+  grid.halo.sum(gradient_.data(), 3);
+  grid.halo.sum(volume_.data(), 1);
 }
 
 void CrackFaces::add_force(const PointStore& points, Grid& grid, const SharedList<double>& added, double kick, double dt) {
@@ -96,10 +97,11 @@ constexpr double kLeastThatSlides = 0.05;  // the same, for its jump to tell of 
 
 void CrackFaces::meet(Pair& p, Grid& grid, const double* mass, double kick, double dt) {
   const long a = 3L * p.node[0], b = 3L * p.node[1];
-  if (!(volume_[a] > 0.0 && volume_[b] > 0.0)) return;
+  const double volume[2] = {volume_[p.node[0]], volume_[p.node[1]]};
+  if (!(volume[0] > 0.0 && volume[1] > 0.0)) return;
   double n[3], w[3], v[3];  // v: relative velocity of the next step without these forces
   for (int d = 0; d < 3; ++d) {
-    n[d] = gradient_[a + d] / volume_[a] - gradient_[b + d] / volume_[b];
+    n[d] = gradient_[a + d] / volume[0] - gradient_[b + d] / volume[1];
     w[d] = grid.displacement[b + d] - grid.displacement[a + d];
     v[d] = grid.velocity[b + d] - grid.velocity[a + d] + kick * (grid.force[b + d] / mass[1] - grid.force[a + d] / mass[0]);
   }

@@ -55,6 +55,9 @@ class CrackFaces {
   double deepest() const { return deepest_; }  // deepest overlap of a pair in the last step
   int pairs() const { return static_cast<int>(pairs_.size()); }
   int touching() const { return touching_; }
+  std::size_t memory_usage() const {
+    return pairs_.capacity() * sizeof(Pair) + blocks_.capacity() * sizeof(int) + (gradient_.capacity() + volume_.capacity()) * sizeof(double);
+  }
 
  private:
   struct Pair {
@@ -69,7 +72,7 @@ class CrackFaces {
   int touching_ = 0;
   std::vector<Pair> pairs_;      // sorted by place
   std::vector<int> blocks_;      // blocks that have nodes of pairs
-  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers a node; V is the first of them
+  std::vector<double> gradient_, volume_;  // G and V of the formula, three numbers a node and one
 };
 
 }  // namespace mpdem

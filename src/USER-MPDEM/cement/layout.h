@@ -5,8 +5,8 @@
 // mass. It is a function of the points and of what moved before. It changes nothing but what it is given. So a layout
 // may be made to ask something of it, and be dropped.
 //
-// Bonds that came apart have no ties except those between sheets. Free nodes are needed for what their parts share and
-// what their debris holds.
+// Bonds that came apart have no ties except those between sheets: free nodes are needed for what their parts share and
+// what their debris holds. With `cracks split` ties stay where nodes do not split, see splits.h.
 #ifndef MPDEM_CEMENT_LAYOUT_H
 #define MPDEM_CEMENT_LAYOUT_H
 

@@ -41,10 +41,13 @@ double size_of(const double* six, double unit) {
 double LoadWatch::radius_of(const Body& body) { return std::sqrt(0.5 * (body.attached_area[0] + body.attached_area[1]) / M_PI); }
 
 void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, double dt) {
+  int at = -1;  // the first side of the bond whose motion is known
+  RelativeMotion<double> motion;
   for (const BondedGrains::OwnedSide& o : grains.owned()) {
     if (static_cast<std::size_t>(o.body) >= sums_.size() || table[o.body].condensed) continue;
     const GrainSide* sides = &grains.sides.sides[o.at - o.side];
-    const RelativeMotion<double> motion = relative_motion(table[o.body], sides);
+    if (o.at - o.side != at) motion = relative_motion(table[o.body], sides);
+    at = o.at - o.side;
     const GrainSide& s = sides[o.side];
     const double share = o.side == 0 ? -0.5 * dt : 0.5 * dt;
     const Three<double> force = three(s.force), F = turned_back(motion.Q, force), M = turned_back(motion.Q, three(s.torque) - cross(motion.r[o.side], force));

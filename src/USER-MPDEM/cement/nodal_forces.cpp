@@ -52,10 +52,9 @@ void NodalForces::follow_links(Bond& b) {
 void NodalForces::add_link_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
-  if (!b.places.empty()) scene_.books.rub(b.places.follow(b.points, b.grid, scene_.grains.side_of(b)));
   if (scene_.options.updated) b.links.add_force(b.grid, scene_.grains.side_of(b));
   else b.resting.add_force(b.links, b.grid, scene_.grains.side_of(b));
-  b.places.add_force(b.grid, scene_.grains.side_of(b));
+  scene_.books.rub(b.places.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b)));
   const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
   scene_.books.release(closing.released);
   scene_.books.rub(closing.rubbed);
@@ -139,10 +138,10 @@ void NodalForces::add_inertial_forces() {
 
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
-  std::vector<double*> of_bonds;
+  std::vector<double*> of_bonds;  // all bonds have impulses where there is a penalty
   for (Bond& b : scene_.bonds.awake()) {
     b.impulse.weigh(b.points, b.grid, scene_.inertia);
-    if (!b.impulse.empty() && b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
+    if (b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
   }
   if (scene_.penalty) shared_.sum(of_bonds, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds, scene_.now.substeps, condensed_.pack());

@@ -17,13 +17,13 @@ namespace {
 // The nearest points that a rank has for a mover.
 struct Offer {
   int mover, points;
-  double distance;
+  double far;
 };
 
 // The nearest points of all ranks.
 struct Nearest {
   int points = 0;
-  double distance = 0.0;
+  double far = 0.0;
 };
 
 }  // namespace
@@ -74,18 +74,18 @@ std::vector<int> move_places(Scene& scene) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Bond* b = scene.bonds.find(all[i].body);
       if (b) found[i] = FreedPlaces::nearest(b->points, all[i]);
-      if (!found[i].slots.empty()) mine.push_back({static_cast<int>(i), static_cast<int>(found[i].slots.size()), found[i].distance});
+      if (!found[i].slots.empty()) mine.push_back({static_cast<int>(i), static_cast<int>(found[i].slots.size()), found[i].far});
     }
     std::vector<Nearest> best(all.size());
     for (const Offer& o : gather_all(scene.comm, mine)) {
       Nearest& n = best[o.mover];
-      if (n.points == 0 || o.distance < n.distance) n = {o.points, o.distance};
-      else if (o.distance == n.distance) n.points += o.points;
+      if (n.points == 0 || o.far < n.far) n = {o.points, o.far};
+      else if (o.far == n.far) n.points += o.points;
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (best[i].points == 0 || !scene.bonds.find(all[i].body)) continue;
       OfBond& of_bond = moves[all[i].body];
-      if (found[i].distance == best[i].distance)
+      if (found[i].far == best[i].far)
         for (int slot : found[i].slots) of_bond.arrivals.push_back({all[i], slot, 1.0 / best[i].points});
       of_bond.gone.push_back({all[i].tag, all[i].grain});
     }

@@ -21,7 +21,7 @@ class SharedNodes {
   void bind();
   // Collective. Sums numbers of the nodes, `width` a node, of all bonds that ranks cut.
   void sum(double* (*values)(Grid&), int width);
-  // Does the same for bonds that have such numbers, ascending.
+  // The same. of_bonds: the numbers of each of these bonds, ascending.
   void sum(const std::vector<double*>& of_bonds, int width) { sums_.sum(of_bonds, width); }
   // Do ranks cut any bond, on any rank? Known with nonlocal damage only.
   bool any_bond_is_cut() const { return any_bond_is_cut_; }

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Copies of the nodes of all bonds (fracture/node_copies.h), and the ties that follow. Nodes of several parts that are
-// one copy move as one. A node at the edge stays tied (mpm/edge_ties.h) as it was at the start, until a point fails in
-// its support, or one of its masters splits.
+// one copy move as one. A node at the edge stays tied (mpm/edge_ties.h) as it was at the start, until it splits itself, or one
+// of its masters or heirs does.
 //
 // Each bond has a rank that looks at it as a whole, when it is new and from its first failure on. That rank keeps its
 // copies. The ranks that have points of the bond know them too.

@@ -22,7 +22,6 @@ constexpr double kOneSided = 2.0;  // factor of the stiffness in the search for 
 constexpr double kNear = 1e-3, kMargin = 2.0;
 
 vd dot(const vd* a, const vd* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
 
 int side_of(const Body& body, int grain) { return body.grain[0] == grain ? 0 : 1; }
 
@@ -99,78 +98,101 @@ void FreedPlaces::lay_out(const PointStore& points, const Body& body, const Grid
 }
 
 void FreedPlaces::touch(const Block& b, const Grid& grid, const GrainSide& s, Touch& t) const {
-  vd u[3], d[3];
+  vd u[3];
   with_basis(grid.basis, [&](auto type) {
     gather_value_by_lane(grid.displacement.data(), b.taken, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), u);
   });
   for (int i = 0; i < 3; ++i) t.q[i] = (b.X[i] - s.x[i]) + u[i];
   const vd size = sqrt(dot(t.q, t.q)), inverse = 1.0 / size;
   t.gap = size - b.radius;
-  for (int i = 0; i < 3; ++i) {
-    t.n[i] = inverse * t.q[i];
-    d[i] = t.q[i] - (s.R.a[i][0] * b.stick[0] + s.R.a[i][1] * b.stick[1] + s.R.a[i][2] * b.stick[2]);
-  }
+  for (int i = 0; i < 3; ++i) t.n[i] = inverse * t.q[i];
+  find_stretch(b, s, t);
+}
+
+// Not inlined, so that it rounds alike wherever it is called: a run that goes on from a restart file finds the same forces.
+__attribute__((noinline)) void FreedPlaces::find_stretch(const Block& b, const GrainSide& s, Touch& t) {
+  vd d[3];
+  for (int i = 0; i < 3; ++i) d[i] = t.q[i] - (s.R.a[i][0] * b.stick[0] + s.R.a[i][1] * b.stick[1] + s.R.a[i][2] * b.stick[2]);
   const vd along = dot(d, t.n);
-  for (int i = 0; i < 3; ++i) t.e[i] = of(b.closed, d[i] - along * t.n[i]);
+  for (int i = 0; i < 3; ++i) t.e[i] = masked(b.closed, d[i] - along * t.n[i]);
 }
 
 vd FreedPlaces::energy(const Block& b, const Touch& t) const {
   const vd in = max(-t.gap, vd{});
   const TractionStiffness k = p_.contact();
-  return of(b.holds, 0.5 * b.area * (k.kn * in * in + k.kt * dot(t.e, t.e)));
+  return masked(b.holds, 0.5 * b.area * (k.kn * in * in + k.kt * dot(t.e, t.e)));
+}
+
+double FreedPlaces::follow(Block& b, PointStore& points, const GrainSide& s, Touch& t) {
+  const std::uint8_t was = b.closed;
+  b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds);
+  if (!b.closed && !was) return 0.0;
+  const TractionStiffness k = p_.contact();
+  const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
+  const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
+  const vmask slips = lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where a place opens, since bears is 0
+  const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
+  for (int i = 0; i < 3; ++i) {
+    const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
+    const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
+    b.stick[i] = select(starts, at, b.stick[i] + slip);
+  }
+  // The slip happened between the last step and this one.
+  const vd rubs = select(size > (1.0 - 1e-9) * bears, bears, size);
+  const double rubbed = sum_lanes(masked(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
+  b.rubs = masked(b.closed, rubs);
+  find_stretch(b, s, t);
+  for (int l = 0; l < kLanes; ++l) {
+    if (!((b.closed | was) >> l & 1)) continue;
+    FreedPlace& p = points.places[b.place[l]];
+    p.closed = b.closed >> l & 1;
+    p.rubs = b.rubs[l];
+    for (int i = 0; i < 3; ++i) p.stick[i] = b.stick[i][l];
+    if (p.closed) deepest_ = std::max(deepest_, -t.gap[l]);
+  }
+  return rubbed;
+}
+
+void FreedPlaces::add_force(const Block& b, const Touch& t, Grid& grid, GrainSide& s) const {
+  const TractionStiffness k = p_.contact();
+  vd f[3];
+  for (int i = 0; i < 3; ++i) f[i] = masked(b.closed, b.area * (k.kn * max(-t.gap, vd{}) * t.n[i] - k.kt * t.e[i]));
+  with_basis(grid.basis, [&](auto type) {
+    scatter_value_by_lane(grid.force.data(), b.closed, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
+  });
+  take_from_grain(t.q, f, s);
 }
 
 double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide* side) {
-  const TractionStiffness k = p_.contact();
   double rubbed = 0.0;
   deepest_ = 0.0;
   for (Block& b : blocks_) {
-    const GrainSide& s = side[b.side];
     Touch t;
-    touch(b, grid, s, t);
-    const std::uint8_t was = b.closed;
-    b.closed = static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds);
-    if (!b.closed && !was) continue;
-    const vmask starts = lanes(static_cast<std::uint8_t>(b.closed & ~was));
-    const vd bears = p_.friction * k.kn * max(-t.gap, vd{}), size = k.kt * sqrt(dot(t.e, t.e));
-    const vmask slips = lanes(was) & (size > (1.0 + 1e-9) * bears);  // 1e-9: rounding is no slip; all of e slips where a place opens, since bears is 0
-    const vd share = select(slips, 1.0 - bears / size, vd{});  // share of e that slips
-    for (int i = 0; i < 3; ++i) {
-      const vd at = s.R.a[0][i] * t.q[0] + s.R.a[1][i] * t.q[1] + s.R.a[2][i] * t.q[2];
-      const vd slip = share * (s.R.a[0][i] * t.e[0] + s.R.a[1][i] * t.e[1] + s.R.a[2][i] * t.e[2]);
-      b.stick[i] = select(starts, at, b.stick[i] + slip);
-    }
-    // The slip happened between the last step and this one.
-    const vd rubs = select(size > (1.0 - 1e-9) * bears, bears, size);
-    rubbed += sum_lanes(of(static_cast<std::uint8_t>(b.closed | was), 0.5 * b.area * (b.rubs + rubs) * share * size / k.kt));
-    b.rubs = of(b.closed, rubs);
-    for (int l = 0; l < kLanes; ++l) {
-      if (!((b.closed | was) >> l & 1)) continue;
-      FreedPlace& p = points.places[b.place[l]];
-      p.closed = b.closed >> l & 1;
-      p.rubs = b.rubs[l];
-      for (int i = 0; i < 3; ++i) p.stick[i] = b.stick[i][l];
-      if (p.closed) deepest_ = std::max(deepest_, -t.gap[l]);
-    }
+    touch(b, grid, side[b.side], t);
+    rubbed += follow(b, points, side[b.side], t);
   }
   return rubbed;
 }
 
 void FreedPlaces::add_force(Grid& grid, GrainSide* side) const {
-  if (blocks_.empty()) return;
-  const TractionStiffness k = p_.contact();
   for (const Block& b : blocks_) {
     if (!b.closed) continue;
-    GrainSide& s = side[b.side];
     Touch t;
-    touch(b, grid, s, t);
-    vd f[3];
-    for (int i = 0; i < 3; ++i) f[i] = of(b.closed, b.area * (k.kn * max(-t.gap, vd{}) * t.n[i] - k.kt * t.e[i]));
-    with_basis(grid.basis, [&](auto type) {
-      scatter_value_by_lane(grid.force.data(), b.closed, columns(b), Weights<decltype(type)>(b.X, b.base, inverse_h_), f);
-    });
-    take_from_grain(t.q, f, s);
+    touch(b, grid, side[b.side], t);
+    add_force(b, t, grid, side[b.side]);
   }
+}
+
+double FreedPlaces::follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side) {
+  double rubbed = 0.0;
+  deepest_ = 0.0;
+  for (Block& b : blocks_) {
+    Touch t;
+    touch(b, grid, side[b.side], t);
+    rubbed += follow(b, points, side[b.side], t);
+    if (b.closed) add_force(b, t, grid, side[b.side]);
+  }
+  return rubbed;
 }
 
 void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U) const {
@@ -200,7 +222,7 @@ bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const Grain
     const vd gap = t.gap + dt * dot(of_grain, t.n);  // before the grain went on
     const vd least = gap + kMargin * soon * min(dot(v, t.n), vd{});
     const vd reach = select(b.inert_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
-    const vd wanted = of(static_cast<std::uint8_t>(b.holds & bits(least < reach)), b.area);
+    const vd wanted = masked(static_cast<std::uint8_t>(b.holds & bits(least < reach)), b.area);
     for (int l = 0; l < kLanes; ++l) {
       if (!(b.taken >> l & 1)) continue;
       changes = changes || wanted[l] != b.inert_area[l];
@@ -257,10 +279,10 @@ double FreedPlaces::end(PointStore& points, const Grid& grid, const GrainSide* s
     const GrainSide& s = side[b.side];
     Touch t;
     touch(b, grid, s, t);
-    released += sum_lanes(of(static_cast<std::uint8_t>(ends & b.closed), energy_across(b, t, grid, s, dt)));
+    released += sum_lanes(masked(static_cast<std::uint8_t>(ends & b.closed), energy_across(b, t, grid, s, dt)));
     b.holds &= static_cast<std::uint8_t>(~ends);
     b.closed &= b.holds;
-    b.rubs = of(b.closed, b.rubs);
+    b.rubs = masked(b.closed, b.rubs);
     for (int l = 0; l < kLanes; ++l)
       if (ends >> l & 1) {
         points.places[b.place[l]].closed = false;
@@ -277,7 +299,7 @@ double FreedPlaces::open(PointStore& points, const Body& body, const Grid& grid,
     for (const Block& b : blocks_) {
       Touch t;
       touch(b, grid, side[b.side], t);
-      sum += sum_lanes(of(static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds), energy_across(b, t, grid, side[b.side], dt)));
+      sum += sum_lanes(masked(static_cast<std::uint8_t>(bits(t.gap < 0.0) & b.holds), energy_across(b, t, grid, side[b.side], dt)));
     }
     return sum;
   };
@@ -354,10 +376,10 @@ FreedPlaces::Found FreedPlaces::nearest(const PointStore& points, const Mover& m
     const vd apart = 9.0 * square - 8.0 * along * along;
     for (int l = 0; l < kLanes; ++l) {
       if (!(holds >> l & 1)) continue;
-      const double distance = std::floor(apart[l] / part);
-      if (!best.slots.empty() && distance > best.distance) continue;
-      if (distance < best.distance) best.slots.clear();
-      best.distance = distance;
+      const double far = std::floor(apart[l] / part);
+      if (!best.slots.empty() && far > best.far) continue;
+      if (far < best.far) best.slots.clear();
+      best.far = far;
       best.slots.push_back(kLanes * static_cast<int>(b) + l);
     }
   }
@@ -384,7 +406,8 @@ FreedPlace before_point(const PointStore& points, const Body& body, int slot, in
 }  // namespace
 
 double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
-                         const std::vector<std::array<int, 2>>& gone) {
+                         std::vector<std::array<int, 2>> gone) {
+  std::sort(gone.begin(), gone.end());
   struct Sum {
     double area = 0, pressed = 0, slip[3] = {0, 0, 0};  // pressed and slip: sums over closed places of area times -g, and of area times e
   };
@@ -410,8 +433,7 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
   std::vector<FreedPlace>& places = points.places;
   places.erase(std::remove_if(places.begin(), places.end(),
                               [&](const FreedPlace& p) {
-                                return points.has_failed(p.slot) &&
-                                       std::find(gone.begin(), gone.end(), std::array<int, 2>{points.tag(p.slot), p.grain}) != gone.end();
+                                return points.has_failed(p.slot) && std::binary_search(gone.begin(), gone.end(), std::array<int, 2>{points.tag(p.slot), p.grain});
                               }),
                places.end());
   std::vector<FreedPlace> fresh;

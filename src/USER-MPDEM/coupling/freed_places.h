@@ -56,6 +56,8 @@ class FreedPlaces {
   double follow(PointStore& points, const Grid& grid, const GrainSide* side);
   // Adds the forces of the present positions to nodes and grains.
   void add_force(Grid& grid, GrainSide* side) const;
+  // Does both, place by place.
+  double follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side);
   // Adds the energy that the contact stores.
   void add_energy(const Grid& grid, const GrainSide* side, double& energy) const;
   // Gives added mass to places that touch, or may touch within the time `soon`, and takes it from the others. Returns
@@ -79,7 +81,7 @@ class FreedPlaces {
   // The points of the store that hold and are nearest to the place on the surface. Distances across the normal count three times.
   // Points that are equally near share the place, since none of them comes first in a bond that is its own mirror image.
   struct Found {
-    double distance = 0;  // square, in whole parts of kTie, so that rounding makes no difference between points
+    double far = 0;          // the distance counted so, its square in whole parts of kTie: rounding makes no difference between points
     std::vector<int> slots;  // ascending; empty if no point holds
     static constexpr double kTie = 1.0471e-6;  // share of the square of the spacing; no distance in a lattice is a whole number of these
   };
@@ -91,7 +93,7 @@ class FreedPlaces {
     double share;  // of the area
   };
   double move(PointStore& points, const Body& body, const Grid& grid, const GrainSide* side, const std::vector<Arrival>& arrivals,
-              const std::vector<std::array<int, 2>>& gone);  // tag and grain
+              std::vector<std::array<int, 2>> gone);  // tag and grain
 
   bool empty() const { return blocks_.empty(); }
   std::size_t memory_usage() const;
@@ -110,6 +112,9 @@ class FreedPlaces {
   };
   const int* columns(const Block& b) const { return &columns_[kLanes * (&b - blocks_.data()) * columns_of_cell_]; }
   void touch(const Block& b, const Grid& grid, const GrainSide& s, Touch& t) const;
+  static void find_stretch(const Block& b, const GrainSide& s, Touch& t);  // e of the place where q and n are
+  double follow(Block& b, PointStore& points, const GrainSide& s, Touch& t);  // t: of this step; e after the slip
+  void add_force(const Block& b, const Touch& t, Grid& grid, GrainSide& s) const;
   // Velocity of the places against the grain.
   void find_velocity(const Block& b, const Grid& grid, const GrainSide& s, const Touch& t, vd* v, vd* of_grain) const;
   vd energy(const Block& b, const Touch& t) const;

@@ -15,8 +15,6 @@
 namespace mpdem {
 
 namespace {
-// Value in the lanes of `which`, zero in the others.
-vd of(std::uint8_t which, vd value) { return select(lanes(which), value, vd{}); }
 
 LinkSeparation separation_of(const vd* delta, const vd* n) {
   return {delta[0] * n[0] + delta[1] * n[1] + delta[2] * n[2], delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]};
@@ -288,7 +286,7 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
   find_velocity(b, grid, s, w, q, v);
   const vd vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const vd g = of(holding_[number_of(b)].attached, dampers_[number_of(b)]);
+  const vd g = masked(holding_[number_of(b)].attached, dampers_[number_of(b)]);
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
@@ -355,7 +353,7 @@ void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
         place(b, grid, s, w, q, delta, n);
         const LinkSeparation apart = separation_of(delta, n);
         const TractionSecant k = law.secant(apart, state(law, i));
-        const vd area = of(attached, b.area);
+        const vd area = masked(attached, b.area);
         for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
         if (p_.damping > 0.0) {
           vd v[3], by_damper[3];
@@ -374,7 +372,7 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { place(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
-  return of(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
+  return masked(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
 void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, double dt, LinkStep& step) {
@@ -395,7 +393,7 @@ void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide*
         const vmask was_damaged = states_[L::kFields * i] > 0.0;
         const TractionUpdate u = law.update(apart, s);
         if (!any((u.grown | was_damaged) & lanes(attached))) continue;
-        const vd area = of(attached, b.area);
+        const vd area = masked(attached, b.area);
         vd v[3];
         with_basis(basis_, [&](auto type) { find_velocity(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, v); });
         const vd taken = area * taken_in_step(law, state(law, i), s, delta, n, v, dt);
@@ -458,7 +456,7 @@ vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& g
   const vd product = before[0] * delta[0] + before[1] * delta[1] + before[2] * delta[2];
   const vd n_before = before[0] * n[0] + before[1] * n[1] + before[2] * n[2];
   const TractionSecant k = law.secant(apart, state(law, block));
-  return of(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
+  return masked(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
 }
 
 std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
@@ -550,7 +548,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         vd delta[3];
         place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
         const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
-        const vd area = of(holding_[i].attached, b.area);
+        const vd area = masked(holding_[i].attached, b.area);
         s.kn = area * k.kn;
         s.kt = area * k.kt;
       }

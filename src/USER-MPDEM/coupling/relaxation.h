@@ -46,6 +46,7 @@ class Relaxation {
   // Power that damping takes from the nodes that this rank counts. The force is that of the stored velocity. The
   // velocity is the stored one plus `later` times the acceleration.
   Power power(const Grid& grid, const GrainSide* side) const;
+  std::size_t memory_usage() const { return eights_.capacity() * sizeof(Eight); }
 
  private:
   struct Eight {

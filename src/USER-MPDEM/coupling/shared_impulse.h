@@ -50,6 +50,9 @@ class SharedImpulse {
   void push(Grid& grid, GrainSide* side, const AddedMass& added);
   // Power of the last push on nodes that move with the field `velocity`. Counts the nodes that this rank counts.
   double power(const Grid& grid, const std::vector<double>& velocity) const;
+  std::size_t memory_usage() const {
+    return (share_.capacity() + holding_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
+  }
 
  private:
   double part_held(const Grid& grid, int node) const;

@@ -120,7 +120,8 @@ inline int nearer_side(const Body& body, double nearer_to_first) {
 
 // A body has parts. Each part has its own nodes, which are a field of the grid. A body that came apart has pieces:
 // piece 0 stays with the first grain, piece 1 with the second, and others are loose. A body that holds is piece 0. A
-// piece is one part. If the body has a crevice (fracture/crevice.h), a piece is two parts, which are called sheets.
+// piece is one part. If the body has a crevice (fracture/crevice.h), a piece is two parts, which are called sheets. With `cracks split`
+// parts say no more than which copies of nodes their points have (fracture/node_copies.h).
 // There may be as many bonds as an int counts. A part with 27 nodes takes some 10 kB. So memory ends before a bond runs out of parts.
 constexpr int kMaxParts = 1 << kPartBits;
 constexpr int kMaxPieces = kMaxParts / 2;

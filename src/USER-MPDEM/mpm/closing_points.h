@@ -10,7 +10,7 @@
 //   w      = V int p d(-lambda),  tau = -V p lambda n n^T,  n = lambda F^-T n0
 //
 // The stress derives from w, which is a function of F alone. So a closed cycle yields no energy. Slip along the crack
-// gives no stress, and the bond may turn. n0 is the normal of the largest damage when the point failed (crack_of()). A
+// gives no stress, and the bond may turn. n0 is the normal of the crack when the point failed (crack_of()). A
 // crack that opened closes at its width in the reference. A crack that was narrower when its point failed is closed
 // below that width. A crack that was under pressure keeps its pressure:
 //

@@ -17,9 +17,14 @@ vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, double density
 
 }  // namespace
 
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, std::vector<double> field,
+void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, const std::vector<double>& field,
                          std::vector<double>& out) {
-  grid.ties.take_of_heirs(field.data(), 3);
+  std::vector<double> tied;
+  if (!grid.ties.empty()) {
+    tied = field;
+    grid.ties.take_of_heirs(tied.data(), 3);
+  }
+  const double* of_nodes = tied.empty() ? field.data() : tied.data();
   const double inverse_h = 1.0 / grid.h;
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
@@ -29,7 +34,7 @@ void add_consistent_mass(const PointStore& points, const Grid& grid, double dens
       with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
         const vd mass = scale * mass_of(p, m, which, density);
         vd v[3];
-        with_values<3>(grid, m, field.data(), [&](const double* values, const int* column) { gather_value(values, column, s, v); });
+        with_values<3>(grid, m, of_nodes, [&](const double* values, const int* column) { gather_value(values, column, s, v); });
         for (int i = 0; i < 3; ++i) v[i] *= mass;
         with_sums<3>(grid, m, out.data(), [&](double* sums, const int* column) { scatter_value(sums, column, s, v); });
       });

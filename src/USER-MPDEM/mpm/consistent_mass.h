@@ -26,7 +26,7 @@ namespace mpdem {
 enum class MassOf { all_points, unfailed_points };
 
 // out += scale M field, three numbers a node, for the points of this rank. Values of tied nodes go to their heirs.
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, std::vector<double> field,
+void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, const std::vector<double>& field,
                          std::vector<double>& out);
 
 // Inertial force of one bond. Keeps the row sums of M as long as layout and points stay the same.

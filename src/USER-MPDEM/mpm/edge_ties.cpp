@@ -435,6 +435,7 @@ namespace {
 
 // Three numbers of a node, in two pieces. Reads use the pieces of earlier writes, so that the processor can forward them without waiting.
 struct Three {
+  static constexpr int kWidth = 3;
   using v2 = double __attribute__((vector_size(16)));
   v2 xy;
   double z;
@@ -454,23 +455,36 @@ struct Three {
   }
 };
 
+// One number of a node.
+struct One {
+  static constexpr int kWidth = 1;
+  double x;
+  static One load(const double* p) { return {*p}; }
+  void store(double* p) const { *p = x; }
+  void add(double weight, const One& t) { x += weight * t.x; }
+};
+
 }  // namespace
 
-void EdgeTies::pull_back(double* values) const {
+template <class T>
+void EdgeTies::pull_back_as(double* values) const {
   (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
     (is_chained() ? chain_ : masters_).for_each_row(is_chained(), [&, values](int row, int length, const auto* node, const double* weight) {
-      double* slave = values + 3 * static_cast<long>(slaves[row]);
-      const Three v = Three::load(slave);
-      Three{}.store(slave);
+      double* slave = values + T::kWidth * static_cast<long>(slaves[row]);
+      const T v = T::load(slave);
+      T{}.store(slave);
       for (int n = 0; n < length; ++n) {
-        double* master = values + 3 * static_cast<long>(node[n]);
-        Three sum = Three::load(master);
+        double* master = values + T::kWidth * static_cast<long>(node[n]);
+        T sum = T::load(master);
         sum.add(weight[n], v);
         sum.store(master);
       }
     });
   });
 }
+
+void EdgeTies::pull_back(double* values) const { pull_back_as<Three>(values); }
+void EdgeTies::pull_back_scalars(double* values) const { pull_back_as<One>(values); }
 
 void EdgeTies::scale_by_weight_sums(double* values) const {
   slave_.with([&](const auto* slaves) {

@@ -95,8 +95,9 @@ class EdgeTies {
     masters_.for_each(row, f);
   }
 
-  // Moves values of slaves to their masters by the weights, three numbers a node.
+  // Moves values of slaves to their masters by the weights, three numbers a node, or one.
   void pull_back(double* values) const;
+  void pull_back_scalars(double* values) const;
   // Moves values of slaves to their masters by the absolute weights, one number a node.
   void pull_back_sizes(double* values) const;
   // Moves values of slaves to their heirs, as mass goes. Values have `width` numbers a node.
@@ -152,6 +153,8 @@ class EdgeTies {
   void append(const EdgeTies& other, int row);
   void append_with_weights(const EdgeTies& other, int first, int end);
   void bind_chain(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys);
+  template <class T>
+  void pull_back_as(double* values) const;
   bool is_chained() const { return !chain_slave_.empty(); }
 
   ShortList slave_;  // ascending

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "../parallel/ranks.h"
 #include "block_nodes.h"
 #include "scatter.h"
 
@@ -194,8 +195,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   if (most > most_bytes) throw GridTooLarge(most);
 
   // One exchange serves all grids. Keys of different bodies mix where there are parts, so they are sorted anew.
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
   constexpr int W = NodeKinematics::kWidth;
   if (ranks == 1) {
     for (GridRequest& r : requests) {

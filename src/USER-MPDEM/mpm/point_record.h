@@ -100,7 +100,7 @@ struct PointRecord {
   FreedPlace place[kMaxLinks];
   bool debris = false;  // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
   bool has_slip = false;  // slip is set
-  double slip[3] = {0, 0, 0};  // failed, and its crack slid by this share of its width under friction, see mpm/closing_points.h
+  double slip[3] = {0, 0, 0};  // failed, and its crack closed after this slip over its width, with friction, see mpm/closing_points.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>

@@ -171,7 +171,7 @@ PointRecord PointStore::record(int slot) const {
 void PointStore::release(int slot) {
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << slot % kLanes));
   BlockMeta& m = meta[slot / kLanes];
-  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.looked_at, &m.framed, &m.linked}) *bits &= others;
+  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.looked_at, &m.framed, &m.linked, &m.debris}) *bits &= others;
   set_holds(slot, 0);
   blocks[slot / kLanes].volume[slot % kLanes] = 0.0;
   changed_ = true;

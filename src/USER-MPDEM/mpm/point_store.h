@@ -79,6 +79,8 @@ inline vmask lanes(std::uint8_t bits) {
   const vmask bit{1, 2, 4, 8, 16, 32, 64, 128};
   return (bit & static_cast<std::int64_t>(bits)) != 0;
 }
+// The value in these lanes, and zero in the others.
+inline vd masked(std::uint8_t bits, vd value) { return select(lanes(bits), value, vd{}); }
 
 // Number of nodes of a block along d, if the basis has `support` nodes in one cell.
 inline int nodes_along(const BlockMeta& m, int d, int support) { return support + reach_along(m.joined, d); }
@@ -125,7 +127,7 @@ class PointStore {
  public:
   std::vector<PointBlock> blocks;
   std::vector<PointMotion> motion;  // empty while the first reference stands
-  std::vector<PointSlip> slip;      // empty while no crack slid under friction, see closing_points.h
+  std::vector<PointSlip> slip;      // empty while no crack closed under friction, see closing_points.h
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot

@@ -9,10 +9,8 @@
 namespace mpdem {
 
 std::string first_text(MPI_Comm comm, const std::string& text) {
-  int me, size;
-  MPI_Comm_rank(comm, &me);
-  MPI_Comm_size(comm, &size);
-  int mine = text.empty() ? size : me, first;
+  const int size = ranks_of(comm), mine = text.empty() ? size : rank_in(comm);
+  int first;
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
   if (first == size) return "";
   int length = static_cast<int>(text.size());

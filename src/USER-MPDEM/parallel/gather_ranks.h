@@ -45,6 +45,7 @@ std::vector<T> gather_all(MPI_Comm comm, const std::vector<T>& mine) {
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
   const std::vector<int> at = starts_of(counts);
   std::vector<T> all(at.back() + counts.back());
+  if (all.empty()) return all;
   const TypeOf<T> type;
   MPI_Allgatherv(mine.data(), count, type, all.data(), counts.data(), at.data(), type, comm);
   return all;

@@ -3,6 +3,9 @@
 #include "halo_sum.h"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include "ranks.h"
 
 namespace mpdem {
 
@@ -14,7 +17,7 @@ void HaloSum::build(MPI_Comm comm, const std::vector<Key>& keys) { build(comm, f
 
 void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
   comm_ = comm;
-  MPI_Comm_rank(comm, &me_);
+  me_ = rank_in(comm);
   shared_ = std::move(shared);
   counts_here_.assign(size, 1);
   union_.clear();
@@ -57,7 +60,10 @@ void HaloSums::build(const std::vector<HaloSum*>& parts) {
   messages_.build(parts_.data(), parts_.size());
 }
 
-void HaloSums::sum(const std::vector<double*>& values, int width) { messages_.sum(parts_.data(), values.data(), parts_.size(), width); }
+void HaloSums::sum(const std::vector<double*>& values, int width) {
+  if (values.size() != parts_.size()) throw std::logic_error("sums of nodes need the values of each part");
+  messages_.sum(parts_.data(), values.data(), parts_.size(), width);
+}
 
 std::size_t HaloMessages::index_of(int rank) const {
   return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin());

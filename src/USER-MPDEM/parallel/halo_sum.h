@@ -73,7 +73,7 @@ class HaloSums {
  public:
   // parts: sums of different bodies, ascending. They are kept by address, so they must outlive this object.
   void build(const std::vector<HaloSum*>& parts);
-  // Sums the values. values[n]: array of part n.
+  // Sums the values. values[n]: array of part n. Throws std::logic_error if there are more or fewer of them than parts.
   void sum(const std::vector<double*>& values, int width);
 
  private:

@@ -8,13 +8,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "ranks.h"
+
 namespace mpdem {
 
 double memory_limit(MPI_Comm comm) {
   MPI_Comm machine;
   MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  int ranks;
-  MPI_Comm_size(machine, &ranks);
+  const int ranks = ranks_of(machine);
   MPI_Comm_free(&machine);
   const double pages = static_cast<double>(sysconf(_SC_PHYS_PAGES)), page = static_cast<double>(sysconf(_SC_PAGESIZE));
   double mine = pages > 0.0 && page > 0.0 ? pages * page / ranks : std::numeric_limits<double>::max(), least;

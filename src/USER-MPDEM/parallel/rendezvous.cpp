@@ -2,11 +2,12 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "rendezvous.h"
 
-#include "all_to_all.h"
-
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+
+#include "all_to_all.h"
+#include "ranks.h"
 
 namespace mpdem {
 
@@ -29,11 +30,8 @@ struct Holder {
 
 // Holders of all ranks for the keys at home here, ordered by key, then rank.
 std::vector<Holder> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) {
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<std::vector<Holder>> out(ranks);
-  int me;
-  MPI_Comm_rank(comm, &me);
   for (std::size_t i = 0; i < keys.size(); ++i)
     out[home_rank(keys[i], ranks)].push_back({keys[i], me, static_cast<int>(i)});
   std::vector<Holder> all = all_to_all(comm, out).data;
@@ -46,8 +44,7 @@ std::vector<Holder> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) 
 
 Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys) {
   Sharing shared;
-  int ranks;
-  MPI_Comm_size(comm, &ranks);
+  const int ranks = ranks_of(comm);
   if (ranks == 1) return shared;
   const std::vector<Holder> all = gather_at_home(comm, keys);
   struct Answer {
@@ -77,9 +74,7 @@ Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys) {
 std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys,
                                  const std::vector<double>& values, const std::vector<Key>& wanted,
                                  std::vector<char>& found) {
-  int ranks, me;
-  MPI_Comm_size(comm, &ranks);
-  MPI_Comm_rank(comm, &me);
+  const int ranks = ranks_of(comm);
   std::vector<double> result(wanted.size() * width, 0.0);
   found.assign(wanted.size(), 0);
   const auto take = [&](std::size_t w, const double* v) {

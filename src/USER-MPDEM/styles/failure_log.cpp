@@ -79,10 +79,8 @@ void FailureLog::add_links(const Bond& bond, const Body& body, long step, double
 }
 
 std::string FailureLog::open(MPI_Comm comm, double last_kept) {
-  int me;
-  MPI_Comm_rank(comm, &me);
   open_ = true;
-  return me == 0 ? file_.open(name_, kHeader, last_kept) : "";
+  return rank_in(comm) == 0 ? file_.open(name_, kHeader, last_kept) : "";
 }
 
 std::string FailureLog::write(MPI_Comm comm) {
