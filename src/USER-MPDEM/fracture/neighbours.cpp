@@ -36,16 +36,6 @@ int Neighbours::at(const std::array<int, 3>& cell) const {
   return it != end && it->first == cell ? it->second : -1;
 }
 
-// Searches visit a face from both sides and several times.
-bool Neighbours::bridged(int i, int face) const {
-  signed char& known = bridged_[6 * i + face];
-  if (known < 0) {
-    known = square(i, face, nullptr);
-    if (const int other = face_[i][face]; other >= 0) bridged_[6 * other + (face ^ 1)] = known;
-  }
-  return known != 0;
-}
-
 bool Neighbours::square(int i, int face, std::vector<int>* beside) const {
   const int other = face_[i][face];
   if (other < 0 || points_[i].failed || points_[other].failed) return false;
@@ -102,7 +92,7 @@ std::vector<int> Neighbours::bridge(int i, int face) const {
 }
 
 Neighbours::Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& joined, int support, int across)
-    : order_(p.size()), face_(p.size()), points_(p), across_(across), cells_(p.size()), bridged_(6 * p.size(), -1) {
+    : order_(p.size()), face_(p.size()), points_(p), across_(across), cells_(p.size()) {
   std::vector<std::pair<std::array<int, 3>, int>>& cells = cells_;
   for (std::size_t i = 0; i < p.size(); ++i) cells[i] = {{p[i].cell[0], p[i].cell[1], p[i].cell[2]}, static_cast<int>(i)};
   std::sort(cells.begin(), cells.end());

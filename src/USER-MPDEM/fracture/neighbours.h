@@ -49,7 +49,7 @@ class Neighbours {
   // points are of different sheets that are not connected there.
   const std::array<int, 6>& of(int i) const { return face_[i]; }
   // True if there is a point across that face, both points hold, and the face belongs to a bridge.
-  bool bridged(int i, int face) const;
+  bool bridged(int i, int face) const { return square(i, face, nullptr); }
   // Points beside the square of faces that makes the face part of a bridge, including i and the point across the face.
   std::vector<int> bridge(int i, int face) const;
   // Points in the order of their cells. Results found in this order do not depend on the order in which the points are given.
@@ -65,7 +65,6 @@ class Neighbours {
   std::vector<std::pair<std::array<int, 3>, int>> cells_;  // ascending
   std::vector<int> first_;                                  // first_[x - least_x_]: first of cells_ with this x; the last entry is their number
   int least_x_ = 0;
-  mutable std::vector<signed char> bridged_;  // of the faces that were asked for, six a point; -1: not yet
 };
 
 }  // namespace mpdem
