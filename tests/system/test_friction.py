@@ -142,10 +142,10 @@ def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
         assert (tables[ranks]["f_bond[18]"] == alone["f_bond[18]"]).all()
 
 
-@pytest.mark.parametrize("share, most", [(0.4, 1.1), (0.8, 1.6)])
-def test_debonded_cement_that_is_hit(tmp_path, figures, share, most):
-    """A free grain pulls its cement off and hits it again and again, with steps that links need much added mass for. Contact needs less, and the
-    energy that it makes is that of its added mass."""
+@pytest.mark.parametrize("share", [0.4, 0.8])
+def test_debonded_cement_that_is_hit(tmp_path, figures, share):
+    """A free grain pulls its cement off and hits it again and again, with steps that links need much added mass for. Contact needs some, and makes
+    no energy by taking it up: the energy grew by 40 % with the longer step when nodes kept their velocity then."""
     text = edit(pair(1.25e-4, gap=3e-4, cement="inner 1e-3 outer 2e-3", half_box=3 * (12.5e-3,)), "create_cement",
                 "group first id 1\ngroup second id 2\nvelocity second set 0 0 0.2\ncreate_cement")
     words = cement(2.5e-4, 1e-8, elastic=(60e9, 60e9, 0.2, 0.2, 25e9), damage=f"timestep auto {share} check 20",
@@ -160,5 +160,5 @@ def test_debonded_cement_that_is_hit(tmp_path, figures, share, most):
     figures.below(f"step of {share:g}: largest energy of the pulled pair over the first", energy[:first].max() / energy[0], 1.01)
     for n in (1, 2):
         part = energy[n * first + 2:(n + 1) * first]
-        figures.below(f"step of {share:g}: largest energy over the first, hit {n}", part.max() / part[0], most)
-    figures.below(f"step of {share:g}: energy imbalance", abs(t["f_cem[12]"][10:]).max(), 0.03)
+        figures.below(f"step of {share:g}: largest energy over the first, hit {n}", part.max() / part[0], 1.03)
+    figures.below(f"step of {share:g}: energy imbalance", abs(t["f_cem[12]"][10:]).max(), 0.004)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "coupling/rigid_motion.h"
 #include "linked_bonds.h"
 
 namespace mpdem {
@@ -414,6 +415,64 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
     for (int d = 0; d < 3; ++d) grain.add(std::max(std::fabs(g.force[d] - g.jump_force[d]), std::fabs(g.torque[d] - g.jump_force[3 + d])));
   expect_within(node, 1e-13, "change of velocity");
   expect_within(grain, 1e-13, "momentum of the grains");
+}
+
+// Nodes that take up added mass keep the energy of their motion against the grain, those that give it up their velocity.
+// Momentum is kept, and what the cement loses is its kinetic energy less the work on the grains.
+TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
+  Scene s = scene(158);
+  s.place_grains(0.1, 1.0);
+  s.set_added_mass();
+  s.sides.clear_forces();
+  s.sides.clear_sudden_forces();
+  test::Worst kept, same;
+  double lost = 0.0, kinetic = 0.0;
+  int slowed = 0;
+  for (Bond& b : s.bonds) {
+    Grid& grid = b.grid;
+    std::fill(grid.acceleration.begin(), grid.acceleration.end(), 0.0);
+    grid.ties.extend(grid.velocity.data());
+    std::vector<AddedMass::Share> before = b.added.shares();
+    const std::vector<AddedMass::Share> now = before;
+    const auto side_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the side whose mass changes
+    for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[side_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
+    const std::vector<double> first = grid.velocity;
+    std::vector<AddedMass::Share> listed;
+    std::copy_if(before.begin(), before.end(), std::back_inserter(listed), [](const AddedMass::Share& a) { return a.mass[0] + a.mass[1] > 0.0; });
+    lost += b.added.take_up(listed, grid, s.side(b), 0.0, 1.0);
+    for (std::size_t n = 0; n < now.size(); ++n) {
+      const int node = now[n].node, side = side_of(n);
+      double r[3], of_grain[3], was = 0.0, is = 0.0, change = 0.0;
+      lever_arm(grid, node, s.side(b)[side], r);
+      velocity_at(s.side(b)[side], r, of_grain);
+      for (int d = 0; d < 3; ++d) {
+        was += std::pow(first[3 * node + d] - of_grain[d], 2);
+        is += std::pow(grid.velocity[3 * node + d] - of_grain[d], 2);
+        change += std::fabs(grid.velocity[3 * node + d] - first[3 * node + d]);
+      }
+      if (n % 3 == 2) same.add(change);
+      else kept.add(std::fabs(is / was - (grid.mass[node] + before[n].mass[0] + before[n].mass[1]) / (grid.mass[node] + now[n].mass[0] + now[n].mass[1])));
+      slowed += n % 3 != 2 && is < was;
+    }
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      grid.acceleration[i] = grid.velocity[i] - first[i];
+      kinetic += 0.5 * grid.mass[i / 3] * (first[i] * first[i] - grid.velocity[i] * grid.velocity[i]);
+    }
+    const std::vector<double> moved = grid.acceleration;
+    grid.ties.extend(grid.acceleration.data());
+    for (std::size_t i = 0; i < moved.size(); ++i) same.add(std::fabs(grid.acceleration[i] - moved[i]));  // tied nodes follow
+  }
+  EXPECT_GT(slowed, 20);
+  expect_within(kept, 1e-12, "energy against the grain");
+  expect_within(same, 1e-14, "velocity of the other nodes");
+  for (GrainSide& g : s.sides.sides)
+    for (int d = 0; d < 3; ++d) {
+      g.force[d] = g.transfer_force[d];
+      g.torque[d] = g.transfer_force[3 + d];
+      kinetic -= g.force[d] * g.v[d] + g.torque[d] * g.omega[d];
+    }
+  s.expect_balanced(momentum_of(s, &Grid::acceleration), 1e-13, "momentum");
+  EXPECT_NEAR(lost, kinetic, 1e-11 * std::fabs(kinetic));
 }
 
 // Links of a free grain count with (1 + t) times their stiffness. t is the mass ratio of the grain.

@@ -38,7 +38,26 @@ void AddedMasses::follow_places(const std::vector<int>& moved) {
   mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
   const std::vector<int> rows = scene_.agreed_rows(mine);
   if (rows.empty()) return;
-  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); }, [&] { refresh(rows); });
+  take_up(rows, [] {});
+}
+
+template <class Action>
+void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
+  std::vector<std::vector<AddedMass::Share>> before;
+  for (int row : rows)
+    if (const Bond* b = scene_.bonds.find(row)) before.push_back(b->added.shares());
+  double slowed = 0.0;
+  scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); },
+                          [&] {
+                            action();
+                            refresh(rows);
+                            std::size_t n = 0;
+                            for (int row : rows)
+                              if (Bond* b = scene_.bonds.find(row))
+                                slowed += b->added.take_up(before[n++], b->grid, scene_.grains.side_of(*b), scene_.kick(), scene_.now.dt);
+                          });
+  scene_.books.release(slowed);
+  scene_.grains.expect_sudden_forces();
 }
 
 bool AddedMasses::give_inertia(Bond& b) const {
@@ -47,11 +66,9 @@ bool AddedMasses::give_inertia(Bond& b) const {
 }
 
 void AddedMasses::drop_inert() {
-  scene_.books.release_by([&] { return energy_ahead(scene_.all_rows(), scene_.kick()); },
-                          [&] {
-                            for (Bond& b : scene_.bonds.awake()) drop_inert(b);
-                            refresh();
-                          });
+  take_up(scene_.all_rows(), [&] {
+    for (Bond& b : scene_.bonds.awake()) drop_inert(b);
+  });
 }
 
 // Links that let go are dropped here as a new layout would leave them out, since sums over links go by their blocks. So

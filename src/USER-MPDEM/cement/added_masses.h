@@ -29,6 +29,7 @@ class AddedMasses {
   void follow(const std::vector<int>& rows, const char* event, const StableStep::Patches* patches = nullptr);
   // Collective, in steps in which the scene watches. Finds the added mass of bonds whose places moved on to other points
   // (rows of this rank), or came near to their grains or away from them.
+  // Nodes that take up added mass are slowed, so that they gain no energy (AddedMass::take_up()).
   void follow_places(const std::vector<int>& moved);
   // Collective. Takes the added mass from links that let go in the course of a run.
   void drop_inert();
@@ -39,6 +40,9 @@ class AddedMasses {
 
  private:
   bool give_inertia(Bond& b) const;
+  // Collective. Finds the added mass of these bonds anew after `action`. Call it between BondedGrains::clear_sudden_forces() and the drift.
+  template <class Action>
+  void take_up(const std::vector<int>& rows, Action action);
 
   Scene& scene_;
   StableStep& stable_step_;

@@ -218,6 +218,7 @@ void Cement::advance() {
   const std::vector<int> moved = move_places(scene_);
   grains.distribute(scene_.bonds);
   condensed_.follow(grains, scene_.weight().data());
+  grains.clear_sudden_forces();
   added_.follow_places(moved);
   // bonds that come apart
   parting_.look();

@@ -23,7 +23,6 @@ class Total : public Kinematics {
     const bool transfer = o.reproject_every > 0 && scene_.ends_step() && scene_.now.number % o.reproject_every == 0;
     const bool may_be_distorted = o.reproject_distortion > 0.0 && scene_.ends_step() && scene_.now.number % o.check_every == 0;
     average_drives(scene_, shared_.any_bond_is_cut());
-    scene_.grains.clear_sudden_forces();
     scene_.grains.sides.clear_forces();
     if (added_.any()) scene_.grains.expect_sudden_forces();
     if (!may_be_distorted) forces_.begin_completing();

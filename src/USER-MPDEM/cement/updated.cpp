@@ -27,7 +27,6 @@ class Updated : public Kinematics {
     scene_.timer.start(StepTimer::kLayout);
     follow_points();
     average_drives(scene_, shared_.any_bond_is_cut());
-    scene_.grains.clear_sudden_forces();
     if (added_.any()) scene_.grains.expect_sudden_forces();
     kinetic_.clear();
     inertial_.clear();
