@@ -46,8 +46,8 @@ struct PenaltyParameters {
   double damping = 0;  // share of critical damping, for the spring with the mass of its point
   bool at_surface = true;
   double friction = -1;  // friction of places that let go, see freed_places.h; below 0: they touch nothing
-  // Largest stiffness of such a place, in pressure over length. A place that comes near its grain takes up added mass at
-  // the speed that it has, and gives it up when it goes. If that is many times the mass of the cement there, impacts make energy.
+  // Largest stiffness of such a place, in pressure over length. A node near its grain takes up added mass, which
+  // slows it, and gives it up when it goes. If that is many times the mass of the cement there, impacts lose most of its motion.
   double most_contact = std::numeric_limits<double>::infinity();
   TractionStiffness contact() const { return {std::min(law->stiffness().kn, most_contact), std::min(law->stiffness().kt, most_contact)}; }
   // Stiffness of links, and of places that let go, by which they ask for added mass. The factor with friction is there

@@ -33,7 +33,7 @@ const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping
 // (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
 // Contact of places that let go is not stiffer than this over one cell. Links are stiffer, since the stiffness of the bond
-// is theirs. Contact has to do with little added mass, so that impacts make little energy (PenaltyParameters::most_contact).
+// is theirs. Contact has to do with little added mass, so that impacts take little energy (PenaltyParameters::most_contact).
 constexpr double kContactOverC33 = 5.0;
 
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
