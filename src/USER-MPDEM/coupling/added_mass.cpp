@@ -191,6 +191,7 @@ double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSid
       if (!(more > 0.0)) continue;
       double r[3], of_grain[3], jump[3], slower[3];
       lever_arm(grid, now.node, side[n], r);
+      for (int d = 0; d < 3; ++d) r[d] += dt * side[n].v[d];  // the grain went on, and the node did not
       velocity_at(side[n], r, of_grain);
       jump_at(side[n], r, jump);
       const double share = std::sqrt(inertia / (inertia + more)) - 1.0;
@@ -215,9 +216,10 @@ double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSid
 double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double later) const {
   double energy = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* from) {
     if (!counts[node]) return;
-    double of_grain[3], jump[3];
+    double r[3], of_grain[3], jump[3];
+    for (int d = 0; d < 3; ++d) r[d] = from[d] + later * s.v[d];  // the grain went on, and the node did not
     velocity_at(s, r, of_grain);
     jump_at(s, r, jump);
     for (int d = 0; d < 3; ++d) {

@@ -62,7 +62,8 @@ class AddedMass {
   const SharedList<double>& of_nodes() const { return mass_; }
 
   // Slows nodes whose added mass is more than in `before` against the grains: the energy of this motion stays. Velocities
-  // are ahead of the stored ones by `later` times the acceleration, and hold for the step dt that comes. The momentum that nodes lose
+  // are ahead of the stored ones by `later` times the acceleration, and hold for the step dt that comes. The
+  // grains have made this step already. The momentum that nodes lose
   // goes to the grains over this step, as force of a transfer. Returns the energy that the cement loses beyond its work on
   // the grains, without that of the added mass.
   double take_up(const std::vector<Share>& before, Grid& grid, GrainSide* side, double later, double dt) const;

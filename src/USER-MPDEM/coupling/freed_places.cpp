@@ -214,13 +214,15 @@ void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSid
 // A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
 bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double dt, double soon) {
   bool changes = false;
+  GrainSide before[2] = {side[0], side[1]};
+  for (GrainSide& s : before)
+    for (int d = 0; d < 3; ++d) s.x[d] -= dt * s.v[d];  // the grains went on, and the nodes did not
   for (Block& b : blocks_) {
     Touch t;
-    touch(b, grid, side[b.side], t);
+    touch(b, grid, before[b.side], t);
     vd v[3], of_grain[3];
-    find_velocity(b, grid, side[b.side], t, v, of_grain);
-    const vd gap = t.gap + dt * dot(of_grain, t.n);  // before the grain went on
-    const vd least = gap + kMargin * soon * min(dot(v, t.n), vd{});
+    find_velocity(b, grid, before[b.side], t, v, of_grain);
+    const vd least = t.gap + kMargin * soon * min(dot(v, t.n), vd{});
     const vd reach = select(b.inert_area > 0.0, splat(2.0 * kNear * grid.h), splat(kNear * grid.h));
     const vd wanted = masked(static_cast<std::uint8_t>(b.holds & bits(least < reach)), b.area);
     for (int l = 0; l < kLanes; ++l) {
