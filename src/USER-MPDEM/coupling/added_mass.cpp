@@ -173,8 +173,7 @@ void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {
 }
 
 // A node of the inertia N against its grain that takes up C more is slowed to (N/(N + C))^(1/2) of its velocity against the
-// grain. Central differences count the force of the last step on half of the motion of this one, so they miss half a
-// step of its power on what the velocity changes by.
+// grain. The force of the last step acts on half of the motion of this one, so the change of the velocity changes its work.
 double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSide* side, double later, double dt) const {
   std::vector<double> change(grid.velocity.size(), 0.0);
   const std::vector<char>& counts = grid.halo.counts_here();

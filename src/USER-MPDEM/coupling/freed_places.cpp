@@ -213,6 +213,7 @@ void FreedPlaces::find_velocity(const Block& b, const Grid& grid, const GrainSid
 
 // A place that has added mass keeps it up to twice the distance. So places at that distance do not get and lose it in turns.
 bool FreedPlaces::give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double dt, double soon) {
+  if (blocks_.empty()) return false;  // there may be no sides
   bool changes = false;
   GrainSide before[2] = {side[0], side[1]};
   for (GrainSide& s : before)
