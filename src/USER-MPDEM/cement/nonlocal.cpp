@@ -40,11 +40,14 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
     shared.sum(of_bonds, 1);
     scene.timer.start(StepTimer::kPoints);
   };
-  for (Bond* b : cut) b->average.start(b->points, b->grid, *scene.law);
+  for (Bond* b : cut) {
+    b->average.start(b->points, b->grid, *scene.law, !scene.options.updated);
+    b->average.find_volumes(b->grid);
+  }
   sum(&DriveAverage::volumes);
   sum(&DriveAverage::sums);
   for (int k = 0; k < sweeps.count; ++k) {
-    for (Bond* b : cut) b->average.sweep(b->points, b->grid, sweeps, k);
+    for (Bond* b : cut) b->average.sweep(b->grid, sweeps, k);
     if (!sweeps.is_last(k)) sum(&DriveAverage::sums);
   }
 }

@@ -7,9 +7,7 @@
 #include <limits>
 
 #include "../material/laws.h"
-#include "gather.h"
 #include "point_state.h"
-#include "scatter.h"
 #include "strain_norm.h"
 
 namespace mpdem {
@@ -50,53 +48,46 @@ int count_holding(const PointStore& points) {
 
 }  // namespace
 
-void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand) {
-  const int holding = count_holding(points);
-  const bool find_volumes = !volumes_stand || grid.drive_average.empty() || holding != holding_;
-  holding_ = holding;
-  if (find_volumes) volume_.assign(grid.size(), 0.0);
-  sum_.assign(grid.size(), 0.0);
-  const double inverse_h = 1.0 / grid.h;
+void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool points_stand) {
+  const int count = count_holding(points);
+  if (!points_stand || grid.drive_average.empty() || count != holding_) {
+    of_points_.find(points, grid);
+    find_volumes(grid);
+  }
+  holding_ = count;
+  sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   with_law(law, [&](const auto& l) {
-    using L [[maybe_unused]] = std::decay_t<decltype(l)>;
-    with_basis(grid.basis, [&](auto type) {
-      for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-        const PointBlock& p = points.blocks[b];
-        const BlockMeta& m = points.meta[b];
-        if (m.failed == m.occupied) continue;
-        const vmask active = lanes(m.occupied & ~m.failed);
-        const vd V = select(active, p.volume, vd{});
-        vd root{};
-        if constexpr (L::kFields > 0) root = select(active, root_of_norm(l, p.strain), vd{});
-        with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) {
-          if (find_volumes) scatter_scalar(volume_.data(), m.column, s, V);
-          scatter_scalar(sum_.data(), m.column, s, V * root);
-        });
-      }
-    });
+    using L = std::decay_t<decltype(l)>;
+    if constexpr (L::kFields > 0)
+      of_points_.add_values([&](int b) { return points.blocks[b].volume * root_of_norm(l, points.blocks[b].strain); }, sum_.data());
   });
-  if (find_volumes) grid.ties.give_to_heirs(volume_.data(), 1);
   grid.ties.give_to_heirs(sum_.data(), 1);
-  grid.drive_average.assign(grid.size(), 0.0);
+  mean_.assign(sum_.size(), 0.0);
 }
 
-void DriveAverage::sweep(const PointStore& points, Grid& grid, const AverageSweeps& sweeps, int k) {
+void DriveAverage::find_volumes(const Grid& grid) {
+  volume_.assign(grid.size() + ScalarSums::kRoom, 0.0);
+  of_points_.add_volumes(volume_.data());
+  grid.ties.give_to_heirs(volume_.data(), 1);
+  volume_is_new_ = true;
+}
+
+void DriveAverage::sweep(Grid& grid, const AverageSweeps& sweeps, int k) {
+  const std::size_t nodes = grid.size();
+  if (volume_is_new_) {
+    inverse_volume_.resize(nodes);
+    for (std::size_t i = 0; i < nodes; ++i) inverse_volume_[i] = volume_[i] > 0.0 ? 1.0 / volume_[i] : 0.0;
+    volume_is_new_ = false;
+  }
   const double weight = sweeps.weight(k);
-  std::vector<double>& mean = grid.drive_average;
-  for (std::size_t i = 0; i < sum_.size(); ++i) mean[i] = (1.0 - weight) * mean[i] + (volume_[i] > 0.0 ? weight * sum_[i] / volume_[i] : 0.0);
-  grid.ties.take_of_heirs(mean.data(), 1);
-  if (sweeps.is_last(k)) return;
+  for (std::size_t i = 0; i < nodes; ++i) mean_[i] = (1.0 - weight) * mean_[i] + weight * sum_[i] * inverse_volume_[i];
+  grid.ties.take_of_heirs(mean_.data(), 1);
+  if (sweeps.is_last(k)) {
+    grid.drive_average.assign(mean_.begin(), mean_.begin() + nodes);
+    return;
+  }
   std::fill(sum_.begin(), sum_.end(), 0.0);
-  const double inverse_h = 1.0 / grid.h;
-  with_basis(grid.basis, [&](auto type) {
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-      const PointBlock& p = points.blocks[b];
-      const BlockMeta& m = points.meta[b];
-      if (m.failed == m.occupied) continue;
-      const vd V = select(lanes(m.occupied & ~m.failed), p.volume, vd{});
-      with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { scatter_scalar(sum_.data(), m.column, s, V * gather_scalar(mean.data(), m.column, s)); });
-    }
-  });
+  of_points_.add_means(mean_.data(), sum_.data());
   grid.ties.give_to_heirs(sum_.data(), 1);
 }
 

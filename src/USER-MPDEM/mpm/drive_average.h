@@ -30,6 +30,7 @@
 #include "gather.h"
 #include "grid.h"
 #include "point_store.h"
+#include "scalar_sums.h"
 
 namespace mpdem {
 
@@ -59,20 +60,23 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 }
 
 // Averages of one bond. find() is for a bond whose points are all on this rank. If other ranks have points of the bond
-// as well, the caller must sum over the ranks: volumes() and sums() after start(), and sums() after every sweep() but the last.
+// as well, the caller must sum over the ranks: sums() after start(), volumes() after find_volumes(), and sums() after
+// every sweep() but the last.
 class DriveAverage {
  public:
-  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool volumes_stand = false) {
-    start(points, grid, law, volumes_stand);
-    for (int k = 0; k < sweeps.count; ++k) sweep(points, grid, sweeps, k);
+  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool points_stand = false) {
+    start(points, grid, law, points_stand);
+    for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
-  // Scatters the roots of the norms to the nodes. volumes_stand: points are where they were in the last start(). The
-  // volumes of the nodes are then found anew only if a point has failed since, or if the grid has no average.
-  void start(const PointStore& points, Grid& grid, const Law& law, bool volumes_stand = false);
+  // Scatters the roots of the norms to the nodes. points_stand: points are where they were in the last start(). Their
+  // weights and the volumes of the nodes are then found anew only if a point has failed since, or if the grid has no average.
+  void start(const PointStore& points, Grid& grid, const Law& law, bool points_stand = false);
+  // Finds the volumes of the nodes from the points of this rank. Other ranks may have lost points that this rank does not know of.
+  void find_volumes(const Grid& grid);
   // Does sweep k. Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps the
   // average is gathered at the points and scattered back. After the last sweep the pass over the points interpolates it
   // with the weights that it has anyway.
-  void sweep(const PointStore& points, Grid& grid, const AverageSweeps& sweeps, int k);
+  void sweep(Grid& grid, const AverageSweeps& sweeps, int k);
 
   // Sets grid.drive_limit and clears grid.drive_average if `largest` is below the threshold. Else the points have no
   // limits. An average is a mean of roots of points with weights that are not negative. So it grows no more than the
@@ -85,11 +89,16 @@ class DriveAverage {
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
-  std::size_t memory_usage() const { return (volume_.capacity() + sum_.capacity()) * sizeof(double); }
+  std::size_t memory_usage() const {
+    return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) + of_points_.memory_usage();
+  }
 
  private:
-  std::vector<double> volume_, sum_;  // a number for each node
-  int holding_ = -1;                  // number of unfailed points in volume_
+  std::vector<double> inverse_volume_;  // a number for each node
+  std::vector<double> volume_, sum_, mean_;  // the same, with room beyond the nodes, see scalar_sums.h
+  bool volume_is_new_ = false;                         // not in inverse_volume_ yet
+  int holding_ = -1;                                   // number of unfailed points in volume_
+  ScalarSums of_points_;
 };
 
 }  // namespace mpdem

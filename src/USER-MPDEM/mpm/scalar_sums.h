@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Sums of scalars of points at the nodes, for points that are summed many times at the same places with the same
+// volumes. Failed points take no part.
+//
+// Most points of a bond are in a lattice: a quarter of a cell off the middle of their cell in each direction. Their
+// weights are products of the 1-D shape functions at a quarter of h below and above the middle. So values are
+// interpolated and summed one direction at a time (sum factorisation, Orszag, J. Comput. Phys. 37 (1980) 70). Cells that
+// follow each other along the columns of nodes make a run. A vector has eight cells of a run, so no lanes are summed.
+// Each other point has its own weights, and vectors go along its columns of nodes. Both need neither the points nor
+// gather_scalar() and scatter_scalar(), which find the weights of eight points anywhere and sum over their lanes.
+#ifndef MPDEM_SCALAR_SUMS_H
+#define MPDEM_SCALAR_SUMS_H
+
+#include <array>
+#include <vector>
+
+#include "grid.h"
+#include "point_store.h"
+
+namespace mpdem {
+
+class ScalarSums {
+ public:
+  // Arrays of nodal values must have so many numbers more than there are nodes, since vectors reach beyond the nodes.
+  static constexpr int kRoom = kLanes;
+
+  // Finds places and volumes of the points that hold. They stand until a point moves or fails, or nodes of the grid change.
+  void find(const PointStore& points, const Grid& grid);
+
+  // sum_I += sum over the points of V N_I
+  void add_volumes(double* sum) const { add(volume_.data(), sum); }
+  // sum_I += sum over the points of V N_I f, where f is the interpolation of `mean`
+  void add_means(const double* mean, double* sum) const;
+  // sum_I += sum over the points of N_I f. value(b) returns f at the points of block b.
+  template <class F>
+  void add_values(F value, double* sum) {
+    value_.assign(volume_.size(), vd{});
+    double* values = reinterpret_cast<double*>(value_.data());
+    for (std::size_t n = 0; n < blocks_.size(); ++n) {
+      const vd of_block = value(blocks_[n]);
+      for (int l = 0; l < kLanes; ++l)
+        if (place_[n][l] >= 0) values[place_[n][l]] += of_block[l];
+    }
+    add(value_.data(), sum);
+  }
+
+  std::size_t memory_usage() const;
+
+ private:
+  struct Run {
+    int column[kMostColumns];  // first nodes
+    int cells;
+    int first;  // its first vector in volume_
+  };
+  // The points of a cell that are in the lattice. Their order has a bit for each direction, 1 for the upper half, that
+  // of x the highest.
+  struct Cell {
+    int column[kMostColumns];
+    double volume[kLanes];
+    int place;  // of its first number in volume_
+  };
+  std::vector<Cell> find_points(const PointStore& points, const Grid& grid, std::vector<int>& cell_at);
+  template <class W>
+  void add_alone(const BlockMeta& m, const W& weights, std::uint8_t which, std::array<int, kLanes>& place);
+  void make_runs(std::vector<Cell>& cells, const std::vector<int>& cell_at);
+  void add(const vd* values, double* sum) const;
+
+  Basis basis_ = Basis::quadratic;
+  std::vector<Run> runs_;
+  // Of the points of runs, eight vectors for eight cells, one for each of their points. Then of the points alone.
+  std::vector<vd> volume_, value_;
+  int first_alone_ = 0, alone_ = 0;   // first number in volume_ of the points alone, and how many there are
+  std::vector<int> column_;           // of the points alone: first nodes of their columns
+  std::vector<double> weight_;        // of the points alone: of the columns, and of the nodes along a column
+  std::vector<int> blocks_;           // those that hold, ascending
+  std::vector<std::array<int, kLanes>> place_;  // of their lanes in volume_, -1 for those that do not hold
+};
+
+}  // namespace mpdem
+
+#endif
