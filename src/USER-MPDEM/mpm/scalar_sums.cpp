@@ -11,7 +11,8 @@ namespace mpdem {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of the places of points, in cells
-constexpr int kAlone = -2;          // place of a point alone while places are found: kAlone - its number
+constexpr int kNone = -1;
+constexpr int kAlone = -2;  // place of a point alone while places are found: kAlone - its number
 
 using v4 = double __attribute__((vector_size(32)));
 constexpr int kAlong = 4;  // weights along the column of a point alone; no basis has more
@@ -141,67 +142,60 @@ std::uint8_t in_lattice(const PointBlock& p, const BlockMeta& m, double inverse_
 
 }  // namespace
 
+// A cell is known by its first node. The lanes of a block in a row of cells may be in different cells.
+int ScalarSums::node_of_cell(const BlockMeta& m, int lane, int column) const {
+  const int S = support(basis_);
+  int off[3];
+  for (int d = 0; d < 3; ++d) off[d] = cell_of(m, lane, d) - m.base[d];
+  return m.column[nodes_along(m, 1, S) * (off[0] + column / S) + off[1] + column % S] + off[2];
+}
+
 void ScalarSums::find(const PointStore& points, const Grid& grid) {
   basis_ = grid.basis;
-  std::vector<int> cell_at(grid.size(), -1);  // cell with this first node
-  std::vector<Cell> cells = find_points(points, grid, cell_at);
-  make_runs(cells, cell_at);
+  std::vector<int> cell_at(grid.size(), kNone);  // of each node: slot of a point of the cell that begins there, then the place of the cell
+  find_points(points, grid.h, cell_at);
+  make_runs(points, cell_at);
   first_alone_ = static_cast<int>(kLanes * volume_.size());
   volume_.resize(volume_.size() + (alone_ + kLanes - 1) / kLanes, vd{});
   double* volumes = reinterpret_cast<double*>(volume_.data());
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l) {
       int& at = place_[n][l];
-      if (at >= 0) {
-        at = cells[at / kLanes].place + kLanes * (at % kLanes);
-      } else if (at <= kAlone) {
-        at = first_alone_ + (kAlone - at);
-        volumes[at] = points.blocks[blocks_[n]].volume[l];
-      }
+      if (at == kNone) continue;
+      at = at >= 0 ? cell_at[at / kLanes] + kLanes * (at % kLanes) : first_alone_ + (kAlone - at);
+      volumes[at] += points.blocks[blocks_[n]].volume[l];
     }
 }
 
-std::vector<ScalarSums::Cell> ScalarSums::find_points(const PointStore& points, const Grid& grid, std::vector<int>& cell_at) {
+// Leaves in place_ for the points of a lattice eight times the first node of their cell, plus their place in the cell.
+void ScalarSums::find_points(const PointStore& points, double h, std::vector<int>& cell_at) {
   for (auto* list : {&column_, &blocks_}) list->clear();
   weight_.clear();
   place_.clear();
   alone_ = 0;
-  const int S = support(grid.basis), blocks = static_cast<int>(points.blocks.size());
-  const double inverse_h = 1.0 / grid.h, middle = cell_middle(grid.basis);
-  std::vector<Cell> cells;
-  cells.reserve(blocks);
-  for (int b = 0; b < blocks; ++b) {
+  const double inverse_h = 1.0 / h, middle = cell_middle(basis_);
+  for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b) {
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
     const std::uint8_t holding = m.occupied & static_cast<std::uint8_t>(~m.failed);
     if (holding == 0) continue;
     blocks_.push_back(b);
     place_.emplace_back();
-    place_.back().fill(-1);
+    place_.back().fill(kNone);
     int place[kLanes];
     const std::uint8_t in = in_lattice(p, m, inverse_h, middle, place);
-    const int nodes_j = nodes_along(m, 1, S);
     for (int l = 0; l < kLanes; ++l) {
       if (!(in >> l & 1)) continue;
-      int off[3];
-      for (int d = 0; d < 3; ++d) off[d] = cell_of(m, l, d) - m.base[d];
-      int& cell = cell_at[m.column[nodes_j * off[0] + off[1]] + off[2]];
-      if (cell < 0) {
-        cell = static_cast<int>(cells.size());
-        cells.emplace_back();
-        for (int c = 0; c < S * S; ++c) cells[cell].column[c] = m.column[nodes_j * (off[0] + c / S) + off[1] + c % S] + off[2];
-        std::fill_n(cells[cell].volume, kLanes, 0.0);
-      }
-      cells[cell].volume[place[l]] += p.volume[l];
-      place_.back()[l] = kLanes * cell + place[l];
+      const int node = node_of_cell(m, l, 0);
+      cell_at[node] = kLanes * b + l;
+      place_.back()[l] = kLanes * node + place[l];
     }
     const std::uint8_t others = holding & static_cast<std::uint8_t>(~in);
     if (others == 0) continue;
-    with_basis(grid.basis, [&](auto type) {
+    with_basis(basis_, [&](auto type) {
       with_weights<decltype(type)>(p, m, inverse_h, [&](const auto& s) { add_alone(m, s, others, place_.back()); });
     });
   }
-  return cells;
 }
 
 template <class W>
@@ -212,34 +206,33 @@ void ScalarSums::add_alone(const BlockMeta& m, const W& s, std::uint8_t which, s
     place[l] = kAlone - alone_++;
     int off[3];
     for (int d = 0; d < 3; ++d) off[d] = cell_of(m, l, d) - m.base[d];
-    for (int i = off[0]; i < off[0] + S; ++i)
-      for (int j = off[1]; j < off[1] + S; ++j) {
-        column_.push_back(m.column[W::kJ * i + j] + off[2]);
-        weight_.push_back(s.w[0][i][l] * s.w[1][j][l]);
-      }
+    for (int c = 0; c < S * S; ++c) {
+      column_.push_back(node_of_cell(m, l, c));
+      weight_.push_back(s.w[0][off[0] + c / S][l] * s.w[1][off[1] + c % S][l]);
+    }
     for (int k = 0; k < kAlong; ++k) weight_.push_back(k < S ? s.w[2][off[2] + k][l] : 0.0);
   }
 }
 
-void ScalarSums::make_runs(std::vector<Cell>& cells, const std::vector<int>& cell_at) {
+// Replaces the slots of cells by places in volume_.
+void ScalarSums::make_runs(const PointStore& points, std::vector<int>& cell_at) {
   runs_.clear();
   volume_.clear();
   const int columns = support(basis_) * support(basis_);
-  int last = -1;  // cell of the node before
-  for (int at : cell_at) {
-    const int before = std::exchange(last, at);
-    if (at < 0) continue;
-    Cell& cell = cells[at];
+  bool follows = false;  // the node before is the first one of a cell
+  for (int& at : cell_at) {
+    if (at == kNone) {
+      follows = false;
+      continue;
+    }
     // The node after the first one of a cell is its second one along the column. So if a cell begins there, it is the next of the run.
-    if (before < 0) {
+    if (!std::exchange(follows, true)) {
       runs_.push_back({{}, 0, static_cast<int>(volume_.size())});
-      std::copy_n(cell.column, columns, runs_.back().column);
+      for (int c = 0; c < columns; ++c) runs_.back().column[c] = node_of_cell(points.meta[at / kLanes], at % kLanes, c);
     }
     const int lane = runs_.back().cells++ % kLanes;
     if (lane == 0) volume_.insert(volume_.end(), kLanes, vd{});
-    vd* of_cell = &volume_[volume_.size() - kLanes];
-    for (int p = 0; p < kLanes; ++p) of_cell[p][lane] = cell.volume[p];
-    cell.place = static_cast<int>(kLanes * (volume_.size() - kLanes)) + lane;
+    at = static_cast<int>(kLanes * (volume_.size() - kLanes)) + lane;
   }
 }
 

@@ -54,22 +54,18 @@ class ScalarSums {
     int cells;
     int first;  // its first vector in volume_
   };
-  // The points of a cell that are in the lattice. Their order has a bit for each direction, 1 for the upper half, that
-  // of x the highest.
-  struct Cell {
-    int column[kMostColumns];
-    double volume[kLanes];
-    int place;  // of its first number in volume_
-  };
-  std::vector<Cell> find_points(const PointStore& points, const Grid& grid, std::vector<int>& cell_at);
+  // First node of a column of the cell of a lane.
+  int node_of_cell(const BlockMeta& m, int lane, int column) const;
+  void find_points(const PointStore& points, double h, std::vector<int>& cell_at);
   template <class W>
   void add_alone(const BlockMeta& m, const W& weights, std::uint8_t which, std::array<int, kLanes>& place);
-  void make_runs(std::vector<Cell>& cells, const std::vector<int>& cell_at);
+  void make_runs(const PointStore& points, std::vector<int>& cell_at);
   void add(const vd* values, double* sum) const;
 
   Basis basis_ = Basis::quadratic;
   std::vector<Run> runs_;
-  // Of the points of runs, eight vectors for eight cells, one for each of their points. Then of the points alone.
+  // Of the points of runs, eight vectors for eight cells, one for each place in a cell. A place has a bit for each
+  // direction, 1 for the upper half, that of x the highest. Then of the points alone.
   std::vector<vd> volume_, value_;
   int first_alone_ = 0, alone_ = 0;   // first number in volume_ of the points alone, and how many there are
   std::vector<int> column_;           // of the points alone: first nodes of their columns
