@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scenes import cement, dump, pair, point_quantities, run, thermo
 
-CELL, RING, STEPS, DT = 4e-4, "inner 1.4e-3 outer 2.2e-3", 500, 2e-8
+CELL, RING, STEPS, DT = 4e-4, "inner 1.4e-3 outer 2.2e-3 grid 3e-5 -5e-5 7e-5", 500, 2e-8
 N = np.array([2.0, -1.0, 2.0]) / 3.0  # the line of centres; the coordinate axis most across it is y
 NAMES = ["damage", "failed", "attached", "grain", "volume"]
 OPENING = np.array([2.0, 1.0, 3.0]) / np.sqrt(14.0)  # askew, so that nothing about the crack is symmetric

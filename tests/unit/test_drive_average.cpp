@@ -159,10 +159,12 @@ TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
   }
 }
 
-// Volumes of the nodes that stand are those that are found anew: after points failed, and after nodes changed.
-TEST(DriveAverage, VolumesThatStand) {
+// Weights and volumes that stand are those that are found anew: after points failed, and after nodes changed. Half of the points are in a lattice.
+TEST(DriveAverage, WeightsThatStand) {
   test::Random random(305);
-  Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
+  std::vector<Vector> X = test::lattice(kCell, 4);
+  for (std::size_t i = 0; i < X.size(); i += 2) X[i] += 0.2 * kCell * random.vector();
+  Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
   const AverageSweeps sweeps = sweeps_for(1.7 * kCell, kCell, Basis::quadratic);
   DriveAverage kept;

@@ -470,9 +470,12 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
 
 double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const {
   show_strain(b, part);
-  const bool averaged = options.advance.nonlocal;
-  if (averaged) b.average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
-  return largest_root_of_drive(b.points, law, averaged ? &b.grid : nullptr);
+  if (!options.advance.nonlocal) return largest_root_of_drive(b.points, law, nullptr);
+  DriveAverage average;  // a bond that stays condensed keeps no lists for it
+  average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
+  const double root = largest_root_of_drive(b.points, law, &b.grid);
+  b.grid.drive_average.clear();
+  return root;
 }
 
 // The bound is by norms, and may be some times the root itself. So points are looked at when the bound says that they

@@ -48,12 +48,10 @@ int count_holding(const PointStore& points) {
 
 }  // namespace
 
-void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool points_stand) {
+bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool points_stand) {
   const int count = count_holding(points);
-  if (!points_stand || grid.drive_average.empty() || count != holding_) {
-    of_points_.find(points, grid);
-    find_volumes(grid);
-  }
+  const bool anew = !points_stand || grid.drive_average.empty() || count != holding_;
+  if (anew) of_points_.find(points, grid);
   holding_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   with_law(law, [&](const auto& l) {
@@ -63,6 +61,7 @@ void DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, b
   });
   grid.ties.give_to_heirs(sum_.data(), 1);
   mean_.assign(sum_.size(), 0.0);
+  return anew;
 }
 
 void DriveAverage::find_volumes(const Grid& grid) {

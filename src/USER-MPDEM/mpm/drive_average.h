@@ -65,17 +65,19 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 class DriveAverage {
  public:
   void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool points_stand = false) {
-    start(points, grid, law, points_stand);
+    if (start(points, grid, law, points_stand)) find_volumes(grid);
     for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
-  // Scatters the roots of the norms to the nodes. points_stand: points are where they were in the last start(). Their
-  // weights and the volumes of the nodes are then found anew only if a point has failed since, or if the grid has no average.
-  void start(const PointStore& points, Grid& grid, const Law& law, bool points_stand = false);
+  // Scatters the roots of the norms to the nodes. points_stand: points do not move. Their weights are then found anew
+  // only if a point has failed since the last start(), or if the grid has no average. It has none after its nodes or
+  // ties changed, and all that gives points other lanes or blocks changes these. Returns true if the weights are new:
+  // the volumes of the nodes must then be found anew, too.
+  bool start(const PointStore& points, Grid& grid, const Law& law, bool points_stand = false);
   // Finds the volumes of the nodes from the points of this rank. Other ranks may have lost points that this rank does not know of.
   void find_volumes(const Grid& grid);
-  // Does sweep k. Sets grid.drive_average, whose interpolation is the average at a point. Between two sweeps the
-  // average is gathered at the points and scattered back. After the last sweep the pass over the points interpolates it
-  // with the weights that it has anyway.
+  // Does sweep k. Between two sweeps the average is gathered at the points and scattered back. The last one sets
+  // grid.drive_average, whose interpolation is the average at a point. The pass over the points interpolates it with
+  // the weights that it has anyway.
   void sweep(Grid& grid, const AverageSweeps& sweeps, int k);
 
   // Sets grid.drive_limit and clears grid.drive_average if `largest` is below the threshold. Else the points have no
@@ -94,10 +96,10 @@ class DriveAverage {
   }
 
  private:
-  std::vector<double> inverse_volume_;  // a number for each node
+  std::vector<double> inverse_volume_;       // a number for each node
   std::vector<double> volume_, sum_, mean_;  // the same, with room beyond the nodes, see scalar_sums.h
-  bool volume_is_new_ = false;                         // not in inverse_volume_ yet
-  int holding_ = -1;                                   // number of unfailed points in volume_
+  bool volume_is_new_ = false;               // not in inverse_volume_ yet
+  int holding_ = -1;                         // number of unfailed points of this rank in of_points_
   ScalarSums of_points_;
 };
 

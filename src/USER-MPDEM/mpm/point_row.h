@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. The columns
-// and their order are documented in doc/write_cement.md. A row gives the present place of the point in the box.
+// and their order are documented in doc/write_cement.md and doc/create_cement.md. A row gives the present place of the point in the box.
 #ifndef MPDEM_POINT_ROW_H
 #define MPDEM_POINT_ROW_H
 

@@ -2,7 +2,6 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "scalar_sums.h"
 
-#include <algorithm>
 #include <cstring>
 #include <utility>
 

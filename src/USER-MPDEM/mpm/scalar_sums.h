@@ -8,8 +8,8 @@
 // weights are products of the 1-D shape functions at a quarter of h below and above the middle. So values are
 // interpolated and summed one direction at a time (sum factorisation, Orszag, J. Comput. Phys. 37 (1980) 70). Cells that
 // follow each other along the columns of nodes make a run. A vector has eight cells of a run, so no lanes are summed.
-// Each other point has its own weights, and vectors go along its columns of nodes. Both need neither the points nor
-// gather_scalar() and scatter_scalar(), which find the weights of eight points anywhere and sum over their lanes.
+// Each other point keeps its own weights, and vectors go along its columns of nodes. Neither reads the points. A sum
+// by blocks (gather.h, scatter.h) finds the weights of eight points each time, and sums over their lanes.
 #ifndef MPDEM_SCALAR_SUMS_H
 #define MPDEM_SCALAR_SUMS_H
 
@@ -26,8 +26,11 @@ class ScalarSums {
   // Arrays of nodal values must have so many numbers more than there are nodes, since vectors reach beyond the nodes.
   static constexpr int kRoom = kLanes;
 
-  // Finds places and volumes of the points that hold. They stand until a point moves or fails, or nodes of the grid change.
+  // Finds places and volumes of the points that hold. They stand until a point moves, fails or goes to another block or
+  // lane, or nodes of the grid change.
   void find(const PointStore& points, const Grid& grid);
+  // Number of points that are not in the lattice.
+  int alone() const { return alone_; }
 
   // sum_I += sum over the points of V N_I
   void add_volumes(double* sum) const { add(volume_.data(), sum); }

@@ -23,14 +23,16 @@ FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int s
   e.point = points.tag(slot);
   e.bond = bond.body + 1;
 
-  // Coordinates are polar about the line of centres. The angle counts from the axis of the box that is most across that
+  // Coordinates are polar about the line of centres, from the middle of the gap. The angle counts from the axis of the box that is most across that
   // line.
   const Mat3<double> axes = axes_of(body);
-  double between[3], place[3];
+  double between[3], distance = 0.0, place[3];
   for (int d = 0; d < 3; ++d) {
     between[d] = body.centre[1][d] - body.centre[0][d];
-    place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
+    distance += between[d] * between[d];
   }
+  const double share = share_to_middle(body, std::sqrt(distance));
+  for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes] - (body.centre[0][d] + share * between[d]);
   const Vector3 axis = Vector3(turned(axes, between).data()).normalized(), X(turned(axes, place).data());
   int least = 0;
   for (int d = 1; d < 3; ++d)
