@@ -168,8 +168,7 @@ void ScalarSums::find(const PointStore& points, const Grid& grid) {
 
 // Leaves in place_ for the points of a lattice eight times the first node of their cell, plus their place in the cell.
 void ScalarSums::find_points(const PointStore& points, double h, std::vector<int>& cell_at) {
-  for (auto* list : {&column_, &blocks_}) list->clear();
-  weight_.clear();
+  blocks_.clear();
   place_.clear();
   alone_ = 0;
   const double inverse_h = 1.0 / h, middle = cell_middle(basis_);
@@ -182,7 +181,7 @@ void ScalarSums::find_points(const PointStore& points, double h, std::vector<int
     place_.emplace_back();
     place_.back().fill(kNone);
     int place[kLanes];
-    const std::uint8_t in = in_lattice(p, m, inverse_h, middle, place);
+    const std::uint8_t in = points.motion.empty() ? in_lattice(p, m, inverse_h, middle, place) : 0;
     for (int l = 0; l < kLanes; ++l) {
       if (!(in >> l & 1)) continue;
       const int node = node_of_cell(m, l, 0);
@@ -199,17 +198,27 @@ void ScalarSums::find_points(const PointStore& points, double h, std::vector<int
 
 template <class W>
 void ScalarSums::add_alone(const BlockMeta& m, const W& s, std::uint8_t which, std::array<int, kLanes>& place) {
-  constexpr int S = W::kSupport;
+  constexpr int S = W::kSupport, kColumns = S * S, kWeights = kColumns + kAlong;
+  // The lists keep their length, since with `updated` they are filled in each step.
+  const std::size_t room = alone_ + kLanes;
+  if (column_.size() < kColumns * room) {
+    column_.resize(kColumns * 2 * room);
+    weight_.resize(kWeights * 2 * room);
+  }
   for (int l = 0; l < kLanes; ++l) {
     if (!(which >> l & 1)) continue;
+    int off[3] = {0, 0, 0};
+    if constexpr (W::kReach > 0)
+      for (int d = 0; d < 3; ++d) off[d] = cell_of(m, l, d) - m.base[d];
+    int* column = &column_[kColumns * alone_];
+    double* weight = &weight_[kWeights * alone_];
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j) {
+        column[S * i + j] = m.column[W::kJ * (off[0] + i) + off[1] + j] + off[2];
+        weight[S * i + j] = s.w[0][off[0] + i][l] * s.w[1][off[1] + j][l];
+      }
+    for (int k = 0; k < kAlong; ++k) weight[kColumns + k] = k < S ? s.w[2][off[2] + k][l] : 0.0;
     place[l] = kAlone - alone_++;
-    int off[3];
-    for (int d = 0; d < 3; ++d) off[d] = cell_of(m, l, d) - m.base[d];
-    for (int c = 0; c < S * S; ++c) {
-      column_.push_back(node_of_cell(m, l, c));
-      weight_.push_back(s.w[0][off[0] + c / S][l] * s.w[1][off[1] + c % S][l]);
-    }
-    for (int k = 0; k < kAlong; ++k) weight_.push_back(k < S ? s.w[2][off[2] + k][l] : 0.0);
   }
 }
 

@@ -71,8 +71,8 @@ class ScalarSums {
   // direction, 1 for the upper half, that of x the highest. Then of the points alone.
   std::vector<vd> volume_, value_;
   int first_alone_ = 0, alone_ = 0;   // first number in volume_ of the points alone, and how many there are
-  std::vector<int> column_;           // of the points alone: first nodes of their columns
-  std::vector<double> weight_;        // of the points alone: of the columns, and of the nodes along a column
+  std::vector<int> column_;           // of the points alone: first nodes of their columns; then room
+  std::vector<double> weight_;        // of the points alone: of the columns, and of the nodes along a column; then room
   std::vector<int> blocks_;           // those that hold, ascending
   std::vector<std::array<int, kLanes>> place_;  // of their lanes in volume_, -1 for those that do not hold
 };

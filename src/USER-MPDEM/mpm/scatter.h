@@ -6,7 +6,6 @@
 #ifndef MPDEM_SCATTER_H
 #define MPDEM_SCATTER_H
 
-#include <algorithm>
 #include <cstring>
 
 #include "../numerics/tensor3.h"
@@ -174,18 +173,15 @@ inline void scatter_affine(double* __restrict nodal, const int* column, const We
 template <class Type, int Joined>
 inline void scatter_scalar(double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, vd T) {
   using W = Weights<Type, Joined>;
-  constexpr int kNodes = W::kI * W::kJ * W::kK, kPadded = (kNodes + 7) / 8 * 8;
-  vd values[kPadded];
   for (int i = 0; i < W::kI; ++i)
     for (int j = 0; j < W::kJ; ++j) {
       const vd a = T * s.w[0][i] * s.w[1][j];
-      for (int k = 0; k < W::kK; ++k) values[(W::kJ * i + j) * W::kK + k] = a * s.w[2][k];
+      vd values[8]{};
+      for (int k = 0; k < W::kK; ++k) values[k] = a * s.w[2][k];
+      const vd r = sum_lanes_of_8(values);
+      double* p = nodal + column[W::kJ * i + j];
+      for (int k = 0; k < W::kK; ++k) p[k] += r[k];
     }
-  for (int n = kNodes; n < kPadded; ++n) values[n] = vd{};
-  for (int first = 0; first < kNodes; first += 8) {
-    const vd sum = sum_lanes_of_8(values + first);
-    for (int n = first; n < std::min(first + 8, kNodes); ++n) nodal[column[n / W::kK] + n % W::kK] += sum[n - first];
-  }
 }
 
 }  // namespace mpdem
