@@ -2,6 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "mpm/drive_average.h"
 
+#include <algorithm>
 #include <map>
 
 #include "cement.h"
@@ -180,6 +181,52 @@ TEST(DriveAverage, WeightsThatStand) {
     average(c, sweeps);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;
   }
+}
+
+// Blocks with damage keep the root that their last pass found. It is that of the strain they have, also after points went to other blocks.
+TEST(DriveAverage, RootsThatStand) {
+  Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, {}, true);
+  const double dt = 1e-3, rate = 2.5e-7 / (kCell * dt);  // damage from above, over some steps
+  c.set_velocity([&](const Vector& X) { return Vector(0.0, 0.0, rate * X[2] * X[2]); });
+  AdvanceOptions options;
+  options.nonlocal = true;
+  const auto blocks = [&] { return static_cast<int>(c.points.blocks.size()); };
+  const auto known = [&] {
+    int count = 0;
+    for (int b = 0; b < blocks(); ++b) {
+      if (!c.points.knows_root_of_norm(b)) continue;
+      ++count;
+      const vd root = root_of_norm(kLaw, c.points.blocks[b].strain);
+      for (int l = 0; l < kLanes; ++l)
+        if (c.points.meta[b].occupied >> l & 1) {
+          EXPECT_EQ(c.points.root_of_norm[b][l], root[l]) << "block " << b << ", lane " << l;
+        }
+    }
+    return count;
+  };
+  int damaged = 0;
+  for (int step = 0; step < 30 && damaged < blocks() / 2; ++step) {
+    average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
+    damaged = static_cast<int>(std::count_if(c.points.meta.begin(), c.points.meta.end(), [](const BlockMeta& m) { return m.damaged; }));
+    AdvanceResult result;
+    advance_points(c.points, 0, blocks(), c.grid, kLaw, dt, options, result);
+    EXPECT_EQ(known(), damaged) << "step " << step;
+  }
+  ASSERT_GE(damaged, blocks() / 2);
+  ASSERT_LT(damaged, blocks());
+  const int first = static_cast<int>(std::find_if(c.points.meta.begin(), c.points.meta.end(), [](const BlockMeta& m) { return m.damaged; }) - c.points.meta.begin());
+  PointStore other = c.points;
+  other.take(c.points, 0, kLanes * first);
+  EXPECT_FALSE(other.knows_root_of_norm(first));
+  std::map<int, int> part;
+  for (int b = first; b < blocks(); b += 3)
+    for (int l = 0; l < kLanes; l += 2)
+      if (c.points.meta[b].occupied >> l & 1) part[kLanes * b + l] = 1;
+  c.points.move_to_parts(part, kCell, Basis::quadratic);
+  EXPECT_GT(known(), 0);
+  EXPECT_LT(known(), damaged);
+  c.points.forget_roots_of_norm();
+  EXPECT_EQ(known(), 0);
 }
 
 // Limits hold what they promise, and no less: while no root has grown by what the largest average lacks of the threshold, no average reaches

@@ -86,6 +86,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   s->sums.add(b->points, law, false);
   if (s->sums.largest_damage > 0.0)
     for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
+  b->points.forget_roots_of_norm();
   const auto energy_by = [&](int i, int j) {
     for (std::size_t n = 0; n < b->points.blocks.size(); ++n)
       b->points.blocks[n].strain = i == j ? s->fields.strain[i][n] : s->fields.strain[i][n] + s->fields.strain[j][n];

@@ -89,6 +89,7 @@ void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_of(b
 
 void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
+  bond.points.forget_roots_of_norm();
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};
     for (int j = 0; j < 6 && m.piece < 0; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];

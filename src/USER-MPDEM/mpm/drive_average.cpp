@@ -57,7 +57,12 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, b
   with_law(law, [&](const auto& l) {
     using L = std::decay_t<decltype(l)>;
     if constexpr (L::kFields > 0)
-      of_points_.add_values([&](int b) { return points.blocks[b].volume * root_of_norm(l, points.blocks[b].strain); }, sum_.data());
+      of_points_.add_values(
+          [&](int b) {
+            const PointBlock& p = points.blocks[b];
+            return p.volume * (points.knows_root_of_norm(b) ? points.root_of_norm[b] : root_of_norm(l, p.strain));
+          },
+          sum_.data());
   });
   grid.ties.give_to_heirs(sum_.data(), 1);
   mean_.assign(sum_.size(), 0.0);

@@ -65,6 +65,7 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   const int b = slot / kLanes, l = slot % kLanes;
   if (r.moving) let_move();
   if (r.has_slip) let_slip();
+  forget_root_of_norm(b);
   each_field(*this, b, r, [l](auto& in_block, const auto& in_record) {
     double* to = lane(in_block, l);
     const double* from = reinterpret_cast<const double*>(&in_record);
@@ -198,6 +199,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   tags.reserve(n);
   if (!other.motion.empty()) motion.reserve(n);
   if (!other.slip.empty()) slip.reserve(n);
+  if (!other.root_of_norm.empty()) root_of_norm.reserve(n);
 }
 
 // Adds a record with its links and places. Slots must ascend from call to call.
@@ -229,6 +231,7 @@ void PointStore::append_block() {
   if (!state_.empty()) state_.resize(blocks.size() * state_fields_);
   if (!motion.empty()) motion.emplace_back(PointMotion{});
   if (!slip.empty()) slip.emplace_back(PointSlip{});
+  if (!root_of_norm.empty()) root_of_norm.push_back(splat(kUnknown));
   meta.emplace_back();
   tags.emplace_back();
   tags.back().fill(0);
@@ -258,6 +261,7 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
     for (std::size_t i = 0; i < sizeof source / sizeof(double); i += kLanes) t[i] = s[i];
   };
   copy(blocks[to], from.blocks[b]);
+  forget_root_of_norm(to);
   double numbers[kMostStateFields] = {};
   for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
   set_state(new_slot, numbers);

@@ -128,6 +128,10 @@ class PointStore {
   std::vector<PointBlock> blocks;
   std::vector<PointMotion> motion;  // empty while the first reference stands
   std::vector<PointSlip> slip;      // empty while no crack closed under friction, see closing_points.h
+  // Root of the norm of the strain that the points have now (strain_norm.h), for blocks with damage whose last pass found
+  // it. kUnknown elsewhere. Empty without nonlocal damage. Not part of a record, since it follows from the strain.
+  std::vector<vd> root_of_norm;
+  static constexpr double kUnknown = -1.0;
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
@@ -207,6 +211,13 @@ class PointStore {
   void let_move();
   // Gives the points a slip of zero, unless they have a slip.
   void let_slip();
+  void keep_root_of_norm(int b, const vd& root) {
+    if (root_of_norm.empty()) root_of_norm.assign(blocks.size(), splat(kUnknown));
+    root_of_norm[b] = root;
+  }
+  // For all who set the strain but the pass over the points.
+  void forget_roots_of_norm() { root_of_norm.clear(); }
+  bool knows_root_of_norm(int b) const { return meta[b].damaged && !root_of_norm.empty() && root_of_norm[b][0] != kUnknown; }
 
   // Appends a block without points in cell `base` and returns its number.
   int add_block(int body, int part, const int* base, double cell, Basis basis);
@@ -223,12 +234,16 @@ class PointStore {
   std::size_t memory_usage() const;
 
  private:
+  void forget_root_of_norm(int b) {
+    if (!root_of_norm.empty()) root_of_norm[b] = splat(kUnknown);
+  }
   template <class Self, class F>
   static void each_array(Self& s, F f) {
     f(s.blocks);
     f(s.state_);
     f(s.motion);
     f(s.slip);
+    f(s.root_of_norm);
     f(s.meta);
     f(s.tags);
     f(s.links);
@@ -241,6 +256,7 @@ class PointStore {
     if (!s.state_.empty()) f(s.state_, s.state_fields_);
     if (!s.motion.empty()) f(s.motion, 1);
     if (!s.slip.empty()) f(s.slip, 1);
+    if (!s.root_of_norm.empty()) f(s.root_of_norm, 1);
     f(s.meta, 1);
     f(s.tags, 1);
   }

@@ -118,7 +118,10 @@ class PointStress {
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
       if (!result_.near_threshold) look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
-      const vd a = drive_factor<L>(average / max(root_of_norm(law_, p.strain), splat(1e-100)));
+      const vd root = root_of_norm(law_, p.strain);
+      // The pass finds it again in each step of a block with damage, so it is never that of an older strain.
+      if (m.damaged) points_.keep_root_of_norm(b, root);
+      const vd a = drive_factor<L>(average / max(root, splat(1e-100)));
       strength /= min(max(a, splat(1e-100)), splat(kMostAmplification));
     }
     const vd threshold = strength * t.least_threshold;

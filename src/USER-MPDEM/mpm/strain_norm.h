@@ -16,8 +16,9 @@ vd root_of_drive(vd drive) {
   return L::kDegree == 2 ? sqrt(root) : root;
 }
 
+// Not inlined, so that a strain has the same root to the bit wherever it is asked for.
 template <class L>
-vd root_of_norm(const L& law, const Sym3<vd>& strain) {
+__attribute__((noinline)) vd root_of_norm(const L& law, const Sym3<vd>& strain) {
   return root_of_drive<L>(law.undamaged_drive(strain));
 }
 
