@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "../coupling/relaxation.h"
+#include "../mpm/block_nodes.h"
 #include "../mpm/scatter.h"
 #include "splits.h"
 
@@ -19,35 +20,45 @@ double dot(const double* a, const double* b) { return a[0] * b[0] + a[1] * b[1] 
 }  // namespace
 
 CrackFaces::CrackFaces(const PointStore& points, const Grid& grid, const Splits& splits, double friction) : friction_(friction) {
-  std::vector<int> order(grid.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto place = [&](int i) { return grid.keys[i].place(); };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
-  std::vector<char> paired(grid.size(), 0);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t j = i + 1; j < order.size() && place(order[j]) == place(order[i]); ++j) {
-      const int a = order[i], b = order[j];
-      if (grid.ties.row(a) >= 0 || grid.ties.row(b) >= 0 || splits.at_start(grid.keys[a]) != splits.at_start(grid.keys[b])) continue;
-      pairs_.push_back({{a, b}, {0, 0, 0}, 0.0});
-      paired[a] = paired[b] = 1;
-    }
+  const std::vector<int> tie = grid.ties.row_of_each(grid.size());
+  find_pairs(grid, splits, tie);
   if (pairs_.empty()) return;
+  std::vector<char> paired(grid.size(), 0);
+  for (const Pair& p : pairs_) paired[p.node[0]] = paired[p.node[1]] = 1;
   // slaves hand on to their masters, which may be nodes of pairs
   for (int i = 0; i < grid.size(); ++i)
-    if (const int row = grid.ties.row(i); row >= 0)
-      grid.ties.for_each_master(row, [&](int master, double) { paired[i] = paired[i] || paired[master]; });
-  with_basis(grid.basis, [&](auto type) {
-    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
-      const BlockMeta& m = points.meta[b];
-      with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h, [&](const auto& w) {
-        using W = std::decay_t<decltype(w)>;
-        bool near = false;
-        for (int c = 0; c < W::kI * W::kJ; ++c)
-          for (int k = 0; k < W::kK; ++k) near = near || paired[m.column[c] + k];
-        if (near) blocks_.push_back(static_cast<int>(b));
-      });
-    }
-  });
+    if (tie[i] >= 0) grid.ties.for_each_master(tie[i], [&](int master, double) { paired[i] = paired[i] || paired[master]; });
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const BlockMeta& m = points.meta[b];
+    if (m.failed == m.occupied) continue;
+    bool near = false;
+    for_each_node(grid, m, [&](int i) { near = near || paired[i]; });
+    if (near) blocks_.push_back(static_cast<int>(b));
+  }
+}
+
+// Two nodes at a place belong to different parts. Part 0 has most nodes, so its nodes are searched for at the places
+// where other parts have one. Pairs come in the order of places.
+void CrackFaces::find_pairs(const Grid& grid, const Splits& splits, const std::vector<int>& tie) {
+  if (grid.keys.empty()) return;
+  const Field part_0 = field_of(body_of(grid.keys.front().field()), 0);
+  const auto others = std::lower_bound(grid.keys.begin(), grid.keys.end(), Key::before(part_0 + 1));
+  std::vector<std::pair<Key, int>> at;  // place, as a node of part 0, and node
+  for (int i = static_cast<int>(others - grid.keys.begin()); i < grid.size(); ++i)
+    if (tie[i] < 0) at.emplace_back(grid.keys[i].with_field(part_0), i);
+  std::sort(at.begin(), at.end());
+  std::vector<int> here;  // free nodes at a place, ascending
+  for (auto first = at.begin(); first != at.end();) {
+    const Key place = first->first;
+    here.clear();
+    const auto of_part_0 = std::lower_bound(grid.keys.begin(), others, place);
+    const int node = static_cast<int>(of_part_0 - grid.keys.begin());
+    if (of_part_0 != others && *of_part_0 == place && tie[node] < 0) here.push_back(node);
+    for (; first != at.end() && first->first == place; ++first) here.push_back(first->second);
+    for (std::size_t i = 0; i < here.size(); ++i)
+      for (std::size_t j = i + 1; j < here.size(); ++j)
+        if (splits.at_start(grid.keys[here[i]]) == splits.at_start(grid.keys[here[j]])) pairs_.push_back({{here[i], here[j]}, {0, 0, 0}, 0.0});
+  }
 }
 
 // Sums over points that hold, where they are now.

@@ -65,6 +65,8 @@ class CrackFaces {
     double force[3];  // force on the second node
     double too_far;   // slip of a pair that would touch if it had not slid too far; else 0
   };
+  // tie: row of each node in the ties, -1 if it is free
+  void find_pairs(const Grid& grid, const Splits& splits, const std::vector<int>& tie);
   void find_normals(const PointStore& points, Grid& grid);
   void meet(Pair& p, Grid& grid, const double* mass, double kick, double dt);
 
