@@ -191,11 +191,11 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
     std::vector<Link>& links = b.points.links;
     double area = 0.0, spent = 0.0;
     for (const Link& k : links) area += k.attached * k.area;
-    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
     EXPECT_GT(spent, 0.0);
     EXPECT_TRUE(std::any_of(links.begin(), links.end(), [](const Link& k) { return k.attached && k.state[0] > 0.0 && k.state[0] < 1.0; }));
-    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     EXPECT_EQ(b.link_step.dissipated, 0.0);
     EXPECT_TRUE(b.link_step.let_go.empty());
 
@@ -208,7 +208,7 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
 
     const auto held = std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; });
     for (double& u : b.grid.displacement) u *= 100.0;
-    b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
     const std::vector<int>& gone = b.link_step.let_go;
     EXPECT_TRUE(std::is_sorted(gone.begin(), gone.end()));
@@ -249,7 +249,7 @@ TEST(CohesiveTraction, PressureThatEndsIsReleasedByItsWork) {
         b.grid.velocity[i] = moves[i % 3] / test::kDt;
         b.grid.displacement[i] += moves[i % 3];
       }
-      b.links.follow(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+      b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
       const std::vector<double> g = find_forces(after);
       for (std::size_t i = 0; i < f.size(); ++i) work += 0.5 * (f[i] + g[i]) * moves[i % 3];
       EXPECT_GT(before, 0.0);

@@ -102,7 +102,10 @@ TEST(Resting, LinksSleepAndWakeExactly) {
           b.grid.drift(0.0, 1.0);
           b.grid.clear_force();
           b.resting.advance(b.points, b.grid, law, 1.0, s == &one ? AdvanceOptions() : all, result);
-          b.resting.add_force(b.links, b.grid, s->side(b));
+          if (!b.resting.hand_out_links(b.grid, s->side(b))) {
+            b.links.add_force(b.grid, s->side(b));
+            b.resting.keep_links(b.grid, s->side(b));
+          }
           EXPECT_TRUE(s == &one || !b.resting.asleep());
         }
       }

@@ -37,9 +37,16 @@ void NodalForces::let_go(Bond& b) {
   if (scene_.penalty) cracks_.watch(b);
 }
 
-// Traction laws may dissipate, and let go of points that hold.
+// Traction laws may dissipate, and let go of points that hold. In sleep they change nothing.
 void NodalForces::follow_links(Bond& b) {
-  b.links.follow(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
+  GrainSide* side = scene_.grains.side_of(b);
+  const bool may_sleep = !scene_.options.updated;
+  if (may_sleep && b.resting.hand_out_links(b.grid, side)) {
+    b.link_step = LinkStep();
+    return;
+  }
+  b.links.follow_and_add_force(b.points, b.grid, side, scene_.now.dt, b.link_step);
+  if (may_sleep) b.resting.keep_links(b.grid, side);
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
@@ -52,8 +59,6 @@ void NodalForces::follow_links(Bond& b) {
 void NodalForces::add_link_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
-  if (scene_.options.updated) b.links.add_force(b.grid, scene_.grains.side_of(b));
-  else b.resting.add_force(b.links, b.grid, scene_.grains.side_of(b));
   scene_.books.rub(b.places.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b)));
   const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
   scene_.books.release(closing.released);

@@ -31,25 +31,27 @@ void Resting::advance(PointStore& points, Grid& grid, const Law& law, double dt,
   }
 }
 
-void Resting::add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side) {
-  bool rests = asleep_, same = links_kept_;
-  for (int n = 0; n < 2 && rests; ++n) {
+bool Resting::hand_out_links(Grid& grid, GrainSide* side) {
+  rests_ = asleep_;
+  bool same = links_kept_;
+  for (int n = 0; n < 2 && rests_; ++n) {
     const GrainSide& s = side[n];
-    for (int d = 0; d < 3; ++d) rests = rests && s.v[d] == 0.0 && s.omega[d] == 0.0;  // dampers act on sides that move
+    for (int d = 0; d < 3; ++d) rests_ = rests_ && s.v[d] == 0.0 && s.omega[d] == 0.0;  // dampers act on sides that move
     // compares to the bit, so the sign of a zero counts
     same = same && std::memcmp(s.x, side_[n].x, sizeof s.x) == 0 && std::memcmp(&s.R, &side_[n].R, sizeof s.R) == 0;
   }
-  if (rests && same) {
-    std::copy(force_.begin(), force_.end(), grid.force.begin());
-    for (int n = 0; n < 2; ++n) {
-      std::copy(side_[n].force, side_[n].force + 3, side[n].force);
-      std::copy(side_[n].torque, side_[n].torque + 3, side[n].torque);
-    }
-    return;
+  if (!rests_ || !same) return false;
+  std::copy(force_.begin(), force_.end(), grid.force.begin());
+  for (int n = 0; n < 2; ++n) {
+    std::copy(side_[n].force, side_[n].force + 3, side[n].force);
+    std::copy(side_[n].torque, side_[n].torque + 3, side[n].torque);
   }
-  links.add_force(grid, side);
-  links_kept_ = rests;
-  if (!rests) return;
+  return true;
+}
+
+void Resting::keep_links(const Grid& grid, const GrainSide* side) {
+  links_kept_ = rests_;
+  if (!rests_) return;
   force_ = grid.force;
   for (int n = 0; n < 2; ++n) {
     const GrainSide& s = side[n];

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-#include "../coupling/penalty_links.h"
+#include "../coupling/grain_sides.h"
 #include "../mpm/advance_points.h"
 
 namespace mpdem {
@@ -19,16 +19,17 @@ class Resting {
  public:
   // Calls advance_points(), or leaves it out in sleep.
   void advance(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
-  // Calls PenaltyLinks::add_force() after advance(), or leaves it out in sleep. Forces of the sides must be clear
-  // before.
-  void add_force(const PenaltyLinks& links, Grid& grid, GrainSide* side);
+  // In sleep, hands out the kept forces of the links, too, and returns true. Otherwise returns false: add the forces of
+  // the links and call keep_links(). Call it after advance(). Forces of the sides must be clear before.
+  bool hand_out_links(Grid& grid, GrainSide* side);
+  void keep_links(const Grid& grid, const GrainSide* side);
 
   bool asleep() const { return asleep_; }  // true if the bond slept in the last step
 
  private:
   bool settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);
 
-  bool asleep_ = false, links_kept_ = false;
+  bool asleep_ = false, rests_ = false, links_kept_ = false;  // rests_: and so do its grains
   std::vector<double> internal_force_, force_;  // kept forces on the nodes
   struct Side {
     double x[3];

@@ -48,7 +48,11 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   }
 
   CohesiveTraction(TractionStiffness stiffness, const LawValues& values)
-      : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {}
+      : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {
+    constexpr double kRounding = 1e-9;
+    const double least = (1.0 - kRounding) * std::min(tn_, tt_ * std::sqrt(stiffness.kn / stiffness.kt)) / stiffness.kn;
+    least_square_ = least * least;
+  }
 
   std::vector<double> parameters() const override { return {tn_, tt_, Gn_, Gt_}; }
   // Uses the softer direction of the material.
@@ -78,6 +82,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   TractionUpdate update(const LinkSeparation& delta, State& s) const {
     const double kn = stiffness().kn, ratio = stiffness().kt / kn;
     const vd open = max(delta.n, vd{}), shear = ratio * delta.tangential_square(), square = open * open + shear;
+    if (!any(square > least_square_)) return {vd{}, splat_mask(false), splat_mask(false)};
     const vd B = select(square > 0.0, shear / square, vd{});
     const vd onset = 1.0 / (kn * sqrt((1.0 - B) / (tn_ * tn_) + ratio * B / (tt_ * tt_)));
     const vd G = 1.0 / ((1.0 - B) / Gn_ + B / Gt_);
@@ -95,6 +100,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
  private:
   static constexpr double kSoftClosed = 0.5;
   double tn_, tt_, Gn_, Gt_;
+  double least_square_;  // of the separation, as in update(), below which no damage grows in any mode
 };
 
 }  // namespace mpdem

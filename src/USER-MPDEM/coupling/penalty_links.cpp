@@ -334,37 +334,92 @@ double PenaltyLinks::fastest(const Grid& grid, const GrainSide* side) const {
   return std::sqrt(square);
 }
 
+template <class F>
+void PenaltyLinks::each_attached(const Grid& grid, const GrainSide* side, F f) const {
+  with_basis(basis_, [&](auto type) {
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const LinkBlock& b = blocks_[i];
+      if (i + 1 < blocks_.size()) {
+        prefetch_bytes(&blocks_[i + 1], sizeof(LinkBlock));
+        prefetch_bytes(columns(blocks_[i + 1]), kLanes * columns_of_cell_ * sizeof(int));
+      }
+      if (!holding_[i].attached) continue;
+      const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
+      vd q[3], delta[3], n[3];
+      place(b, grid, side[b.side], w, q, delta, n);
+      f(i, w, q, delta, n);
+    }
+  });
+}
+
+template <class L, class Type>
+void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid, GrainSide& s) const {
+  const LinkBlock& b = blocks_[i];
+  const std::uint8_t attached = holding_[i].attached;
+  if (!attached) return;
+  const LinkSeparation apart = separation_of(delta, n);
+  const TractionSecant k = law.secant(apart, state(law, i));
+  const vd area = masked(attached, b.area);
+  vd f[3];
+  for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
+  if (p_.damping > 0.0) {
+    vd v[3], by_damper[3];
+    damper(b, grid, s, w, k, q, n, v, by_damper);
+    for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
+  }
+  scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
+  take_from_grain(q, f, s);
+}
+
 void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
-    with_basis(basis_, [&](auto type) {
-      using Type = decltype(type);
-      for (std::size_t i = 0; i < blocks_.size(); ++i) {
-        const LinkBlock& b = blocks_[i];
-        const std::uint8_t attached = holding_[i].attached;
-        if (i + 1 < blocks_.size()) {
-          prefetch_bytes(&blocks_[i + 1], sizeof(LinkBlock));
-          prefetch_bytes(columns(blocks_[i + 1]), kLanes * columns_of_cell_ * sizeof(int));
-        }
-        if (!attached) continue;
-        GrainSide& s = side[b.side];
-        const Weights<Type> w(b.X, b.base, inverse_h_);
-        vd q[3], delta[3], n[3], f[3];
-        place(b, grid, s, w, q, delta, n);
-        const LinkSeparation apart = separation_of(delta, n);
-        const TractionSecant k = law.secant(apart, state(law, i));
-        const vd area = masked(attached, b.area);
-        for (int d = 0; d < 3; ++d) f[d] = -area * (k.kt * delta[d] + (k.kn - k.kt) * apart.n * n[d]);
-        if (p_.damping > 0.0) {
-          vd v[3], by_damper[3];
-          damper(b, grid, s, w, k, q, n, v, by_damper);
-          for (int d = 0; d < 3; ++d) f[d] += by_damper[d];
-        }
-        scatter_value_by_lane(grid.force.data(), attached, columns(b), w, f);
-        take_from_grain(q, f, s);
-      }
+    each_attached(grid, side, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
+      add_force_of(law, i, w, q, delta, n, grid, side[blocks_[i].side]);
     });
   });
+}
+
+void PenaltyLinks::follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side, double dt, LinkStep& step) {
+  step.dissipated = step.released = 0.0;
+  step.let_go.clear();
+  if (blocks_.empty()) return;
+  with_traction(*p_.law, [&](const auto& law) {
+    each_attached(grid, side, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
+      GrainSide& s = side[blocks_[i].side];
+      if constexpr (std::decay_t<decltype(law)>::kFields > 0) follow_block(law, i, w, q, delta, n, points, grid, s, dt, step);
+      add_force_of(law, i, w, q, delta, n, grid, s);
+    });
+  });
+  std::sort(step.let_go.begin(), step.let_go.end());
+}
+
+template <class L, class Type>
+void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
+                                const Grid& grid, const GrainSide& s, double dt, LinkStep& step) {
+  const LinkBlock& b = blocks_[i];
+  const std::uint8_t attached = holding_[i].attached;
+  typename L::State now = state(law, i);
+  const vmask was_damaged = states_[L::kFields * i] > 0.0;
+  const TractionUpdate u = law.update(separation_of(delta, n), now);
+  if (!any((u.grown | was_damaged) & lanes(attached))) return;
+  const vd area = masked(attached, b.area);
+  vd v[3];
+  find_velocity(b, grid, s, w, q, v);
+  const vd taken = area * taken_in_step(law, state(law, i), now, delta, n, v, dt);
+  step.dissipated += sum_lanes(area * u.dissipated);
+  std::memcpy(&states_[L::kFields * i], &now, sizeof now);
+  std::uint8_t freed = 0;
+  for (int l = 0; l < kLanes; ++l) {
+    if (!(attached >> l & 1) || !u.grown[l]) continue;
+    for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
+    if (!u.let_go[l]) continue;
+    freed |= static_cast<std::uint8_t>(1u << l);
+    step.let_go.push_back(b.link[l]);
+  }
+  const vd released = taken - area * u.dissipated;
+  release(i, freed, released, false, points, step.released);
+  step.released += sum_lanes(select(lanes(freed), vd{}, released));
 }
 
 template <class L>
@@ -373,47 +428,6 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
   vd q[3], delta[3], n[3];
   with_basis(basis_, [&](auto type) { place(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   return masked(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
-}
-
-void PenaltyLinks::follow(PointStore& points, const Grid& grid, const GrainSide* side, double dt, LinkStep& step) {
-  step.dissipated = step.released = 0.0;
-  step.let_go.clear();
-  if (blocks_.empty() || p_.law->fields() == 0) return;
-  with_traction(*p_.law, [&](const auto& law) {
-    using L = std::decay_t<decltype(law)>;
-    if constexpr (L::kFields > 0) {
-      for (std::size_t i = 0; i < blocks_.size(); ++i) {
-        const LinkBlock& b = blocks_[i];
-        const std::uint8_t attached = holding_[i].attached;
-        if (!attached) continue;
-        vd q[3], delta[3], n[3];
-        with_basis(basis_, [&](auto type) { place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
-        const LinkSeparation apart = separation_of(delta, n);
-        typename L::State s = state(law, i);
-        const vmask was_damaged = states_[L::kFields * i] > 0.0;
-        const TractionUpdate u = law.update(apart, s);
-        if (!any((u.grown | was_damaged) & lanes(attached))) continue;
-        const vd area = masked(attached, b.area);
-        vd v[3];
-        with_basis(basis_, [&](auto type) { find_velocity(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), q, v); });
-        const vd taken = area * taken_in_step(law, state(law, i), s, delta, n, v, dt);
-        step.dissipated += sum_lanes(area * u.dissipated);
-        std::memcpy(&states_[L::kFields * i], &s, sizeof s);
-        std::uint8_t freed = 0;
-        for (int l = 0; l < kLanes; ++l) {
-          if (!(attached >> l & 1) || !u.grown[l]) continue;
-          for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
-          if (!u.let_go[l]) continue;
-          freed |= static_cast<std::uint8_t>(1u << l);
-          step.let_go.push_back(b.link[l]);
-        }
-        const vd released = taken - area * u.dissipated;
-        release(i, freed, released, false, points, step.released);
-        step.released += sum_lanes(select(lanes(freed), vd{}, released));
-      }
-    }
-  });
-  std::sort(step.let_go.begin(), step.let_go.end());
 }
 
 // Energy per area that a spring with a stiffness that changes in a step takes from central differences: delta(t -

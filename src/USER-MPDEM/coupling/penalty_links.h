@@ -93,11 +93,11 @@ class PenaltyLinks {
   // std::logic_error if the nodes of a link are not there.
   void follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place);
 
-  // Updates the state of the traction law, here and in the links of the store, for the present positions. These are dt
-  // after the previous ones. Unchanged positions change nothing. Does nothing for a law without a state.
-  void follow(PointStore& points, const Grid& grid, const GrainSide* side, double dt, LinkStep& step);
   // Adds the forces of the present positions and states to nodes and grains.
   void add_force(Grid& grid, GrainSide* side) const;
+  // Does this after it updated the state of the traction law, here and in the links of the store, for the present
+  // positions. These are dt after the previous ones. Unchanged positions change no state.
+  void follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side, double dt, LinkStep& step);
   // Power that the dampers take. The force is that of the stored velocity. Power::after() gives the power for a
   // velocity that is a time of the acceleration later.
   Power damper_power(const Grid& grid, const GrainSide* side) const;
@@ -195,8 +195,18 @@ class PenaltyLinks {
   typename L::State state(const L&, std::size_t block) const;
   void release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
   void take_states(const PointStore& points);
+  // Not inlined, nor is add_force_of(), so that positions and states have the same forces to the bit with and without follow_block().
   template <class Type>
-  void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
+  __attribute__((noinline)) void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
+  // Calls f(block, weights, q, delta, n) for the blocks with links that are attached.
+  template <class F>
+  void each_attached(const Grid& grid, const GrainSide* side, F f) const;
+  template <class L, class Type>
+  __attribute__((noinline)) void add_force_of(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid,
+                                              GrainSide& s) const;
+  template <class L, class Type>
+  void follow_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points, const Grid& grid,
+                    const GrainSide& s, double dt, LinkStep& step);
   // Velocity of the place in the cement relative to the grain.
   template <class Type>
   void find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const;
