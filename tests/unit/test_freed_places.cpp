@@ -5,7 +5,9 @@
 #include "coupling/freed_places.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <map>
 #include <numeric>
 
 #include "bounce.h"
@@ -172,6 +174,16 @@ Row broken_and_closed(double friction, Method m) {
 
 class Broken : public ::testing::TestWithParam<Method> {};
 
+// Pairs of free nodes at one place.
+int pairs_of_nodes(const Grid& grid) {
+  std::map<std::array<int, 3>, int> free;
+  for (int i = 0; i < grid.size(); ++i)
+    if (grid.ties.row(i) < 0) ++free[grid.keys[i].place()];
+  int pairs = 0;
+  for (const auto& n : free) pairs += n.second * (n.second - 1) / 2;
+  return pairs;
+}
+
 // The energies are those that the grains paid for, and all ranks see what one alone sees.
 TEST_P(Broken, CarriesCompressionAgain) {
   const Row r = broken_and_closed(0.3, GetParam());
@@ -205,6 +217,7 @@ TEST_P(Broken, CarriesCompressionAgain) {
   if (!GetParam().unilateral) {
     EXPECT_GT(pressed_off, -0.01 * peak);
   }
+  for (const Bond& b : host.bonds) EXPECT_EQ(b.faces.pairs(), GetParam().split ? pairs_of_nodes(b.grid) : 0);
   host.cement->check_state();
   if (test::ranks() == 1) return;
   EXPECT_EQ(host.all_failed(), alone.all_failed());
