@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """regularization nonlocal: a crack takes the same energy with every cell, and its band is as wide."""
+import csv
 import math
 import re
+from pathlib import Path
 
 import pytest
 import softening_bar
@@ -56,7 +58,11 @@ def test_energy_asked_for(tmp_path, figures, monkeypatch, cells_a_length, energy
     ("nonlocal -1e-4", "regularization nonlocal"),
     ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),
     ("nonlocal 2e-4 energy 1", "must lie between"),
-    ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between")])
+    ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
+    ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
+    ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond bears"),
+    ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
+    ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal")])
 def test_bad_words(tmp_path, words, message):
     text = scene(words)
     result = launch(text, tmp_path)
@@ -85,3 +91,23 @@ def test_cracks_by_default(tmp_path, words, cracks):
     done = launch(pair(1e-4) + cement(2e-4, 1e-9, damage=f"damage tensor B0 9.6e3 {words}") + CONTACT + "run 0\n", tmp_path)
     assert done.status == 0, done.output
     assert re.search(r"^  cracks +(\w+)$", done.output, re.M)[1] == cracks
+
+
+@pytest.mark.parametrize("beads, ranks, weaker", [
+    ("equal", 1, 1), ("IDs swapped", 1, 2), ("IDs swapped", 2, 2), ("upper one larger", 1, 2)])
+def test_imperfection_decides_which_grain_lets_go(tmp_path, figures, beads, ranks, weaker):
+    """Without it this bond leaves an eighth of its surface at the second grain. It is that of the lower of equal beads that is weaker, and else that of the larger."""
+    script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()
+    words = dict(content=0.01, spacing=1.5e-4, inner=1e-3, frames=10**8, regularization="nonlocal 3e-4 imperfection 0.1")
+    if beads == "upper one larger":
+        words["diameter"] = 0.01 * (1 + 1e-5)
+    if beads == "IDs swapped":
+        lower, top = "create_atoms 1 single 0 0 ${lower} units box\n", "create_atoms 1 single 0 0 ${top} units box\n"
+        script = edit(script, lower + top, top + lower)
+        script = edit(edit(script, "group        lower id 1", "group        lower id 2"), "group        upper id 2", "group        upper id 1")
+        script = edit(script, "set          atom 2 diameter", "set          atom 1 diameter")
+    result = launch(script, tmp_path, ranks, name="in.pair_table", arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])
+    assert result.status == 0, result.output
+    assert "one side of each bond bears 0.1 more strain than the other" in result.output
+    bond = list(csv.DictReader((tmp_path / "bond_run.csv").open()))[-1]
+    figures.below(f"{beads}, {ranks} ranks, imperfection of 0.1: share that is not at the weaker grain", 1 - float(bond[f"share_grain{weaker}"]), 0.01)

@@ -176,11 +176,95 @@ TEST(DriveAverage, WeightsThatStand) {
       c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
       ASSERT_GT(c.grid.ties.size(), 10u);
     }
-    kept.find(c.points, c.grid, kLaw, sweeps, true);
+    kept.find(c.points, c.grid, kLaw, sweeps, {}, true);
     const std::vector<double> of_kept = c.grid.drive_average;
     average(c, sweeps);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;
   }
+}
+
+Body equal_grains() {
+  Body body;
+  body.spacing = kCell / 2;
+  for (int side = 0; side < 2; ++side) {
+    body.radius[side] = 50 * kCell;
+    body.centre[side][2] = (side == 0 ? -1 : 1) * 51 * kCell;  // a gap of two cells about z = 0
+  }
+  return body;
+}
+
+Body swapped(const Body& body) {
+  Body other = body;
+  for (int side = 0; side < 2; ++side) {
+    other.radius[side] = body.radius[1 - side];
+    std::copy_n(body.centre[1 - side], 3, other.centre[side]);
+  }
+  return other;
+}
+
+// The stronger side bears more by the share, the weaker side bears what it bears alone, and between them is no more and no less.
+TEST(DriveAverage, Imperfection) {
+  const double share = 0.05;
+  const Body body = equal_grains();
+  std::vector<Vector> X = test::lattice(kCell, 8);
+  Vector middle = Vector::Zero();
+  for (const Vector& x : X) middle += x / X.size();
+  for (Vector& x : X) x -= middle;
+  Cement c(kCell, X, kCell * kCell * kCell / 8);
+  set_roots(c, [](int, int) { return 2.0; });
+  DriveAverage average;
+  const AverageSweeps one{1, 1.0};  // reaches 3 cells
+  average.find(c.points, c.grid, kLaw, one, {&body, share});
+  const double strong = 2.0 / std::sqrt(1.0 + share);  // the root of the strain by 1 + share
+  int above = 0, below = 0, between = 0;
+  c.for_points([&](int b, int l) {
+    const double z = c.points.blocks[b].X[2][l], f = average_of(c, b, l);
+    EXPECT_GT(f, strong * (1 - 1e-13));
+    EXPECT_LT(f, 2.0 * (1 + 1e-13));
+    if (z > 3.1 * kCell) {
+      EXPECT_NEAR(f, strong, 1e-13);
+      ++above;
+    } else if (z < -3.1 * kCell) {
+      EXPECT_NEAR(f, 2.0, 1e-13);
+      ++below;
+    } else if (std::fabs(z) < 0.3 * kCell && f > strong + 1e-3 && f < 2.0 - 1e-3) {
+      ++between;
+    }
+  });
+  EXPECT_GT(above, 100);
+  EXPECT_GT(below, 100);
+  EXPECT_GT(between, 100);
+  const std::vector<double> of_body = c.grid.drive_average;
+  const Body other = swapped(body);
+  average.find(c.points, c.grid, kLaw, one, {&other, share});
+  EXPECT_EQ(of_body, c.grid.drive_average) << "the order of the grains does not matter";
+}
+
+TEST(Imperfection, IsOnTheSideOfTheSmallerGrain) {
+  for (int larger : {0, 1}) {
+    Body body = equal_grains();
+    body.radius[larger] *= 1.01;
+    body.centre[larger][2] *= 1.01 * 50 / 51 + 1.0 / 51;  // its surface stays
+    for (const Body& b : {body, swapped(body)}) {
+      const double z = (larger == 0 ? 1 : -1) * 0.2 * kCell;
+      const vd X[3] = {{}, {}, {z, -z}};
+      EXPECT_EQ(bits(on_stronger_side(b, X)) & 3, 1) << "larger grain " << larger;
+    }
+  }
+}
+
+// The first direction in which equal grains differ decides, and what is as near to both belongs to the weaker side.
+TEST(Imperfection, OfEqualGrainsIsOnTheSideOfLargerCoordinates) {
+  const Vector lines[] = {{0, 0, 1}, {0, 1, -1}, {1, -1, -1}};
+  for (const Vector& line : lines)
+    for (int first : {0, 1}) {
+      Body body = equal_grains();
+      for (int side = 0; side < 2; ++side)
+        for (int d = 0; d < 3; ++d) body.centre[side][d] = (side == first ? -1 : 1) * 51 * kCell * line.normalized()[d];
+      vd X[3];
+      for (int d = 0; d < 3; ++d) X[d] = vd{0.2, -0.2, 0.0} * kCell * line.normalized()[d];
+      EXPECT_EQ(bits(on_stronger_side(body, X)) & 7, 1) << line.transpose() << ", first grain " << first;
+    }
 }
 
 // Blocks with damage keep the root that their last pass found. It is that of the strain they have, also after points went to other blocks.

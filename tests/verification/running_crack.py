@@ -64,7 +64,7 @@ def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="spli
     text += f"set type 1 diameter {2 * radius} density 2500\ngroup grains type 1\n" + NEIGHBOURS
     layer = 1.001 * spacing * (abs(math.cos(angle)) + (abs(math.sin(angle)) if angle else 0.0))
     text += f"create_cement calcite pair 1 2 file strip.txt spacing {spacing:.15g} attach {layer:.15g}\n"
-    words = f"nonlocal {LENGTH}" + (f" energy {energy}" if energy else "")
+    words = f"nonlocal {LENGTH} imperfection 0" + (f" energy {energy}" if energy else "")
     text += scenes.cement(cell, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {words} cracks {cracks} timestep auto 0.8 quasistatic 1 {DAMPING}")
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     c = math.sqrt(E / RHO)

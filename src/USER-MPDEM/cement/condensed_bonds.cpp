@@ -469,11 +469,11 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
   return rows;
 }
 
-double CondensedBonds::largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const {
+double CondensedBonds::largest_root(Bond& b, const Body& body, int part, const CementOptions& options, const Law& law) const {
   show_strain(b, part);
   if (!options.advance.nonlocal) return largest_root_of_drive(b.points, law, nullptr);
   DriveAverage average;  // a bond that stays condensed keeps no lists for it
-  average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis));
+  average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis), {&body, options.imperfection});
   const double root = largest_root_of_drive(b.points, law, &b.grid);
   b.grid.drive_average.clear();
   return root;
@@ -496,7 +496,7 @@ std::vector<int> CondensedBonds::due(Bonds& bonds, const CementOptions& options,
     Bond* b = pattern == 0 ? bonds.find(m.body) : m.tells ? &patterns_.at(pattern).of.bond : nullptr;
     if (!b) continue;
     if (options.advance.nonlocal && cut_.count(m.body) > 0) together.push_back(m.body);
-    else if (note_look(part, largest_root(*b, static_cast<int>(part), options, law), options, law)) rows.push_back(m.body);
+    else if (note_look(part, largest_root(*b, bonds.table[m.body], static_cast<int>(part), options, law), options, law)) rows.push_back(m.body);
   }
   return rows;
 }

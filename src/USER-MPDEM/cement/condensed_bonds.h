@@ -169,7 +169,7 @@ class CondensedBonds {
   static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split);
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
   bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split);  // collective; false: no field was found
-  double largest_root(Bond& b, int part, const CementOptions& options, const Law& law) const;
+  double largest_root(Bond& b, const Body& body, int part, const CementOptions& options, const Law& law) const;
   bool note_look(std::size_t part, double root, const CementOptions& options, const Law& law);
   void show_strain(Bond& bond, int part) const;
 

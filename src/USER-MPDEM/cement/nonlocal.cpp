@@ -17,6 +17,8 @@ std::vector<int> cut_rows_near_threshold(const Scene& scene) {
   return scene.agreed_rows(mine);
 }
 
+Imperfection imperfection_of(const Scene& scene, const Bond& b) { return {&scene.bonds.body(b), scene.options.imperfection}; }
+
 Bond* cut_bond(const Scene& scene, int row) {
   Bond* b = scene.bonds.find(row);
   return b && b->cut_by_ranks() ? b : nullptr;
@@ -41,7 +43,7 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
     scene.timer.start(StepTimer::kPoints);
   };
   for (Bond* b : cut) {
-    b->average.start(b->points, b->grid, *scene.law, !scene.options.updated);
+    b->average.start(b->points, b->grid, *scene.law, imperfection_of(scene, *b), !scene.options.updated);
     b->average.find_volumes(b->grid);
   }
   sum(&DriveAverage::volumes);
@@ -69,7 +71,7 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
       b.grid.drive_average.clear();
       continue;
     }
-    b.average.find(b.points, b.grid, *scene.law, sweeps, !scene.options.updated);
+    b.average.find(b.points, b.grid, *scene.law, sweeps, imperfection_of(scene, b), !scene.options.updated);
     if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
   }
   if (rows.empty()) return;

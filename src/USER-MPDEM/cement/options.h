@@ -15,6 +15,7 @@
 namespace mpdem {
 
 constexpr int kMostSubsteps = 1000;
+constexpr double kUsualImperfection = 2e-3, kMostImperfection = 0.1;
 
 struct CementOptions {
   double cell = 0.0;
@@ -29,6 +30,7 @@ struct CementOptions {
   AdvanceOptions advance;
   double mass_scale = 1.0, relax = 0.0;  // quasistatic: factor of the inertia, share of critical damping
   double length = 0.0;                   // length over which the drive of the damage is averaged; 0: no average
+  double imperfection = 0.0;             // nonlocal damage alone: by how much more strain one side of a bond bears, see mpm/imperfection.h
   double half_band = 0.0;                // half of the band of a crack with this length, Law::crack_band(); 0: no band, or not known
   int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
   bool split = false;                    // do nodes split where material parts, see fracture/node_copies.h

@@ -48,10 +48,14 @@ int count_holding(const PointStore& points) {
 
 }  // namespace
 
-bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, bool points_stand) {
+bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection, bool points_stand) {
   const int count = count_holding(points);
   const bool anew = !points_stand || grid.drive_average.empty() || count != holding_;
-  if (anew) of_points_.find(points, grid);
+  if (anew) {
+    of_points_.find(points, grid);
+    counted_.resize(points.blocks.size());
+    for (std::size_t b = 0; b < counted_.size(); ++b) counted_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
+  }
   holding_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   with_law(law, [&](const auto& l) {
@@ -59,8 +63,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, b
     if constexpr (L::kFields > 0)
       of_points_.add_values(
           [&](int b) {
-            const PointBlock& p = points.blocks[b];
-            return p.volume * (points.knows_root_of_norm(b) ? points.root_of_norm[b] : root_of_norm(l, p.strain));
+            return counted_[b] * (points.knows_root_of_norm(b) ? points.root_of_norm[b] : root_of_norm(l, points.blocks[b].strain));
           },
           sum_.data());
   });

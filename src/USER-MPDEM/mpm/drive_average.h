@@ -22,6 +22,9 @@
 // The direction of the strain means nothing if e is tiny beside high averages. So a is at most kMostAmplification. The
 // average belongs to the state at the start of a step, e to the end of the step. So waves within a step do not change
 // the drive of a point. Failed points take no part in averages.
+//
+// On the stronger side of a bond (imperfection.h) roots count a little less. So an average is never above that of the
+// roots themselves, and all bounds by these hold.
 #ifndef MPDEM_DRIVE_AVERAGE_H
 #define MPDEM_DRIVE_AVERAGE_H
 
@@ -29,6 +32,7 @@
 
 #include "gather.h"
 #include "grid.h"
+#include "imperfection.h"
 #include "point_store.h"
 #include "scalar_sums.h"
 
@@ -64,15 +68,16 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 // every sweep() but the last.
 class DriveAverage {
  public:
-  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, bool points_stand = false) {
-    if (start(points, grid, law, points_stand)) find_volumes(grid);
+  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, const Imperfection& imperfection = {},
+            bool points_stand = false) {
+    if (start(points, grid, law, imperfection, points_stand)) find_volumes(grid);
     for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
   // Scatters the roots of the norms to the nodes. points_stand: points do not move. Their weights are then found anew
   // only if a point has failed since the last start(), or if the grid has no average. It has none after its nodes or
   // ties changed, and all that gives points other lanes or blocks changes these. Returns true if the weights are new:
   // the volumes of the nodes must then be found anew, too.
-  bool start(const PointStore& points, Grid& grid, const Law& law, bool points_stand = false);
+  bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection, bool points_stand = false);
   // Finds the volumes of the nodes from the points of this rank. Other ranks may have lost points that this rank does not know of.
   void find_volumes(const Grid& grid);
   // Does sweep k. Between two sweeps the average is gathered at the points and scattered back. The last one sets
@@ -92,13 +97,15 @@ class DriveAverage {
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
   std::size_t memory_usage() const {
-    return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) + of_points_.memory_usage();
+    return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) + counted_.capacity() * sizeof(vd) +
+           of_points_.memory_usage();
   }
 
  private:
   std::vector<double> inverse_volume_;       // a number for each node
   std::vector<double> volume_, sum_, mean_;  // the same, with room beyond the nodes, see scalar_sums.h
   bool volume_is_new_ = false;               // not in inverse_volume_ yet
+  std::vector<vd> counted_;                  // of each block: volumes of the points, as they count with their roots
   int holding_ = -1;                         // number of unfailed points of this rank in of_points_
   ScalarSums of_points_;
 };

@@ -107,6 +107,7 @@ void CementReport::parameters(Cement& c, bigint points) {
         "\n  elastic   Ep ", e.Ep, ", Ez ", e.Ez, ", nu_p ", e.nu_p, ", nu_zp ", e.nu_zp,
         ", Gzp ", e.Gzp, ", C33 ", c.law().elasticity().C33, "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
     text += c.law().report(o.cell);
+    if (o.imperfection > 0.0) text += text_of("  one side of each bond bears ", o.imperfection, " more strain than the other ('imperfection')\n");
     if (!c.law().inert()) text += text_of("  cracks    ", o.split ? "split" : "bonds", "\n");
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");

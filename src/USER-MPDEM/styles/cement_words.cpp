@@ -106,7 +106,18 @@ void take_regularization(Arguments& args, CementOptions& o, Softening& energy) {
   o.advance.nonlocal = how == "nonlocal";
   if (!o.advance.nonlocal) return;
   o.length = args.positive("regularization nonlocal");
-  if (args.accept("energy")) energy.nonlocal = args.positive("regularization nonlocal ... energy");
+  o.imperfection = kUsualImperfection;
+  for (;;) {
+    if (args.accept("energy")) {
+      args.once("energy", "regularization nonlocal");
+      energy.nonlocal = args.positive("regularization nonlocal ... energy");
+    } else if (args.accept("imperfection")) {
+      args.once("imperfection", "regularization nonlocal");
+      o.imperfection = args.between("regularization nonlocal ... imperfection", 0.0, kMostImperfection, "by how much more strain one side of a bond bears");
+    } else {
+      return;
+    }
+  }
 }
 
 // Calls f, and complains if f finds no softening with that energy.

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A bond between equal grains is its own mirror image. Damage begins at both grains alike, and which of them lets go is
+// a bifurcation. Left to rounding errors it comes late, at a force beyond that at which one side alone would let go, and
+// the force depends on the number of steps. So a small imperfection decides, as is usual for bifurcations: the cement
+// nearer to one grain is stronger by some share.
+#ifndef MPDEM_IMPERFECTION_H
+#define MPDEM_IMPERFECTION_H
+
+#include <cmath>
+
+#include "../numerics/simd.h"
+#include "body.h"
+
+namespace mpdem {
+
+// The grain (0 or 1) whose side is the stronger one. It is the smaller grain, since that is what grains of different
+// radius prefer anyway. Of equal grains it is that of larger x, with equal x that of larger y, with equal y that of
+// larger z. So the result does not depend on the order of the grains.
+inline int stronger_side(const Body& body) {
+  const double larger = body.radius[0] - body.radius[1];
+  if (std::fabs(larger) > rounding_of_places(body)) return larger > 0.0;
+  return 1 - nearer_side(body, 0.0);
+}
+
+// Lanes of the points that were made at X on the stronger side. The middle belongs to the weaker one.
+inline vmask on_stronger_side(const Body& body, const vd* X) {
+  vd above[2];
+  for (int side = 0; side < 2; ++side) {
+    vd square{};
+    for (int d = 0; d < 3; ++d) square += (X[d] - body.centre[side][d]) * (X[d] - body.centre[side][d]);
+    above[side] = sqrt(square) - body.radius[side];
+  }
+  const int strong = stronger_side(body);
+  return above[1 - strong] - above[strong] > rounding_of_places(body);
+}
+
+// Imperfection of a bond. `share`: by how much more strain the stronger side bears. 0: both sides are alike.
+struct Imperfection {
+  const Body* body = nullptr;
+  double share = 0.0;
+
+  // Factor on the root of the norm of strain of points made at X, as it counts for damage.
+  vd of_root(const vd* X) const {
+    if (share == 0.0) return splat(1.0);
+    return select(on_stronger_side(*body, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
+  }
+};
+
+}  // namespace mpdem
+
+#endif
