@@ -83,7 +83,7 @@ LOADS = {"x": ("0.06 0 0", ""), "y": ("0 0.06 0", ""), "z": ("0 0 0.06", ""),
          "about x": ("0 0 0", "omegax 30"), "about y": ("0 0 0", "omegay 30"), "about z": ("0 0 0", "omegaz 30")}
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", [pytest.param(s, marks=[pytest.mark.long] if s == "coating" else []) for s in SHAPES])
 def test_six_loads(shape, tmp_path, figures):
     """Loads on both grains just before a bond wakes, and just after, when they are those of its links."""
     worst = 0.0
