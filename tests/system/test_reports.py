@@ -22,9 +22,9 @@ def test_where_time_goes(ranks, tmp_path):
     seconds, rate, by_cpu, size = (float(found[i]) for i in (1, 2, 3, 4))
     points = int(re.search(r"fix mpm \(id cem\): (\d+) material points", out)[1])
     assert abs(rate * seconds / (200 * points) - 1) < 1e-4 and 300 < size < 1e5
-    # A rank takes no more CPU time than wall time, and no more than the whole program did.
+    # A rank takes no more CPU time than wall time, and no more than the whole program did. It may wait for a processor for any time.
     cpu = 200 * points / by_cpu
-    assert 0.1 * seconds / ranks < cpu < 1.02 * seconds
+    assert 2e-9 * 200 * points < cpu < 1.02 * seconds
     assert cpu < after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     phases = found[5].split("; ")[0].split(", ")
     assert [re.sub(r" [0-9.]+ %$", "", p) for p in phases] == PHASES
