@@ -56,6 +56,7 @@ const Lines kMpm = {
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 quasistatic 100 0.2 balance yes skip resting no skip all yes",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 viscosity 1e-6 evolution full events events.csv",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization crackband 10 axis radial",
+    "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization nonlocal 8e-4 energy 40 imperfection 1e-3 axis radial",
     "fix cem calcite mpm cell 8e-4 basis linear edge free transfer flip 1 reproject 1 elastic isotropic 60e9 0.25 damage none regularization none",
     "fix cem calcite mpm cell 4e-4 elastic isotropic 60e9 0.25 skip undamaged no skip failed no skip detached no",
 };

@@ -331,6 +331,7 @@ class RowOfGrains : public CementHost {
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.advance.nonlocal = row_.length > 0.0;
+    o.imperfection = o.advance.nonlocal ? 0.05 : 0.0;
     const VtiElasticity elasticity(VtiConstants::isotropic(kYoung, 0.0));
     std::unique_ptr<Law> law;
     if (row_.B0 > 0.0) law = std::make_unique<TensorDamage>(elasticity, p);

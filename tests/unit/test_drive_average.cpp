@@ -31,9 +31,28 @@ void set_roots(Cement& c, F root) {
   }
 }
 
-void average(Cement& c, const AverageSweeps& s) {
+Body equal_grains() {
+  Body body;
+  body.spacing = kCell / 2;
+  for (int side = 0; side < 2; ++side) {
+    body.radius[side] = 50 * kCell;
+    body.centre[side][2] = (side == 0 ? -1 : 1) * 51 * kCell;  // a gap of two cells about z = 0
+  }
+  return body;
+}
+
+Body swapped(const Body& body) {
+  Body other = body;
+  for (int side = 0; side < 2; ++side) {
+    other.radius[side] = body.radius[1 - side];
+    std::copy_n(body.centre[1 - side], 3, other.centre[side]);
+  }
+  return other;
+}
+
+void average(Cement& c, const AverageSweeps& s, const Imperfection& imperfection = {}) {
   DriveAverage average;
-  average.find(c.points, c.grid, kLaw, s);
+  average.find(c.points, c.grid, kLaw, s, imperfection);
 }
 
 double average_of(const Cement& c, int b, int l) {
@@ -168,6 +187,9 @@ TEST(DriveAverage, WeightsThatStand) {
   Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
   const AverageSweeps sweeps = sweeps_for(1.7 * kCell, kCell, Basis::quadratic);
+  Body body = equal_grains();
+  for (auto& centre : body.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
+  const Imperfection imperfection{&body, 0.1};
   DriveAverage kept;
   for (const char* state : {"fresh", "the same", "some failed", "nodes tied"}) {
     if (state == std::string("some failed")) fail(c, 6);
@@ -176,30 +198,11 @@ TEST(DriveAverage, WeightsThatStand) {
       c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
       ASSERT_GT(c.grid.ties.size(), 10u);
     }
-    kept.find(c.points, c.grid, kLaw, sweeps, {}, true);
+    kept.find(c.points, c.grid, kLaw, sweeps, imperfection, true);
     const std::vector<double> of_kept = c.grid.drive_average;
-    average(c, sweeps);
+    average(c, sweeps, imperfection);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;
   }
-}
-
-Body equal_grains() {
-  Body body;
-  body.spacing = kCell / 2;
-  for (int side = 0; side < 2; ++side) {
-    body.radius[side] = 50 * kCell;
-    body.centre[side][2] = (side == 0 ? -1 : 1) * 51 * kCell;  // a gap of two cells about z = 0
-  }
-  return body;
-}
-
-Body swapped(const Body& body) {
-  Body other = body;
-  for (int side = 0; side < 2; ++side) {
-    other.radius[side] = body.radius[1 - side];
-    std::copy_n(body.centre[1 - side], 3, other.centre[side]);
-  }
-  return other;
 }
 
 // The stronger side bears more by the share, the weaker side bears what it bears alone, and between them is no more and no less.
@@ -212,9 +215,8 @@ TEST(DriveAverage, Imperfection) {
   for (Vector& x : X) x -= middle;
   Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [](int, int) { return 2.0; });
-  DriveAverage average;
   const AverageSweeps one{1, 1.0};  // reaches 3 cells
-  average.find(c.points, c.grid, kLaw, one, {&body, share});
+  average(c, one, {&body, share});
   const double strong = 2.0 / std::sqrt(1.0 + share);  // the root of the strain by 1 + share
   int above = 0, below = 0, between = 0;
   c.for_points([&](int b, int l) {
@@ -236,8 +238,20 @@ TEST(DriveAverage, Imperfection) {
   EXPECT_GT(between, 100);
   const std::vector<double> of_body = c.grid.drive_average;
   const Body other = swapped(body);
-  average.find(c.points, c.grid, kLaw, one, {&other, share});
+  average(c, one, {&other, share});
   EXPECT_EQ(of_body, c.grid.drive_average) << "the order of the grains does not matter";
+  // With `updated` a side is where points were made, not where they went.
+  for (const PointBlock& b : c.points.blocks) {
+    c.points.motion.emplace_back();
+    for (int d = 0; d < 3; ++d) c.points.motion.back().X0[d] = d == 2 ? -b.X[d] : b.X[d];
+  }
+  average(c, one, {&body, share});
+  c.for_points([&](int b, int l) {
+    const double z = c.points.blocks[b].X[2][l];
+    if (std::fabs(z) > 3.1 * kCell) {
+      EXPECT_NEAR(average_of(c, b, l), z > 0.0 ? 2.0 : strong, 1e-13);
+    }
+  });
 }
 
 TEST(Imperfection, IsOnTheSideOfTheSmallerGrain) {
