@@ -61,6 +61,7 @@ def test_energy_asked_for(tmp_path, figures, monkeypatch, cells_a_length, energy
     ("nonlocal 2e-4 energy 1e4", "or for this G_f the length between"),
     ("nonlocal 2e-4 imperfection -1e-3", "regularization nonlocal ... imperfection"),
     ("nonlocal 2e-4 imperfection 0.2", "by how much more strain one side of a bond bears"),
+    ("nonlocal 2e-4 imperfecton 1e-3", "and after 'regularization nonlocal' energy, imperfection"),
     ("nonlocal 2e-4 imperfection nan", "a finite number is needed"),
     ("nonlocal 2e-4 imperfection 1e-3 energy 14 imperfection 1e-3", "'imperfection' is given twice in regularization nonlocal")])
 def test_bad_words(tmp_path, words, message):

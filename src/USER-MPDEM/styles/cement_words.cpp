@@ -280,6 +280,7 @@ CementWords take_cement_words(Arguments& args) {
     } else {
       std::vector<std::string> known = kKeywords;
       for (const std::string& word : law_words("damage", law_entries())) known.push_back(word);
+      known.insert(known.end(), {"and after 'regularization nonlocal' energy", "imperfection"});
       args.unknown(key, known);
     }
   }
