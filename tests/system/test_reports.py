@@ -36,6 +36,16 @@ def test_where_time_goes(ranks, tmp_path):
         assert sum(share) > 99.5
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_the_set_up_is_not_timed(ranks, tmp_path):
+    """The time in fix mpm is that of the steps. The set-up of a run takes longer than one step."""
+    out = run(SCENE + 3 * "run 1\n", tmp_path, ranks).output
+    seconds = [float(s) for s in re.findall(r"^fix mpm \(id cem\): ([0-9.e+-]+) s in 1 steps", out, re.M)]
+    loops = [float(s) for s in re.findall(r"^Loop time of ([0-9.e+-]+) on", out, re.M)]
+    assert len(seconds) == len(loops) == 3
+    assert all(0.0 < s <= 1.01 * loop for s, loop in zip(seconds, loops)), (seconds, loops)
+
+
 def test_error_without_a_log(tmp_path):
     """One line and status 1, as with a log."""
     result = launch(SCENE + "no_such_command\nrun 1\n", tmp_path, arguments=["-log", "none"])

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Time step of fix mpm: the limit is the true one, and a pull may be made in fewer steps."""
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
 
+README = Path(__file__).resolve().parents[2] / "README.md"
 CELL = 2e-4
 SCENE = pair(CELL / 2) + cement(CELL, 1e-9) + pull(0.1, 2e-6)
 ORDERS = (1, 2)  # terms of the mass
@@ -85,6 +87,24 @@ def test_auto_never_lengthens(tmp_path):
     t = run(script + 4 * "run 250\n", tmp_path).table()
     assert t["f_cem[2]"][-1] > 0.5 * 6000 and (t["dt"] == t["dt"][0]).all()
     assert np.diff(t["f_bond[13]"]).max() < 1.5 * 10 * t["dt"][0]  # m, at 1 m/s
+
+
+def test_auto_keeps_a_stable_step(tmp_path):
+    """Parts that come apart leave a shorter limit behind. A step that is still below it stays, since motion by step*dt would jump with it."""
+    first = re.search(r"```liggghts\n(.*?)```", README.read_text(), re.S)[1]
+    for old, new in (("timestep     1.5e-8\n", ""), ("B0 9.6e3\n", "B0 9.6e3 timestep auto 0.9\n")):
+        first = edit(first, old, new)
+    result = run(first[:first.index("run          400")] + thermo(50, ["dt", "v_apart"]) + "run 150\n" + 4 * "run 100\n", tmp_path)
+    t = result.table()
+    assert t["v_apart"][-1] == 1 and (t["dt"] == t["dt"][0]).all()
+    limits = [float(x) for x in re.findall(r"the limit is now (\S+),", result.output)]
+    assert len(limits) == 4 and 0.9 * min(limits) < 0.995 * t["dt"][0] and t["dt"][0] < min(limits)  # nine tenths of it would be shorter
+
+
+@pytest.mark.parametrize("words, share", [("", 0.8), ("mass_order 2", 0.75), ("unilateral yes", 0.6)])
+def test_auto_warns_of_splits(words, share, tmp_path):
+    script = pair(CELL / 2) + edit(cement(CELL, 1e-9, damage="damage tensor B0 9.6e3 cutoff 0.9"), "mpm cell 0.0002", f"mpm cell 0.0002 timestep auto 0.81 cracks split {words}")
+    assert f"use 'timestep auto {share}' or less" in run(script + "fix hold grains freeze\n" + 2 * "run 1\n", tmp_path).output
 
 
 def test_auto_and_the_order_of_fixes(tmp_path):

@@ -22,6 +22,7 @@ struct CementTotals {
   double momentum[3], angular_momentum[3];
   double separated, debonding, internal, mixed;  // numbers of bonds
   double broken;                                 // number of bonds that are separated or carry nothing any more
+  double awake;                                  // number of bonds that are not condensed
 };
 
 // Part of a bond on one rank.

@@ -75,7 +75,8 @@ double rounded_energy(double stiffness, double reach) {
   return 100.0 * stiffness * strain * strain;
 }
 
-void count_separated(const Cracks& cracks, CementTotals& t) {
+void count_bonds(const Cracks& cracks, int awake, CementTotals& t) {
+  t.awake = awake;
   for (std::size_t r = 0; r < cracks.size(); ++r) {
     t.broken += cracks.broken(r);
     if (!cracks.separated(r)) continue;
@@ -89,7 +90,7 @@ void count_separated(const Cracks& cracks, CementTotals& t) {
 
 CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
-  count_separated(cracks_, t);
+  count_bonds(cracks_, awake_bonds(), t);
   if (!scene_.laid_out) return t;
   // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
   // accumulates

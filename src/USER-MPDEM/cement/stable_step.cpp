@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <unordered_map>
 
 #include "../numerics/cross_matrix.h"
 #include "../parallel/agree.h"
@@ -15,9 +17,11 @@ constexpr double kGrowth = 1.02;  // an eigenvalue that grew by less is the one 
 }
 
 double StableStep::largest_mass_ratio() const {
-  std::map<int, double> cement;
+  std::unordered_map<int, double> cement;
+  for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
   for (const Body& b : scene_.bonds.table)
-    for (int tag : b.grain) cement[tag] += scene_.inertia * b.volume;
+    for (int tag : b.grain)
+      if (const auto at = cement.find(tag); at != cement.end()) at->second += scene_.inertia * b.volume;
   double mine = 0.0, most;
   for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
@@ -26,9 +30,9 @@ double StableStep::largest_mass_ratio() const {
 
 double StableStep::relaxation_rate(double share) const {
   if (share == 0.0) return 0.0;
-  double rate = 0.0;
-  for (const Body& b : scene_.bonds.table) rate = std::max(rate, Relaxation::rate(b, share, scene_.shear_speed()));
-  return rate * (1.0 + largest_mass_ratio());
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const Body& b : scene_.bonds.table) thinnest = std::min(thinnest, b.thickness);
+  return Relaxation::rate(thinnest, share, scene_.shear_speed()) * (1.0 + largest_mass_ratio());
 }
 
 double StableStep::step_for(double eigenvalue, double relax) const {
@@ -140,7 +144,7 @@ bool StableStep::check_after(const std::vector<int>& rows, const char* event, co
   const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches), scene_.options.relax);
   if (scene_.now.dt > limit)
     throw BadState(text_of("time step ", n * scene_.now.dt, " exceeds the stable step ", n * limit, n > 1 ? text_of(" of ", n, " sub-steps") : "", " after ", event, " at step ",
-                           scene_.now.number, "; use 'timestep ", 0.9 * n * limit, "' or less"));
+                           scene_.now.number, "; use 'timestep ", 0.9 * n * limit, "' or less, or a smaller share in 'timestep auto'"));
   return known_ != known;
 }
 

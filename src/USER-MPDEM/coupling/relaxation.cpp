@@ -14,8 +14,8 @@ namespace {
 constexpr double kReach = 3.0;
 }
 
-double Relaxation::rate(const Body& body, double critical_share, double shear_speed) {
-  return critical_share * 2.0 * M_PI * shear_speed / body.thickness;
+double Relaxation::rate(double thickness, double critical_share, double shear_speed) {
+  return critical_share * 2.0 * M_PI * shear_speed / thickness;
 }
 
 std::vector<char> nodes_held(const PointStore& points, Grid& grid) {
@@ -70,7 +70,7 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, c
 }
 
 Relaxation::Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed)
-    : rate_(rate(body, critical_share, shear_speed)) {
+    : rate_(rate(body.thickness, critical_share, shear_speed)) {
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
   const std::vector<double> share = shares_of_second_grain(grid, body, held);
   std::vector<int> nodes;

@@ -26,7 +26,8 @@
 namespace mpdem {
 
 // For each node the bits (as in PointRecord::holds) of the grains to which points with this node in their support held
-// when their bond was last examined. Points that failed since then count, so this is the same at any time until the next examination. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
+// when their bond was last examined. Points that failed since then count, so this is the same at any time until the next
+// examination. A copy that is tied to one node has the bits of that node. Collective for the ranks that share nodes.
 std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 
 // s of each node. Below 0 for a loose piece, which follows no grain. held: nodes_held() of a bond that came apart, else empty.
@@ -39,12 +40,12 @@ class Relaxation {
   // Must be made after the layout of the grid. held: nodes_held() of a bond that came apart, else empty.
   // critical_share: share of critical damping.
   Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed);
-  static double rate(const Body& body, double critical_share, double shear_speed);
+  static double rate(double thickness, double critical_share, double shear_speed);
 
   // Adds the force to nodes after their sum over ranks, and the reaction to grains before their sum over ranks.
   void add_force(Grid& grid, GrainSide* side) const;
-  // Power that damping takes from the nodes that this rank counts. The force is that of the stored velocity. The
-  // velocity is the stored one plus `later` times the acceleration.
+  // Power that damping takes from the nodes that this rank counts (mpm/power.h): its force with the velocity, and with
+  // the acceleration. The force is that of the stored velocity.
   Power power(const Grid& grid, const GrainSide* side) const;
   std::size_t memory_usage() const { return eights_.capacity() * sizeof(Eight); }
 

@@ -29,6 +29,7 @@ class CementReport {
 
   // All functions below are collective.
   void start_run(Cement& c);
+  void start_timing(Cement& c);  // call at the end of the set-up of a run
   // Tells what the parameters imply, once. Stops if the time step is not stable.
   void parameters(Cement& c, bigint points);
   // Stops if the time step is not above 0 or not stable.

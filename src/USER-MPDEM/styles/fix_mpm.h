@@ -107,6 +107,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bool coupling_follows();
   void set_time_step(const Fix* running);
   void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
+  void warn_of_splits();
   void tell_substeps();
   void fill_atoms();
   void show_homes(bool for_run);
@@ -132,6 +133,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
   bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
   double dt_at_end_ = 0.0;          // time step at that end
+  bool splits_told_ = false;
   double auto_step_ = 0.0;      // time step that `timestep auto` found last
   double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;
