@@ -180,6 +180,16 @@ def test_all_contacts(tmp_path, ranks):
     assert (one.directory / "cement.txt").read_text() == (all_.directory / "cement.txt").read_text()
 
 
+@pytest.mark.parametrize("high, pairs", [(4 * RADIUS, 1), (5 * RADIUS, 0)])
+def test_contacts_at_two_places(tmp_path, high, pairs):
+    """Two grains that touch directly and through the boundary get cement at one place; the command tells."""
+    text = grains([(0, 0, RADIUS), (0, 0, 3 * RADIUS)], f"-0.006 0.006 -0.006 0.006 0 {high:.15g}", boundary="f f p")
+    text += "create_cement calcite contacts grains gap 1e-6 shape flat inner 1.4e-3 outer 2.3e-3 spacing 2.5e-4\n"
+    output = run(text, tmp_path).output
+    assert "Cement at 1 contacts" in output
+    assert (f"{pairs} pairs of grains are in contact at more than one place" in output) == (pairs > 0)
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_many_bonds_that_break(tmp_path, ranks):
     """Twenty-five columns of two beads are pulled apart: the first twenty have a line at the end, all are counted."""

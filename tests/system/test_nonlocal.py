@@ -54,6 +54,7 @@ def test_energy_asked_for(tmp_path, figures, monkeypatch, cells_a_length, energy
 
 @pytest.mark.parametrize("words, message", [
     ("nonlocal 1.9e-4", "the length must be at least the cell, which is 0.0002; take 'cell 0.00019' or less"),
+    ("nonlocal 0.2", "the length must be at most 100 cells, which are 0.02, in the units of the box"),
     ("nonlocal 0", "regularization nonlocal"),
     ("nonlocal -1e-4", "regularization nonlocal"),
     ("nonlocal 2e-4 energy -1", "regularization nonlocal ... energy"),

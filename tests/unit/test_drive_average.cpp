@@ -272,9 +272,9 @@ TEST(Imperfection, IsOnTheSideOfTheSmallerGrain) {
   }
 }
 
-// The first direction in which equal grains differ decides, and what is as near to both belongs to the weaker side.
+// The axis nearest to the line of centres decides, of axes equally near the first, and what is as near to both belongs to the weaker side.
 TEST(Imperfection, OfEqualGrainsIsOnTheSideOfLargerCoordinates) {
-  const Vector lines[] = {{0, 0, 1}, {0, 1, -1}, {1, -1, -1}};
+  const Vector lines[] = {{0, 0, 1}, {0, 1, -1}, {1, -1, -1}, {-1e-4, 0, 1}, {-0.3, 0.1, 1}, {-0.2, 1, 0}};
   for (const Vector& line : lines)
     for (int first : {0, 1}) {
       Body body = equal_grains();

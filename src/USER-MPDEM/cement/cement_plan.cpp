@@ -52,9 +52,10 @@ std::array<double, 3> velocity_between(const GrainToBond* grain, const std::arra
 
 std::string CementPlan::prefix(const PlannedBond& bond) { return text_of("create_cement pair ", bond.grain[0].tag, " ", bond.grain[1].tag, ": "); }
 
-// Bonds must not feel the strain that comes from rounding of positions. length: length of what is strained.
+// Bonds must not feel the strain that comes from rounding of positions. length: length of what is strained. The links
+// are stiffer than the cement by two orders, and so is what rounding loads them with.
 std::string CementPlan::trouble_of_place(const PlannedBond& bond, double length) {
-  constexpr double kMostStrain = 1e-6;
+  constexpr double kMostStrain = 1e-8;
   double far = 0.0;
   for (const GrainToBond& g : bond.grain)
     for (double x : g.x) far = std::max(far, std::fabs(x));

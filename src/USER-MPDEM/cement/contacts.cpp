@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 namespace mpdem {
 
@@ -32,6 +33,20 @@ std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, co
       pairs.insert(std::minmax(a.tag, b.tag));
     }
   return {pairs.begin(), pairs.end()};
+}
+
+int contacts_twice(const std::vector<Sphere>& spheres, const std::vector<std::pair<int, int>>& pairs, const SceneBox& box, double gap) {
+  std::unordered_map<int, const Sphere*> of;
+  for (const Sphere& g : spheres) of.emplace(g.tag, &g);
+  const std::vector<Vector3> images = box.images();
+  int twice = 0;
+  for (const auto& p : pairs) {
+    const Sphere &a = *of.at(p.first), &b = *of.at(p.second);
+    const Vector3 d = box.shortest(b.x - a.x);
+    const auto touches = [&](const Vector3& image) { return (d + image).norm() - a.radius - b.radius <= gap; };
+    twice += std::count_if(images.begin(), images.end(), touches) > 1;
+  }
+  return twice;
 }
 
 }  // namespace mpdem

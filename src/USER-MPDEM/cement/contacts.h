@@ -15,6 +15,8 @@ namespace mpdem {
 // Returns pairs of tags, each and all ascending, of spheres no farther apart than `gap`. In a periodic box the nearest
 // images count.
 std::vector<std::pair<int, int>> contacts(const std::vector<Sphere>& spheres, const SceneBox& box, double gap);
+// Number of these pairs of which other images are no farther apart, too.
+int contacts_twice(const std::vector<Sphere>& spheres, const std::vector<std::pair<int, int>>& pairs, const SceneBox& box, double gap);
 
 }  // namespace mpdem
 

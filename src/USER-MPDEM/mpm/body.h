@@ -107,15 +107,24 @@ inline double rounding_of_places(const Body& body) { return 1e-6 * body.spacing;
 // True if both surfaces are equally near, up to rounding.
 inline bool in_the_middle(const Body& body, double nearer_to_first) { return std::fabs(nearer_to_first) <= rounding_of_places(body); }
 
-// The grain (0 or 1) whose surface is nearer. In the middle it is the grain of smaller x, with equal x that of smaller
-// y, with equal y that of smaller z. So the result does not depend on the order of the grains.
-inline int nearer_side(const Body& body, double nearer_to_first) {
-  if (!in_the_middle(body, nearer_to_first)) return nearer_to_first < 0.0;
+// The grain (0 or 1) that is behind along the axis nearest to the line of centres, in the axes of the body. Of axes equally
+// near it is the first (geometry/bond_axes.h). So the result does not depend on the order of the grains.
+inline int side_behind(const Body& body) {
+  constexpr double kAlike = 1e-3;
+  double ahead[3], square = 0.0;
   for (int d = 0; d < 3; ++d) {
-    const double ahead = body.centre[1][d] - body.centre[0][d];
-    if (std::fabs(ahead) > rounding_of_places(body)) return ahead < 0.0;
+    ahead[d] = body.centre[1][d] - body.centre[0][d];
+    square += ahead[d] * ahead[d];
   }
-  return 0;
+  int nearest = 0;
+  for (int d = 1; d < 3; ++d)
+    if (std::fabs(ahead[d]) > std::fabs(ahead[nearest]) + kAlike * std::sqrt(square)) nearest = d;
+  return ahead[nearest] < 0.0;
+}
+
+// The grain (0 or 1) whose surface is nearer. In the middle it is the one behind.
+inline int nearer_side(const Body& body, double nearer_to_first) {
+  return in_the_middle(body, nearer_to_first) ? side_behind(body) : nearer_to_first < 0.0;
 }
 
 // A body has parts. Each part has its own nodes, which are a field of the grid. A body that came apart has pieces:

@@ -16,13 +16,12 @@
 namespace mpdem {
 
 // The grain (0 or 1) whose side is the stronger one. It is the smaller grain, since between unequal grains it is the
-// larger one that lets go anyway. Of equal grains it is that of larger x, with equal x that of larger y, with equal y
-// that of larger z, in the axes of the body (geometry/bond_axes.h). So the result does not depend on the order of the
-// grains.
+// larger one that lets go anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the
+// line of centres. So the result does not depend on the order of the grains.
 inline int stronger_side(const Body& body) {
   const double larger = body.radius[0] - body.radius[1];
   if (std::fabs(larger) > rounding_of_places(body)) return larger > 0.0;
-  return 1 - nearer_side(body, 0.0);
+  return 1 - side_behind(body);
 }
 
 // Lanes of the points that were made at X on the stronger side. The middle belongs to the weaker one.

@@ -142,6 +142,10 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
   if (o.length < 0.999999 * o.cell)
     args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ", o.length,
                           "' or less"));
+  constexpr double kMostCells = 100.0;  // an average of more takes thousands of sweeps a step
+  if (o.length > kMostCells * o.cell)
+    args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at most ", kMostCells, " cells, which are ", kMostCells * o.cell,
+                          ", in the units of the box; take a length of one to four cells"));
   law->set_length(o.length);
   if (energy.nonlocal > 0.0) soften(args, "'regularization nonlocal ... energy'", *law, [&] { law->set_nonlocal_energy(energy.nonlocal); });
   return law;

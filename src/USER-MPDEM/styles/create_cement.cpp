@@ -279,7 +279,8 @@ void CreateCement::cement_contacts(Arguments& args) {
   const int groupbit = group->bitmask[igroup];
   args.keyword({"gap"});
   const double gap = args.not_negative("gap");
-  const Pairs found = mpdem::contacts(mpdem::gather_all(world, spheres(groupbit)), box_, gap), before = cemented();
+  const std::vector<mpdem::Sphere> all = mpdem::gather_all(world, spheres(groupbit));
+  const Pairs found = mpdem::contacts(all, box_, gap), before = cemented();
   if (found.empty())
     args.complain(text_of("no two grains of group '", name, "' are closer than 'gap ", gap, "'; use a wider gap, or bring them together before"));
   Pairs pairs;
@@ -297,6 +298,9 @@ void CreateCement::cement_contacts(Arguments& args) {
     left_out = maker.text_of_skipped();
     made = pairs.size() - maker.skipped().size();
   }
+  if (const int twice = mpdem::contacts_twice(all, found, box_, gap); twice > 0 && comm->me == 0)
+    warn(text_of("create_cement contacts ", name, ": ", twice, " pairs of grains are in contact at more than one place, across a periodic boundary, and have cement at "
+                 "one of them only; use a box that is wider along its periodic directions"));
   say(text_of("Cement at ", made, " contacts of group '", name, "' of a gap of at most ", gap, "; ", found.size() - pairs.size(), " had cement before\n"));
   report_sums(sums, groupbit, name);
   say(left_out);
