@@ -59,6 +59,15 @@ def test_no_part_knows_the_cement():
     assert who == {"cement.cpp", "state.cpp"}
 
 
+def test_the_table_of_parts_is_in_their_order():
+    """Parts refer to those that are made before them, so doc/architecture.md lists them in the order of cement.h."""
+    members = re.findall(r"^  (?:std::unique_ptr<)?(\w+)>? \w+_(?:\{.*\})?;", (PACKAGE / "cement" / "cement.h").read_text().split("private:")[-1], re.M)
+    text = (PACKAGE.parents[1] / "doc" / "architecture.md").read_text()
+    table = re.findall(r"^\| `(\w+)`, `\w+\.h` \|", text, re.M)
+    assert len(table) > 10
+    assert table == [m for m in members if m in table]
+
+
 def test_guards_are_unique():
     """Of two headers with the same guard, the second is empty for who includes both."""
     guards = [re.search(r"#ifndef (MPDEM_\w+)", path.read_text()) for path in sorted(PACKAGE.rglob("*.h"))]

@@ -4,19 +4,35 @@
 
 #include <algorithm>
 
+#include "../numerics/sort_unique.h"
+
 namespace mpdem {
 
+void AddedMasses::refresh() {
+  std::vector<Bond*> bonds;
+  for (Bond& b : scene_.bonds) bonds.push_back(&b);
+  find(bonds);
+}
+
 void AddedMasses::refresh(const std::vector<int>& rows) {
+  std::vector<Bond*> bonds;
+  for (int row : rows)
+    if (Bond* b = scene_.bonds.find(row)) bonds.push_back(b);
+  find(bonds);
+}
+
+// Collective. bonds: those of this rank.
+void AddedMasses::find(const std::vector<Bond*>& bonds) {
   if (!scene_.penalty) return;
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
   // Damping takes a part of the bound in every step. Nodes with added mass cannot have that part.
   const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
-  for (int row : rows)
-    if (Bond* b = scene_.bonds.table[row].condensed ? nullptr : scene_.bonds.find(row)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
-  for (int row : rows)
-    if (Bond* b = o.updated ? nullptr : scene_.bonds.find(row)) b->share(alike_);
+  for (Bond* b : bonds)
+    if (scene_.bonds.is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
+  for (Bond* b : bonds)
+    if (!o.updated) b->share(alike_);
   int some = 0, any;
   for (const Bond& b : scene_.bonds) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
@@ -34,8 +50,7 @@ void AddedMasses::follow_places(const std::vector<int>& moved) {
   std::vector<int> mine(moved);
   for (Bond& b : scene_.bonds.awake())
     if (give_inertia(b)) mine.push_back(b.body);
-  std::sort(mine.begin(), mine.end());
-  mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
+  sort_unique(mine);
   const std::vector<int> rows = scene_.agreed_rows(mine);
   if (rows.empty()) return;
   take_up(rows, [] {});

@@ -22,7 +22,7 @@ class AddedMasses {
   bool hangs_on_eigenvalue() const { return stable_step_.eigenvalue_is_known(); }  // false: it depends on a bound of the eigenvalue
   // Collective. Finds the added mass of all bonds, or of these rows of the table, after a layout. Does nothing without
   // links.
-  void refresh() { refresh(scene_.all_rows()); }
+  void refresh();
   void refresh(const std::vector<int>& rows);
   // Collective. Call when the layout of these bonds changed in a run. Finds all added mass anew if the known eigenvalue
   // changed. event: reason of the change, for the message. Throws BadState if the step is too long now.
@@ -39,6 +39,7 @@ class AddedMasses {
   double energy_ahead(const std::vector<int>& rows, double later) const;
 
  private:
+  void find(const std::vector<Bond*>& bonds);
   bool give_inertia(Bond& b) const;
   // Collective. Finds the added mass of these bonds anew after `action`. Call it between BondedGrains::clear_sudden_forces() and the drift.
   template <class Action>

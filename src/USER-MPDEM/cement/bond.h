@@ -81,7 +81,8 @@ struct Bond {
   }
   std::size_t memory_usage() const {
     return points.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
-           mass.memory_usage() + faces.memory_usage() + closing.memory_usage() + relaxation.memory_usage() + impulse.memory_usage();
+           mass.memory_usage() + faces.memory_usage() + closing.memory_usage() + relaxation.memory_usage() + impulse.memory_usage() +
+           resting.memory_usage() + updated.memory_usage() + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
 };
 

@@ -9,6 +9,7 @@
 
 #include "../mpm/point_state.h"
 #include "../numerics/flush_denormals.h"
+#include "../numerics/sort_unique.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
 #include "pattern_layouts.h"
@@ -104,8 +105,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   std::vector<int> patterns;
   for (const Body& b : scene_.bonds.table)
     if (b.pattern > 0 && b.pattern % ranks == me) patterns.push_back(b.pattern);
-  std::sort(patterns.begin(), patterns.end());
-  patterns.erase(std::unique(patterns.begin(), patterns.end()), patterns.end());
+  sort_unique(patterns);
   std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
   for (CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
   return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law);

@@ -296,6 +296,7 @@ void CondensedBonds::drop(MPI_Comm comm, const std::vector<int>& rows, const Bon
   for (int row : rows) {
     solutions_.erase(row);
     described_.erase(row);
+    cut_.erase(row);
   }
   const auto gone = [&](const Member& m) { return std::binary_search(rows.begin(), rows.end(), m.body); };
   members_.erase(std::remove_if(members_.begin(), members_.end(), gone), members_.end());

@@ -220,6 +220,7 @@ void Condensing::condense_again() {
     go_back_to_creation(b->points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration}) std::fill(values->begin(), values->end(), 0.0);
     b->near_threshold = false;
+    b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
   }
   const std::vector<BondedGrains::OwnedSide> owned = grains.owned();
   GrainSides sides = grains.sides;

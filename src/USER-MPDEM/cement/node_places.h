@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Keys of the grid (parallel/key.h) as nodes of one part of a bond at a place, and back.
 #ifndef MPDEM_CEMENT_NODE_PLACES_H
 #define MPDEM_CEMENT_NODE_PLACES_H
 
 #include "../fracture/node_copies.h"
 #include "../mpm/body.h"
-#include "../parallel/rendezvous.h"
+#include "../parallel/key.h"
 
 namespace mpdem {
 

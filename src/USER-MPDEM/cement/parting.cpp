@@ -2,13 +2,15 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Nodes that split (splits.h) change a bond in place. Points that go to other parts get blocks of their own. New nodes
-// come into the grid. Ties and masses of nodes that are touched are found anew. All else stays where it is. The result
-// is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a whole.
+// come into the grid. Ties of nodes that are touched are found anew, and the masses of all nodes of the bond. All else
+// stays where it is. The result is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a
+// whole.
 #include "parting.h"
 
 #include <algorithm>
 
 #include "../mpm/block_nodes.h"
+#include "../numerics/sort_unique.h"
 #include "bond_motion.h"
 #include "borrowed_nodes.h"
 
@@ -53,7 +55,7 @@ void Parting::look() {
   if (!scene_.can_break()) return;
   const bool after_check = scene_.follows_check();
   if (!after_check && !scene_.watches()) return;
-  for (Bond& b : scene_.bonds) b.sort_links();  // points that change cells change their slots
+  sort_links();
   Cracks& cracks = divisions_.cracks;
   if (scene_.options.split) split_nodes();
   if (after_check)
@@ -68,8 +70,14 @@ void Parting::look() {
   find_relaxation(found.held);
 }
 
-std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
+// Points that change cells change their slots. Others stay as the layout sorted them.
+void Parting::sort_links() {
+  if (!scene_.options.updated) return;
   for (Bond& b : scene_.bonds) b.sort_links();
+}
+
+std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
+  sort_links();
   return divisions_.cracks.ahead(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
 }
 
@@ -80,8 +88,7 @@ Cracks::Found Parting::look_at_bonds(bool debris, int from) {
   Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds, scene_.options, found.pieces);
   found.parts = std::move(split.parts);
   found.lay_out.insert(found.lay_out.end(), split.lay_out.begin(), split.lay_out.end());
-  std::sort(found.lay_out.begin(), found.lay_out.end());
-  found.lay_out.erase(std::unique(found.lay_out.begin(), found.lay_out.end()), found.lay_out.end());
+  sort_unique(found.lay_out);
   return found;
 }
 
@@ -122,8 +129,7 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
     add(divisions_.splits.standing_for(m, support(scene_.options.basis)));
     if (!borrowed.may_borrow(m)) add(Splits::nodes_of(m, support(scene_.options.basis)));
   }
-  std::sort(more.begin(), more.end());
-  more.erase(std::unique(more.begin(), more.end()), more.end());
+  sort_unique(more);
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
@@ -139,8 +145,7 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
 
   std::vector<int> nodes = divisions_.splits.nodes_touched(b.grid, b.body, parts.split);
   for (const Key& k : more) nodes.push_back(b.grid.node_at(k));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
   borrowed.find_anew(b.points, b.grid, divisions_.splits, nodes);

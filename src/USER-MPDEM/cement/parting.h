@@ -40,6 +40,7 @@ class Parting {
 
  private:
   Cracks::Found look_at_bonds(bool debris, int from = 0);  // from: the first row
+  void sort_links();
   void split_nodes();
   void lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts);
   void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);

@@ -25,6 +25,7 @@ class Resting {
   void keep_links(const Grid& grid, const GrainSide* side);
 
   bool asleep() const { return asleep_; }  // true if the bond slept in the last step
+  std::size_t memory_usage() const { return sizeof(double) * (internal_force_.capacity() + force_.capacity()); }
 
  private:
   bool settle(PointStore& points, Grid& grid, const Law& law, double dt, const AdvanceOptions& options, AdvanceResult& result);

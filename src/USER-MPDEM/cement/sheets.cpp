@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../numerics/sort_unique.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/ranks.h"
 #include "../parallel/rendezvous.h"
@@ -106,8 +107,7 @@ std::vector<char> Sheets::at(MPI_Comm comm, const std::vector<int>& rows, const 
   std::vector<Key> wanted;
   for (const Key& k : keys)
     if (has_sheets_[body_of(k.field())]) wanted.push_back(place(k));
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  sort_unique(wanted);
   std::vector<char> found;
   std::vector<Key> joined;
   for (int row : rows)

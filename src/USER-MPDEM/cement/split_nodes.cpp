@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "node_places.h"
+#include "../numerics/sort_unique.h"
 #include "splits.h"
 
 namespace mpdem {
@@ -31,7 +32,10 @@ void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges
     rows_[r].users.clear();
     rows_[r].edges_known = true;
   }
-  for (EdgeTie& t : edges) rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
+  for (EdgeTie& t : edges) {
+    std::vector<std::pair<Key, double>>().swap(t.behind);  // only the grid of a layout asks for these
+    rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
+  }
 }
 
 // Returns the node that stands now for a node of the start, or none if that node has been split.
@@ -54,8 +58,7 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
   for (const EdgeTie& t : rows_[body].edges)
     for (const auto* of_tie : {&t.masters, &t.heirs})
       for (const auto& m : *of_tie) nodes.push_back(now(m.first));
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
   return nodes;
 }
@@ -98,8 +101,7 @@ void Splits::find_users(Row& row) const {
   for (std::size_t n = 0; n < row.edges.size(); ++n)
     for (const auto* of_tie : {&row.edges[n].masters, &row.edges[n].heirs})
       for (const auto& m : *of_tie) row.users.emplace_back(m.first, static_cast<int>(n));
-  std::sort(row.users.begin(), row.users.end());
-  row.users.erase(std::unique(row.users.begin(), row.users.end()), row.users.end());
+  sort_unique(row.users);
 }
 
 // Finds nodes of all parts at the places that split, and edges that were tied to nodes there at the start. Most parts
@@ -133,8 +135,7 @@ std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::ve
         slaves.push_back(row.edges[u->second].slave);
     }
   }
-  std::sort(slaves.begin(), slaves.end());
-  slaves.erase(std::unique(slaves.begin(), slaves.end()), slaves.end());
+  sort_unique(slaves);
   for (const Key& s : slaves)
     for (const OfField& f : fields) {
       const Key k = s.with_field(f.field);

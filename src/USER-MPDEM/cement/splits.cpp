@@ -243,8 +243,10 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   Found found;
   const int ranks = ranks_of(comm), me = rank_in(comm), n = static_cast<int>(bonds.table.size());
   std::vector<std::vector<SentTag>> out(ranks);
-  for (Bond& bond : bonds)
-    for (std::size_t b = 0; bond.body >= from && b < bond.points.meta.size(); ++b) {
+  // later no condensed bond has such points, see Condensing::rests()
+  const auto is_due = [&](const Bond& b) { return from == kAwake ? bonds.is_awake(b) : b.body >= from; };
+  for (const Bond& bond : bonds)
+    for (std::size_t b = 0, end = is_due(bond) ? bond.points.meta.size() : 0; b < end; ++b) {
       const BlockMeta& m = bond.points.meta[b];
       const int fresh = m.failed & ~m.looked_at;
       for (int l = 0; l < kLanes && fresh; ++l)

@@ -28,12 +28,14 @@ class Splits {
   // that failed in a file are looked at by look().
   NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options);
   int first() const { return static_cast<int>(rows_.size()); }
-  // Collective. Looks at bonds in which points failed since the last look. Rows before `from` wait.
+  // Collective. Looks at bonds in which points failed since the last look: those that are not condensed, or new ones from
+  // row `from` on.
+  static constexpr int kAwake = -1;
   struct Found {
     std::vector<int> lay_out;  // ascending, the same on all ranks
     NewPartsOfBonds parts;
   };
-  Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from = 0);
+  Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from = kAwake);
   // Collective. Parts bonds that came apart. pieces: pieces of their points, on the ranks that look at these bonds.
   Found come_apart(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
                    const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces);

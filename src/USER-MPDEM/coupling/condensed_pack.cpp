@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../numerics/rotation.h"
+#include "../numerics/sort_unique.h"
 
 namespace mpdem {
 
@@ -86,8 +87,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   if (!any_) return;
   for (const Grain& g : grains) tags_.push_back(g.tag);
   for (const Part& p : parts) tags_.insert(tags_.end(), p.body->grain, p.body->grain + 2);
-  std::sort(tags_.begin(), tags_.end());
-  tags_.erase(std::unique(tags_.begin(), tags_.end()), tags_.end());
+  sort_unique(tags_);
   const auto slot_of = [&](int tag) { return static_cast<int>(std::lower_bound(tags_.begin(), tags_.end(), tag) - tags_.begin()); };
   owned_.assign(tags_.size(), 0);
   for (const Grain& g : grains) {

@@ -167,6 +167,7 @@ double FreedPlaces::follow(PointStore& points, const Grid& grid, const GrainSide
   double rubbed = 0.0;
   deepest_ = 0.0;
   for (Block& b : blocks_) {
+    if (b.is_dead()) continue;
     Touch t;
     touch(b, grid, side[b.side], t);
     rubbed += follow(b, points, side[b.side], t);
@@ -187,6 +188,7 @@ double FreedPlaces::follow_and_add_force(PointStore& points, Grid& grid, GrainSi
   double rubbed = 0.0;
   deepest_ = 0.0;
   for (Block& b : blocks_) {
+    if (b.is_dead()) continue;
     Touch t;
     touch(b, grid, side[b.side], t);
     rubbed += follow(b, points, side[b.side], t);
@@ -197,6 +199,7 @@ double FreedPlaces::follow_and_add_force(PointStore& points, Grid& grid, GrainSi
 
 void FreedPlaces::add_energy(const Grid& grid, const GrainSide* side, double& U) const {
   for (const Block& b : blocks_) {
+    if (b.is_dead()) continue;
     Touch t;
     touch(b, grid, side[b.side], t);
     U += sum_lanes(energy(b, t));

@@ -19,9 +19,10 @@
 // that is less. So nothing is pushed at once. A point follows one place of each grain, which has the area of all places
 // that came to it. Points that are equally near share a place. A closed place keeps its force.
 //
-// The stiffness is that of the links, or PenaltyParameters::most_contact if that is less. Where a place touches or is about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of
-// mass m that comes back from a one-sided spring k is as fast as it came if k dt^2 <= 2 m. At 4 m, where a two-sided
-// spring is still stable, it may come back with three times its energy.
+// The stiffness is that of the links, or PenaltyParameters::most_contact if that is less. Where a place touches or is
+// about to, it asks for added mass as they do (added_mass.h), but twice as much. A node of mass m that comes back from a
+// one-sided spring k is as fast as it came if k dt^2 <= 2 m. At 4 m, where a two-sided spring is still stable, it may
+// come back with three times its energy.
 #ifndef MPDEM_FREED_PLACES_H
 #define MPDEM_FREED_PLACES_H
 
@@ -105,6 +106,7 @@ class FreedPlaces {
     int place[kLanes];  // place in the store; -1: empty
     int side;
     std::uint8_t taken, holds, closed;  // one bit for each lane; holds: the point has not failed
+    bool is_dead() const { return (holds | closed) == 0; }  // all its points failed, so it bears nothing any more
   };
   // Contact of eight places.
   struct Touch {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "../numerics/sort_unique.h"
+
 namespace mpdem {
 
 namespace {
@@ -22,8 +24,7 @@ void GrainSides::build(MPI_Comm comm, const std::vector<Body>& bodies, const std
   for (const Key& k : owned) keys.push_back({k.field(), 1 - k.at(0), 0, 0});
   for (int body : here)
     for (int s = 0; s < 2; ++s) keys.push_back({body, s, 0, 0});
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  sort_unique(keys);
   sides.assign(keys.size(), GrainSide{});
   for (std::size_t i = 0; i < keys.size(); ++i) {
     sides[i].body = body_of(keys[i].field());

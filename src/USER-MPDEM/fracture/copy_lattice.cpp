@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "node_copies.h"
+#include "../numerics/sort_unique.h"
 #include "points_around.h"
 
 namespace mpdem {
@@ -114,8 +115,7 @@ CopyChange CopyLattice::start(NodeCopies& copies, const Crevice& crevice) {
 std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
   std::vector<Place> nodes;
   for (int i : points) for_each_node(points_[i].base, [&](const Place& n, int) { nodes.push_back(n); });
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 
@@ -126,8 +126,7 @@ CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
     points_[i].failed = true;
     add_nodes_parted_by(i, copies, nodes);
   }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  sort_unique(nodes);
   return split(nodes, copies);
 }
 

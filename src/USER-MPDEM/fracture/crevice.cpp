@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "../numerics/place.h"
+#include "../numerics/sort_unique.h"
 
 namespace mpdem {
 
@@ -103,8 +104,7 @@ Crevice find_crevice(std::vector<SheetPoint>& points, const Body& body, Basis ba
           for (int k = 0; k < Type::kSupport; ++k) result.joined.push_back({base[0] + i, base[1] + j, base[2] + k});
     }
   });
-  std::sort(result.joined.begin(), result.joined.end());
-  result.joined.erase(std::unique(result.joined.begin(), result.joined.end()), result.joined.end());
+  sort_unique(result.joined);
   result.found = result.found && !result.joined.empty();
   return result;
 }

@@ -11,6 +11,8 @@
 #include <optional>
 #include <queue>
 
+#include "../numerics/sort_unique.h"
+
 namespace mpdem {
 
 namespace {
@@ -106,8 +108,7 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
           if (near.of(j)[f] == from[j])
             for (int b : near.bridge(j, f)) path.push_back(points[b].tag);
       }
-      std::sort(path.begin(), path.end());
-      path.erase(std::unique(path.begin(), path.end()), path.end());
+      sort_unique(path);
       break;
     }
     for (int f = 0; f < 6; ++f) {

@@ -47,6 +47,10 @@ class UpdatedPass {
   bool layout_is_stale() const { return stale_; }
   // Tag of a point that went beyond the nodes of the grid, or whose place is not finite. 0 if there is none.
   int lost() const { return lost_; }
+  std::size_t memory_usage() const {
+    return sizeof(int) * (first_in_cell_.capacity() + next_in_cell_.capacity() + targets_.capacity()) +
+           sizeof(Move) * (moves_.capacity() + packed_.capacity()) + sizeof(Traveller) * on_the_way_.capacity() + hold_.memory_usage() + fresh_.capacity();
+  }
 
  private:
   template <class Type, class L>

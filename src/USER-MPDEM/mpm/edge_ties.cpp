@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "../numerics/sort_unique.h"
 #include "body.h"
 
 namespace mpdem {
@@ -42,11 +43,6 @@ Key neighbour(const Next& next, Key k, int direction, int steps, bool other = fa
 }
 
 Key on_other_sheet(const Key& k) { return k.with_field(other_sheet(k.field())); }
-
-void make_unique(std::vector<Key>& keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-}
 
 int index_of(const std::vector<Key>& keys, const Key& k) {
   const auto it = std::lower_bound(keys.begin(), keys.end(), k);
@@ -97,7 +93,7 @@ class Resolver {
     });
     t.masters.assign(weights.begin(), weights.end());
     t.heirs.assign(shares.begin(), shares.end());
-    return done_.emplace(k, t).first->second;
+    return done_.emplace(k, std::move(t)).first->second;
   }
 
  private:
@@ -114,7 +110,7 @@ class Surroundings {
   // Collective. Looks up the wanted nodes. keys and values: nodes of this rank that are not copies, kWidth values each.
   Surroundings(MPI_Comm comm, const Next& next, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
       : next_(next), wanted_(std::move(wanted)) {
-    make_unique(wanted_);
+    sort_unique(wanted_);
     values_ = fetch_values(comm, kWidth, keys, values, wanted_, found_);
   }
 
@@ -148,7 +144,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
   std::vector<Key> copies;
   for (std::size_t i = 0; i < keys.size(); ++i)
     if (nodes.sheets[i] == kJoined) copies.push_back(on_other_sheet(keys[i]));
-  make_unique(copies);
+  sort_unique(copies);
   std::vector<char> found;
   const std::vector<double> of_copies = fetch_values(comm, 1, keys, nodes.mass, copies, found);
   std::vector<double> mass = nodes.mass, codes(keys.size(), 0.0);
@@ -222,7 +218,7 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
       for_each_term(nodes.next, k, codes.at(k), [&](const Key& master, double, bool) {
         if (!codes.count(master) && index_of(keys, master) < 0) ask.push_back(master);
       });
-    make_unique(ask);
+    sort_unique(ask);
     std::vector<char> found;
     const std::vector<double> answer = fetch_values(comm, 1, keys, own, ask, found);
     open.clear();

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "../numerics/sort_unique.h"
 #include "../parallel/ranks.h"
 #include "block_nodes.h"
 #include "scatter.h"
@@ -28,11 +29,6 @@ NodeKinematics Grid::kinematics() const {
 }
 
 namespace {
-
-void sort_unique(std::vector<Key>& keys) {
-  if (!std::is_sorted(keys.begin(), keys.end())) std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-}
 
 // Adds to each key its neighbours from `low` to `high` in direction d. Keys are ascending and unique, before and after.
 // Moved copies of all keys are still ascending, so they are merged and not sorted.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "../numerics/sort_unique.h"
+
 #include "point_store.h"
 
 namespace mpdem {
@@ -21,8 +23,7 @@ std::vector<int> PointStore::Family::others() const {
   const int home = first();
   for (int p : part)
     if (p >= 0 && p != home) parts.push_back(p);
-  std::sort(parts.begin(), parts.end());
-  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  sort_unique(parts);
   return parts;
 }
 

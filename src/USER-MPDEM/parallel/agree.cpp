@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../numerics/sort_unique.h"
 #include "gather_ranks.h"
 
 namespace mpdem {
@@ -32,8 +33,7 @@ std::vector<int> union_of_ranks(MPI_Comm comm, const std::vector<int>& mine) {
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);  // in most calls no rank has any
   if (!any) return {};
   std::vector<int> numbers = gather_all(comm, mine);
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  sort_unique(numbers);
   return numbers;
 }
 

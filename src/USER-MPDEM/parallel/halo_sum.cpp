@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "../numerics/sort_unique.h"
 #include "ranks.h"
 
 namespace mpdem {
@@ -26,8 +27,7 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
     if (shared_.ranks[n] < me_)
       for (int i : shared_.items[n]) counts_here_[i] = 0;
   }
-  std::sort(union_.begin(), union_.end());
-  union_.erase(std::unique(union_.begin(), union_.end()), union_.end());
+  sort_unique(union_);
   HaloSum* const self = this;
   messages_.build(&self, 1);
 }
@@ -72,8 +72,7 @@ std::size_t HaloMessages::index_of(int rank) const {
 void HaloMessages::build(HaloSum* const* parts, std::size_t n) {
   ranks_.clear();
   for (std::size_t p = 0; p < n; ++p) ranks_.insert(ranks_.end(), parts[p]->shared_.ranks.begin(), parts[p]->shared_.ranks.end());
-  std::sort(ranks_.begin(), ranks_.end());
-  ranks_.erase(std::unique(ranks_.begin(), ranks_.end()), ranks_.end());
+  sort_unique(ranks_);
   items_.assign(ranks_.size(), 0);
   for (std::size_t p = 0; p < n; ++p)
     for (std::size_t s = 0; s < parts[p]->shared_.ranks.size(); ++s)

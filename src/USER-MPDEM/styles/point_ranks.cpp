@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "../numerics/sort_unique.h"
 #include "../numerics/text_of.h"
 #include "../parallel/gather_ranks.h"
 #include "atom.h"
@@ -100,8 +101,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
       const BrickPlace p = place_of(i);
       if (home >= comm->nprocs || !is_beside(bricks_[home], p, p)) strayed.push_back(avec.bond[i]);
     }
-    std::sort(strayed.begin(), strayed.end());
-    strayed.erase(std::unique(strayed.begin(), strayed.end()), strayed.end());
+    sort_unique(strayed);
     for (int row : gather_all(world, strayed)) table[row].home = 0;
     if (!balance_)
       for (Body& b : table) b.home = 0;
