@@ -10,7 +10,7 @@ import pytest
 from scenes import cement, edit, launch, pair, restarted, run, thermo
 
 SEAL = 40
-FIX_HEAD, FIX_BOND, NODE = 46, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
+FIX_HEAD, FIX_BOND, NODE = 47, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
         "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51, "home": 52}
@@ -153,12 +153,12 @@ def test_named(tmp_path, files, part, name, value, needed):
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [17, 19])
+@pytest.mark.parametrize("version", [17, 20])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 18", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 19", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, run, shift, thermo
+from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, cement, edit, launch, pair, pull, restarted, run, shift, thermo
 
 README = Path(__file__).resolve().parents[2] / "README.md"
 CELL = 2e-4
@@ -99,6 +99,16 @@ def test_auto_keeps_a_stable_step(tmp_path):
     assert t["v_apart"][-1] == 1 and (t["dt"] == t["dt"][0]).all()
     limits = [float(x) for x in re.findall(r"the limit is now (\S+),", result.output)]
     assert len(limits) == 4 and 0.9 * min(limits) < 0.995 * t["dt"][0] and t["dt"][0] < min(limits)  # nine tenths of it would be shorter
+
+
+def test_auto_of_a_restart(tmp_path):
+    """A run from a restart file keeps the step with the same share or a larger one. A smaller share is obeyed."""
+    start = pair(CELL / 2)
+    fixes = "fix hold grains freeze\n" + edit(cement(CELL, 1e-9), "mpm cell 0.0002", "mpm cell 0.0002 timestep auto 0.8")
+    first = run(start + fixes + thermo(1, ["dt"]) + "run 1\nwrite_restart one.restart\n", tmp_path).table()["dt"][0]
+    for share, expected in ((0.8, 1.0), (0.9, 1.0), (0.4, 0.5)):
+        again = restarted("one.restart") + edit(fixes, "timestep auto 0.8", f"timestep auto {share}") + thermo(1, ["dt"]) + "run 1\n"
+        assert abs(run(again, tmp_path).table()["dt"][-1] / (expected * first) - 1) < 1e-4
 
 
 @pytest.mark.parametrize("words, share", [("", 0.8), ("mass_order 2", 0.75), ("unilateral yes", 0.6)])

@@ -42,7 +42,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 18;
+  static constexpr int kVersion = 19;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -52,7 +52,8 @@ struct CementHead {
   EnergyBooks::Sums books;  // sums over all ranks
   double time = 0.0;
   double eigenvalue = 0.0;  // largest eigenvalue; 0: not known
-  double auto_step = 0.0;   // time step that `timestep auto` found last
+  double auto_step = 0.0;   // time step that `timestep auto S` found last
+  double auto_share = 0.0;  // its S; 0: there is no such step
   double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
   LinksSoFar links;
   bool unilateral = false;    // are failed points stiff while their crack is closed
@@ -86,6 +87,7 @@ struct CementHead {
     visit("the number of copies of nodes", h.copies, kCount);
     visit("the sub-step of 'subcycle auto'", h.longest_substep, kNotNegative);
     visit("the density", h.density, kPositive);
+    visit("the share of 'timestep auto'", h.auto_share, from(0, 1));
   }
 };
 

@@ -237,10 +237,11 @@ void FixMpm::warn_of_splits() {
 
 void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e) {
   // The step of the runs before is kept as long as it is stable, since formulas in step*dt would jump with it. Cement
-  // that fails leaves other limits behind, longer ones and shorter ones.
+  // that fails leaves other limits behind, longer ones and shorter ones. A run from a restart file may ask for a smaller
+  // share. It never gets a longer step.
   double dt = step_fraction_ * limit;
   std::string share = text_of(step_fraction_, " of the limit,");
-  if (auto_step_ > 0.0 && auto_step_ <= limit) {
+  if (auto_step_ > 0.0 && auto_step_ <= (step_fraction_ < auto_share_ ? dt : limit)) {
     share = text_of("as before, the limit is now ", limit, ",");
     dt = auto_step_;
   } else if (!std::isfinite(dt)) {
@@ -248,6 +249,7 @@ void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::Eigenv
     dt = update->dt;
   }
   auto_step_ = dt;
+  auto_share_ = step_fraction_;
   warn_of_splits();
   if (comm->me == 0)
     for (FILE* f : {screen, logfile})

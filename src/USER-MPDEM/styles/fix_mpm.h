@@ -134,7 +134,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
   double dt_at_end_ = 0.0;          // time step at that end
   bool splits_told_ = false;
-  double auto_step_ = 0.0;      // time step that `timestep auto` found last
+  double auto_step_ = 0.0;      // time step that `timestep auto S` found last
+  double auto_share_ = 0.0;     // its S
   double longest_substep_ = 0.0;  // for `subcycle auto`
   int substeps_told_ = 0;
   bool all_points_ = false;       // points of all bonds are made when a run starts

@@ -27,6 +27,7 @@ void FixMpm::write_restart(FILE* fp) {
   mpdem::CementHead head;
   head.time = update->get_cur_time();
   head.auto_step = auto_step_;
+  head.auto_share = auto_share_;
   head.longest_substep = std::isfinite(longest_substep_) ? longest_substep_ : 0.0;
   head.links = coupling_.so_far();
   const std::vector<double> all = cement_->packed_state(head);
@@ -73,6 +74,7 @@ void FixMpm::restart(char* buf) {
   update->atime = head.time;
   update->atimestep = update->ntimestep;
   auto_step_ = head.auto_step;
+  auto_share_ = head.auto_share;
   longest_substep_ = head.longest_substep;
   coupling_.restore(head.links);
 }
