@@ -58,9 +58,10 @@ stress: test
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
 # Bugs planted in a copy of the source, one at a time, and which test fails with each; hours. See tests/mutation/README.md.
+# MUTANTS="--new 20 --since COMMIT" plants 20 more in the lines that changed since a commit.
 mutants: $(BUILD)/.setup
 	mkdir -p $(BUILD)/figures
-	/usr/bin/python3 -B tests/mutation/mutate.py --folder $(BUILD)/mutation --jobs $(JOBS) --json $(BUILD)/figures/mutants.json
+	/usr/bin/python3 -B tests/mutation/mutate.py --folder $(BUILD)/mutation --jobs $(JOBS) $(MUTANTS) --json $(BUILD)/figures/mutants.json
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
 # LIGGGHTS itself from source, with the series of patches/ and the package inside, in

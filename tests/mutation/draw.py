@@ -6,6 +6,7 @@ A draw goes by the hash of the seed and of what a candidate is: its file, its li
 a line that changes elsewhere leaves the other mutants as they were.
 """
 import hashlib
+import re
 from collections import Counter
 from dataclasses import dataclass
 
@@ -42,6 +43,8 @@ def folder(candidate):
 
 def quotas(candidates, least, total):
     """`least` of each folder, the rest to the largest, in turn."""
+    if not candidates:
+        return {}
     sizes = Counter(folder(c) for c in candidates)
     order = [f for f, _ in sizes.most_common()]
     n = {f: least for f in order}
@@ -50,11 +53,26 @@ def quotas(candidates, least, total):
     return n
 
 
-def draw(candidates, seed, least, total, refused):
-    """The mutants in the order of the source. refused: keys of those that do not compile."""
+def changed_lines(diff):
+    """File and line of what `git diff --unified=0 --relative` shows as new."""
+    found, path = set(), ""
+    for line in diff.splitlines():
+        if line.startswith("+++ "):
+            path = line[4:].removeprefix("b/")
+        hunk = re.match(r"@@ -\S+ \+(\d+)(?:,(\d+))? @@", line)
+        if hunk:
+            first, number = int(hunk[1]), int(hunk[2] or 1)
+            found.update((path, n) for n in range(first, first + number))
+    return found
+
+
+def draw(candidates, seed, least, total, refused, drawn=()):
+    """The mutants in the order of the source. refused: keys of those that do not compile. drawn: those of another draw
+    from the same source, which a place of theirs is not drawn for again."""
     chosen = []
     for name, number in sorted(quotas(candidates, least, total).items()):
-        here = [c for c in candidates if folder(c) == name and c.key() not in refused]
+        here = [c for c in candidates if folder(c) == name and c.key() not in refused and
+                not any(c.path == d.path and c.start < d.end and d.start < c.end for d in drawn)]
         # From each operator in turn, or half of them would be constants and indices.
         heaps = {}
         for c in sorted(here, key=lambda c: lot(seed, c.key())):

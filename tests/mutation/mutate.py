@@ -128,12 +128,20 @@ class Folder:
                 found.setdefault(c["file"], c)
         return list(found.values())
 
-    def draw(self, least, total):
-        """Mutants that compile, into the copy."""
+    def draw(self, least, total, new, since):
+        """Mutants that compile, into the copy. new: how many more in lines that are younger than the commit `since`."""
         found, compiled_by = self.candidates()
+        young = []
+        if new:
+            lines = draw.changed_lines(self.run(["git", "-C", ROOT / SOURCE, "diff", "--unified=0", "--relative", since, "--", "."]))
+            young = [c for c in found if (c.path, c.line) in lines]
+            say(f"mutate.py: {len(young)} candidates in lines that changed since {since}")
         say(f"mutate.py: {len(found)} candidates in {len({c.path for c in found})} files")
         while True:
-            self.mutants = draw.draw(found, self.seed, least, total, set(self.state["refused"]))
+            refused = set(self.state["refused"])
+            self.mutants = draw.draw(found, self.seed, least, total, refused)
+            self.mutants += draw.draw(young, self.seed, 1, new, refused, self.mutants)
+            self.mutants.sort(key=lambda c: (c.path, c.start))
             self.plant()
             wrong = self.refuse(compiled_by)
             if not wrong:
@@ -282,6 +290,8 @@ def main():
     p.add_argument("--jobs", type=int, default=2, help="tests at a time")
     p.add_argument("--least", type=int, default=LEAST, help="mutants of a folder of the source")
     p.add_argument("--total", type=int, default=TOTAL)
+    p.add_argument("--new", type=int, default=0, help="so many more in lines that changed since the commit of --since")
+    p.add_argument("--since", default="", help="a commit")
     p.add_argument("--unit", action="store_true", help="unit tests alone")
     p.add_argument("--tests", default="", help="of the other tests, those that this pattern finds")
     p.add_argument("--most", type=float, default=0.0, help="leave out tests that take more seconds")
@@ -290,6 +300,8 @@ def main():
     p.add_argument("--fresh", action="store_true", help="forget all results")
     p.add_argument("--json", default=ROOT / "build" / "figures" / "mutants.json", help="for tools/reliability.py")
     given = p.parse_args()
+    if bool(given.new) != bool(given.since):
+        p.error("--new and --since need each other")
     for by in (signal.SIGTERM, signal.SIGINT):
         signal.signal(by, end)
 
@@ -298,7 +310,7 @@ def main():
     folder.copy()
     folder.plant(missing=True)
     folder.configure()
-    folder.draw(given.least, given.total)
+    folder.draw(given.least, given.total, given.new, given.since)
     folder.save()
     if given.list:
         for n, c in enumerate(folder.mutants, 1):

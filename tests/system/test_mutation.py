@@ -40,6 +40,17 @@ def test_what_changes_elsewhere_leaves_a_draw_alone():
     assert gone.key() not in keys(again) and len(again) == 24 and len(keys(first) & keys(again)) >= 22
 
 
+def test_more_in_lines_that_changed():
+    diff = "\n".join(["diff --git a/mpm/a.cpp b/mpm/a.cpp", "--- a/mpm/a.cpp", "+++ b/mpm/a.cpp", "@@ -3,0 +4,2 @@ int f() {", "+x", "+y",
+                      "@@ -9 +11 @@", "-z", "+w", "@@ -20,2 +21,0 @@", "-gone", "-gone"])
+    assert draw.changed_lines(diff) == {("mpm/a.cpp", 4), ("mpm/a.cpp", 5), ("mpm/a.cpp", 11)}
+    first = draw.draw(candidates(), 1, 8, 26, set())
+    young = [c for c in candidates() if c.line >= 5]
+    more = draw.draw(young, 1, 1, 5, set(), first)
+    assert len(more) == 5 and all(c.line >= 5 for c in more) and not keys(more) & keys(first)
+    assert draw.draw([], 1, 1, 5, set()) == []
+
+
 def test_switches():
     source = b"a = x0;\nb = x1;\n"
     one = draw.Candidate("mpm/a.cpp", "sign", 4, 6, 1, "x0", "-(x0)", "(mpdem_mutant({n}) ? -(x0) : (x0))")
