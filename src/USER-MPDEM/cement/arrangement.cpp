@@ -98,7 +98,7 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
   if (scene_.options.updated)
     for (int row : rows)
       if (Bond* b = scene_.bonds.find(row)) b->updated.bind(b->points, b->grid);
-  shared_.bind();  // bonds that came or went may have moved the others in memory
+  shared_.bind();
 }
 
 void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {
@@ -158,7 +158,8 @@ void Arrangement::find_relaxation(Bond& b) const {
   if (scene_.options.subcycle != 1) b.impulse = SharedImpulse(b.grid, scene_.bonds.body(b), held);
 }
 
-void Arrangement::start_anew(Bond& b) const {
+void Arrangement::start_anew(Bond& b) {
+  b.layout = ++layouts_;
   b.mass.forget();
   b.places = scene_.touches() ? FreedPlaces(b.points, scene_.bonds.body(b), *scene_.penalty, b.grid) : FreedPlaces();
   b.places_may_move = true;  // points may have come that failed on another rank since the last look

@@ -50,7 +50,7 @@ class Arrangement {
 
   // start_anew() resets what depends on the nodes of a bond. find_relaxation() resets only damping and impulses, which
   // depend on the grain that each side of the bond holds to.
-  void start_anew(Bond& b) const;
+  void start_anew(Bond& b);
   void find_relaxation(Bond& b) const;
   // Brings the slots of points up to date, which fall behind while points change cells (`updated` kinematics).
   void sync_slots();
@@ -65,6 +65,7 @@ class Arrangement {
   RestoredNodes& restored_;
   SharedNodes& shared_;
   AddedMasses& added_;
+  int layouts_ = 0;                // number of layouts of bonds so far
   std::vector<int> fresh_points_;  // rows of the table whose points the host made since the last layout
 };
 

@@ -31,6 +31,7 @@ void Condensing::bind() {
   scene_.grains.distribute(scene_.bonds);  // code that looks before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
+  condensed_.forget_candidates_but(scene_.bonds);
   condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
   condensed_.follow(scene_.grains, scene_.weight().data());
 }

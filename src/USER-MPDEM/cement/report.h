@@ -32,7 +32,8 @@ class Report {
   int awake_bonds() const;     // number over all ranks
   int bonds_solved() const { return condensed_.solved_last(); }  // number at the last layout, of this rank
   int bonds_without_field() const { return condensed_.without_field_last(); }
-  std::size_t memory_usage() const { return scene_.bonds.memory_usage(); }  // bytes, on this rank
+  std::size_t memory_of_condensed() const { return condensed_.memory_usage(); }
+  std::size_t memory_usage() const { return scene_.bonds.memory_usage() + condensed_.memory_usage(); }  // bytes, on this rank
 
   // Displacement and velocity of the points of a bond at the present time, in the axes of its body.
   struct PointMotionNow {

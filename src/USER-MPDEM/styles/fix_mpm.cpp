@@ -573,7 +573,7 @@ double FixMpm::compute_vector(int n) {
   return v[n];
 }
 
-// The atom style holds the bonds, and tells the memory that they take.
-double FixMpm::memory_usage() { return 0.0; }
+// The atom style holds the bonds that wait, and tells the memory that they take.
+double FixMpm::memory_usage() { return static_cast<double>(cement_->report().memory_of_condensed()); }
 
 }  // namespace LAMMPS_NS
