@@ -66,8 +66,8 @@ class CondensedBonds {
   bool has_pattern(int pattern) const { return patterns_.count(pattern) > 0; }
   // Calls f for each pattern that this rank counts.
   template <class F>
-  void each_pattern(F f) {
-    for (auto& p : patterns_)
+  void each_pattern(F f) const {
+    for (const auto& p : patterns_)
       if (p.second.of.counts) f(p.second.of.bond);
   }
   // Collective. Binds condensed bonds to grains. Call after bonds or grains went to other ranks.

@@ -516,10 +516,7 @@ void FixMpm::write_events() {
   check(failures_.write(world));
 }
 
-void FixMpm::show_points() {
-  cement_->sync_slots();
-  cement_->report().show_condensed_points();
-}
+void FixMpm::show_points() { cement_->show_points(); }
 
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date. Code that reads strain shows it itself.
 void FixMpm::fill_atoms() {
