@@ -97,7 +97,10 @@ int FixMpm::setmask() {
          END_OF_STEP | POST_RUN;
 }
 
+// Commands between runs call this too, and what grains have of the last step is gone then. So LIGGGHTS has to prepare the next run,
+// also with `pre no`: setup() says that this is done. It does not prepare the parts of a run with `every`, see check_unprepared().
 void FixMpm::init() {
+  update->first_update = 0;
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   make_points_of_run();
@@ -282,6 +285,9 @@ void FixMpm::check_positions() {
 
 // With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
 void FixMpm::check_unprepared() {
+  if (update->first_update == 0)
+    mpdem::stop_all(lmp, "run ... pre no every: a command within the run initialised LIGGGHTS, as 'write_restart' does, and what grains and contacts have of the last "
+                         "step is lost; leave 'pre no' out");
   avec_->prepared_fixes.check_same(lmp);  // for a LIGGGHTS with the package compiled in
   const std::size_t bonds = avec_->bonds.table.size();
   if (bonds != prepared_bonds_)
@@ -313,6 +319,7 @@ void FixMpm::setup_pre_neighbor() {
 }
 
 void FixMpm::setup(int) {
+  update->first_update = 1;
   avec_->prepared_fixes.note(lmp);
   hidden_.start(this);
   ranks_.start_run(this);
