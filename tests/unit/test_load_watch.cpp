@@ -163,7 +163,7 @@ TEST(LoadWatch, LoadAboutTheMiddle) {
     for (int c = 0; c < 6; ++c) {
       Pair pair(placed);
       EXPECT_FALSE(pair.window(c, 2.0, kUnit));
-      EXPECT_NEAR(pair.watch.largest(0).load, 2.0, 1e-3) << c;
+      EXPECT_NEAR(pair.watch.largest(0).load, 2.0, 1e-14) << c;
     }
   }
 }
