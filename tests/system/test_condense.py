@@ -368,6 +368,17 @@ def test_stiffness_of_condensed_bonds(tmp_path):
     assert b["k33"] == pytest.approx(a["k33"] * b["nz"]**2 + a["k11"] * b["nx"]**2, rel=1e-3)
 
 
+def test_memory(tmp_path):
+    """Fields of a condensed bond take 288 bytes a point and 144 a node. They are told with what the bond takes that waits, by this fix and by LIGGGHTS."""
+    took = {}
+    for word in ("yes", "no"):
+        output = run(free_pair(word) + "run 1\n", tmp_path / word).output
+        took[word] = [float(re.search(words, output)[1]) for words in (r"(\S+) bytes a point", r"Memory usage per processor = (\S+) Mbytes")]
+    points = int(re.search(r"steps with (\d+) atoms", output)[1]) - 2
+    assert 288 < took["yes"][0] - took["no"][0] < 600, took
+    assert took["yes"][1] - took["no"][1] > 288 * points / 2**20, (took, points)
+
+
 def test_packing(tmp_path, figures):
     """examples/packing, smaller: free beads with many bonds each. The same bonds come apart at the same steps, by the same modes."""
     script = (ROOT / "examples" / "packing" / "in.packing").read_text()

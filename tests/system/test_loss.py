@@ -91,6 +91,7 @@ CASES = {
     "a grain is deleted without a setup": (THIRD + [("0 0 0.0175", "0 0 0.0125"), ("group        first id 1", "fix grown third nve/sphere\ngroup        first id 1"),
                                                     (RUN, RUN + "delete_atoms group third compress no\nrun 20 pre no\n")],
                                            ["run ... pre no", "962 atoms", "963 at the end of the last run", "leave 'pre no' out"]),
+    "a restart file in parts of a run": ([(RUN, RUN + 'run 20 pre no every 10 "write_restart r"\n')], ["run ... pre no every", "'write_restart'", "leave 'pre no' out"]),
     "another time step without a setup": ([(RUN, RUN + "timestep 2e-9\nrun 20 pre no\n")],
                                           ["run ... pre no", "2e-09", "1e-09 in the last run", "leave 'pre no' out"]),
     "another density of points without a setup": ([(RUN, RUN + "set group calcite density 3000\nrun 20 pre no\n")], ["density of the points", "2710"]),

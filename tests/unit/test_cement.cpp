@@ -41,6 +41,18 @@ double stiffness() {
   return M_PI * test::kRadius * test::kYoung * std::log(1.0 + test::kOuter * test::kOuter / (test::kRadius * t));
 }
 
+// Bonds come in any order from other ranks and from files. Those that are there do not move for them.
+TEST(Bonds, StayWhereTheyAre) {
+  Bonds bonds;
+  bonds.table.resize(50);
+  const Bond* const first = &bonds.make(49);
+  for (int n = 0; n < 49; ++n) bonds.make(n * 18 % 49);
+  EXPECT_EQ(bonds.find(49), first);
+  int row = 0;
+  for (const Bond& b : bonds) EXPECT_EQ(b.body, row++);
+  EXPECT_EQ(row, 50);
+}
+
 TEST_P(Kinematic, ForceIsStiffnessTimesStretch) {
   Row r = row();
   r.B0 = 0.0;

@@ -24,6 +24,7 @@ struct Placed {
   Quaternion turn = Quaternion::Identity();
   Vector origin = Vector::Zero();
   bool swapped = false;  // which is the first
+  double upper_radius = 1.0;
 };
 
 class Pair {
@@ -34,9 +35,9 @@ class Pair {
     Body body;
     for (int s = 0; s < 2; ++s) {
       body.grain[s] = s + 1;
-      body.radius[s] = 1.0;
+      body.radius[s] = is_upper(s) ? placed_.upper_radius : 1.0;
       body.attached_area[s] = M_PI;
-      const Vector centre = placed_.turn * Vector(0, 0, is_upper(s) ? 1.0 : -1.0);
+      const Vector centre = placed_.turn * -arm(is_upper(s));
       std::copy(centre.data(), centre.data() + 3, body.centre[s]);
     }
     std::copy(placed_.origin.data(), placed_.origin.data() + 3, body.origin);
@@ -75,13 +76,15 @@ class Pair {
 
  private:
   bool is_upper(int s) const { return (s == 1) != placed_.swapped; }
+  // From the centre of a grain to the middle of the bond.
+  Vector arm(bool upper) const { return Vector(0, 0, upper ? -placed_.upper_radius : 1.0); }
   void step(const Six& load, const Six& motion) {
     for (Grain& g : grains_.grains) {
       const bool upper = is_upper(g.tag - 1);
       const double half = upper ? 0.5 : -0.5;
       const Quaternion turned(Eigen::AngleAxisd(half * motion.tail<3>().norm(), motion.tail<3>().norm() > 0 ? Vector(motion.tail<3>().normalized()) : Vector::UnitX()));
       // the middle of the bond, fixed in the grain, goes half of the way
-      const Vector arm(0, 0, upper ? -1.0 : 1.0), x = half * motion.head<3>() - turned * arm;
+      const Vector x = half * motion.head<3>() - turned * arm(upper);
       const Vector in_box = placed_.origin + placed_.turn * x;
       const Quaternion q = placed_.turn * turned * placed_.turn.conjugate();
       std::copy(in_box.data(), in_box.data() + 3, g.x);
@@ -92,7 +95,7 @@ class Pair {
     for (GrainSide& s : grains_.sides.sides) {
       const bool upper = is_upper(s.side);
       const Vector force = (upper ? 1.0 : -1.0) * (placed_.turn * load.head<3>());
-      const Vector r = placed_.turn * Vector(0, 0, upper ? -1.0 : 1.0);
+      const Vector r = placed_.turn * arm(upper);
       const Vector moment = (upper ? 1.0 : -1.0) * (placed_.turn * load.tail<3>()) + r.cross(force);
       std::copy(force.data(), force.data() + 3, s.force);
       std::copy(moment.data(), moment.data() + 3, s.torque);
@@ -149,6 +152,20 @@ TEST(LoadWatch, CompressionFirst) {
   EXPECT_FALSE(pair.window(2, 50.0, 0.2 * kUnit));
   EXPECT_FALSE(pair.window(2, 0.0, 2.9 * kUnit));
   EXPECT_TRUE(pair.window(2, 0.0, 3.1 * kUnit));
+}
+
+// Loads are those about the middle of the gap, also between grains of two sizes, whose centres are not equally far from it.
+TEST(LoadWatch, LoadAboutTheMiddle) {
+  for (bool swapped : {false, true}) {
+    Placed placed;
+    placed.swapped = swapped;
+    placed.upper_radius = 3.0;
+    for (int c = 0; c < 6; ++c) {
+      Pair pair(placed);
+      EXPECT_FALSE(pair.window(c, 2.0, kUnit));
+      EXPECT_NEAR(pair.watch.largest(0).load, 2.0, 1e-14) << c;
+    }
+  }
 }
 
 // A load that rings is judged by its mean, over a window that is long enough.

@@ -185,7 +185,7 @@ TEST_F(Ranks, HaloSumsAreHaloSumsOneByOne) {
     EXPECT_EQ(shared > 0, ranks() > 1);
     EXPECT_FALSE(halo.back().shares_any());
     HaloSums all;
-    std::vector<HaloSum*> parts;
+    std::vector<const HaloSum*> parts;
     for (HaloSum& h : halo) parts.push_back(&h);
     all.build(parts);
     for (int round = 0; round < 2; ++round) {

@@ -6,7 +6,9 @@
 #include "cement/static_bond.h"
 
 #include <Eigen/Geometry>
+#include <type_traits>
 
+#include "cement/bond_description.h"
 #include "cement_host.h"
 #include "linked_bonds.h"
 #include "mpi_ranks.h"
@@ -53,6 +55,49 @@ TEST(StaticBond, TensionTorsionAndBendingOfDisc) {
   EXPECT_GT(p.shear[0], 0.5 * layers(0.5 * test::kYoung, 0));
   for (int d = 0; d < 2; ++d) EXPECT_NEAR(s.middle[d], 0.0, 1e-12);
   EXPECT_NEAR(s.middle[2], test::kRadius + 0.5 * test::kGap, 1e-12);
+}
+
+// A query gets a scene that it cannot change.
+static_assert(std::is_same_v<decltype(std::declval<const Scene&>().bonds()), const Bonds&>);
+static_assert(std::is_same_v<decltype(*std::declval<const Grain&>().state), const GrainState&>);
+static_assert(!std::is_copy_constructible_v<BondedGrains>);
+
+// Condensed bonds have no sides in a step, but the query finds sides of all. Bonds keep those of the step.
+TEST(StaticBond, LeavesSidesAsTheyAre) {
+  RowOfGrains host(MPI_COMM_WORLD, elastic_row(2));
+  host.setup();
+  host.bonds.table[0].condensed = true;
+  host.bonds.awake_changed();
+  host.cement->grains().bind(MPI_COMM_WORLD, host.bonds, host.cement->inertia());
+  const Bond* b = host.bonds.find(1);
+  const int side = b ? b->side : 0;
+  const std::size_t sides = host.cement->grains().sides.sides.size();
+  EXPECT_TRUE(!b || sides > 0);
+  const std::vector<StiffnessOfBond> s = host.cement->stiffness_of_bonds();
+  EXPECT_NEAR(s[0].K[14] / s[1].K[14], 1.0, 1e-9);
+  EXPECT_EQ(b ? b->side : 0, side);
+  EXPECT_EQ(host.cement->grains().sides.sides.size(), sides);
+}
+
+// Whether an awake bond would be the same if it were condensed is told by static fields, which are found anew when the bond has another
+// layout. Here another law would give other fields.
+TEST(StaticBond, FieldsOfAnotherLayout) {
+  RowOfGrains host(MPI_COMM_SELF, elastic_row());
+  host.setup();
+  Bond& b = *host.bonds.begin();
+  const Body& body = host.bonds.table[0];
+  const double way = 1e-6 * test::kGap, K = host.cement->stiffness_of_bonds()[0].K[14], gravity[3] = {0.0, 0.0, 0.0};
+  SidesAtCreation at(body);
+  at.side[1].x[2] += way;
+  at.side[0].force[2] = K * way;
+  at.side[1].force[2] = -K * way;
+  const NoDamage stiffer(VtiElasticity(VtiConstants::isotropic(2.0 * test::kYoung, 0.0)));
+  CondensedBonds condensed;
+  const auto fits = [&](const Law& law) { return condensed.fits(b, body, at.side, 0.5 * K * way * way, 0.5, gravity, test::kStep, law); };
+  EXPECT_TRUE(fits(host.cement->law()));
+  EXPECT_TRUE(fits(stiffer)) << "the layout is the same";
+  ++b.layout;
+  EXPECT_FALSE(fits(stiffer));
 }
 
 // The engine itself runs and pulls slowly. The force is K times the way.

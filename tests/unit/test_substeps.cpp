@@ -298,6 +298,58 @@ TEST(Substeps, MomentOfSpreadLoads) {
   test::expect_within(worst / (r.grain_mass * test::kRadius), 2e-11, "angular momentum");
 }
 
+// Stiffness of a row of grains along z on massless springs, in all their motions.
+Eigen::MatrixXd stiffness_of_row(const std::vector<StiffnessOfBond>& bonds) {
+  const int n = static_cast<int>(bonds.size());
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(6 * (n + 1), 6 * (n + 1));
+  for (int b = 0; b < n; ++b) {
+    Eigen::Matrix<double, 6, 12> motion = Eigen::Matrix<double, 6, 12>::Zero();
+    for (int s = 0; s < 2; ++s)
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, f = (d + 2) % 3;
+        const double sign = s == 0 ? -1.0 : 1.0, arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // from the grain to the middle
+        motion(d, 6 * s + d) = motion(3 + d, 6 * s + 3 + d) = sign;
+        if (arm != 0.0) {
+          motion(f, 6 * s + 3 + e) = -sign * arm;  // a turn about e takes what lies along d along -f
+          motion(e, 6 * s + 3 + f) = sign * arm;
+        }
+      }
+    K.block<12, 12>(6 * b, 6 * b) += motion.transpose() * Eigen::Map<const Matrix6>(bonds[b].K) * motion;
+  }
+  return K;
+}
+
+void scale_by_mass(Eigen::MatrixXd& K, int grain, double mass) {
+  for (int d = 0; d < 6; ++d) {
+    const double scale = 1.0 / std::sqrt(d < 3 ? mass : 0.4 * mass * test::kRadius * test::kRadius);
+    K.row(6 * grain + d) *= scale;
+    K.col(6 * grain + d) *= scale;
+  }
+}
+
+// Twice the largest eigenvalue of each grain alone is the bound. A grain between two others has the levers of both.
+TEST(Substeps, StepOfAGrainBetweenTwo) {
+  Row r;
+  r.bonds = 2;
+  r.free_ends = r.free_middle = true;
+  r.substeps = 20;
+  r.B0 = 0.0;
+  r.grain_mass = 500 * cement_mass();
+  RowOfGrains host(MPI_COMM_WORLD, r);
+  host.dt = r.substeps * test::kStep;
+  host.setup();
+  const double light = 0.1 * r.grain_mass;
+  for (Grain& g : host.cement->grains().grains)
+    if (g.tag == 2) {
+      g.mass = light;
+      g.inertia = 0.4 * light * test::kRadius * test::kRadius;
+    }
+  Eigen::MatrixXd K = stiffness_of_row(host.cement->stiffness_of_bonds());
+  scale_by_mass(K, 1, light);
+  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K.block<6, 6>(6, 6)).eigenvalues()[5];
+  test::expect_within(std::fabs(host.cement->grains_step() * std::sqrt(2.0 * largest) / 2.0 - 1.0), 3e-15, "step of the grain in the middle");
+}
+
 // Grains weigh much more than the cement between them. The frequency of the pair is that of the static stiffness, and not that of
 // the step of the host.
 TEST(Substeps, FrequencyOfAFreePair) {
@@ -311,23 +363,10 @@ TEST(Substeps, FrequencyOfAFreePair) {
   host.setup();
   const StiffnessOfBond found = host.cement->stiffness_of_bonds()[0];
   const double w = std::sqrt(2.0 * found.K[14] / (r.grain_mass + 0.5 * cement_mass() / 3.0));  // z, z; a third of either half of the cement moves along
-  // grains on a massless spring of that stiffness, in all their motions
-  Eigen::Matrix<double, 6, 12> motion = Eigen::Matrix<double, 6, 12>::Zero();
-  Eigen::Matrix<double, 12, 1> scale;
-  for (int s = 0; s < 2; ++s)
-    for (int d = 0; d < 3; ++d) {
-      const int e = (d + 1) % 3, f = (d + 2) % 3;
-      const double sign = s == 0 ? -1.0 : 1.0, arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // along z, from the grain to the middle
-      motion(d, 6 * s + d) = motion(3 + d, 6 * s + 3 + d) = sign;
-      if (arm != 0.0) {
-        motion(f, 6 * s + 3 + e) = -sign * arm;  // a turn about e takes what lies along d along -f
-        motion(e, 6 * s + 3 + f) = sign * arm;
-      }
-      scale[6 * s + d] = 1.0 / std::sqrt(r.grain_mass);
-      scale[6 * s + 3 + d] = 1.0 / std::sqrt(0.4 * r.grain_mass * test::kRadius * test::kRadius);
-    }
-  const Eigen::Matrix<double, 12, 12> K = scale.asDiagonal() * motion.transpose() * Eigen::Map<const Matrix6>(found.K) * motion * scale.asDiagonal();
-  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>>(K).eigenvalues()[11];
+  Eigen::MatrixXd K = stiffness_of_row(host.cement->stiffness_of_bonds());
+  scale_by_mass(K, 0, r.grain_mass);
+  scale_by_mass(K, 1, r.grain_mass);
+  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues()[11];
   const double share = host.cement->grains_step() * std::sqrt(largest);  // of a bound
   EXPECT_LE(share, 2.0 * (1.0 + 1e-9));
   EXPECT_GE(share, 1.995);
@@ -413,6 +452,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
     grains[g].inertia = 1.0;
     grains[g].radius = 1.0;
     grains[g].velocity[0] = 1.0;
+    grains[g].velocity[3] = g == 0 ? 0.5 : 0.0;
     grains[g].state = &state[g];
     for (bool& f : grains[g].free) f = g == 1;
   }
@@ -424,6 +464,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
   Grain &moved = scene.grains.grains[0], &pulled = scene.grains.grains[1];
   moved.x[0] = 2.0;  // the host moves them
   moved.velocity[0] = 3.0;
+  moved.velocity[3] = 1.5;
   pulled.x[0] = 77.0;  // which is no matter for one that is free
   substeps.find_ways();
   for (scene.substep = 1; scene.substep <= kSubsteps; ++scene.substep) {
@@ -431,6 +472,8 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
     substeps.move_grains();
     EXPECT_NEAR(moved.x[0], t + t * t, 1e-14) << scene.substep;
     EXPECT_NEAR(moved.velocity[0], 1.0 + 2.0 * t, 1e-14) << scene.substep;
+    EXPECT_NEAR(moved.velocity[3], 0.5 + (t - 0.5 * scene.now.dt), 1e-14) << scene.substep;
+    EXPECT_NEAR(2.0 * std::atan2(state[0].q[1], state[0].q[0]), 0.5 * t + 0.5 * t * t, 1e-14) << scene.substep << ", its turn";
     EXPECT_NEAR(pulled.x[0], t + 0.5 * a * t * t, 1e-14) << scene.substep;
     EXPECT_NEAR(pulled.velocity[0], 1.0 + a * (t - 0.5 * scene.now.dt), 1e-14) << scene.substep;
     if (!scene.ends_step()) substeps.kick_grains();

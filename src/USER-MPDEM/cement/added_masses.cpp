@@ -10,14 +10,14 @@ namespace mpdem {
 
 void AddedMasses::refresh() {
   std::vector<Bond*> bonds;
-  for (Bond& b : scene_.bonds) bonds.push_back(&b);
+  for (Bond& b : scene_.bonds()) bonds.push_back(&b);
   find(bonds);
 }
 
 void AddedMasses::refresh(const std::vector<int>& rows) {
   std::vector<Bond*> bonds;
   for (int row : rows)
-    if (Bond* b = scene_.bonds.find(row)) bonds.push_back(b);
+    if (Bond* b = scene_.bonds().find(row)) bonds.push_back(b);
   find(bonds);
 }
 
@@ -30,11 +30,11 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
-    if (scene_.bonds.is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
+    if (scene_.bonds().is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
   for (Bond* b : bonds)
     if (!o.updated) b->share(alike_);
   int some = 0, any;
-  for (const Bond& b : scene_.bonds) some = some || !b.added.empty();
+  for (const Bond& b : scene_.bonds()) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
   any_ = any != 0;
   scene_.grains.added_mass_changed();
@@ -48,7 +48,7 @@ void AddedMasses::follow(const std::vector<int>& rows, const char* event, const 
 void AddedMasses::follow_places(const std::vector<int>& moved) {
   if (!scene_.touches() || !scene_.watches()) return;
   std::vector<int> mine(moved);
-  for (Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds().awake())
     if (give_inertia(b)) mine.push_back(b.body);
   sort_unique(mine);
   const std::vector<int> rows = scene_.agreed_rows(mine);
@@ -60,7 +60,7 @@ template <class Action>
 void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
   std::vector<std::vector<AddedMass::Share>> before;
   for (int row : rows)
-    if (const Bond* b = scene_.bonds.find(row)) before.push_back(b->added.shares());
+    if (const Bond* b = scene_.bonds().find(row)) before.push_back(b->added.shares());
   double slowed = 0.0;
   scene_.books.release_by([&] { return energy_ahead(rows, scene_.kick()); },
                           [&] {
@@ -68,7 +68,7 @@ void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
                             refresh(rows);
                             std::size_t n = 0;
                             for (int row : rows)
-                              if (Bond* b = scene_.bonds.find(row))
+                              if (Bond* b = scene_.bonds().find(row))
                                 slowed += b->added.take_up(before[n++], b->grid, scene_.grains.side_of(*b), scene_.kick(), scene_.now.dt);
                           });
   scene_.books.release(slowed);
@@ -82,7 +82,7 @@ bool AddedMasses::give_inertia(Bond& b) const {
 
 void AddedMasses::drop_inert() {
   take_up(scene_.all_rows(), [&] {
-    for (Bond& b : scene_.bonds.awake()) drop_inert(b);
+    for (Bond& b : scene_.bonds().awake()) drop_inert(b);
   });
 }
 
@@ -91,13 +91,13 @@ void AddedMasses::drop_inert() {
 void AddedMasses::drop_inert(Bond& b) const {
   give_inertia(b);
   if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
-  b.links.leave_out_dropped(b.points, scene_.bonds.body(b));
+  b.links.leave_out_dropped(b.points, scene_.bonds().body(b));
 }
 
 double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) const {
   double sum = 0.0;
   for (int row : rows) {
-    const Bond* b = row < scene_.bodies_started ? scene_.bonds.find(row) : nullptr;
+    const Bond* b = row < scene_.bodies_started ? scene_.bonds().find(row) : nullptr;
     // a condensed bond has no added mass, and no sides here
     if (b && !b->added.empty()) sum += b->added.energy_ahead(b->grid, scene_.grains.side_of(*b), later);
   }

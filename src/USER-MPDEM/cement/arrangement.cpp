@@ -18,7 +18,7 @@ std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int
   constexpr int kWidth = sizeof(BondMotion) / sizeof(double);
   std::vector<BondMotion> sums(rows.size(), BondMotion{});
   for (std::size_t n = 0; n < rows.size(); ++n)
-    if (const Bond* b = scene.bonds.find(rows[n])) sums[n] = mpdem::sums_of_motion(b->grid, scene.kick());
+    if (const Bond* b = scene.bonds().find(rows[n])) sums[n] = mpdem::sums_of_motion(b->grid, scene.kick());
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), kWidth * static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, scene.comm);
   return sums;
 }
@@ -28,13 +28,47 @@ std::vector<BondMotion> sums_of_motion(const Scene& scene, const std::vector<int
 void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<BondMotion>& before) {
   std::vector<BondMotion> after = sums_of_motion(scene, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
-    if (Bond* b = scene.bonds.find(rows[n])) give_back_motion(b->grid, before[n], after[n]);
+    if (Bond* b = scene.bonds().find(rows[n])) give_back_motion(b->grid, before[n], after[n]);
   after = sums_of_motion(scene, rows);
   const int me = rank_in(scene.comm);
   for (std::size_t n = 0; n < rows.size() && me == 0; ++n) scene.books.release(before[n].kinetic - after[n].kinetic);
 }
 
+// Finds the parts that get nodes of their own before a layout.
+NewPartsOfBonds parts_before_layout(const Scene& scene, Bonds& bonds, const std::vector<int>& fresh, Splits& splits, Sheets& sheets) {
+  if (!scene.options.split) return sheets.divide(scene.comm, bonds, scene.options, fresh);
+  NewPartsOfBonds parts = splits.start(scene.comm, bonds, scene.options);
+  splits.bring(scene.comm, bonds);
+  return parts;
+}
+
 }  // namespace
+
+std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& divisions, const RestoredNodes& of_file, const std::vector<int>& fresh,
+                                          const PenaltyParameters* penalty) {
+  Bonds copies;
+  copies.table = scene.bonds().table;
+  for (const Bond& b : scene.bonds()) copies.make(b.body).points = b.points;
+  RestoredNodes restored(of_file);
+  restored.bring();
+  Sheets sheets(divisions.sheets);
+  Splits splits(divisions.splits);
+  NewPartsOfBonds parts = parts_before_layout(scene, copies, fresh, splits, sheets);
+  std::vector<LayoutRequest> requests;
+  for (Bond& b : copies) {
+    requests.emplace_back();
+    LayoutRequest& r = requests.back();
+    r.body = b.body;
+    r.points = std::move(b.points);
+    r.points.sort_links();
+    r.parts.part_of_slot = parts[b.body].part_of_slot;
+    if (penalty) r.before = restored.any() ? restored.of(b.body) : scene.bonds().find(b.body)->grid.kinematics();
+  }
+  CementOptions options(scene.options);
+  options.updated = false;  // without the margin that updated kinematics need
+  const LayoutRules rules{scene.comm, copies.table, options, scene.law, sheets, divisions.cracks, scene.inertia, penalty, scene.options.split ? &splits : nullptr};
+  return make_layout(rules, scene.all_rows(), std::move(requests));
+}
 
 LayoutRequest Arrangement::request_of(Bond& b, NewPartsOfBonds& parts) {
   LayoutRequest r;
@@ -47,35 +81,6 @@ LayoutRequest Arrangement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
-// Finds the parts that get nodes of their own before a layout.
-NewPartsOfBonds Arrangement::parts_at_start(Splits& splits, Sheets& sheets) const {
-  if (!scene_.options.split) return sheets.divide(scene_.comm, scene_.bonds, scene_.options, fresh_points_);
-  NewPartsOfBonds parts = splits.start(scene_.comm, scene_.bonds, scene_.options);
-  splits.bring(scene_.comm, scene_.bonds);
-  return parts;
-}
-
-std::vector<BondLayout> Arrangement::of_copies(const PenaltyParameters* penalty) {
-  restored_.bring();
-  Sheets sheets(divisions_.sheets);
-  Splits splits(divisions_.splits);
-  NewPartsOfBonds parts = parts_at_start(splits, sheets);
-  std::vector<LayoutRequest> requests;
-  for (const Bond& b : scene_.bonds) {
-    requests.emplace_back();
-    LayoutRequest& r = requests.back();
-    r.body = b.body;
-    r.points = b.points;
-    r.points.sort_links();
-    r.parts.part_of_slot = parts[b.body].part_of_slot;
-    if (penalty) r.before = restored_.any() ? restored_.of(b.body) : b.grid.kinematics();
-  }
-  CementOptions options(scene_.options);
-  options.updated = false;  // without the margin that updated kinematics need
-  const LayoutRules rules{scene_.comm, scene_.bonds.table, options, scene_.law, sheets, divisions_.cracks, scene_.inertia, penalty, scene_.options.split ? &splits : nullptr};
-  return make_layout(rules, scene_.all_rows(), std::move(requests));
-}
-
 // Mass goes back from the heirs of tied nodes to these nodes where a bond came apart, or where its nodes split. Its
 // momentum and angular momentum are kept by a rigid motion.
 void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {
@@ -85,20 +90,20 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
   const std::vector<BondMotion> motion = moves ? sums_of_motion(scene_, untied) : std::vector<BondMotion>();
   std::vector<LayoutRequest> requests;
   for (int row : rows)
-    if (Bond* b = scene_.bonds.find(row)) requests.push_back(request_of(*b, parts));
+    if (Bond* b = scene_.bonds().find(row)) requests.push_back(request_of(*b, parts));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
-  const LayoutRules rules{scene_.comm, scene_.bonds.table, scene_.options, scene_.law, divisions_.sheets, divisions_.cracks, scene_.inertia, penalty,
+  const LayoutRules rules{scene_.comm, scene_.bonds().table, scene_.options, scene_.law, divisions_.sheets, divisions_.cracks, scene_.inertia, penalty,
                           scene_.options.split ? &divisions_.splits : nullptr, how.arrange};
   std::vector<BondLayout> layouts = make_layout(rules, rows, std::move(requests));
   restored_.clear();
   adopt(layouts);
   if (moves) keep_motion(scene_, untied, motion);
   start_velocities(scene_, layouts);
-  scene_.bonds.drop_empty(rows);
+  scene_.bonds().drop_empty(rows);
   if (scene_.options.updated)
     for (int row : rows)
-      if (Bond* b = scene_.bonds.find(row)) b->updated.bind(b->points, b->grid);
-  shared_.bind();  // bonds that came or went may have moved the others in memory
+      if (Bond* b = scene_.bonds().find(row)) b->updated.bind(b->points, b->grid);
+  shared_.bind();
 }
 
 void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {
@@ -107,27 +112,27 @@ void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds pa
 }
 
 NewPartsOfBonds Arrangement::parts_at_start() {
-  NewPartsOfBonds parts = parts_at_start(divisions_.splits, divisions_.sheets);
+  NewPartsOfBonds parts = parts_before_layout(scene_, scene_.bonds(), fresh_points_, divisions_.splits, divisions_.sheets);
   fresh_points_.clear();
   return parts;
 }
 
 NewPartsOfBonds Arrangement::parts_of_fresh_points() {
   NewPartsOfBonds parts;
-  if (!fresh_points_.empty()) parts = divisions_.sheets.divide(scene_.comm, scene_.bonds, scene_.options, fresh_points_);
+  if (!fresh_points_.empty()) parts = divisions_.sheets.divide(scene_.comm, scene_.bonds(), scene_.options, fresh_points_);
   fresh_points_.clear();
   return parts;
 }
 
 void Arrangement::bring_copies() {
-  if (scene_.options.split) divisions_.splits.bring(scene_.comm, scene_.bonds);
+  if (scene_.options.split) divisions_.splits.bring(scene_.comm, scene_.bonds());
 }
 
 void Arrangement::remember_axis() {
-  std::vector<Body>& table = scene_.bonds.table;
+  std::vector<Body>& table = scene_.bonds().table;
   if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis_rule != AxisRule::none; })) return;
   std::vector<int> open(table.size(), 0);
-  for (const Bond& b : scene_.bonds)
+  for (const Bond& b : scene_.bonds())
     for (const BlockMeta& m : b.points.meta)
       if (m.framed != m.occupied) open[b.body] = 1;
   for (std::size_t b = 0; b < table.size(); ++b)
@@ -142,9 +147,9 @@ void Arrangement::remember_axis() {
 
 void Arrangement::sync_slots() {
   if (!scene_.options.updated || !scene_.laid_out) return;
-  for (Bond& b : scene_.bonds) {
+  for (Bond& b : scene_.bonds()) {
     b.sort_links();
-    scene_.host.slots_changed(b);
+    scene_.host().slots_changed(b);
   }
 }
 
@@ -154,13 +159,14 @@ void Arrangement::find_relaxation(Bond& b) const {
   b.impulse = SharedImpulse();
   if (!scene_.penalty || (scene_.options.relax == 0.0 && scene_.options.subcycle == 1)) return;
   const std::vector<char> held = divisions_.cracks.separated(b.body) ? nodes_held(b.points, b.grid) : std::vector<char>();
-  if (scene_.options.relax > 0.0) b.relaxation = Relaxation(b.grid, scene_.bonds.body(b), held, scene_.options.relax, scene_.shear_speed());
-  if (scene_.options.subcycle != 1) b.impulse = SharedImpulse(b.grid, scene_.bonds.body(b), held);
+  if (scene_.options.relax > 0.0) b.relaxation = Relaxation(b.grid, scene_.bonds().body(b), held, scene_.options.relax, scene_.shear_speed());
+  if (scene_.options.subcycle != 1) b.impulse = SharedImpulse(b.grid, scene_.bonds().body(b), held);
 }
 
-void Arrangement::start_anew(Bond& b) const {
+void Arrangement::start_anew(Bond& b) {
+  b.layout = ++layouts_;
   b.mass.forget();
-  b.places = scene_.touches() ? FreedPlaces(b.points, scene_.bonds.body(b), *scene_.penalty, b.grid) : FreedPlaces();
+  b.places = scene_.touches() ? FreedPlaces(b.points, scene_.bonds().body(b), *scene_.penalty, b.grid) : FreedPlaces();
   b.places_may_move = true;  // points may have come that failed on another rank since the last look
   b.faces = scene_.faces_touch() ? CrackFaces(b.points, b.grid, divisions_.splits, scene_.penalty->friction) : CrackFaces();
   b.closing = scene_.options.unilateral ? ClosingPoints(b.points, scene_.law->elasticity(), scene_.touches() ? scene_.penalty->friction : 0.0) : ClosingPoints();
@@ -172,7 +178,7 @@ void Arrangement::start_anew(Bond& b) const {
 
 void Arrangement::adopt(std::vector<BondLayout>& layouts) {
   for (BondLayout& l : layouts) {
-    Bond& b = *scene_.bonds.find(l.body);
+    Bond& b = *scene_.bonds().find(l.body);
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
@@ -182,7 +188,7 @@ void Arrangement::adopt(std::vector<BondLayout>& layouts) {
     b.laid_out_blocks = b.points.blocks.size();
     if (l.new_slot.empty()) continue;
     b.blocks_when_arranged = b.points.blocks.size();
-    scene_.host.slots_changed(b);
+    scene_.host().slots_changed(b);
   }
 }
 

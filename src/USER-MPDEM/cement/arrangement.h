@@ -44,19 +44,16 @@ class Arrangement {
   void lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how);
   // Calls lay_out() and finds the added mass too. Bonds and grains must be on the ranks where they were.
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how);
-  // Lays out copies of all bonds and changes nothing in the scene. penalty: parameters of the links, or null for no
-  // links.
-  std::vector<BondLayout> of_copies(const PenaltyParameters* penalty);
+  const std::vector<int>& fresh_points() const { return fresh_points_; }
 
   // start_anew() resets what depends on the nodes of a bond. find_relaxation() resets only damping and impulses, which
   // depend on the grain that each side of the bond holds to.
-  void start_anew(Bond& b) const;
+  void start_anew(Bond& b);
   void find_relaxation(Bond& b) const;
   // Brings the slots of points up to date, which fall behind while points change cells (`updated` kinematics).
   void sync_slots();
 
  private:
-  NewPartsOfBonds parts_at_start(Splits& splits, Sheets& sheets) const;
   LayoutRequest request_of(Bond& b, NewPartsOfBonds& parts);
   void adopt(std::vector<BondLayout>& layouts);
 
@@ -65,8 +62,14 @@ class Arrangement {
   RestoredNodes& restored_;
   SharedNodes& shared_;
   AddedMasses& added_;
+  int layouts_ = 0;                // number of layouts of bonds so far
   std::vector<int> fresh_points_;  // rows of the table whose points the host made since the last layout
 };
+
+// Lays out copies of all bonds. fresh: see Arrangement::fresh_points(). penalty: parameters of the links, or null for
+// no links.
+std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& divisions, const RestoredNodes& restored, const std::vector<int>& fresh,
+                                          const PenaltyParameters* penalty);
 
 }  // namespace mpdem
 

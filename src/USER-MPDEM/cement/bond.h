@@ -9,6 +9,7 @@
 #define MPDEM_CEMENT_BOND_H
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "../coupling/added_mass.h"
@@ -42,6 +43,7 @@ struct Bond {
   Resting resting;
   UpdatedPass updated;  // used by `updated` kinematics only
   int side = 0;         // place of the first side of the bond, see GrainSides
+  int layout = 0;       // number of its layout among those of this rank; 0: none yet
   std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
   std::size_t blocks_when_arranged = 0;
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
@@ -91,19 +93,36 @@ class Bonds {
   std::vector<Body> table;  // bonds of all ranks
   std::vector<PointPattern> patterns;  // patterns of bonds whose points are not made yet, the same on all ranks
 
-  // Iterate over the bonds with points or nodes on this rank, in ascending order of their rows.
-  std::vector<Bond>::iterator begin() { return here_.begin(); }
-  std::vector<Bond>::iterator end() { return here_.end(); }
-  std::vector<Bond>::const_iterator begin() const { return here_.begin(); }
-  std::vector<Bond>::const_iterator end() const { return here_.end(); }
+  // Iterate over the bonds with points or nodes on this rank, in ascending order of their rows. Bonds stay where they are
+  // in memory while others come and go.
+  using Place = std::unique_ptr<Bond>;
+  template <class B>
+  class Iterator {
+   public:
+    explicit Iterator(const Place* at) : at_(at) {}
+    B& operator*() const { return **at_; }
+    B* operator->() const { return at_->get(); }
+    Iterator& operator++() {
+      ++at_;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return at_ != other.at_; }
+
+   private:
+    const Place* at_;
+  };
+  Iterator<Bond> begin() { return Iterator<Bond>(here_.data()); }
+  Iterator<Bond> end() { return Iterator<Bond>(here_.data() + here_.size()); }
+  Iterator<const Bond> begin() const { return Iterator<const Bond>(here_.data()); }
+  Iterator<const Bond> end() const { return Iterator<const Bond>(here_.data() + here_.size()); }
   std::size_t size() const { return here_.size(); }
 
   // Range over the bonds that are resolved. Condensed bonds are left out, since their nodes and points wait.
   template <class B>
   class Awake {
    public:
-    Awake(B* bonds, const int* at) : bonds_(bonds), at_(at) {}
-    B& operator*() const { return bonds_[*at_]; }
+    Awake(const Place* bonds, const int* at) : bonds_(bonds), at_(at) {}
+    B& operator*() const { return *bonds_[*at_]; }
     Awake& operator++() {
       ++at_;
       return *this;
@@ -111,12 +130,12 @@ class Bonds {
     bool operator!=(const Awake& other) const { return at_ != other.at_; }
 
    private:
-    B* bonds_;
+    const Place* bonds_;
     const int* at_;
   };
   template <class B>
   struct AwakeRange {
-    B* bonds;
+    const Place* bonds;
     const std::vector<int>& places;
     Awake<B> begin() const { return {bonds, places.data()}; }
     Awake<B> end() const { return {bonds, places.data() + places.size()}; }
@@ -126,7 +145,7 @@ class Bonds {
   template <class F>
   void for_each_awake_backwards(F f) {
     const std::vector<int>& places = awake_places();
-    for (std::size_t n = places.size(); n-- > 0;) f(here_[places[n]], n > 0 ? &here_[places[n - 1]] : nullptr);
+    for (std::size_t n = places.size(); n-- > 0;) f(*here_[places[n]], n > 0 ? here_[places[n - 1]].get() : nullptr);
   }
   AwakeRange<Bond> awake() { return {here_.data(), awake_places()}; }
   AwakeRange<const Bond> awake() const { return {here_.data(), awake_places()}; }
@@ -136,9 +155,9 @@ class Bonds {
   const Body& body(const Bond& b) const { return table[b.body]; }
   // Returns null if this rank has nothing of the bond.
   Bond* find(int body);
-  const Bond* find(int body) const { return const_cast<Bonds*>(this)->find(body); }
+  const Bond* find(int body) const;
   Bond& make(int body);  // returns the bond if it is there already
-  // Drops all bonds without points if one of these rows is such a bond. Other bonds may move in memory.
+  // Drops all bonds without points if one of these rows is such a bond.
   void drop_empty(const std::vector<int>& rows);
 
   // Adds a point to its bond, and returns its slot.
@@ -147,9 +166,10 @@ class Bonds {
   std::size_t memory_usage() const;
 
  private:
+  std::vector<Place>::const_iterator place_of(int body) const;  // where the bond is, or would be
   const std::vector<int>& awake_places() const;
 
-  std::vector<Bond> here_;
+  std::vector<Place> here_;
   mutable std::vector<int> awake_;
   mutable bool awake_is_known_ = false;
 };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "../numerics/length.h"
 #include "../numerics/rotation.h"
@@ -24,9 +23,14 @@ double BondedGrains::mass_ratio(const Grain& g, double cement) {
   return ((moves ? 1.0 : 0.0) + (g.free[3] ? 2.5 : 0.0)) * cement / g.mass;
 }
 
-const Grain* BondedGrains::find(int tag) const {
+std::size_t BondedGrains::place_of(int tag) const {
   const auto at = std::lower_bound(grains.begin(), grains.end(), tag, [](const Grain& g, int t) { return g.tag < t; });
-  return at != grains.end() && at->tag == tag ? &*at : nullptr;
+  return at != grains.end() && at->tag == tag ? static_cast<std::size_t>(at - grains.begin()) : grains.size();
+}
+
+const Grain* BondedGrains::find(int tag) const {
+  const std::size_t at = place_of(tag);
+  return at < grains.size() ? &grains[at] : nullptr;
 }
 
 void BondedGrains::replace(std::vector<Grain> now) {
@@ -40,32 +44,38 @@ void BondedGrains::replace(std::vector<Grain> now) {
   grains = std::move(now);
 }
 
-void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density, bool all) {
-  std::unordered_map<int, int> by_tag;
-  for (std::size_t n = 0; n < grains.size(); ++n) {
-    by_tag.emplace(grains[n].tag, static_cast<int>(n));
-    grains[n].sides.clear();
-  }
-  std::vector<double> cement(grains.size(), 0.0);
+std::vector<BondedGrains::OwnedSide> BondedGrains::find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const {
+  std::vector<OwnedSide> owned;
   std::vector<Key> keys;
-  owned_.clear();
   for (std::size_t b = 0; b < bonds.table.size(); ++b)
     for (int s = 0; s < 2; ++s) {
-      const auto it = by_tag.find(bonds.table[b].grain[s]);
-      if (it == by_tag.end()) continue;
-      cement[it->second] += density * bonds.table[b].volume;
-      grains[it->second].made_for = bonds.table[b].radius[s];
       if (bonds.table[b].condensed && !all) continue;
-      grains[it->second].sides.push_back(static_cast<int>(owned_.size()));
-      owned_.push_back({it->second, -1, static_cast<int>(b), s});
+      const std::size_t grain = place_of(bonds.table[b].grain[s]);
+      if (grain == grains.size()) continue;
+      owned.push_back({static_cast<int>(grain), -1, static_cast<int>(b), s});
       keys.push_back({static_cast<int>(b), s, 0, 0});
     }
   std::vector<int> here;
   for (const Bond& b : bonds)
     if (all || bonds.is_awake(b)) here.push_back(b.body);
-  sides.build(comm, bonds.table, here, keys);
-  for (std::size_t k = 0; k < owned_.size(); ++k) owned_[k].at = sides.owned()[k];
+  found.build(comm, bonds.table, here, keys);
+  for (std::size_t k = 0; k < owned.size(); ++k) owned[k].at = found.owned()[k];
+  return owned;
+}
+
+void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
+  owned_ = find_sides(comm, bonds, false, sides);
   for (Bond& b : bonds) b.side = sides.find(b.body, 0);
+  for (Grain& g : grains) g.sides.clear();
+  for (std::size_t k = 0; k < owned_.size(); ++k) grains[owned_[k].grain].sides.push_back(static_cast<int>(k));
+  std::vector<double> cement(grains.size(), 0.0);
+  for (const Body& body : bonds.table)
+    for (int s = 0; s < 2; ++s) {
+      const std::size_t grain = place_of(body.grain[s]);
+      if (grain == grains.size()) continue;
+      cement[grain] += density * body.volume;
+      grains[grain].made_for = body.radius[s];
+    }
   changed_ = false;
   int some = 0, any;
   for (std::size_t n = 0; n < grains.size(); ++n) {
@@ -74,6 +84,13 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density, bool all) {
   }
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
   any_free_ = any != 0;
+}
+
+BondedGrains::SidesOfAll BondedGrains::sides_of_all(MPI_Comm comm, const Bonds& bonds) const {
+  SidesOfAll of_all;
+  of_all.owned = find_sides(comm, bonds, true, of_all.sides);
+  hand_out(bonds, of_all.owned, of_all.sides);
+  return of_all;
 }
 
 void BondedGrains::wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<GrainSide>& woken) {
@@ -91,9 +108,13 @@ void BondedGrains::wake(MPI_Comm comm, Bonds& bonds, double density, const std::
 void BondedGrains::distribute(const Bonds& bonds) {
   for (Grain& grain : grains)
     for (int d = 0; d < 6; ++d) grain.acceleration[d] = d < 3 ? grain.state->a[d] : 0.0;
-  std::vector<GrainSides::Motion> motion(owned_.size());
-  for (std::size_t k = 0; k < owned_.size(); ++k) {
-    const Grain& grain = grains[owned_[k].grain];
+  hand_out(bonds, owned_, sides);
+}
+
+void BondedGrains::hand_out(const Bonds& bonds, const std::vector<OwnedSide>& owned, GrainSides& to) const {
+  std::vector<GrainSides::Motion> motion(owned.size());
+  for (std::size_t k = 0; k < owned.size(); ++k) {
+    const Grain& grain = grains[owned[k].grain];
     const GrainState& g = *grain.state;
     std::copy(grain.x, grain.x + 3, motion[k].x);
     std::copy(g.v, g.v + 3, motion[k].v);
@@ -103,7 +124,7 @@ void BondedGrains::distribute(const Bonds& bonds) {
     std::copy(g.jump, g.jump + 6, motion[k].jump);
     motion[k].mass_ratio = grain.mass_ratio;
   }
-  sides.distribute(bonds.table, motion);
+  to.distribute(bonds.table, motion);
 }
 
 void BondedGrains::distribute_as_before(const Bonds& bonds, double dt) {

@@ -36,6 +36,9 @@ class BondedGrains {
   std::vector<Grain> grains;  // ascending in tag
   GrainSides sides;
 
+  BondedGrains() = default;
+  BondedGrains(const BondedGrains&) = delete;  // a copy would have the states of the same grains, see SidesOfAll
+
   // Replaces the bonded grains of this rank. Call bind() if they are others than before, see changed().
   void replace(std::vector<Grain> now);
   bool changed() const { return changed_; }
@@ -58,15 +61,21 @@ class BondedGrains {
   // and the moment of inertia of a sphere of mass m is 2/5 m r^2.
   static double mass_ratio(const Grain& g, double cement);
 
-  // Collective. Call after grains or bonds changed place. Finds the sides of the bonds that are awake, or of all bonds,
-  // and who owns them. density: density of the inertia of the cement.
-  void bind(MPI_Comm comm, Bonds& bonds, double density, bool all = false);
+  // Collective. Call after grains or bonds changed place. Finds the sides of the bonds that are awake, and who owns
+  // them. density: density of the inertia of the cement.
+  void bind(MPI_Comm comm, Bonds& bonds, double density);
   // Collective. Call when bonds woke in a step. They get sides, and the other sides keep all they have. woken: state of
   // the new sides, ascending, on ranks that had the condensed bonds.
   void wake(MPI_Comm comm, Bonds& bonds, double density, const std::vector<GrainSide>& woken);
   // Collective. Sends the motion of the grains to all ranks that have a side of them.
   void distribute(const Bonds& bonds);
-  // Collective. Does the same in the course of a step of dt, when the host has moved grains but the cement has not.
+  // Collective. Sides of all bonds, condensed ones too, with the present motion of the grains, for those who look.
+  struct SidesOfAll {
+    GrainSides sides;
+    std::vector<OwnedSide> owned;
+  };
+  SidesOfAll sides_of_all(MPI_Comm comm, const Bonds& bonds) const;
+  // Collective. Does what distribute() does in the course of a step of dt, when the host has moved grains but the cement has not.
   // Sends the places and orientations of before the move.
   void distribute_as_before(const Bonds& bonds, double dt);
   // Turns the grains over dt by the velocities that the host gave them.
@@ -174,6 +183,10 @@ class BondedGrains {
   const Jump& worst_jump() const { return worst_jump_; }
 
  private:
+  std::size_t place_of(int tag) const;  // place in `grains`, or their number if the grain is not on this rank
+  // Collective. Finds sides of bonds, and returns those that this rank owns.
+  std::vector<OwnedSide> find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const;
+  void hand_out(const Bonds& bonds, const std::vector<OwnedSide>& owned, GrainSides& to) const;
   void watch_jump(const Grain& g);
 
   std::vector<OwnedSide> owned_;

@@ -26,7 +26,7 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
 // Clears the marks of parts, so that another fix starts from whole bonds.
 Cement::~Cement() {
   if (!scene_.options.split) return;
-  for (Bond& b : scene_.bonds)
+  for (Bond& b : scene_.bonds())
     for (BlockMeta& m : b.points.meta) {
       m.part = m.looked_at = 0;
       m.holds[0] = m.holds[1] = 0xff;
@@ -40,7 +40,7 @@ void Cement::couple(const PenaltyParameters* penalty) {
 
 void Cement::take_up_states() {
   std::string trouble;
-  for (Bond& b : scene_.bonds)
+  for (Bond& b : scene_.bonds())
     if (trouble.empty()) trouble = mpdem::take_up_states(b.points, scene_.law);
   throw_if_any(scene_.comm, trouble);
 }
@@ -69,7 +69,7 @@ void Cement::lay_out_run() {
 
 void Cement::lay_out_exchanged() {
   std::vector<int> mine;
-  for (const Bond& b : scene_.bonds)
+  for (const Bond& b : scene_.bonds())
     if (b.points.changed()) mine.push_back(b.body);
   int moved = !mine.empty() || scene_.grains.changed(), any;
   MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
@@ -79,7 +79,7 @@ void Cement::lay_out_exchanged() {
   arrangement_.bring_copies();
   arrangement_.lay_out(rows, arrangement_.parts_of_fresh_points(), {});
   condensing_.bind();
-  scene_.grains.distribute_as_before(scene_.bonds, scene_.now.dt);  // places go on before the cement follows its grains
+  scene_.grains.distribute_as_before(scene_.bonds(), scene_.now.dt);  // places go on before the cement follows its grains
   added_.refresh(rows);
   condensing_.condense(rows, false);
 }
@@ -96,22 +96,28 @@ void Cement::change_step() {
     refresh_added_mass();
 }
 
+void Cement::show_points() {
+  sync_slots();
+  for (Bond& b : scene_.bonds())
+    if (condensed_.has(b.body)) condensed_.show_strain(b);
+}
+
 // Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
-EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
-  std::vector<BondLayout> layouts = arrangement_.of_copies(nullptr);
+EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
+  const std::vector<BondLayout> layouts = layouts_of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
-  for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});
+  for (const BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});
   const int ranks = ranks_of(scene_.comm), me = rank_in(scene_.comm);
   std::vector<int> patterns;
-  for (const Body& b : scene_.bonds.table)
+  for (const Body& b : scene_.bonds().table)
     if (b.pattern > 0 && b.pattern % ranks == me) patterns.push_back(b.pattern);
   sort_unique(patterns);
-  std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
-  for (CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
+  const std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
+  for (const CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
   return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law);
 }
 
-std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() { return mpdem::stiffness_of_bonds(scene_, arrangement_.of_copies(&*scene_.penalty)); }
+std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() const { return mpdem::stiffness_of_bonds(scene_, layouts_of_copies(&*scene_.penalty)); }
 
 void Cement::set_density(double density) {
   if (scene_.bodies_started > 0 && std::fabs(density - scene_.density()) > 1e-12 * density)
@@ -122,8 +128,8 @@ void Cement::set_density(double density) {
 void Cement::take_up_commands() {
   BondedGrains& grains = scene_.grains;
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
-  scene_.books.do_work(condensed_.work_of_commands(scene_.bonds, scene_.dt_last));
-  if (added_.any()) grains.take_up_commands(scene_.comm, scene_.bonds, scene_.now.dt, scene_.dt_last, scene_.books);
+  scene_.books.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
+  if (added_.any()) grains.take_up_commands(scene_.comm, scene_.bonds(), scene_.now.dt, scene_.dt_last, scene_.books);
   grains.book_commands(scene_.dt_last, scene_.books);
 }
 
@@ -134,13 +140,13 @@ void Cement::start_run() {
   // added mass with the eigenvalue as it is known now
   if (!scene_.options.updated && scene_.penalty)
     scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), 0.0); }, [&] { refresh_added_mass(); });
-  if (scene_.penalty && scene_.bodies_started < static_cast<int>(scene_.bonds.table.size()))
-    grains.start_added_mass(scene_.comm, scene_.bonds, scene_.bodies_started, added_.any(), scene_.books);
+  if (scene_.penalty && scene_.bodies_started < static_cast<int>(scene_.bonds().table.size()))
+    grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.bodies_started, added_.any(), scene_.books);
   condensed_.follow(grains, scene_.weight().data());
   std::vector<std::vector<double>> before;
   const bool new_step = scene_.bodies_started > 0 && scene_.now.dt != scene_.dt_last;
   if (new_step)
-    for (const Bond& b : scene_.bonds.awake()) before.push_back(b.grid.acceleration);
+    for (const Bond& b : scene_.bonds().awake()) before.push_back(b.grid.acceleration);
   kinematics_->find_internal_force();
   forces_.find_at_start();
   if (new_step) keep_half_kicks(before);
@@ -152,7 +158,7 @@ void Cement::start_run() {
 // the half kick of the last step with these. So do the nodes, by what the whole kick that is to come lacks of it.
 void Cement::keep_half_kicks(const std::vector<std::vector<double>>& accelerations) {
   auto before = accelerations.begin();
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     std::vector<double>& v = b.grid.velocity;
     const std::vector<double>& was = *before++;
     for (std::size_t i = 0; i < v.size() && b.body < scene_.bodies_started; ++i) v[i] += 0.5 * scene_.dt_last * (was[i] - b.grid.acceleration[i]);
@@ -162,12 +168,12 @@ void Cement::keep_half_kicks(const std::vector<std::vector<double>>& acceleratio
 // Velocities of bodies that were not in motion yet go back half a step. Their energy counts from here. So does the work
 // of the first half step, which is ahead.
 void Cement::start_bodies() {
-  const int rows = static_cast<int>(scene_.bonds.table.size());
+  const int rows = static_cast<int>(scene_.bonds().table.size());
   if (scene_.bodies_started == rows) return;
   const double damped_ahead = 0.5 * scene_.dt_last * work_.of_dampers(scene_.bodies_started).after(0.5 * scene_.dt_last);  // uses the velocities of this time
-  if (scene_.penalty) scene_.grains.go_back_half_a_step(scene_.bonds, scene_.dt_last);
+  if (scene_.penalty) scene_.grains.go_back_half_a_step(scene_.bonds(), scene_.dt_last);
   double mine = 0.0, energy;
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     if (b.body < scene_.bodies_started) continue;
     Grid& grid = b.grid;
     for (int i = 0; i < grid.size(); ++i)
@@ -184,7 +190,7 @@ void Cement::start_bodies() {
   }
   condensed_.resume(scene_.grains, scene_.weight().data());
   for (int row = scene_.bodies_started; row < rows; ++row) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     mine += e.elastic + e.discrete_kinetic;
   }
   MPI_Allreduce(&mine, &energy, 1, MPI_DOUBLE, MPI_SUM, scene_.comm);
@@ -216,7 +222,7 @@ void Cement::advance() {
   if (scene_.now.substeps > 1 && scene_.ends_step()) grains.spread_loads(scene_.now.substeps);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places(scene_);
-  grains.distribute(scene_.bonds);
+  grains.distribute(scene_.bonds());
   condensed_.follow(grains, scene_.weight().data());
   grains.clear_sudden_forces();
   added_.follow_places(moved);
@@ -244,7 +250,7 @@ void Cement::advance() {
 // Finds the forces of the step anew, in the way in which they are found at the start of a run.
 void Cement::find_forces_anew() {
   scene_.grains.take_back_loads(scene_.now.substeps);
-  scene_.grains.distribute(scene_.bonds);
+  scene_.grains.distribute(scene_.bonds());
   condensed_.follow(scene_.grains, scene_.weight().data());
   if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
   kinematics_->find_internal_force();
@@ -259,14 +265,14 @@ void Cement::end_step() {
   scene_.grains.keep_velocities(scene_.dt_last);
   parting_.watch_loads();
   scene_.books.end_step(work_.of_loads(0), work_.of_inertial_forces(0));
-  std::vector<Body>& table = scene_.bonds.table;
+  std::vector<Body>& table = scene_.bonds().table;
   for (auto b = table.rbegin(); b != table.rend() && !b->in_motion; ++b) b->in_motion = true;
 }
 
 void Cement::check_state() {
   constexpr double kDeepest = 0.01;
   std::string trouble;
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     const double slid = b.faces.slid_too_far(b.points, b.grid);
     if (b.places.deepest() > kDeepest * scene_.options.cell && trouble.empty())
       trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", scene_.now.number, ", the most is ", kDeepest,

@@ -58,7 +58,7 @@ class Cement {
   bool keeps_skins() const { return scene_.keeps_skins(); }
 
   // Access to the scene, and to the parts that hosts speak to.
-  Bonds& bonds() { return scene_.bonds; }
+  Bonds& bonds() { return scene_.bonds(); }
   BondedGrains& grains() { return scene_.grains; }
   const Cracks& cracks() const { return divisions_.cracks; }
   StepTimer& timer() { return scene_.timer; }
@@ -91,15 +91,17 @@ class Cement {
   void change_step();         // does so in the course of a run, and books what that mass gives up
   // Brings the slots of points up to date, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
+  // Does so, and writes the strain of points of condensed bonds, for code that looks at points.
+  void show_points();
   // Find properties of layouts yet to be made, and change nothing. A run need not have begun.
   // eigenvalue_of_new_layout() finds the largest eigenvalue. stiffness_of_bonds() finds the static stiffness of each
   // bond, with the bond and its grains as they are now. It needs links. grains_step() finds the largest step with which
   // grains on massless bonds of that stiffness would be stable.
-  EigenvalueEstimate eigenvalue_of_new_layout();
-  std::vector<StiffnessOfBond> stiffness_of_bonds();
-  double grains_step() { return stable_step_.of_grains(stiffness_of_bonds()); }
+  EigenvalueEstimate eigenvalue_of_new_layout() const;
+  std::vector<StiffnessOfBond> stiffness_of_bonds() const;
+  double grains_step() const { return stable_step_.of_grains(stiffness_of_bonds()); }
   // Does the same for a watch. Where a bond is nearly apart and has no static stiffness, there is no limit.
-  double grains_step_if_known() {
+  double grains_step_if_known() const {
     try {
       return grains_step();
     } catch (const BadState&) {
@@ -135,6 +137,9 @@ class Cement {
   bool restored() const { return restored_; }
 
  private:
+  std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty) const {
+    return mpdem::layouts_of_copies(scene_, divisions_, restored_nodes_, arrangement_.fresh_points(), penalty);
+  }
   void advance();
   void find_forces_anew();
   void start_bodies();

@@ -515,10 +515,25 @@ bool CondensedBonds::note_look(int body, double root, const CementOptions& optio
   return part >= 0 ? note_look(static_cast<std::size_t>(part), root, options, law) : false;
 }
 
+void CondensedBonds::forget_candidates_but(const Bonds& bonds) {
+  for (auto c = candidates_.begin(); c != candidates_.end();) {
+    const Bond* b = bonds.find(c->first);
+    c = b && bonds.is_awake(*b) ? std::next(c) : candidates_.erase(c);
+  }
+}
+
 std::size_t CondensedBonds::memory_usage() const {
   std::size_t bytes = members_.capacity() * sizeof(Member) + pack_.memory_usage();
-  for (const auto& p : patterns_) bytes += p.second.of.bond.memory_usage();
-  for (const auto& s : solutions_) bytes += s.second.use_count() > 0 ? s.second->fields.memory_usage() / s.second.use_count() : 0;
+  std::set<const Solution*> solutions;  // bonds share them
+  for (const auto& p : patterns_) {
+    bytes += p.second.of.bond.memory_usage();
+    solutions.insert(p.second.solution.get());
+  }
+  for (const auto& s : solutions_) solutions.insert(s.second.get());
+  for (const auto& c : candidates_) solutions.insert(c.second.solution.get());
+  for (const Member& m : members_) solutions.insert(m.solution.get());
+  for (const Solution* s : solutions)
+    if (s) bytes += sizeof(Solution) + s->fields.memory_usage() + s->models.capacity() * sizeof(CondensedModel) + s->grain_of_node.capacity();
   return bytes;
 }
 

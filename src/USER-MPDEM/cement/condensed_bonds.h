@@ -66,8 +66,8 @@ class CondensedBonds {
   bool has_pattern(int pattern) const { return patterns_.count(pattern) > 0; }
   // Calls f for each pattern that this rank counts.
   template <class F>
-  void each_pattern(F f) {
-    for (auto& p : patterns_)
+  void each_pattern(F f) const {
+    for (const auto& p : patterns_)
       if (p.second.of.counts) f(p.second.of.bond);
   }
   // Collective. Binds condensed bonds to grains. Call after bonds or grains went to other ranks.
@@ -138,6 +138,8 @@ class CondensedBonds {
   GrainLoads momentum_of_nodes(const Bond& awake, const Body& body, const GrainSide* side) const;
   GrainLoads momentum_as_condensed(int row, const Body& body, const GrainSide* side, double half) const;
   void forget_candidate(int body) { candidates_.erase(body); }
+  // Forgets all of these but those of awake bonds of this rank.
+  void forget_candidates_but(const Bonds& bonds);
 
   // Collective. Drops rows that are condensed no more.
   void drop(MPI_Comm comm, const std::vector<int>& rows, const Bonds& bonds, const BondedGrains& grains);
@@ -197,8 +199,8 @@ class CondensedBonds {
   std::set<int> in_pieces_;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {
-    bool tried = false;
-    double damage = 0.0, failed = 0.0;         // values when it was solved
+    int layout = 0;                            // layout of the bond when it was solved
+    double damage = 0.0, failed = 0.0;         // values at that time
     std::shared_ptr<const Solution> solution;  // none: the solution was not found
   };
   std::map<int, Candidate> candidates_;  // bonds that are awake, solved to see whether they fit

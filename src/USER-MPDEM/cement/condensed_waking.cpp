@@ -159,11 +159,11 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
   PointSums now;
   now.add(awake.points, law, false);
   Candidate& c = candidates_[awake.body];
-  if (!c.tried || c.damage != now.damaged_volume || c.failed != now.failed) {
+  if (c.layout != awake.layout || c.damage != now.damaged_volume || c.failed != now.failed) {
     Bond still(awake);
     go_back_to_creation(still.points);
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
-    c = {true, now.damaged_volume, now.failed, nullptr};
+    c = {awake.layout, now.damaged_volume, now.failed, nullptr};
     try {
       c.solution = solved(MPI_COMM_SELF, &still, body, law, kMostStepsOfCandidate);
     } catch (const BadState&) {

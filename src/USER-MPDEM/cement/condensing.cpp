@@ -15,23 +15,24 @@ namespace mpdem {
 
 // Takes bonds that no step has moved yet, since their points and nodes are at the creation.
 void Condensing::choose() {
-  for (std::size_t row = 0; row < scene_.bonds.table.size(); ++row) {
-    Body& b = scene_.bonds.table[row];
+  for (std::size_t row = 0; row < scene_.bonds().table.size(); ++row) {
+    Body& b = scene_.bonds().table[row];
     if (!b.in_motion) b.condensed = scene_.options.condense && scene_.penalty;
     if (b.condensed && !scene_.options.condense)
       throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1], " still is; use 'condense yes'"));
     if (b.condensed && !scene_.penalty)
       throw BadState(text_of("the bond of grains ", b.grain[0], " and ", b.grain[1], " is condensed, but nothing holds it to its grains; use 'fix mpm/couple' as in the steps before"));
   }
-  scene_.bonds.awake_changed();
+  scene_.bonds().awake_changed();
 }
 
 void Condensing::bind() {
-  scene_.grains.bind(scene_.comm, scene_.bonds, scene_.inertia);
-  scene_.grains.distribute(scene_.bonds);  // code that looks before the next step must not find grains at rest
+  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.inertia);
+  scene_.grains.distribute(scene_.bonds());  // code that looks before the next step must not find grains at rest
   scene_.laid_out = true;
   if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
-  condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
+  condensed_.forget_candidates_but(scene_.bonds());
+  condensed_.bind(scene_.comm, scene_.bonds(), scene_.grains);
   condensed_.follow(scene_.grains, scene_.weight().data());
 }
 
@@ -39,24 +40,24 @@ void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   if (!scene_.options.condense || !scene_.penalty) return;
   mark_pieces(rows);
   std::vector<int> resolved = rows_with_loose_pieces(rows);
-  for (int row : resolved) scene_.bonds.table[row].condensed = false;
-  scene_.bonds.awake_changed();
+  for (int row : resolved) scene_.bonds().table[row].condensed = false;
+  scene_.bonds().awake_changed();
   take_patterns(at_start);
-  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
   resolved.insert(resolved.end(), without.begin(), without.end());
   if (!resolved.empty()) {
-    scene_.bonds.awake_changed();
+    scene_.bonds().awake_changed();
     bind();
     shared_.bind();
     added_.refresh(resolved);
     return;
   }
-  condensed_.bind(scene_.comm, scene_.bonds, scene_.grains);
+  condensed_.bind(scene_.comm, scene_.bonds(), scene_.grains);
   condensed_.follow(scene_.grains, scene_.weight().data());
 }
 
 void Condensing::mark_pieces(const std::vector<int>& rows) {
-  for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds.table[row].condensed && cracks_.separated(row));
+  for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds().table[row].condensed && cracks_.separated(row));
 }
 
 // Collective. Returns bonds in pieces that stay resolved.
@@ -66,7 +67,7 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
     if (condensed_.is_in_pieces(row)) in_pieces.push_back(row);
   std::vector<int> points(in_pieces.size(), 0);
   for (std::size_t n = 0; n < points.size(); ++n)
-    if (const Bond* b = scene_.bonds.find(in_pieces[n])) points[n] = loose_points(b->points);
+    if (const Bond* b = scene_.bonds().find(in_pieces[n])) points[n] = loose_points(b->points);
   if (!points.empty()) MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_INT, MPI_SUM, scene_.comm);
   for (std::size_t n = 0; n < points.size(); ++n)
     if (points[n] >= kLeastLoose) loose.push_back(in_pieces[n]);
@@ -78,7 +79,7 @@ std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows
 void Condensing::take_patterns(bool at_start) {
   std::vector<int> patterns = patterns_of_owned_grains(scene_);
   if (!at_start) patterns.erase(std::remove_if(patterns.begin(), patterns.end(), [&](int p) { return condensed_.has_pattern(p); }), patterns.end());
-  condensed_.take_patterns(scene_.comm, layouts_of_patterns(scene_, patterns, &*scene_.penalty), static_cast<int>(scene_.bonds.patterns.size()), at_start,
+  condensed_.take_patterns(scene_.comm, layouts_of_patterns(scene_, patterns, &*scene_.penalty), static_cast<int>(scene_.bonds().patterns.size()), at_start,
                            *scene_.law, *scene_.penalty, scene_.inertia);
 }
 
@@ -86,7 +87,7 @@ void Condensing::take_patterns(bool at_start) {
 std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   std::vector<int> others;
   for (int row : rows) {
-    Body& b = scene_.bonds.table[row];
+    Body& b = scene_.bonds().table[row];
     if (b.pattern == 0) others.push_back(row);
     else if (!b.wants_points) rows_that_want_points_.push_back(row);
     if (b.pattern > 0) b.wants_points = true;
@@ -104,10 +105,10 @@ bool Condensing::change() {
 
 void Condensing::book_changes() {
   for (int row : woken_.rows)
-    if (const Bond* b = scene_.bonds.find(row)) woken_.energy -= work_.energy_of(*b);
+    if (const Bond* b = scene_.bonds().find(row)) woken_.energy -= work_.energy_of(*b);
   scene_.books.release(woken_.energy);
   for (int row : again_.rows) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     again_.energy -= e.elastic + e.discrete_kinetic;
   }
   // what the grains gain with the momentum is work, so that what is damped does not depend on the speed of flight
@@ -117,16 +118,16 @@ void Condensing::book_changes() {
 
 std::vector<int> Condensing::rows_that_are_due() {
   std::vector<int> together;
-  std::vector<int> mine = condensed_.due(scene_.bonds, scene_.options, *scene_.law, together);
+  std::vector<int> mine = condensed_.due(scene_.bonds(), scene_.options, *scene_.law, together);
   if (!scene_.options.advance.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
   together = scene_.agreed_rows(together);
   if (!together.empty()) {
     for (int row : together)
-      if (Bond* b = scene_.bonds.find(row)) condensed_.show_strain(*b);
+      if (Bond* b = scene_.bonds().find(row)) condensed_.show_strain(*b);
     average_cut_drives(scene_, together);
     std::vector<double> roots(together.size(), 0.0);
     for (std::size_t n = 0; n < roots.size(); ++n)
-      if (const Bond* b = scene_.bonds.find(together[n])) roots[n] = largest_root_of_drive(b->points, *scene_.law, &b->grid);
+      if (const Bond* b = scene_.bonds().find(together[n])) roots[n] = largest_root_of_drive(b->points, *scene_.law, &b->grid);
     MPI_Allreduce(MPI_IN_PLACE, roots.data(), static_cast<int>(roots.size()), MPI_DOUBLE, MPI_MAX, scene_.comm);
     for (std::size_t n = 0; n < roots.size(); ++n)
       if (condensed_.note_look(together[n], roots[n], scene_.options, *scene_.law)) mine.push_back(together[n]);
@@ -142,21 +143,21 @@ void Condensing::wake() {
   woken_.rows = rows;
   std::vector<GrainSide> sides;
   for (int row : rows) {
-    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds, 0.5 * scene_.dt_last);
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
     woken_.energy += e.elastic + e.discrete_kinetic;
-    condensed_.wake(scene_.comm, row, scene_.bonds.find(row), scene_.bonds, weight.data(), scene_.dt_last, *scene_.law);
+    condensed_.wake(scene_.comm, row, scene_.bonds().find(row), scene_.bonds(), weight.data(), scene_.dt_last, *scene_.law);
     if (!condensed_.has(row)) continue;
-    const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, scene_.bonds, weight.data());
+    const std::array<GrainSide, 2> of_row = condensed_.loaded_sides(row, scene_.bonds(), weight.data());
     sides.insert(sides.end(), of_row.begin(), of_row.end());
   }
-  for (int row : rows) scene_.bonds.table[row].condensed = false;
-  scene_.bonds.awake_changed();
-  condensed_.drop(scene_.comm, rows, scene_.bonds, scene_.grains);
+  for (int row : rows) scene_.bonds().table[row].condensed = false;
+  scene_.bonds().awake_changed();
+  condensed_.drop(scene_.comm, rows, scene_.bonds(), scene_.grains);
   condensed_.resume(scene_.grains, weight.data());
-  scene_.grains.wake(scene_.comm, scene_.bonds, scene_.inertia, sides);
+  scene_.grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, sides);
   shared_.bind();
   for (int row : rows) {
-    Bond* b = scene_.bonds.find(row);
+    Bond* b = scene_.bonds().find(row);
     if (!b) continue;
     b->resting = Resting();
     b->near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b->points, *scene_.law);
@@ -166,7 +167,7 @@ void Condensing::wake() {
 
 bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
-  const Body& body = scene_.bonds.body(b);
+  const Body& body = scene_.bonds().body(b);
   if (b.cut_by_ranks() || b.points.size() != body.points) return false;
   // looks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
@@ -184,7 +185,7 @@ bool Condensing::rests(Bond& b) {
 // Collective. Returns bonds that may be condensed again.
 std::vector<int> Condensing::rows_that_rest() {
   std::vector<int> mine;
-  for (Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds().awake())
     if (rests(b)) mine.push_back(b.body);
   return scene_.agreed_rows(mine);
 }
@@ -207,15 +208,15 @@ void Condensing::condense_again() {
       for (int d = 0; d < 6; ++d) rest[6 * (o.at + s) + d] += sign * of_side[d];
     }
   };
-  for (int row : rows) scene_.bonds.table[row].condensed = true;
+  for (int row : rows) scene_.bonds().table[row].condensed = true;
   mark_pieces(rows);
   for (int row : rows) {
-    Bond* b = scene_.bonds.find(row);
+    Bond* b = scene_.bonds().find(row);
     if (!b) continue;
     again_.energy += work_.energy_of(*b);
     const GrainSide* side = grains.side_of(*b);
     here.push_back({row, b->side, {side[0], side[1]}});
-    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds.table[row], side), 1.0);
+    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], side), 1.0);
     condensed_.forget_candidate(row);
     go_back_to_creation(b->points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration}) std::fill(values->begin(), values->end(), 0.0);
@@ -224,17 +225,17 @@ void Condensing::condense_again() {
   }
   const std::vector<BondedGrains::OwnedSide> owned = grains.owned();
   GrainSides sides = grains.sides;
-  scene_.bonds.awake_changed();
+  scene_.bonds().awake_changed();
   arrangement_.lay_out(rows, {}, {});
-  grains.wake(scene_.comm, scene_.bonds, scene_.inertia, {});
+  grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, {});
   added_.refresh(rows);
-  condensed_.solve(scene_.comm, scene_.bonds, rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
-  for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds.table[o.row], o.side, half), -1.0);
+  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.side, half), -1.0);
   sides.sum(rest.data(), 6);
   std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});
   for (const BondedGrains::OwnedSide& o : owned)
     for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
-  condensed_.bind(scene_.comm, scene_.bonds, grains);
+  condensed_.bind(scene_.comm, scene_.bonds(), grains);
   condensed_.follow(grains, scene_.weight().data());
   again_.to_grains = grains.push(scene_.comm, momentum, *condensed_.pack());
 }

@@ -74,17 +74,31 @@ std::vector<LoadWatch::Sums> LoadWatch::gather_on_first(MPI_Comm comm) {
   return all;
 }
 
+// Most looks end no window, so times go to all ranks first, and loads and motions of those rows alone whose window ends.
 std::vector<int> LoadWatch::look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed) {
-  std::vector<int> gone;
-  const std::vector<Sums> all = sums_of_all(comm);
-  for (std::size_t r = 0; r < all.size(); ++r) {
+  std::vector<double> time;
+  for (const Sums& s : sums_) time.push_back(s[0]);
+  if (!time.empty()) MPI_Allreduce(MPI_IN_PLACE, time.data(), static_cast<int>(time.size()), MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<int> rows;
+  std::vector<Sums> found;
+  for (std::size_t r = 0; r < time.size(); ++r) {
     if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
-    const double time = all[r][0], radius = radius_of(table[r]);
-    if (radius == 0.0 || table[r].condensed || time * shear_speed < 4.0 * radius) continue;
+    const double radius = radius_of(table[r]);
+    if (radius == 0.0 || table[r].condensed || time[r] * shear_speed < 4.0 * radius) continue;
+    rows.push_back(static_cast<int>(r));
+    found.push_back(sums_[r]);
     sums_[r] = Sums{};
-    const double load = size_of(&all[r][1], 1.0 / radius) / time, motion = size_of(&all[r][7], radius) / time;
-    if (load < kGone * largest_[r].load && motion > largest_[r].motion) gone.push_back(static_cast<int>(r));
-    if (load > largest_[r].load) largest_[r] = {load, motion};
+  }
+  std::vector<int> gone;
+  if (rows.empty()) return gone;
+  MPI_Allreduce(MPI_IN_PLACE, found.front().data(), static_cast<int>(kSums * found.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Sums& sum = found[n];
+    Largest& largest = largest_[rows[n]];
+    const double radius = radius_of(table[rows[n]]);
+    const double load = size_of(&sum[1], 1.0 / radius) / sum[0], motion = size_of(&sum[7], radius) / sum[0];
+    if (load < kGone * largest.load && motion > largest.motion) gone.push_back(rows[n]);
+    if (load > largest.load) largest = {load, motion};
   }
   return gone;
 }

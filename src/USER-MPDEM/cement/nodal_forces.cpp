@@ -33,7 +33,7 @@ void NodalForces::let_go(Bond& b) {
     b.closing.add(b.points, scene_.law->elasticity(), b.failed);
     pass_.released -= b.closing.energy_at_beginning(b.points, b.grid, b.failed, scene_.now.dt);
   }
-  scene_.host.points_failed(b);
+  scene_.host().points_failed(b);
   if (scene_.penalty) cracks_.watch(b);
 }
 
@@ -51,7 +51,7 @@ void NodalForces::follow_links(Bond& b) {
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
   if (scene_.touches()) open_places(scene_, b, b.link_step.let_go);
-  scene_.host.links_let_go(b);
+  scene_.host().links_let_go(b);
   cracks_.watch_links(b);
 }
 
@@ -75,7 +75,7 @@ void NodalForces::complete(Bond& b, double kick) {
     for (int i = 0; i < b.grid.size(); ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / scene_.options.mass_scale * along[d];
   }
-  scene_.host.add_node_forces(b);
+  scene_.host().add_node_forces(b);
   if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
 }
 
@@ -98,7 +98,7 @@ void NodalForces::complete() {
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Grid& g) { return g.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
-  for (Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds().awake())
     if (!completes_early_ || b.cut_by_ranks()) complete(b, scene_.kick());
   completes_early_ = false;
   if (scene_.options.mass_order > 1) add_inertial_forces();
@@ -106,7 +106,7 @@ void NodalForces::complete() {
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
   if (condensed_.any()) condensed_.pack()->find_inertial_loads();
   // Goes backwards, since the last bonds are those that are still in cache. The next step begins with the first bonds.
-  scene_.bonds.for_each_awake_backwards([this](Bond& b, const Bond* next) {
+  scene_.bonds().for_each_awake_backwards([this](Bond& b, const Bond* next) {
     if (next) next->prefetch_nodes();
     b.added.accelerate(b.grid, scene_.grains.side_of(b));
   });
@@ -116,7 +116,7 @@ void NodalForces::find_grain_accelerations() {
   if (!grains_need_accelerations()) return;
   scene_.timer.start(StepTimer::kCoupling);
   using Loads = BondedGrains::Loads;
-  scene_.grains.find_accelerations(scene_.comm, scene_.bonds, scene_.now.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
+  scene_.grains.find_accelerations(scene_.comm, scene_.bonds(), scene_.now.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
 }
 
@@ -124,7 +124,7 @@ void NodalForces::find_grain_accelerations() {
 // accelerations are N^-1 (f + (M_L - M) a). See mpm/consistent_mass.h.
 void NodalForces::add_inertial_forces() {
   find_grain_accelerations();
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     Grid& grid = b.grid;
     grid.inertial_force = grid.force;
     b.added.take_along(grid, scene_.grains.side_of(b));
@@ -137,19 +137,19 @@ void NodalForces::add_inertial_forces() {
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Grid& g) { return g.inertial_force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
-  for (Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds().awake())
     for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];
 }
 
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
   std::vector<double*> of_bonds;  // all bonds have impulses where there is a penalty
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     b.impulse.weigh(b.points, b.grid, scene_.inertia);
     if (b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
   }
   if (scene_.penalty) shared_.sum(of_bonds, 1);
-  scene_.grains.share_impulses(scene_.comm, scene_.bonds, scene_.now.substeps, condensed_.pack());
+  scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
 }
 
@@ -166,7 +166,7 @@ void NodalForces::end_pass() {
 void NodalForces::find_at_start() {
   scene_.grains.sides.clear_forces();
   scene_.grains.clear_sudden_forces();
-  for (Bond& b : scene_.bonds.awake()) {
+  for (Bond& b : scene_.bonds().awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
     b.places.add_force(b.grid, scene_.grains.side_of(b));

@@ -12,15 +12,15 @@ namespace {
 // all ranks.
 std::vector<int> cut_rows_near_threshold(const Scene& scene) {
   std::vector<int> mine;
-  for (const Bond& b : scene.bonds.awake())
+  for (const Bond& b : scene.bonds().awake())
     if (b.cut_by_ranks() && b.near_threshold) mine.push_back(b.body);
   return scene.agreed_rows(mine);
 }
 
-Imperfection imperfection_of(const Scene& scene, const Bond& b) { return {&scene.bonds.body(b), scene.options.imperfection}; }
+Imperfection imperfection_of(const Scene& scene, const Bond& b) { return {&scene.bonds().body(b), scene.options.imperfection}; }
 
-Bond* cut_bond(const Scene& scene, int row) {
-  Bond* b = scene.bonds.find(row);
+Bond* cut_bond(Scene& scene, int row) {
+  Bond* b = scene.bonds().find(row);
   return b && b->cut_by_ranks() ? b : nullptr;
 }
 
@@ -31,7 +31,7 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
   std::vector<Bond*> cut;
   for (int row : rows)
     if (Bond* b = cut_bond(scene, row)) cut.push_back(b);
-  std::vector<HaloSum*> halos;
+  std::vector<const HaloSum*> halos;
   for (Bond* b : cut) halos.push_back(&b->grid.halo);
   HaloSums shared;
   shared.build(halos);
@@ -60,7 +60,7 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
   const AverageSweeps sweeps = sweeps_for(scene.options.length, scene.options.cell, scene.options.basis);
   std::vector<int> rows;
   if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
-  for (Bond& b : scene.bonds.awake()) {
+  for (Bond& b : scene.bonds().awake()) {
     // In sleep the averages are those of before.
     if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {

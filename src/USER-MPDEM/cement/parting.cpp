@@ -38,12 +38,12 @@ std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const 
 }  // namespace
 
 void Parting::take_up() {
-  load_watch_.take_up(scene_.bonds.table.size());
+  load_watch_.take_up(scene_.bonds().table.size());
   const int from = static_cast<int>(divisions_.cracks.size());
-  if (!divisions_.cracks.take_up(scene_.bonds.table.size()) || !scene_.penalty) return;
+  if (!divisions_.cracks.take_up(scene_.bonds().table.size()) || !scene_.penalty) return;
   const bool split = scene_.options.split;
   if (split) {
-    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options, from);
+    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options, from);
     if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
   }
   Cracks::Found found = look_at_bonds(true, from);
@@ -59,7 +59,7 @@ void Parting::look() {
   Cracks& cracks = divisions_.cracks;
   if (scene_.options.split) split_nodes();
   if (after_check)
-    cracks.give_way(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, load_watch_.look(scene_.comm, scene_.bonds.table, scene_.shear_speed()),
+    cracks.give_way(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
                     scene_.keeps_skins(), scene_.now.number - 1);
   if (!after_check && !cracks.some_path_is_cut(scene_.comm)) return;
   scene_.timer.start(StepTimer::kLayout);
@@ -73,19 +73,19 @@ void Parting::look() {
 // Points that change cells change their slots. Others stay as the layout sorted them.
 void Parting::sort_links() {
   if (!scene_.options.updated) return;
-  for (Bond& b : scene_.bonds) b.sort_links();
+  for (Bond& b : scene_.bonds()) b.sort_links();
 }
 
 std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
   sort_links();
-  return divisions_.cracks.ahead(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
+  return divisions_.cracks.ahead(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
 }
 
 // Bonds that hold only by bridges narrower than a cell come apart there.
 Cracks::Found Parting::look_at_bonds(bool debris, int from) {
-  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds, divisions_.sheets, scene_.options, scene_.keeps_skins(), debris, from);
+  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, scene_.keeps_skins(), debris, from);
   if (!scene_.options.split) return found;
-  Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds, scene_.options, found.pieces);
+  Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds(), scene_.options, found.pieces);
   found.parts = std::move(split.parts);
   found.lay_out.insert(found.lay_out.end(), split.lay_out.begin(), split.lay_out.end());
   sort_unique(found.lay_out);
@@ -95,7 +95,7 @@ Cracks::Found Parting::look_at_bonds(bool debris, int from) {
 // Finds the damping of bonds whose points hold to other grains now.
 void Parting::find_relaxation(const std::vector<int>& rows) {
   for (int row : rows)
-    if (Bond* b = scene_.bonds.find(row)) arrangement_.find_relaxation(*b);
+    if (Bond* b = scene_.bonds().find(row)) arrangement_.find_relaxation(*b);
 }
 
 // Lays out bonds where parts came apart. Links have other nodes then, and their added mass has another energy.
@@ -110,7 +110,7 @@ void Parting::lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts)
 
 void Parting::split_nodes() {
   scene_.timer.start(StepTimer::kLayout);
-  Splits::Found split = divisions_.splits.look(scene_.comm, scene_.bonds, scene_.options);
+  Splits::Found split = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options);
   part_bonds(split.lay_out, std::move(split.parts));
 }
 
@@ -165,14 +165,14 @@ void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
   if (rows.empty()) return;
   std::vector<int> mine;
   for (int row : rows) {
-    const Bond* b = scene_.bonds.find(row);
+    const Bond* b = scene_.bonds().find(row);
     if (b && b->cut_by_ranks()) mine.push_back(row);
   }
   const std::vector<int> cut = scene_.agreed_rows(mine);
   StableStep::Patches patches;
   scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); }, [&] {
     for (int row : rows) {
-      Bond* b = scene_.bonds.find(row);
+      Bond* b = scene_.bonds().find(row);
       if (!b) continue;
       added_.drop_inert(*b);
       if (std::binary_search(cut.begin(), cut.end(), row)) continue;
@@ -180,7 +180,7 @@ void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
       if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
       arrangement_.start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
-      scene_.host.slots_changed(*b);
+      scene_.host().slots_changed(*b);
     }
     if (!cut.empty()) arrangement_.lay_out(cut, std::move(parts), {true, true});
     added_.refresh(rows);

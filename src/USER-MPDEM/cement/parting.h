@@ -31,7 +31,7 @@ class Parting {
   void look();
   // Call at the end of a step. Notes loads that tell when a bond carries nothing any more.
   void watch_loads() {
-    if (scene_.can_break()) load_watch_.add(scene_.grains, scene_.bonds.table, scene_.dt_last);
+    if (scene_.can_break()) load_watch_.add(scene_.grains, scene_.bonds().table, scene_.dt_last);
   }
   // Ligaments of bonds that hold. rows: rows of the table, ascending.
   std::vector<Cracks::Ahead> ahead(const std::vector<int>& rows);

@@ -46,8 +46,8 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
 
 std::vector<int> patterns_of_owned_grains(const Scene& scene) {
   const auto owned = [&](int tag) { return scene.grains.find(tag) != nullptr; };
-  std::vector<char> needed(scene.bonds.patterns.size() + 1, 0);
-  for (const Body& b : scene.bonds.table)
+  std::vector<char> needed(scene.bonds().patterns.size() + 1, 0);
+  for (const Body& b : scene.bonds().table)
     if (b.pattern > 0 && !needed[b.pattern]) needed[b.pattern] = owned(b.grain[0]) || owned(b.grain[1]);
   std::vector<int> patterns;
   for (std::size_t p = 1; p < needed.size(); ++p)
@@ -57,14 +57,14 @@ std::vector<int> patterns_of_owned_grains(const Scene& scene) {
 
 std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns, const PenaltyParameters* penalty) {
   Bonds alone;  // one row for each pattern, so that keys of nodes are the same on all ranks
-  alone.table.resize(scene.bonds.patterns.size());
-  std::vector<char> known(scene.bonds.patterns.size() + 1, 1);
+  alone.table.resize(scene.bonds().patterns.size());
+  std::vector<char> known(scene.bonds().patterns.size() + 1, 1);
   for (int p : patterns) known[p] = 0;
-  for (const Body& body : scene.bonds.table) {
+  for (const Body& body : scene.bonds().table) {
     if (body.pattern == 0 || known[body.pattern]) continue;
     known[body.pattern] = 1;
     const int row = body.pattern - 1;
-    const PointPattern& pattern = scene.bonds.patterns[row];
+    const PointPattern& pattern = scene.bonds().patterns[row];
     alone.table[row] = body;
     for (std::size_t n = 0; n < pattern.points.size(); ++n) alone.add(pattern.record(n, row, body), static_cast<int>(n) + 1);
   }

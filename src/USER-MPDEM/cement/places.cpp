@@ -29,18 +29,18 @@ struct Nearest {
 }  // namespace
 
 void open_places(Scene& scene, Bond& b, const std::vector<int>& links) {
-  if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds.body(b), *scene.penalty, b.grid);
-  scene.books.release(-b.places.open(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), links, scene.now.dt));
+  if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
+  scene.books.release(-b.places.open(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b), links, scene.now.dt));
   b.places_may_move = true;
 }
 
 void open_places_of_files(Scene& scene) {
   if (!scene.touches()) return;
-  for (Bond& b : scene.bonds.awake()) {
+  for (Bond& b : scene.bonds().awake()) {
     b.places_may_move = true;
     if (b.body < scene.bodies_started) continue;
-    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds.body(b), *scene.penalty, b.grid);
-    b.places.open_all(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b));
+    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
+    b.places.open_all(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b));
   }
 }
 
@@ -52,11 +52,11 @@ std::vector<int> move_places(Scene& scene) {
   };
   std::map<int, OfBond> moves;
   std::vector<FreedPlaces::Mover> abroad;  // places of bonds that have points on other ranks
-  for (Bond& b : scene.bonds.awake()) {
+  for (Bond& b : scene.bonds().awake()) {
     if (!b.places_may_move) continue;
     b.places_may_move = false;
-    const bool whole = b.points.size() == scene.bonds.body(b).points;
-    for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds.body(b))) {
+    const bool whole = b.points.size() == scene.bonds().body(b).points;
+    for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds().body(b))) {
       if (!whole) {
         abroad.push_back(m);
         continue;
@@ -72,7 +72,7 @@ std::vector<int> move_places(Scene& scene) {
     std::vector<Offer> mine;
     std::vector<FreedPlaces::Found> found(all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
-      const Bond* b = scene.bonds.find(all[i].body);
+      const Bond* b = scene.bonds().find(all[i].body);
       if (b) found[i] = FreedPlaces::nearest(b->points, all[i]);
       if (!found[i].slots.empty()) mine.push_back({static_cast<int>(i), static_cast<int>(found[i].slots.size()), found[i].far});
     }
@@ -83,7 +83,7 @@ std::vector<int> move_places(Scene& scene) {
       else if (o.far == n.far) n.points += o.points;
     }
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (best[i].points == 0 || !scene.bonds.find(all[i].body)) continue;
+      if (best[i].points == 0 || !scene.bonds().find(all[i].body)) continue;
       OfBond& of_bond = moves[all[i].body];
       if (found[i].far == best[i].far)
         for (int slot : found[i].slots) of_bond.arrivals.push_back({all[i], slot, 1.0 / best[i].points});
@@ -92,9 +92,9 @@ std::vector<int> move_places(Scene& scene) {
   }
   std::vector<int> moved;
   for (const auto& m : moves) {
-    Bond& b = *scene.bonds.find(m.first);
-    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds.body(b), *scene.penalty, b.grid);
-    scene.books.release(-b.places.move(b.points, scene.bonds.body(b), b.grid, scene.grains.side_of(b), m.second.arrivals, m.second.gone));
+    Bond& b = *scene.bonds().find(m.first);
+    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
+    scene.books.release(-b.places.move(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b), m.second.arrivals, m.second.gone));
     moved.push_back(m.first);
   }
   return moved;

@@ -99,19 +99,19 @@ CementTotals Report::totals(double reach_of_box) const {
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
-  const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds, 0.5 * scene_.dt_last);
+  const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last);
   const auto add_condensed = [&](int row) {
     of_points.add(condensed_.sums_of_points(row));
     const double energy = condensed_.energy_of_points(row);
     sum[kElastic] += energy, sum[kCoupling] -= energy;  // the rest of its energy is in the links
   };
-  for (Bond& bond : scene_.bonds) {
-    if (!scene_.bonds.is_awake(bond)) {
+  for (const Bond& bond : scene_.bonds()) {
+    if (!scene_.bonds().is_awake(bond)) {
       add_condensed(bond.body);
       continue;
     }
     of_points.add(bond.points, *scene_.law, true);
-    of_nodes.add(bond.grid, scene_.bonds.body(bond), 0.5 * scene_.dt_last);
+    of_nodes.add(bond.grid, scene_.bonds().body(bond), 0.5 * scene_.dt_last);
     const GrainSide* side = scene_.grains.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
@@ -120,7 +120,7 @@ CementTotals Report::totals(double reach_of_box) const {
     sum[kCoupling] += inertial;
     sum[kDiscreteKinetic] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
   }
-  for (int row : condensed_.rows_without_points(scene_.bonds)) add_condensed(row);
+  for (int row : condensed_.rows_without_points(scene_.bonds())) add_condensed(row);
   sum[kCoupling] += condensed.elastic;
   of_nodes.add(condensed);
   sum[kKinetic] = of_nodes.kinetic;
@@ -170,7 +170,7 @@ CementTotals Report::totals(double reach_of_box) const {
 }
 
 const std::vector<BondState>& Report::bond_loads() {
-  const std::size_t n = scene_.bonds.table.size();
+  const std::size_t n = scene_.bonds().table.size();
   states_.resize(n);
   for (BondState& b : states_) {
     BondState now;
@@ -187,7 +187,7 @@ const std::vector<BondState>& Report::bond_loads() {
     tell(s, of_other_substeps, &sum[width * o.body + kSide * o.side]);
   }
   for (int body : condensed_.rows_told()) {
-    const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, scene_.bonds, scene_.weight().data());
+    const std::array<GrainSide, 2> side = condensed_.loaded_sides(body, scene_.bonds(), scene_.weight().data());
     for (int s = 0; s < 2; ++s) tell(side[s], of_other_substeps, &sum[width * body + kSide * s]);
   }
   global_sum(sum, scene_.comm);
@@ -207,7 +207,7 @@ const std::vector<BondState>& Report::bond_loads() {
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
     b.peak = std::max(b.peak, b.tension);
-    b.gap = length - scene_.bonds.table[i].radius[0] - scene_.bonds.table[i].radius[1];
+    b.gap = length - scene_.bonds().table[i].radius[0] - scene_.bonds().table[i].radius[1];
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
     const SeparatingSurface& s = cracks_[i].separation;
@@ -221,7 +221,7 @@ const std::vector<BondState>& Report::bond_loads() {
 const std::vector<BondState>& Report::bond_states() {
   bond_loads();
   if (!scene_.laid_out) return states_;
-  const std::size_t n = scene_.bonds.table.size();
+  const std::size_t n = scene_.bonds().table.size();
   enum { kFailed, kVolume, kDamaged, kColumns };
   const std::size_t width = kColumns + static_cast<std::size_t>(summed_columns());
   std::vector<double> sum(width * n, 0.0), most(n, 0.0);
@@ -233,14 +233,14 @@ const std::vector<BondState>& Report::bond_states() {
     most[row_of_table] = of_bond.largest_damage;
     add_to_sums({b, body, of_bond}, row + kColumns);
   };
-  for (const Bond& b : scene_.bonds) {
+  for (const Bond& b : scene_.bonds()) {
     PointSums of_bond;
-    if (scene_.bonds.is_awake(b)) of_bond.add(b.points, *scene_.law, false);
+    if (scene_.bonds().is_awake(b)) of_bond.add(b.points, *scene_.law, false);
     else of_bond = condensed_.sums_of_points(b.body);
-    add(b.body, b, scene_.bonds.body(b), of_bond);
+    add(b.body, b, scene_.bonds().body(b), of_bond);
   }
-  for (int row : condensed_.rows_without_points(scene_.bonds)) {
-    const CondensedBonds::OfPattern& p = condensed_.of_pattern(scene_.bonds.table[row]);
+  for (int row : condensed_.rows_without_points(scene_.bonds())) {
+    const CondensedBonds::OfPattern& p = condensed_.of_pattern(scene_.bonds().table[row]);
     add(row, p.bond, p.body, condensed_.sums_of_points(row));
   }
   global_sum(sum, scene_.comm);
@@ -257,27 +257,22 @@ const std::vector<BondState>& Report::bond_states() {
 }
 
 std::vector<double> Report::added_mass_of_sides() const {
-  std::vector<double> sum(2 * scene_.bonds.table.size(), 0.0);
-  for (const Bond& b : scene_.bonds) b.added.add_to_sides(b.grid, &sum[2 * static_cast<std::size_t>(b.body)]);
+  std::vector<double> sum(2 * scene_.bonds().table.size(), 0.0);
+  for (const Bond& b : scene_.bonds()) b.added.add_to_sides(b.grid, &sum[2 * static_cast<std::size_t>(b.body)]);
   global_sum(sum, scene_.comm);
   return sum;
 }
 
 double Report::cement_mass() const {
   double sum = 0.0;
-  for (const Bond& bond : scene_.bonds)
+  for (const Bond& bond : scene_.bonds())
     for (const PointBlock& b : bond.points.blocks) sum += scene_.inertia * sum_lanes(b.volume);
-  for (int row : condensed_.rows_without_points(scene_.bonds)) sum += scene_.inertia * scene_.bonds.table[row].volume;
+  for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.inertia * scene_.bonds().table[row].volume;
   return sum;
 }
 
-void Report::show_condensed_points() const {
-  for (Bond& b : scene_.bonds)
-    if (condensed_.has(b.body)) condensed_.show_strain(b);
-}
-
 int Report::awake_bonds() const {
-  return static_cast<int>(std::count_if(scene_.bonds.table.begin(), scene_.bonds.table.end(), [](const Body& b) { return !b.condensed; }));
+  return static_cast<int>(std::count_if(scene_.bonds().table.begin(), scene_.bonds().table.end(), [](const Body& b) { return !b.condensed; }));
 }
 
 // Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where
@@ -286,7 +281,7 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   std::vector<double> velocity(bond.grid.velocity), displacement(bond.grid.displacement);
   for (std::size_t i = 0; i < velocity.size(); ++i) velocity[i] += 0.5 * scene_.dt_last * bond.grid.acceleration[i];
   if (condensed_.has(bond.body)) {
-    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, scene_.bonds.body(bond), 0.5 * scene_.dt_last);
+    CondensedBonds::NodeMotion n = condensed_.nodes_of(bond, scene_.bonds().body(bond), 0.5 * scene_.dt_last);
     velocity.swap(n.velocity);
     displacement.swap(n.displacement);
   }
@@ -303,7 +298,7 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
 }
 
 std::vector<double> Report::peaks() const {
-  std::vector<double> peaks(scene_.bonds.table.size(), 0.0);
+  std::vector<double> peaks(scene_.bonds().table.size(), 0.0);
   for (std::size_t r = 0; r < std::min(peaks.size(), states_.size()); ++r) peaks[r] = states_[r].peak;
   return peaks;
 }

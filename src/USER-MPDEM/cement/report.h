@@ -2,8 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Reports of the cement: sums over all bonds, a row for each bond, and the motion of points. Nothing here runs in a
-// step that prints nothing. Nothing here changes the state, except the strain of points that show_condensed_points()
-// writes. Consistent units.
+// step that prints nothing, and nothing here changes the state. Consistent units.
 #ifndef MPDEM_REPORT_H
 #define MPDEM_REPORT_H
 
@@ -32,15 +31,14 @@ class Report {
   int awake_bonds() const;     // number over all ranks
   int bonds_solved() const { return condensed_.solved_last(); }  // number at the last layout, of this rank
   int bonds_without_field() const { return condensed_.without_field_last(); }
-  std::size_t memory_usage() const { return scene_.bonds.memory_usage(); }  // bytes, on this rank
+  std::size_t memory_of_condensed() const { return condensed_.memory_usage(); }
+  std::size_t memory_usage() const { return scene_.bonds().memory_usage() + condensed_.memory_usage(); }  // bytes, on this rank
 
   // Displacement and velocity of the points of a bond at the present time, in the axes of its body.
   struct PointMotionNow {
     vd u[3], v[3];
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
-  // Writes the strain of points of condensed bonds, for code that looks at points.
-  void show_condensed_points() const;
 
   // The largest tension of each bond that was reported so far, for restart files.
   std::vector<double> peaks() const;

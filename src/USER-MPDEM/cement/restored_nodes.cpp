@@ -31,7 +31,7 @@ Key key_of(const NodeRow& r) { return {field_of(r.body, r.part), r.place}; }
 
 std::map<int, std::vector<double>> packed_nodes(const Scene& scene) {
   std::map<int, std::vector<double>> nodes;
-  for (const Bond& bond : scene.bonds.awake()) {
+  for (const Bond& bond : scene.bonds().awake()) {
     std::vector<double>& rows = nodes[bond.body];
     for (int i = 0; i < bond.grid.size(); ++i)
       if (bond.grid.halo.counts_here()[i]) append(row_of(bond.grid, i), rows);
@@ -41,7 +41,7 @@ std::map<int, std::vector<double>> packed_nodes(const Scene& scene) {
 
 double nodes_to_pack(const Scene& scene) {
   double nodes = 0.0;
-  for (const Bond& bond : scene.bonds.awake()) {
+  for (const Bond& bond : scene.bonds().awake()) {
     const std::vector<char>& counts = bond.grid.halo.counts_here();
     nodes += static_cast<double>(std::count(counts.begin(), counts.end(), 1));
   }
@@ -56,7 +56,7 @@ void RestoredNodes::keep(std::vector<NodeRow> rows, double of_all) {
 
 void RestoredNodes::take(std::vector<NodeRow> rows) {
   std::sort(rows.begin(), rows.end(), [](const NodeRow& a, const NodeRow& b) { return key_of(a) < key_of(b); });
-  motion_.assign(scene_.bonds.table.size(), NodeKinematics());
+  motion_.assign(scene_.bonds().table.size(), NodeKinematics());
   for (const NodeRow& row : rows) {
     NodeKinematics& k = motion_[row.body];
     k.keys.push_back(key_of(row));
@@ -80,7 +80,7 @@ void RestoredNodes::bring() {
   const auto by_bond = [](const NodeRow& a, const NodeRow& b) { return a.body < b.body; };
   std::sort(at_home.begin(), at_home.end(), by_bond);
   std::vector<std::vector<int>> ask(ranks);
-  for (const Bond& b : scene_.bonds) ask[b.body % ranks].push_back(b.body);
+  for (const Bond& b : scene_.bonds()) ask[b.body % ranks].push_back(b.body);
   const Received<int> asked = all_to_all(scene_.comm, ask);
   std::vector<std::vector<NodeRow>> answer(ranks);
   std::size_t n = 0;

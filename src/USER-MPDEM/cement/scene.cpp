@@ -15,7 +15,7 @@ std::array<double, 3> Scene::weight() const {
   return {g[0] / options.mass_scale, g[1] / options.mass_scale, g[2] / options.mass_scale};
 }
 
-std::array<double, 3> Scene::gravity_of(const Bond& b) const { return turned_back(axes_of(bonds.body(b)), now.gravity); }
+std::array<double, 3> Scene::gravity_of(const Bond& b) const { return turned_back(axes_of(bonds().body(b)), now.gravity); }
 
 double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / inertia); }
 
@@ -24,7 +24,7 @@ double Scene::eigenvalue_bound() const {
 }
 
 std::vector<int> Scene::all_rows() const {
-  std::vector<int> rows(bonds.table.size());
+  std::vector<int> rows(bonds().table.size());
   std::iota(rows.begin(), rows.end(), 0);
   return rows;
 }

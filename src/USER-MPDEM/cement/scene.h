@@ -56,8 +56,6 @@ struct Scene {
   static constexpr int kWatchEvery = 5;  // steps of the cement between looks at bonds that may have come apart, and at places that let go
 
   MPI_Comm comm;
-  Bonds& bonds;
-  CementHost& host;
   CementOptions options;
   std::shared_ptr<const Law> law;
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
@@ -73,8 +71,13 @@ struct Scene {
   bool laid_out = false;   // bonds have a layout, and grains their sides
 
   Scene(MPI_Comm comm_of_all, Bonds& of_host, CementHost& asked, const CementOptions& words, std::shared_ptr<const Law> of_points)
-      : comm(comm_of_all), bonds(of_host), host(asked), options(words), law(std::move(of_points)) {}
+      : comm(comm_of_all), options(words), law(std::move(of_points)), bonds_(of_host), host_(asked) {}
   Scene(const Scene&) = delete;  // parts refer to it
+
+  // A scene that is const has const bonds, and calls no host. So what only looks cannot change them.
+  Bonds& bonds() { return bonds_; }
+  const Bonds& bonds() const { return bonds_; }
+  CementHost& host() { return host_; }
 
   // Is this the first, or the last, of the sub-steps of a step of the host?
   bool begins_step() const { return substep == 1; }
@@ -106,6 +109,10 @@ struct Scene {
   std::vector<int> all_rows() const;
   // Collective. Returns the rows that some rank names, ascending.
   std::vector<int> agreed_rows(const std::vector<int>& mine) const;
+
+ private:
+  Bonds& bonds_;
+  CementHost& host_;
 };
 
 }  // namespace mpdem

@@ -5,8 +5,8 @@
 namespace mpdem {
 
 void SharedNodes::bind() {
-  std::vector<HaloSum*> halos;
-  for (Bond& b : scene_.bonds.awake())
+  std::vector<const HaloSum*> halos;
+  for (Bond& b : scene_.bonds().awake())
     if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
   sums_.build(halos);
   if (!scene_.options.advance.nonlocal) return;
@@ -18,7 +18,7 @@ void SharedNodes::bind() {
 
 void SharedNodes::sum(double* (*values)(Grid&), int width) {
   std::vector<double*> of_bonds;
-  for (Bond& b : scene_.bonds.awake())
+  for (Bond& b : scene_.bonds().awake())
     if (b.cut_by_ranks()) of_bonds.push_back(values(b.grid));
   sums_.sum(of_bonds, width);
 }

@@ -15,7 +15,7 @@ namespace mpdem {
 
 class SharedNodes {
  public:
-  explicit SharedNodes(const Scene& scene) : scene_(scene) {}
+  explicit SharedNodes(Scene& scene) : scene_(scene) {}
 
   // Collective. Call after a layout, or when bonds wake or are condensed.
   void bind();
@@ -27,7 +27,7 @@ class SharedNodes {
   bool any_bond_is_cut() const { return any_bond_is_cut_; }
 
  private:
-  const Scene& scene_;
+  Scene& scene_;
   HaloSums sums_;
   bool any_bond_is_cut_ = false;
 };

@@ -19,7 +19,7 @@ constexpr double kGrowth = 1.02;  // an eigenvalue that grew by less is the one 
 double StableStep::largest_mass_ratio() const {
   std::unordered_map<int, double> cement;
   for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
-  for (const Body& b : scene_.bonds.table)
+  for (const Body& b : scene_.bonds().table)
     for (int tag : b.grain)
       if (const auto at = cement.find(tag); at != cement.end()) at->second += scene_.inertia * b.volume;
   double mine = 0.0, most;
@@ -31,7 +31,7 @@ double StableStep::largest_mass_ratio() const {
 double StableStep::relaxation_rate(double share) const {
   if (share == 0.0) return 0.0;
   double thinnest = std::numeric_limits<double>::infinity();
-  for (const Body& b : scene_.bonds.table) thinnest = std::min(thinnest, b.thickness);
+  for (const Body& b : scene_.bonds().table) thinnest = std::min(thinnest, b.thickness);
   return Relaxation::rate(thinnest, share, scene_.shear_speed()) * (1.0 + largest_mass_ratio());
 }
 
@@ -65,7 +65,7 @@ StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
 double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
   std::map<int, Matrix6> stiffness;
   for (std::size_t row = 0; row < found.size(); ++row) {
-    const Body& body = scene_.bonds.table[row];
+    const Body& body = scene_.bonds().table[row];
     const Eigen::Map<const Eigen::Vector3d> axis(found[row].axis), first(body.centre[0]), second(body.centre[1]);
     const double half_gap = 0.5 * ((second - first).norm() - body.radius[0] - body.radius[1]);
     for (int s = 0; s < 2; ++s) {
@@ -99,7 +99,7 @@ EigenvalueEstimate StableStep::eigenvalue() { return eigenvalue_of(scene_.all_ro
 EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
-    if (Bond* b = scene_.bonds.find(row)) {
+    if (const Bond* b = scene_.bonds().find(row)) {
       parts.push_back({&b->points, &b->grid, scene_.options.unilateral});
       const auto patch = patches ? patches->find(row) : Patches::const_iterator();
       if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
@@ -111,7 +111,7 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
     if (most <= kGrowth * known_ && scene_.now.dt <= step_for(most, scene_.options.relax)) return e;
   }
   for (EigenvaluePart& p : parts) p.blocks = nullptr;
-  if (!patches) condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+  if (!patches) condensed_.each_pattern([&](const Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
   return largest_eigenvalue(scene_.comm, parts, *scene_.law);
 }
 
@@ -124,7 +124,7 @@ double StableStep::find() {
 // for that. It has to be the same in runs that are divided or restarted otherwise.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches) {
   double mine = 1.0, ties;
-  for (const Bond& b : scene_.bonds) mine = std::max(mine, b.grid.largest_tie_factor());
+  for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
   condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();

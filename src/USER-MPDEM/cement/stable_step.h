@@ -21,7 +21,7 @@ namespace mpdem {
 
 class StableStep {
  public:
-  StableStep(const Scene& scene, CondensedBonds& condensed) : scene_(scene), condensed_(condensed) {}
+  StableStep(const Scene& scene, const CondensedBonds& condensed) : scene_(scene), condensed_(condensed) {}
 
   // Largest stable step in the present state, from the largest eigenvalue of the cement and the damping of the options.
   double find();
@@ -62,7 +62,7 @@ class StableStep {
   double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches);
 
   const Scene& scene_;
-  CondensedBonds& condensed_;
+  const CondensedBonds& condensed_;
   double known_ = 0.0;
 };
 

@@ -11,7 +11,7 @@
 namespace mpdem {
 
 void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
-  const int first = scene.bodies_started, rows = static_cast<int>(scene.bonds.table.size()) - first;
+  const int first = scene.bodies_started, rows = static_cast<int>(scene.bonds().table.size()) - first;
   if (rows == 0) return;
   // Normal equations of v = A (1, X/cell), 4 x 4 and 4 x 3 for each body.
   constexpr int kNormal = 28;
@@ -24,16 +24,16 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
   std::vector<New> fresh;
   for (const BondLayout& l : layouts) {
     if (l.body < first) continue;
-    fresh.push_back({scene.bonds.find(l.body), &l.fresh, {}});
+    fresh.push_back({scene.bonds().find(l.body), &l.fresh, {}});
     const PointStore& points = fresh.back().bond->points;
     std::vector<double>& velocity = fresh.back().velocity;
     velocity.assign(3 * kLanes * points.blocks.size(), 0.0);
     double* s = &sums[static_cast<std::size_t>(kNormal) * (l.body - first)];
-    const Mat3<double> axes = axes_of(scene.bonds.table[l.body]);
+    const Mat3<double> axes = axes_of(scene.bonds().table[l.body]);
     for (std::size_t b = 0; b < points.blocks.size(); ++b)
       for (int lane = 0; lane < kLanes; ++lane) {
         if (!(points.meta[b].occupied >> lane & 1)) continue;
-        const std::array<double, 3> v = turned_back(axes, scene.host.initial_velocity(points.tags[b][lane]).data());
+        const std::array<double, 3> v = turned_back(axes, scene.host().initial_velocity(points.tags[b][lane]).data());
         std::copy(v.begin(), v.end(), &velocity[3 * (kLanes * b + lane)]);
         const double V = points.blocks[b].volume[lane];
         double y[4] = {1.0, 0, 0, 0};

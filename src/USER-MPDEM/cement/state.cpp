@@ -71,7 +71,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.mass_scale = scene_.options.mass_scale;
   head.density = scene_.density();
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
-  head.bodies = static_cast<int>(scene_.bonds.table.size());
+  head.bodies = static_cast<int>(scene_.bonds().table.size());
   head.nodes = nodes_to_pack(scene_);
   std::vector<double> all = {CementHead::kVersion};
   append(head, all);
@@ -115,7 +115,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
 // Cement may have been made since the file was written.
 void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
   check_restored(head, scene_.options, scene_.law->elasticity().constants);
-  const std::size_t table = scene_.bonds.table.size();
+  const std::size_t table = scene_.bonds().table.size();
   scene_.dt_last = head.step;
   scene_.bodies_started = head.bodies_started;
   scene_.inertia = scene_.options.mass_scale * head.density;

@@ -38,7 +38,7 @@ void turn(const Eigen::Matrix3d& axes, StiffnessOfBond& s) {
 
 class StiffnessFinder {
  public:
-  StiffnessFinder(const std::vector<Body>& table, std::vector<BondLayout>& layouts, const BondedGrains& grains, const Law& law)
+  StiffnessFinder(const std::vector<Body>& table, std::vector<BondLayout>& layouts, const BondedGrains::SidesOfAll& grains, const Law& law)
       : table_(table), layouts_(layouts), grains_(grains), law_(law), found_(table.size(), StiffnessOfBond{}) {
     for (const BondLayout& l : layouts_) told_.push_back(l.body);
   }
@@ -83,7 +83,7 @@ class StiffnessFinder {
       const SidesAtCreation at(o.body);
       write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_}), solved[o.pattern]);
     }
-    for (const BondedGrains::OwnedSide& o : grains_.owned()) {
+    for (const BondedGrains::OwnedSide& o : grains_.owned) {
       const int pattern = table_[o.body].pattern;
       if (pattern == 0 || o.side != 0) continue;
       StiffnessOfBond& of_pattern = solved.at(pattern);
@@ -153,7 +153,7 @@ class StiffnessFinder {
 
   const std::vector<Body>& table_;
   std::vector<BondLayout>& layouts_;
-  const BondedGrains& grains_;
+  const BondedGrains::SidesOfAll& grains_;
   const Law& law_;
   std::vector<StiffnessOfBond> found_;
   std::vector<int> told_;  // rows that this rank knows
@@ -163,12 +163,10 @@ class StiffnessFinder {
 }  // namespace
 
 std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<BondLayout> layouts) {
-  BondedGrains grains(scene.grains);
-  grains.bind(scene.comm, scene.bonds, scene.inertia, true);
-  grains.distribute(scene.bonds);
+  const BondedGrains::SidesOfAll grains = scene.grains.sides_of_all(scene.comm, scene.bonds());
   const int orphan = grains.sides.orphan();
   throw_if_any(scene.comm, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));
-  StiffnessFinder finder(scene.bonds.table, layouts, grains, *scene.law);
+  StiffnessFinder finder(scene.bonds().table, layouts, grains, *scene.law);
   std::string trouble;
   std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene, patterns_of_owned_grains(scene), &*scene.penalty);
   try {

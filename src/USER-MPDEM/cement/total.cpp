@@ -26,7 +26,7 @@ class Total : public Kinematics {
     scene_.grains.sides.clear_forces();
     if (added_.any()) scene_.grains.expect_sudden_forces();
     if (!may_be_distorted) forces_.begin_completing();
-    const auto range = scene_.bonds.awake();
+    const auto range = scene_.bonds().awake();
     for (auto at = range.begin(); at != range.end();) {
       Bond& b = *at;
       ++at;
@@ -56,11 +56,11 @@ class Total : public Kinematics {
       take_new_reference();
       scene_.grains.sides.clear_forces();
     }
-    for (Bond& b : scene_.bonds.awake()) forces_.add_link_forces(b);
+    for (Bond& b : scene_.bonds().awake()) forces_.add_link_forces(b);
   }
 
   void find_internal_force() override {
-    for (Bond& b : scene_.bonds.awake()) {
+    for (Bond& b : scene_.bonds().awake()) {
       b.grid.clear_force();
       add_internal_force(b.points, b.grid, *scene_.law);
     }
@@ -83,7 +83,7 @@ class Total : public Kinematics {
   // Has any point that holds distorted by more than is asked for? Collective.
   bool distorted() const {
     vd most{};
-    for (const Bond& bond : scene_.bonds)
+    for (const Bond& bond : scene_.bonds())
       for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
         const Mat3<vd>& F = bond.points.blocks[b].F;
         const BlockMeta& m = bond.points.meta[b];
@@ -101,11 +101,11 @@ class Total : public Kinematics {
   void take_new_reference() {
     const auto energy = [this] {
       double sum = 0.0;
-      for (const Bond& b : scene_.bonds) sum += work_.kinetic_energy(b, 0.0) + b.added.energy(b.grid, scene_.grains.side_of(b));
+      for (const Bond& b : scene_.bonds()) sum += work_.kinetic_energy(b, 0.0) + b.added.energy(b.grid, scene_.grains.side_of(b));
       return sum;
     };
     scene_.books.damp_by(energy, [&] {
-      for (Bond& b : scene_.bonds) {
+      for (Bond& b : scene_.bonds()) {
         UpdatedPass::start(b.points, b.grid, 0);
         move_to_present(b.points, b.grid);
         b.links.move_to_present(b.points, b.grid);
@@ -113,7 +113,7 @@ class Total : public Kinematics {
       }
       arrangement_.lay_out_again(scene_.all_rows(), {}, {});
       added_.follow(scene_.all_rows(), "the present was taken for the reference");
-      for (Bond& b : scene_.bonds) {
+      for (Bond& b : scene_.bonds()) {
         UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
         b.grid.halo.sum(b.grid.mass.own().data(), 1);
         b.grid.halo.sum(b.grid.momentum.data(), 3);

@@ -31,7 +31,7 @@ class Updated : public Kinematics {
     kinetic_.clear();
     inertial_.clear();
     int lost = 0;
-    for (Bond& b : scene_.bonds) {
+    for (Bond& b : scene_.bonds()) {
       move_nodes_and_points(b);
       if (b.updated.lost()) lost = b.updated.lost();
     }
@@ -43,31 +43,31 @@ class Updated : public Kinematics {
     shared_.sum([](Grid& g) { return g.momentum.data(); }, 3);
     scene_.grains.sides.clear_forces();
     std::size_t n = 0;
-    for (Bond& b : scene_.bonds) {
+    for (Bond& b : scene_.bonds()) {
       b.laid_out_blocks = b.points.blocks.size();
       take_velocities(b, kinetic_[n++]);
       move_links(b);
     }
     added_.refresh();
     n = 0;
-    for (Bond& b : scene_.bonds) {
+    for (Bond& b : scene_.bonds()) {
       scene_.books.damp(inertial_[n++] - b.added.energy(b.grid, scene_.grains.side_of(b)));
       for (std::size_t i = 0; i < b.filtered.size(); ++i) b.jump[i] -= b.filtered[i];
       b.filtered.clear();
     }
     scene_.dt_last = dt;
-    for (Bond& b : scene_.bonds) forces_.add_link_forces(b);
+    for (Bond& b : scene_.bonds()) forces_.add_link_forces(b);
   }
 
   void account_for_accelerations() override {
-    for (const Bond& b : scene_.bonds) {
+    for (const Bond& b : scene_.bonds()) {
       scene_.books.damp(work_.half_kick(b, b.jump));
       scene_.books.do_work(-0.5 * scene_.dt_last * work_.gravity_power(b, b.jump));  // nodes came here without the velocity of the jump
     }
   }
 
   void find_internal_force() override {
-    for (Bond& b : scene_.bonds) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
+    for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
     shared_.sum([](Grid& g) { return g.mass.own().data(); }, 1);
   }
 
@@ -76,12 +76,12 @@ class Updated : public Kinematics {
   // badly, so these points are arranged anew.
   void follow_points() {
     std::vector<int> mine, sparse;
-    for (const Bond& b : scene_.bonds)
+    for (const Bond& b : scene_.bonds())
       if (b.updated.layout_is_stale()) mine.push_back(b.body);
     const std::vector<int> stale = scene_.agreed_rows(mine);
     if (stale.empty()) return;
     for (int row : stale) {
-      const Bond* b = scene_.bonds.find(row);
+      const Bond* b = scene_.bonds().find(row);
       if (b && b->points.blocks.size() > b->blocks_when_arranged + b->blocks_when_arranged / 3) sparse.push_back(row);
     }
     sparse = scene_.agreed_rows(sparse);
@@ -163,7 +163,7 @@ class Updated : public Kinematics {
     scene_.timer.start(StepTimer::kCoupling);
     const bool moved = b.links.move_places(b.points);
     if (scene_.keeps_skins()) forces_.let_go(b);  // new blocks would leave skins out before their energy is booked
-    if (moved && !b.links.follow_points(b.points, scene_.bonds.body(b), b.grid))
+    if (moved && !b.links.follow_points(b.points, scene_.bonds().body(b), b.grid))
       throw OnOneRank(text_of("a link moved out of the grid at step ", scene_.now.number, "; check the motion of the grains and the time step"));
     if (!scene_.keeps_skins()) forces_.let_go(b);
     b.links.drop_inertia(b.points);

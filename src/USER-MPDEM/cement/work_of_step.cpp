@@ -43,7 +43,7 @@ EnergyBooks::StepWork WorkOfStep::over_step(const Power& power) const {
 Power WorkOfStep::of_dampers(int first_body) const {
   Power power;
   if (!scene_.penalty || (scene_.penalty->damping == 0.0 && scene_.options.relax == 0.0)) return power;
-  for (const Bond& b : scene_.bonds.awake()) {
+  for (const Bond& b : scene_.bonds().awake()) {
     if (b.body < first_body) continue;
     power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
     if (scene_.options.relax > 0.0) power.add(b.relaxation.power(b.grid, scene_.grains.side_of(b)));
@@ -54,7 +54,7 @@ Power WorkOfStep::of_dampers(int first_body) const {
 Power WorkOfStep::of_rubbing() const {
   Power power;
   if (!scene_.faces_touch()) return power;
-  for (const Bond& b : scene_.bonds.awake()) power.add(b.faces.power(b.grid));
+  for (const Bond& b : scene_.bonds().awake()) power.add(b.faces.power(b.grid));
   return power;
 }
 
@@ -81,7 +81,7 @@ double WorkOfStep::half_kick(const Bond& b, const std::vector<double>& jump) con
 
 EnergyBooks::StepWork WorkOfStep::of_inertial_forces(int first_body) const {
   EnergyBooks::StepWork work;
-  for (const Bond& b : scene_.bonds.awake()) {
+  for (const Bond& b : scene_.bonds().awake()) {
     if (b.body < first_body || scene_.options.mass_order == 1) continue;
     const Grid& grid = b.grid;
     double before = 0.0, later = 0.0;
@@ -101,7 +101,7 @@ EnergyBooks::StepWork WorkOfStep::of_inertial_forces(int first_body) const {
 EnergyBooks::StepWork WorkOfStep::of_loads(int first_body) const {
   const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
   EnergyBooks::StepWork work = scene_.penalty ? scene_.grains.work(scene_.dt_last, first_body) : EnergyBooks::StepWork();
-  for (const Bond& b : scene_.bonds.awake()) {
+  for (const Bond& b : scene_.bonds().awake()) {
     if (b.body < first_body) continue;
     double before = scene_.dt_last * gravity_power(b, b.grid.velocity), later = gravity_power(b, b.grid.acceleration);
     if (pushed) {
@@ -111,7 +111,7 @@ EnergyBooks::StepWork WorkOfStep::of_loads(int first_body) const {
     work.now += before + 0.5 * scene_.dt_last * scene_.dt_last * later;
     work.before += before;
   }
-  const EnergyBooks::StepWork of_condensed = condensed_.work(scene_.grains, scene_.bonds, scene_.weight().data(), scene_.dt_last, first_body);
+  const EnergyBooks::StepWork of_condensed = condensed_.work(scene_.grains, scene_.bonds(), scene_.weight().data(), scene_.dt_last, first_body);
   work.now += of_condensed.now;
   work.before += of_condensed.before;
   return work;

@@ -97,7 +97,6 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   std::vector<Key> keys;
   for (int tag : tags_) keys.push_back({tag, 0, 0, 0});
   halo_.build(comm, keys);
-  shared_.build({&halo_});
   blocks_.resize((parts.size() + kLanes - 1) / kLanes);
   double most = 0.0;
   for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // lanes that are left over have the last bond, but do not add its loads
@@ -118,7 +117,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   mass_.assign(kSym6 * tags_.size(), 0.0);
 }
 
-void CondensedPack::hand_out(double* values, int width) { shared_.sum({values}, width); }
+void CondensedPack::hand_out(double* values, int width) { halo_.sum(values, width); }
 
 void CondensedPack::distribute(const std::vector<Grain>& grains) {
   if (!any_) return;

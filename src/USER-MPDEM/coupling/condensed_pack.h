@@ -102,7 +102,6 @@ class CondensedPack {
   std::vector<int> tags_, slot_of_owned_;  // tags_: of slots, ascending
   std::vector<char> owned_;
   HaloSum halo_;
-  HaloSums shared_;
   std::vector<double> motion_, acceleration_, rate_, load_, jump_load_, inertial_load_, weight_, mass_;
   double coupling_ = 0.0;
   bool any_ = false;

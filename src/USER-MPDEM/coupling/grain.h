@@ -13,6 +13,19 @@
 
 namespace mpdem {
 
+// State of a grain, which the host has. Through a const grain it can only be read.
+class HostState {
+ public:
+  HostState(GrainState* of_host = nullptr) : at_(of_host) {}
+  GrainState& operator*() { return *at_; }
+  GrainState* operator->() { return at_; }
+  const GrainState& operator*() const { return *at_; }
+  const GrainState* operator->() const { return at_; }
+
+ private:
+  GrainState* at_;
+};
+
 // A bonded grain that this rank owns. The host writes all members before it calls the engine. The engine adds to
 // `force` and `velocity`. `state` points to data of the host.
 struct Grain {
@@ -29,7 +42,7 @@ struct Grain {
   double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: expected for prescribed motion, or found by the cement
   double made_for = 0;                     // radius when its cement was made
-  GrainState* state = nullptr;
+  HostState state;
   std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
 
   // Part of the load of the host at the end of a step of n sub-steps that acts within the steps before and after this time, and not at this time.

@@ -89,7 +89,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
                                       double tolerance) {
   // The vectors have the nodes of all bonds, one bond after the other.
   std::vector<std::size_t> first(parts.size() + 1, 0);
-  std::vector<HaloSum*> halos;
+  std::vector<const HaloSum*> halos;
   std::vector<Moving> moving;
   std::vector<int> nodes;  // nodes that move, of all bonds
   for (std::size_t p = 0; p < parts.size(); ++p) {

@@ -29,7 +29,7 @@ struct EigenvalueEstimate {
 // Points and grid of one bond.
 struct EigenvaluePart {
   const PointStore* points;
-  Grid* grid;
+  const Grid* grid;
   bool failed_hold = false;  // points that failed count as undamaged: they may be stiff again, see closing_points.h
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
@@ -38,7 +38,7 @@ struct EigenvaluePart {
 // the residual is below tolerance times the value.
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
                                       double tolerance = 1e-3);
-inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, Grid& grid, const Law& law,
+inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, const Grid& grid, const Law& law,
                                              double tolerance = 1e-3) {
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }

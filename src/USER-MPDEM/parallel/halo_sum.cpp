@@ -28,14 +28,14 @@ void HaloSum::build(MPI_Comm comm, Sharing shared, std::size_t size) {
       for (int i : shared_.items[n]) counts_here_[i] = 0;
   }
   sort_unique(union_);
-  HaloSum* const self = this;
+  const HaloSum* const self = this;
   messages_.build(&self, 1);
 }
 
 std::size_t HaloSum::shared_items() const { return union_.size(); }
 
 // Takes out the own part, which add_own() adds at the place of this rank in the order.
-void HaloSum::take_own(double* values, int width) {
+void HaloSum::take_own(double* values, int width) const {
   own_.resize(union_.size() * width);
   for (std::size_t u = 0; u < union_.size(); ++u)
     for (int c = 0; c < width; ++c) {
@@ -51,11 +51,11 @@ void HaloSum::add_own(double* values, int width) const {
 }
 
 void HaloSum::sum(double* values, int width) {
-  HaloSum* const self = this;
+  const HaloSum* const self = this;
   messages_.sum(&self, &values, 1, width);
 }
 
-void HaloSums::build(const std::vector<HaloSum*>& parts) {
+void HaloSums::build(const std::vector<const HaloSum*>& parts) {
   parts_ = parts;
   messages_.build(parts_.data(), parts_.size());
 }
@@ -69,7 +69,7 @@ std::size_t HaloMessages::index_of(int rank) const {
   return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin());
 }
 
-void HaloMessages::build(HaloSum* const* parts, std::size_t n) {
+void HaloMessages::build(const HaloSum* const* parts, std::size_t n) {
   ranks_.clear();
   for (std::size_t p = 0; p < n; ++p) ranks_.insert(ranks_.end(), parts[p]->shared_.ranks.begin(), parts[p]->shared_.ranks.end());
   sort_unique(ranks_);
@@ -82,7 +82,7 @@ void HaloMessages::build(HaloSum* const* parts, std::size_t n) {
   requests_.resize(2 * ranks_.size());
 }
 
-void HaloMessages::sum(HaloSum* const* parts, double* const* values, std::size_t n, int width) {
+void HaloMessages::sum(const HaloSum* const* parts, double* const* values, std::size_t n, int width) {
   if (ranks_.empty()) return;
   const MPI_Comm comm = parts[0]->comm_;
   for (std::size_t r = 0; r < ranks_.size(); ++r) {

@@ -20,9 +20,9 @@ class HaloSum;
 class HaloMessages {
  public:
   // parts: the sums of n bodies.
-  void build(HaloSum* const* parts, std::size_t n);
+  void build(const HaloSum* const* parts, std::size_t n);
   // Sums the values of these bodies. values[p]: array of body p, `width` doubles for each of its keys.
-  void sum(HaloSum* const* parts, double* const* values, std::size_t n, int width);
+  void sum(const HaloSum* const* parts, double* const* values, std::size_t n, int width);
 
  private:
   std::size_t index_of(int rank) const;
@@ -55,7 +55,7 @@ class HaloSum {
 
  private:
   friend class HaloMessages;
-  void take_own(double* values, int width);
+  void take_own(double* values, int width) const;
   void add_own(double* values, int width) const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;
@@ -63,7 +63,7 @@ class HaloSum {
   Sharing shared_;
   std::vector<char> counts_here_;
   std::vector<int> union_;  // shared keys, ascending
-  std::vector<double> own_;
+  mutable std::vector<double> own_;  // values of this rank, within a sum
   HaloMessages messages_;
 };
 
@@ -72,12 +72,12 @@ class HaloSum {
 class HaloSums {
  public:
   // parts: sums of different bodies, ascending. They are kept by address, so they must outlive this object.
-  void build(const std::vector<HaloSum*>& parts);
+  void build(const std::vector<const HaloSum*>& parts);
   // Sums the values. values[n]: array of part n. Throws std::logic_error if there are more or fewer of them than parts.
   void sum(const std::vector<double*>& values, int width);
 
  private:
-  std::vector<HaloSum*> parts_;
+  std::vector<const HaloSum*> parts_;
   HaloMessages messages_;
 };
 

@@ -97,7 +97,10 @@ int FixMpm::setmask() {
          END_OF_STEP | POST_RUN;
 }
 
+// Commands between runs call this too, and what grains have of the last step is gone then. So LIGGGHTS has to prepare the next run,
+// also with `pre no`: setup() says that this is done. It does not prepare the parts of a run with `every`, see check_unprepared().
 void FixMpm::init() {
+  update->first_update = 0;
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   make_points_of_run();
@@ -282,6 +285,9 @@ void FixMpm::check_positions() {
 
 // With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
 void FixMpm::check_unprepared() {
+  if (update->first_update == 0)
+    mpdem::stop_all(lmp, "run ... pre no every: a command within the run initialised LIGGGHTS, as 'write_restart' does, and what grains and contacts have of the last "
+                         "step is lost; leave 'pre no' out");
   avec_->prepared_fixes.check_same(lmp);  // for a LIGGGHTS with the package compiled in
   const std::size_t bonds = avec_->bonds.table.size();
   if (bonds != prepared_bonds_)
@@ -313,6 +319,7 @@ void FixMpm::setup_pre_neighbor() {
 }
 
 void FixMpm::setup(int) {
+  update->first_update = 1;
   avec_->prepared_fixes.note(lmp);
   hidden_.start(this);
   ranks_.start_run(this);
@@ -516,10 +523,7 @@ void FixMpm::write_events() {
   check(failures_.write(world));
 }
 
-void FixMpm::show_points() {
-  cement_->sync_slots();
-  cement_->report().show_condensed_points();
-}
+void FixMpm::show_points() { cement_->show_points(); }
 
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date. Code that reads strain shows it itself.
 void FixMpm::fill_atoms() {
@@ -573,7 +577,7 @@ double FixMpm::compute_vector(int n) {
   return v[n];
 }
 
-// The atom style holds the bonds, and tells the memory that they take.
-double FixMpm::memory_usage() { return 0.0; }
+// The atom style holds the bonds that wait, and tells the memory that they take.
+double FixMpm::memory_usage() { return static_cast<double>(cement_->report().memory_of_condensed()); }
 
 }  // namespace LAMMPS_NS
