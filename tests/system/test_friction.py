@@ -142,6 +142,23 @@ def test_a_broken_bond_flies_to_other_ranks(cracks, tmp_path, figures):
         assert (tables[ranks]["f_bond[18]"] == alone["f_bond[18]"]).all()
 
 
+def test_restart_of_a_bond_that_ranks_cut(tmp_path):
+    """The faces of a split bond touch again long after the file was written. The nodes of a rank do not depend on when it found the ties at the edge."""
+    fixes = cement(4e-4, 2e-8, axis="radial", damage="damage tensor B0 9.6e3 cutoff 0.9 check 20 cracks split", couple=f"kn auto kt auto {WORDS}")
+    z, w = "(2e-6*(1-cos(PI*v_t/8e-6))*(v_t<8e-6)+(4e-6-2.6e-6*(1-cos(PI*(v_t/1.2e-5-2/3))))*(v_t>=8e-6))", \
+           "(PI/4*sin(PI*v_t/8e-6)*(v_t<8e-6)-2.6/12*PI*sin(PI*(v_t/1.2e-5-2/3))*(v_t>=8e-6))"
+    x, v = "1e-6*(1-cos(PI*v_t/1e-5))", "0.1*PI*sin(PI*v_t/1e-5)"
+    fixes += (f'variable t equal step*dt\nvariable z equal "{z}"\nvariable w equal "{w}"\nvariable x equal "{x}"\nvariable v equal "{v}"\n'
+              "variable y equal 0.3*v_x\nvariable u equal 0.3*v_v\nfix hold first move linear 0 0 0\nfix pull second move variable v_x v_y v_z v_v v_u v_w\n"
+              + thermo(10, [f"f_bond[{n}]" for n in range(1, 13)] + ["f_bond[18]", "f_cem[23]"]))
+    start = pair(2e-4, gap=4e-4, cement="outer 1.5e-3", processors="2 1 1")
+    two = run(start + fixes + "run 300\nwrite_restart middle.restart\nrun 310\n", tmp_path / "two", 2).table()
+    on = run(restarted("../two/middle.restart", processors="2 1 1") + fixes + "run 310\n", tmp_path / "on", 2).table()
+    assert two["f_bond[18]"][30] > 100 and two["f_cem[23]"][-4] < 0.95 * two["f_cem[23]"][-1], "faces slide in the last steps"
+    different = [name for name in on if (on[name] != two[name][-32:]).any()]
+    assert not different, different
+
+
 @pytest.mark.parametrize("share", [0.4, 0.8])
 def test_debonded_cement_that_is_hit(tmp_path, figures, share):
     """A free grain pulls its cement off and hits it again and again, with steps that links need much added mass for. Contact needs some, and makes

@@ -27,17 +27,14 @@ def test_stiffness(words, limit, tmp_path, figures):
     figures.below(f"{words}: stiffness against finite elements", abs(k / EXACT - 1), limit)
 
 
-# A free pair that flies and turns: a transfer moves momentum between nodes and grains by half a
-# step, which comes back in the next; nothing may drift.
-@pytest.mark.parametrize("words, limit", [
-    ("kinematics updated", 1e-7), ("kinematics updated transfer flip 1", 1e-12), ("kinematics updated transfer xpic 3", 1e-6),
-    ("reproject auto 1e-3", 1e-12), ("basis cubic", 1e-12)])
-def test_momentum(words, limit, tmp_path, figures):
+# A free pair that flies and turns: what a transfer moves between nodes and grains may not show.
+@pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "kinematics updated transfer xpic 3", "reproject auto 1e-3", "basis cubic"])
+def test_momentum(words, tmp_path, figures):
     scene = pair(CELL / 2, gap=2e-4, half_box=(2e-2, 2e-2, 2e-2)) + cement(CELL, DT, couple="kn 9.6e12 kt 0.96e12")
     script = with_words(scene, words) + SPINNING + MOMENTA + thermo(100, MOMENTUM_COLUMNS) + "run 1000\n"
     t = run(script, tmp_path, ranks=2).table()
     scale = max(abs(t[c][0]) for c in MOMENTUM_COLUMNS[:3])
-    figures.below(f"{words}: momentum", max(abs(t[c] - t[c][0]).max() for c in MOMENTUM_COLUMNS[:3]) / scale, limit)
+    figures.below(f"{words}: momentum", max(abs(t[c] - t[c][0]).max() for c in MOMENTUM_COLUMNS[:3]) / scale, 5e-13)
 
 
 @pytest.mark.parametrize("words", ["kinematics updated", "kinematics updated transfer flip 1", "reproject auto 0.002", "reproject auto 0.01"])

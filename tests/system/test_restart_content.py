@@ -21,7 +21,7 @@ FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, 
 POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "holds": 22, "framed": 23, "place": 24, "volume": 27, "deformation": 28, "frame": 37,
          "strain": 41, "damage": 47, "law": 53, "moving": 54, "links": 55, "grain": 56, "foot": 57, "area": 60, "attached": 61, "way": 62, "inert": 65, "state": 66}
 # The same of a grain.
-GRAIN = {"orientation": 19, "seen": 23, "velocity": 24, "placed": 57}
+GRAIN = {"orientation": 19, "seen": 23, "velocity": 24, "placed": 63}
 NAN, HUGE = float("nan"), 1e300
 
 

@@ -349,6 +349,27 @@ TEST_F(Sliding, StartsWithoutShearWhereAPointFails) {
   EXPECT_GT(rubbed, 0.0);
 }
 
+// Points fail at the end of a step in which a crack that was closed and sheared opened. Their crack is new, so it has nothing to slide off.
+TEST_F(Sliding, DoesNotSlideInTheStepInWhichAPointFails) {
+  const Vector along = normal.unitOrthogonal();
+  std::vector<int> slots;
+  body.for_points([&](int b, int l) {
+    body.points.meta[b].failed = 0;
+    slots.push_back(kLanes * b + l);
+  });
+  std::sort(slots.begin(), slots.end());
+  closing = ClosingPoints(body.points, law->elasticity(), kMu);
+  go(pressed_and_slid(kPressed, 0.3 * along));
+  const test::Matrix F = pressed_and_slid(-kPressed, 0.1 * along);
+  keep_deformation(F);
+  for (int slot : slots) body.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+  closing.add(body.points, law->elasticity(), slots);
+  go(F);
+  EXPECT_EQ(energy(), 0.0);
+  EXPECT_EQ(rubbed, 0.0);
+  EXPECT_TRUE(body.points.slip.empty());
+}
+
 // A point that is squeezed or torn too far has no crack that closes any more, also where it comes back. What it stored is booked.
 TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   const Vector side = normal.unitOrthogonal();

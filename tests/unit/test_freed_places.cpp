@@ -553,6 +553,55 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   EXPECT_NEAR(after, area + all, 1e-12 * after);
 }
 
+// Places of points that failed bear nothing, and come to others without a force. So what acts on each node and grain stays as it is where
+// they come to places that are pressed and sheared already.
+TEST(FreedPlaces, KeepTheirForceWhereOthersCome) {
+  if (test::ranks() > 1) GTEST_SKIP();
+  PenaltyParameters p = test::penalty(false, 0.0);
+  p.friction = 0.3;
+  test::Scene s = scene_of_places(837, p);
+  int joined = 0;  // arrivals at closed places
+  test::Worst change;
+  for (Bond& b : s.bonds) {
+    const Body& body = s.bodies[b.body];
+    const auto forces = [&] {
+      s.sides.clear_forces();
+      b.grid.clear_force();
+      b.places.add_force(b.grid, s.side(b));
+      std::vector<double> f(b.grid.force);
+      for (int side = 0; side < 2; ++side) {
+        f.insert(f.end(), s.side(b)[side].force, s.side(b)[side].force + 3);
+        f.insert(f.end(), s.side(b)[side].torque, s.side(b)[side].torque + 3);
+      }
+      return f;
+    };
+    std::vector<int> failed;
+    for (const FreedPlace& place : b.points.places)
+      if (place.slot % 3 == 0) failed.push_back(place.slot);
+    failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
+    for (int slot : failed) b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
+    b.places.end(b.points, b.grid, s.side(b), failed, 0.0);
+    const std::vector<double> before = forces();
+    std::vector<FreedPlaces::Arrival> arrivals;
+    std::vector<std::array<int, 2>> gone;
+    for (const FreedPlaces::Mover& m : b.places.movers(b.points, body)) {
+      const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
+      for (int slot : to.slots) {
+        arrivals.push_back({m, slot, 1.0 / static_cast<double>(to.slots.size())});
+        for (const FreedPlace& place : b.points.places) joined += place.closed && place.slot == slot && place.grain == m.grain;
+      }
+      gone.push_back({m.tag, m.grain});
+    }
+    b.places.move(b.points, body, b.grid, s.side(b), arrivals, gone);
+    const std::vector<double> after = forces();
+    double size = 0.0;
+    for (double f : before) size = std::max(size, std::fabs(f));
+    for (std::size_t i = 0; i < before.size(); ++i) change.add(std::fabs(after[i] - before[i]) / size);
+  }
+  EXPECT_GT(joined, 10);
+  test::expect_within(change, 1e-13, "change of a force, over the largest");
+}
+
 // Points fail one after another, and their places go on to points that fail later: links and places have all of the area
 // at any time, with links that stay on as skins too.
 TEST(FreedPlaces, KeepTheAreaOfTheLinks) {

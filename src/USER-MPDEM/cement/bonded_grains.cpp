@@ -42,6 +42,7 @@ void BondedGrains::replace(std::vector<Grain> now) {
     now[n].made_for = grains[n].made_for;
   }
   grains = std::move(now);
+  sudden_loads_.assign(grains.size(), Six{});
 }
 
 std::vector<BondedGrains::OwnedSide> BondedGrains::find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const {
@@ -164,6 +165,7 @@ void BondedGrains::turn(double dt) {
 void BondedGrains::find_rates(double dt, double dt_last, long step, EnergyBooks& books) {
   const double since = 0.5 * (dt_last + dt);
   step_ = step;
+  sudden_loads_.assign(grains.size(), Six{});
   for (Grain& grain : grains) {
     GrainState& g = *grain.state;
     for (int d = 0; d < 6; ++d) {
@@ -198,7 +200,7 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads l
   for (std::size_t n = 0; n < grains.size(); ++n) {
     const GrainState& g = *grains[n].state;
     for (int d = 0; d < 6; ++d)
-      load_[n][d] = loads == Loads::all ? grains[n].force[d] + g.late_load[d] : loads == Loads::spread ? g.held()[d] : 0.0;
+      load_[n][d] = loads == Loads::none ? 0.0 : sudden_loads_[n][d] + (loads == Loads::all ? grains[n].force[d] + g.late_load[d] : g.held()[d]);
   }
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
@@ -257,6 +259,12 @@ void BondedGrains::clear_sudden_forces() {
   sudden_forces_are_due_ = false;
 }
 
+void BondedGrains::resume_sudden_loads(double dt) {
+  sudden_loads_.assign(grains.size(), Six{});
+  for (std::size_t n = 0; n < grains.size(); ++n)
+    for (int d = 0; d < 6; ++d) sudden_loads_[n][d] = 2.0 / dt * grains[n].state->owed[d];
+}
+
 void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last) {
   b.added.follow_jumps(b.grid, side_of(b), 2.0 / (dt_last + dt), 1.0 / dt);
 }
@@ -277,28 +285,33 @@ void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* con
     Grain& g = grains[n];
     double of_jumps = 0.0;
     for (int d = 0; d < 6; ++d) {
-      const double load = condensed->load(n, d) + condensed->inertial_load(n, d), of_jump = condensed->jump_load(n, d);
-      g.force[d] += load + of_jump;
+      const double load = condensed->load(n, d) + condensed->inertial_load(n, d);
+      g.force[d] += load;
       g.state->load[d] += load;
-      of_jumps += of_jump * 0.5 * (g.state->v_before[d] + g.state->v[d]);
+      of_jumps += condensed->jump_load(n, d) * 0.5 * (g.state->v_before[d] + g.state->v[d]);
     }
     if (!taken_back_) books.do_work(-dt * of_jumps);
   }
   react_to_jumps(dt, books);
+  for (std::size_t n = 0; n < grains.size(); ++n)
+    for (int d = 0; d < 6; ++d) {
+      const double sudden = sudden_loads_[n][d] + (condensed ? condensed->jump_load(n, d) : 0.0);
+      grains[n].force[d] += sudden;
+      grains[n].state->owed[d] = 0.5 * dt * sudden;
+    }
 }
 
 void BondedGrains::keep_loads() {
   taken_back_ = false;
-  sudden_loads_.clear();
   kept_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) std::copy(grains[n].force, grains[n].force + 6, kept_loads_[n].begin());
 }
 
-void BondedGrains::take_back_loads(int substeps) {
+void BondedGrains::take_back_loads() {
   taken_back_ = true;
   taken_loads_.resize(grains.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    for (int d = 0; d < 6; ++d) grains[n].force[d] = kept_loads_[n][d] + (sudden_loads_.empty() ? 0.0 : sudden_loads_[n][d] / substeps);
+    std::copy(kept_loads_[n].begin(), kept_loads_[n].end(), grains[n].force);
     std::copy(grains[n].state->load, grains[n].state->load + 6, taken_loads_[n].begin());
   }
 }
@@ -368,7 +381,6 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
   if (!sudden_forces_are_due_) return;
   sudden_forces_are_due_ = false;
   sides.sum_sudden_forces();
-  sudden_loads_.assign(grains.size(), Six{});
   for (GrainSide& s : sides.sides)
     for (int d = 0; d < 3; ++d) {
       s.force[d] += s.jump_force[d] + s.transfer_force[d];
@@ -376,12 +388,10 @@ void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
     }
   for (const OwnedSide& o : owned_) {
     const GrainSide& s = sides.sides[o.at];
-    Grain& grain = grains[o.grain];
-    const GrainState& g = *grain.state;
+    const GrainState& g = *grains[o.grain].state;
     const Six of_jump = in_box(s, s.jump_force, s.jump_force + 3), of_transfer = in_box(s, s.transfer_force, s.transfer_force + 3);
     double power = 0.0;
     for (int d = 0; d < 6; ++d) {
-      grain.force[d] += of_jump[d] + of_transfer[d];
       sudden_loads_[o.grain][d] += of_jump[d] + of_transfer[d];
       power += of_jump[d] * 0.5 * (g.v_before[d] + g.v[d]) + of_transfer[d] * g.v[d];
     }

@@ -108,15 +108,17 @@ class BondedGrains {
 
   // Jumps in a step: clear_sudden_forces() comes first, then follow_jumps() for each bond before its nodes drift.
   void clear_sudden_forces();
+  // Call at the start of a run, before its accelerations are found. What jumps and transfers of the last step leave for the next acts again.
+  void resume_sudden_loads(double dt);
   void follow_jumps(Bond& b, double dt, double dt_last);
   // Collective. Adds the forces of the cement to the grains, once the sides have the forces of all bonds. condensed:
   // may be null.
   void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
   // keep_loads() keeps the loads without those of the cement. take_back_loads() goes back to them, so that another
-  // react() finds the loads of the cement anew. Reactions to jumps stay, and so does what was booked of them. The half step that came to here had
+  // react() finds the loads of the cement anew. What was booked of jumps stays. The half step that came to here had
   // the work of the loads that are taken back. book_loads_taken_back() corrects that.
   void keep_loads();
-  void take_back_loads(int substeps);
+  void take_back_loads();
   void book_loads_taken_back(double dt_last, EnergyBooks& books) const;
   // Collective. Gives momentum, and angular momentum about its centre, to each grain. The grain and its condensed bonds
   // take it up at once, in the free directions of the grain. Accelerations are then those of this impulse, until
@@ -135,8 +137,8 @@ class BondedGrains {
   void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
   // Sets the loads that are shown after a step: all loads of host and cement.
   void show_loads(int substeps);
-  // Collective. Adds the part of the reaction that comes from added mass which followed jumps, or whose nodes changed
-  // velocity by transfer. Books its work.
+  // Collective. Finds the part of the reaction that comes from added mass which followed jumps, or whose nodes changed
+  // velocity by transfer. Books its work. react() does this, and adds that part to the grains.
   void react_to_jumps(double dt, EnergyBooks& books);
   void expect_sudden_forces() { sudden_forces_are_due_ = true; }
 
@@ -193,7 +195,7 @@ class BondedGrains {
   GrainAccelerations accelerations_, impulses_;
   bool summed_ = false;  // true: bonds that ranks do not cut are summed already
   std::vector<GrainAccelerations::Vector6> load_;
-  std::vector<Six> kept_loads_, taken_loads_, sudden_loads_;  // loads of each grain: of the host, of the cement, of jumps in this step
+  std::vector<Six> kept_loads_, taken_loads_, sudden_loads_;  // loads of each grain: of the host, of the cement, of jumps and transfers in this step
   bool taken_back_ = false;
   bool changed_ = true, any_free_ = false, fresh_ = false, sudden_forces_are_due_ = false;
   double jump_limit_ = 0.0;  // largest jump of a velocity that is not noted

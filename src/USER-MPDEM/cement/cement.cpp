@@ -147,6 +147,7 @@ void Cement::start_run() {
   const bool new_step = scene_.bodies_started > 0 && scene_.now.dt != scene_.dt_last;
   if (new_step)
     for (const Bond& b : scene_.bonds().awake()) before.push_back(b.grid.acceleration);
+  grains.resume_sudden_loads(scene_.now.dt);
   kinematics_->find_internal_force();
   forces_.find_at_start();
   if (new_step) keep_half_kicks(before);
@@ -249,7 +250,7 @@ void Cement::advance() {
 
 // Finds the forces of the step anew, in the way in which they are found at the start of a run.
 void Cement::find_forces_anew() {
-  scene_.grains.take_back_loads(scene_.now.substeps);
+  scene_.grains.take_back_loads();
   scene_.grains.distribute(scene_.bonds());
   condensed_.follow(scene_.grains, scene_.weight().data());
   if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);

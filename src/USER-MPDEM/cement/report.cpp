@@ -27,6 +27,17 @@ void global_max(std::vector<double>& v, MPI_Comm comm) {
 struct NodeSums {
   double kinetic = 0, discrete_kinetic = 0, momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};
 
+  // Begins with the impulses that grains are yet to take. Nodes have had them in full.
+  explicit NodeSums(const std::vector<Grain>& grains) {
+    for (const Grain& grain : grains) {
+      const double* p = grain.state->owed;
+      for (int d = 0; d < 3; ++d) {
+        const int e = (d + 1) % 3, g = (d + 2) % 3;
+        momentum[d] += p[d];
+        angular_momentum[d] += p[3 + d] + grain.x[e] * p[g] - grain.x[g] * p[e];
+      }
+    }
+  }
   void add(const CondensedBonds::Energies& of_condensed) {
     kinetic += of_condensed.kinetic;
     discrete_kinetic += of_condensed.discrete_kinetic;
@@ -98,7 +109,7 @@ CementTotals Report::totals(double reach_of_box) const {
          kReleased, kDamped, kRubbed, kWork, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
-  NodeSums of_nodes;
+  NodeSums of_nodes(scene_.grains.grains);
   const CondensedBonds::Energies condensed = condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last);
   const auto add_condensed = [&](int row) {
     of_points.add(condensed_.sums_of_points(row));

@@ -55,9 +55,12 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
     last = &m;
     for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(body, copies.canonical(m.part, p), p)); });
   }
-  for (const EdgeTie& t : rows_[body].edges)
+  // Edges of nodes that have split since need no masters. Which of these edges a rank knows depends on when it found them.
+  for (const EdgeTie& t : rows_[body].edges) {
+    if (now(t.slave) == kNoNode) continue;
     for (const auto* of_tie : {&t.masters, &t.heirs})
       for (const auto& m : *of_tie) nodes.push_back(now(m.first));
+  }
   sort_unique(nodes);
   if (!nodes.empty() && nodes.front() == kNoNode) nodes.erase(nodes.begin());
   return nodes;

@@ -52,7 +52,7 @@ class Total : public Kinematics {
     if (!may_be_distorted) return;
     if (distorted()) {
       scene_.grains.react_to_jumps(dt, scene_.books);
-      scene_.grains.clear_sudden_forces();  // the grains have them
+      scene_.grains.clear_sudden_forces();  // the grains know them
       take_new_reference();
       scene_.grains.sides.clear_forces();
     }

@@ -20,6 +20,7 @@ struct GrainState {
   double v_end[6] = {0, 0, 0, 0, 0, 0};   // velocities at the end of the step
   double a[3] = {0, 0, 0};                // expected acceleration of a prescribed v
   double load[6] = {0, 0, 0, 0, 0, 0};    // force and moment of the cement
+  double owed[6] = {0, 0, 0, 0, 0, 0};    // second half of the impulse of jumps and transfers of the last step, which acts in the first half of the next
   bool place_known = false;               // x is known, since cement was made or forces were computed
   double x[3] = {0, 0, 0};                // unwrapped position when forces were computed last, or cement was made
   double late_load[6] = {0, 0, 0, 0, 0, 0};  // force and torque that fixes after fix mpm added in the last step
@@ -48,6 +49,7 @@ struct GrainState {
     visit("the last velocity of a bonded grain", g.v_end, kFinite);
     visit("the acceleration of a bonded grain", g.a, kFinite);
     visit("the load of a bonded grain", g.load, kFinite);
+    visit("the impulse that a bonded grain is yet to take", g.owed, kFinite);
     visit("'place is known' of a bonded grain", g.place_known);
     visit("the place of a bonded grain", g.x, kFinite);
     visit("the late load of a bonded grain", g.late_load, kFinite);
