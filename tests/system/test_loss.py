@@ -43,6 +43,7 @@ CASES = {
                               ["fix mpm (id cem)", "more than two cells", "check"]),
     "bonded grain leaves the box": ([(HOLD + PULL, "fix motion grains move linear 0 0 1e4\nvelocity all set 0 0 1e4\n"), (RUN, "run 2000\n")],
                                     ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+    "a data file, which has no cement": (after("write_data scene.data\n"), ["write_data", "would lose the cement", "grains 1 and 2", "write_restart", "write_cement"]),
     "a compute outlives its fix": (after("compute d calcite mpm/atom cem damage\nunfix bond\nunfix cem\nwrite_dump calcite custom last.txt id c_d\n"),
                                    ["compute mpm/atom (id d)", "fix mpm 'cem' is gone"]),
     # not finite

@@ -382,6 +382,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
+  avec_->clear_loads_of_points();  // points are at other places of LIGGGHTS' lists now
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
@@ -524,6 +525,7 @@ void FixMpm::show_points() {
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date. Code that reads strain shows it itself.
 void FixMpm::fill_atoms() {
   cement_->sync_slots();
+  avec_->clear_loads_of_points();
   std::string trouble;
   std::vector<mpdem::Report::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {
@@ -539,7 +541,6 @@ void FixMpm::fill_atoms() {
         for (int d = 0; d < 3; ++d) {
           place[d] = bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
           velocity[d] = motion[b].v[d][l];
-          atom->f[i][d] = 0.0;  // LIGGGHTS does not clear it for points, and it has no meaning
         }
         const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, place), v = mpdem::turned(axes, velocity);
         std::copy(in_box.begin(), in_box.end(), x);
