@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Mistakes in a script end the run with one line that says what is wrong and what to do."""
 import pytest
-from scenes import NEIGHBOURS, RADIUS, cement, edit, launch, pair, pull, restarted
+from scenes import NEIGHBOURS, RADIUS, cement, edit, host, launch, pair, pull, restarted
 
 CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
 FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
@@ -307,6 +307,34 @@ def test_thin_film(tmp_path):
     assert result.status == 0 and not result.errors(), result.output[-2000:]
     thin = [line for line in result.output.splitlines() if "thin at its inner rim" in line]
     assert len(thin) == 1 and all(w in thin[0] for w in ("WARNING", "pair 1 2", "less than two spacings", "use 'inner auto'")), thin
+
+
+DATA = """\
+several spheres
+
+3 atoms
+2 atom types
+
+-0.006 0.006 xlo xhi
+-0.006 0.006 ylo yhi
+-0.0125 0.0225 zlo zhi
+
+Atoms
+
+1 1 0.01 2500 0 0 -0.005
+2 1 0.01 2500 0 0 0.005
+2 1 0.01 2500 0 0 0.0152
+"""
+
+
+@pytest.mark.parametrize("which", ["pair 1 2", "contacts grains gap 1e-5"])
+def test_grains_of_one_id(tmp_path, which):
+    """A data file may give an ID to two atoms, and LIGGGHTS does not mind."""
+    (tmp_path / "scene.data").write_text(DATA)
+    script = host() + "read_data scene.data\ngroup grains type 1\n" + NEIGHBOURS + CREATE.replace("pair 1 2", which) + "\n"
+    result = launch(script, tmp_path, 2)
+    assert result.status != 0
+    expect_one(result.errors(), ["create_cement", "several atoms of ID 2", "ID of its own", "data file"], result)
 
 
 def warnings(result):
