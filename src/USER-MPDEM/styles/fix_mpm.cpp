@@ -132,11 +132,16 @@ int FixMpm::modify_param(int narg, char** arg) {
 void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
-  const bool all = all_points_ || !coupled || !cement_->may_leave_points_out();
+  const char* const against = all_points_ ? nullptr : cement_->word_against_patterns();
   std::vector<int> rows;
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
-  for (std::size_t row = 0; row < table.size(); ++row)
-    if (table[row].pattern > 0 && (all || table[row].wants_points)) rows.push_back(static_cast<int>(row));
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    if (table[row].pattern == 0) continue;
+    if (against)
+      mpdem::stop_all(lmp, text_of(who(), "the cement of grains ", table[row].grain[0], " and ", table[row].grain[1], " was made with 'points later', which ", against,
+                                   " does not allow; use 'condense yes', 'cracks bonds' and 'axis radial' or 'axis bond', or 'fix_modify ", id, " points all', which makes all points now"));
+    if (all_points_ || !coupled || table[row].wants_points) rows.push_back(static_cast<int>(row));
+  }
   if (rows.empty()) return;
   mpdem::keep_contact_history(lmp);
   make_points(rows);
