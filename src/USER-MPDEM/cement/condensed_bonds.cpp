@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "../mpm/field_drive.h"
+#include "../numerics/place_in.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
 #include "bond_description.h"
@@ -319,6 +320,10 @@ int CondensedBonds::part_of(int body) const {
   return m != members_.end() && m->body == body ? static_cast<int>(m - members_.begin()) : -1;
 }
 
+int CondensedBonds::part_that_is(int body) const {
+  return static_cast<int>(place_in(members_, body, [](const Member& m) { return m.body; }, "condensed bond"));
+}
+
 void CondensedBonds::follow(const BondedGrains& grains, const double* gravity) {
   pack_.distribute(grains.grains);
   pack_.find_loads(gravity);
@@ -377,7 +382,7 @@ CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double hal
 }
 
 double CondensedBonds::energy_of_points(int body) const {
-  const int part = part_of(body);
+  const int part = part_that_is(body);
   CondensedMotion::Vector6 d;
   for (int j = 0; j < 6; ++j) d[j] = pack_.relative(part, j);
   return 0.5 * d.dot(members_[part].solution->energy * d);

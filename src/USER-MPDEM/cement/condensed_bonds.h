@@ -176,6 +176,7 @@ class CondensedBonds {
   void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;
   void pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
   int part_of(int body) const;  // the first part of the bond, which may have two pieces; -1: none
+  int part_that_is(int body) const;  // throws std::logic_error if there is none
   template <class F>
   void each_part_of(int body, F f) const {
     const int first = part_of(body);
