@@ -181,6 +181,18 @@ def test_message(name, tmp_path):
     assert not missing, result.errors()[0]
 
 
+def test_a_bond_that_cannot_be_condensed(tmp_path):
+    """Its free edge holds by next to nothing. The message names it, and its cure works."""
+    def script(points):
+        return (pair(1.5e-4, cement=f"inner 1e-3 outer 1.7e-3 points {points}") + cement(3e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9 edge free condense yes")
+                + "fix hold grains move linear 0 0 0\nrun 1\n")
+    result = launch(script("later"), tmp_path / "later", 2)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    missing = [word for word in ("fix mpm (id cem)", "bond of grains 1 and 2", "hold by next to nothing", "'points now' of create_cement", "'overlap skip'") if word not in result.errors()[0]]
+    assert not missing, result.errors()[0]
+    assert "1 stay resolved, since parts of them hold by next to nothing: of grains 1 and 2\n" in run(script("now"), tmp_path / "now", 2).output
+
+
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0.36, -0.48, 0.8)])
 def test_points_of_a_run_move_between_their_grains(direction, tmp_path, figures):
     """Points that are made when a run starts have the motion that create_cement would have given them."""

@@ -153,12 +153,12 @@ def test_named(tmp_path, files, part, name, value, needed):
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [18, 20])
+@pytest.mark.parametrize("version", [19, 21])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 19", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 20", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 

@@ -135,6 +135,8 @@ class Cement {
   // Takes up packed numbers, the same on every rank. head: as it was read. nodes: packed, any of those of all ranks on
   // any rank. Throws BadState if the numbers are those of other options.
   void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
+  // Returns the words of the law of damage that are others than in that head, with both values.
+  std::string other_words_than(const CementHead& head) const;
   bool restored() const { return restored_; }
 
  private:

@@ -81,7 +81,10 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
     for (int i = 0; i < b->grid.size(); ++i)
       if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
   complete(comm, model);
-  if (is_too_heavy(model)) throw BadState("the static fields of a bond are far off at nodes that hold by next to nothing; use 'edge tied', points that hold, or 'condense no'");
+  if (is_too_heavy(model))
+    throw BadState(text_of("the static fields of the bond of grains ", body.grain[0], " and ", body.grain[1], " are far off at nodes that hold by next to nothing; use ",
+                           body.pattern > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
+                                            : "'edge tied' where edges are free, points that hold, ", "or 'condense no'"));
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
   s->sums.add(b->points, law, false);
@@ -197,7 +200,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law, split)) without.push_back(rows[n]);
   }
   without = union_of_ranks(comm, without);
-  without_field_last_ = static_cast<int>(without.size());
+  without_field_last_ = without;
   for (int row : without) {
     bonds.table[row].condensed = false;
     solutions_.erase(row);

@@ -52,7 +52,7 @@ class CondensedBonds {
   }
   bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // number of solutions that this rank found last, patterns included
-  int without_field_last() const { return without_field_last_; }  // number of bonds for which the last solve() found no fields, of all ranks
+  const std::vector<int>& without_field_last() const { return without_field_last_; }  // rows for which the last solve() found no fields, of all ranks
   // A laid-out bond that stands for the bonds of a pattern, and the body of one of them.
   struct OfPattern {
     int pattern;
@@ -194,7 +194,8 @@ class CondensedBonds {
   std::map<int, PatternSolution> patterns_;
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // solutions of bonds with points here
   std::map<int, std::size_t> described_;                      // hash of what these were solved for
-  int solved_last_ = 0, without_field_last_ = 0;
+  int solved_last_ = 0;
+  std::vector<int> without_field_last_;
   std::set<int> in_pieces_;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {
