@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Mistakes in a script end the run with one line that says what is wrong and what to do."""
 import pytest
-from scenes import NEIGHBOURS, RADIUS, cement, edit, launch, pair, pull, restarted
+from scenes import NEIGHBOURS, RADIUS, cement, edit, host, launch, pair, pull, restarted
 
 CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
 FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
@@ -309,6 +309,34 @@ def test_thin_film(tmp_path):
     assert len(thin) == 1 and all(w in thin[0] for w in ("WARNING", "pair 1 2", "less than two spacings", "use 'inner auto'")), thin
 
 
+DATA = """\
+several spheres
+
+3 atoms
+2 atom types
+
+-0.006 0.006 xlo xhi
+-0.006 0.006 ylo yhi
+-0.0125 0.0225 zlo zhi
+
+Atoms
+
+1 1 0.01 2500 0 0 -0.005
+2 1 0.01 2500 0 0 0.005
+2 1 0.01 2500 0 0 0.0152
+"""
+
+
+@pytest.mark.parametrize("which", ["pair 1 2", "contacts grains gap 1e-5"])
+def test_grains_of_one_id(tmp_path, which):
+    """A data file may give an ID to two atoms, and LIGGGHTS does not mind."""
+    (tmp_path / "scene.data").write_text(DATA)
+    script = host() + "read_data scene.data\ngroup grains type 1\n" + NEIGHBOURS + CREATE.replace("pair 1 2", which) + "\n"
+    result = launch(script, tmp_path, 2)
+    assert result.status != 0
+    expect_one(result.errors(), ["create_cement", "several atoms of ID 2", "ID of its own", "data file"], result)
+
+
 def warnings(result):
     return [line for line in result.output.splitlines() if "WARNING" in line and "thin at its inner rim" not in line]
 
@@ -318,9 +346,11 @@ WARN = {
     "no coupling": ([(f"{BOND} kn auto kt auto\n", "")], ["fix mpm (id cem)", "no fix mpm/couple", "bonds nothing;", "define one"]),
     "no coupling any more": ([("run 10\n", "run 10\nunfix bond\nrun 10\nrun 10\n")], ["fix mpm (id cem)", "bonds nothing any more", "define one"]),
     "no coupling after a restart": ([("run 10\n", f"run 10\nwrite_restart r\nclear\n{restarted('r')}timestep 1e-9\n{FIX} cell 2e-4 "
-                                      f"{ELASTIC}\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
+                                      f"{ELASTIC} damage tensor B0 9.6e6\nrun 10\n")], ["no fix mpm/couple", "bonds nothing any more", "after read_restart too"]),
     "much added mass": ([("kn auto", "kn 1e17"), ("timestep     1e-09", "timestep     1e-8")], ["fix mpm (id cem)", "links need", "mass of all grains", "'kn auto'", "'length cell'"]),
     "length beyond the bond": (with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 0.01"), ["fix mpm (id cem)", "nonlocal 0.01'", "width of the widest bond, 0.003", "units of the box"]),
+    "a band wider than the bond": (with_damage("damage tensor B0 9.6e6 cutoff 0.9 regularization nonlocal 6e-4"),
+                                   ["fix mpm (id cem)", "nonlocal 0.0006'", "1 of 1 bonds are thinner, the thinnest 0.0008", "counts as debonding", "a length of"]),
     "steps of very different length": ([(PULLING, FREE), ("run 10\n", "run 100\ntimestep 2e-8\nrun 20\n")],
                                       ["fix mpm (id cem)", "energy of the cement was made", "of the largest work or energy at step 120", "use one 'timestep'"]),
     "steps of a grain that are limited": ([(PULLING, "velocity second set 0 0 0.05\nfix m grains nve/limit absolute 1e-10\n"), ("timestep     1e-09", "timestep     1e-8"), ("run 10\n", "run 500\n")],
@@ -340,6 +370,14 @@ def test_warning(tmp_path, name):
     expect_one(warnings(result), needed, result)
 
 
+def test_accelerations_that_are_not_found(tmp_path):
+    """Links of both grains share nodes and add a million times the mass of the scene. Said once, in two runs."""
+    script = edit(pair(1e-4, cement="inner 5e-4 outer 1.5e-3"), "density 2500", "density 1e-3") + cement(2e-4, 2e-8, couple="kn 1e15 kt 1e15") + "fix m grains nve/sphere\nrun 1\nrun 1\n"
+    result = launch(script, tmp_path, 2)
+    found = [line for line in warnings(result) if "links need" not in line]
+    expect_one(found, ["fix mpm (id cem)", "accelerations of grains", "far lighter", "'density'"], result)
+
+
 def test_what_is_at_the_limit_is_taken(tmp_path):
     """A gap of half the radius, a cell of four spacings."""
     script = pair(2e-4, gap=RADIUS / 2) + cement(8e-4, 1e-9) + pull(1.0, 1e-6) + "run 1\n"
@@ -355,6 +393,27 @@ def test_other_cement_after_a_restart(tmp_path, old, new, needed):
     result = launch(again, tmp_path, 2)
     assert result.status != 0
     expect_one(result.errors(), ["fix mpm (id cem)", "steps before", needed], result)
+
+
+DAMAGED = "damage tensor B0 9.6e6 cutoff 0.9"
+OTHER_DAMAGE = [(DAMAGED, ["'B0' 9.6e+06, was 9600", "'regularization nonlocal' 0, was 0.0004", "'energy' 0, was 20", "'imperfection' 0, was 0.002"]),
+                ("damage tensor B0 9.6e3 zeta 0.5 regularization nonlocal 4e-4 energy 20", ["'zeta' 0.5, was 1"]),
+                ("damage mazars kappa0 1e-4 At 1 Bt 1e4", ["'damage mazars', was 'damage tensor'"]),
+                ("damage tensor B0 9600.001 regularization nonlocal 4e-4 energy 20", None)]
+
+
+@pytest.mark.parametrize("words, needed", OTHER_DAMAGE)
+def test_other_damage_after_a_restart(tmp_path, words, needed):
+    """The run goes on, with one warning that has both values."""
+    before = f"{ELASTIC} damage tensor B0 9.6e3 cutoff 0.9 regularization nonlocal 4e-4 energy 20"
+    again = restarted("r") + f"timestep 1e-9\n{FIX} cell 2e-4 {ELASTIC} {words}{'' if 'nonlocal' in words else ' cracks split'}\n{BOND}\nfix m grains nve/sphere\nrun 1\nrun 1\n"
+    launch(edit(GOOD, "axis radial damage tensor B0 9.6e6 cutoff 0.9", before[before.index("axis"):]) + "write_restart r\n", tmp_path)
+    result = launch(again, tmp_path, 2)
+    found = [line for line in warnings(result) if "other words than in the steps before" in line]
+    if needed is None:
+        assert result.status == 0 and not found
+        return
+    expect_one(found, ["fix mpm (id cem)"] + needed, result)
 
 
 @pytest.mark.parametrize("words", ["kn 1e11", "at points"])

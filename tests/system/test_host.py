@@ -4,7 +4,7 @@ import re
 import shutil
 
 import pytest
-from scenes import cement, dump, hosted, launch, pair, point_quantities, pull, run, thermo
+from scenes import cement, dump, edit, hosted, launch, pair, point_quantities, pull, run, thermo
 
 MATERIAL = """\
 fix m1 all property/global youngsModulus peratomtype 5e6
@@ -155,6 +155,19 @@ def test_columns_of_a_dump(tmp_path):
     assert 0 < atoms["c_damage"].max() < 0.9 and abs(atoms["c_axis_z"][points]).min() > 0.99
     assert atoms["c_drive"].max() < 1 + 1e-9
     assert atoms["c_stress_zz"].max() > 1e6
+
+
+def test_loads_of_points_are_zero(tmp_path, monkeypatch):
+    """LIGGGHTS clears forces and torques of the grains alone; points come to lie in new memory, where other things were."""
+    monkeypatch.setenv("MALLOC_PERTURB_", "90")  # so that new memory is not zero by chance
+    names = ["fx", "fy", "fz", "tqx", "tqy", "tqz"]
+    script = (edit(pair(2e-4, processors="2 1 1"), "create_cement", "velocity grains set 300 0 0\ncreate_cement") + cement(4e-4, 5e-8) + "fix motion grains nve/sphere\n"
+              + "".join(f"compute {n} calcite property/atom {n}\n" for n in names)
+              + f"compute least calcite reduce min {' '.join('c_' + n for n in names)}\ncompute most calcite reduce max {' '.join('c_' + n for n in names)}\n")
+    columns = [f"c_{which}[{k}]" for which in ("least", "most") for k in range(1, 7)]
+    table = run(script + thermo(5, columns) + "run 30\n", tmp_path, 2).table()
+    for name in columns:
+        assert (table[name] == 0).all(), (name, table[name])
 
 
 def test_dump_vtk(tmp_path):

@@ -43,6 +43,7 @@ CASES = {
                               ["fix mpm (id cem)", "more than two cells", "check"]),
     "bonded grain leaves the box": ([(HOLD + PULL, "fix motion grains move linear 0 0 1e4\nvelocity all set 0 0 1e4\n"), (RUN, "run 2000\n")],
                                     ["fix mpm (id cem)", "grain 2", "lost", "larger box"]),
+    "a data file, which has no cement": (after("write_data scene.data\n"), ["write_data", "would lose the cement", "grains 1 and 2", "write_restart", "write_cement"]),
     "a compute outlives its fix": (after("compute d calcite mpm/atom cem damage\nunfix bond\nunfix cem\nwrite_dump calcite custom last.txt id c_d\n"),
                                    ["compute mpm/atom (id d)", "fix mpm 'cem' is gone"]),
     # not finite
@@ -118,7 +119,7 @@ CASES = {
     "gravity of a part of the cement, points made later": (
         [("-0.0125 0.0125", "-0.0125 0.0225"), ("group        grains type 1", "create_atoms 1 single 0 0 0.015 units box\nset type 1 diameter 0.01 density 2500\ngroup        grains type 1"),
          ("timestep     1e-09", "create_cement calcite pair 2 3 shape flat inner 1e-3 outer 2e-3 spacing 2e-4 points later\ntimestep     1e-09")]
-        + FREE + [(RUN, "group made subtract all grains\nfix weight made gravity 9.81 vector 0 0 -1\n" + RUN)], ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'made'", "'all'"]),
+        + FREE + [("check 5", "check 5 condense yes"), (RUN, "group made subtract all grains\nfix weight made gravity 9.81 vector 0 0 -1\n" + RUN)], ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'made'", "'all'"]),
     "a grain of the type of cement": (FREE + [(RUN, RUN + "create_atoms 2 single 0 0 0.011 units box\nset atom 963 diameter 1e-3 density 2500\ngroup grains id 963\n" + RUN)],
                                       ["type 2 is that of grain 963 too", "atom_type"]),
     "points are deleted after no steps": ([(RUN, RUN + "run 0\ndelete_atoms group calcite compress no\nrun 20 pre no\n")],

@@ -85,12 +85,12 @@ def test_restart(at, tmp_path):
 
 
 def test_no_condensed_bonds(tmp_path):
-    """With fixes whose bonds need their points these are made at the start: the run is that of `points now`, to the bit."""
+    """Where bonds need their points, `points all` makes them at the start: the run is that of `points now`, to the bit."""
     tables = {}
     for points in ("now", "later"):
         for word in ("condense no", "condense yes cracks split", "condense yes"):
             axis = "global 1 2 3" if word == "condense yes" else "radial"
-            t = run(scene(points, word, axis) + pull(0.5, 2e-7) + thermo(20, ["f_bond", AWAKE, "atoms"]) + "run 200\n", tmp_path / points).table()
+            t = run(scene(points, word, axis) + "fix_modify cem points all\n" + pull(0.5, 2e-7) + thermo(20, ["f_bond", AWAKE, "atoms"]) + "run 200\n", tmp_path / points).table()
             tables[points, word] = t
     for (points, word), t in tables.items():
         for name, values in t.items():
@@ -159,6 +159,9 @@ BAD = {
     "a file without points": ("run 1\n", "run 1\nwrite_cement a.txt\n", ["write_cement", "grains 1 and 2", "no points yet", "'points all'", "'run 0'"]),
     "another group": ("fix          cem calcite mpm", "group other type 2\nfix          cem other mpm", ["fix mpm (id cem)", "grains 1 and 2", "made later", "'other'"]),
     "a fix that would move them": ("run 1\n", "fix move all nve/sphere\nrun 1\n", ["fix mpm (id cem)", "'move' (nve/sphere)", "grains 1 and 2", "made later"]),
+    "bonds that are not condensed": ("condense yes", "condense no", ["fix mpm (id cem)", "grains 1 and 2", "'points later'", "'condense no'", "'fix_modify cem points all'"]),
+    "nodes that split": ("condense yes", "condense yes cracks split", ["fix mpm (id cem)", "'points later'", "'cracks split'", "'cracks bonds'"]),
+    "axes of the box": ("axis radial", "axis global 0 0 1", ["fix mpm (id cem)", "'points later'", "'axis global'", "'axis bond'"]),
     "overlap with those before": ("timestep     4e-09\n", "create_cement calcite pair 1 3 shape flat outer 1.5e-3 spacing 1e-4\ntimestep     4e-09\n",
                                   ["overlaps that of grains 1 and 2"]),
 }
@@ -178,6 +181,18 @@ def test_message(name, tmp_path):
     assert not missing, result.errors()[0]
 
 
+def test_a_bond_that_cannot_be_condensed(tmp_path):
+    """Its free edge holds by next to nothing. The message names it, and its cure works."""
+    def script(points):
+        return (pair(1.5e-4, cement=f"inner 1e-3 outer 1.7e-3 points {points}") + cement(3e-4, 4e-9, axis="radial", damage="damage tensor B0 9.6e4 cutoff 0.9 edge free condense yes")
+                + "fix hold grains move linear 0 0 0\nrun 1\n")
+    result = launch(script("later"), tmp_path / "later", 2)
+    assert result.status != 0 and len(result.errors()) == 1, result.output[-1500:]
+    missing = [word for word in ("fix mpm (id cem)", "bond of grains 1 and 2", "hold by next to nothing", "'points now' of create_cement", "'overlap skip'") if word not in result.errors()[0]]
+    assert not missing, result.errors()[0]
+    assert "1 stay resolved, since parts of them hold by next to nothing: of grains 1 and 2\n" in run(script("now"), tmp_path / "now", 2).output
+
+
 @pytest.mark.parametrize("direction", [(0, 0, 1), (0.36, -0.48, 0.8)])
 def test_points_of_a_run_move_between_their_grains(direction, tmp_path, figures):
     """Points that are made when a run starts have the motion that create_cement would have given them."""
@@ -185,7 +200,7 @@ def test_points_of_a_run_move_between_their_grains(direction, tmp_path, figures)
     points = {}
     for word in ("now", "later"):
         text = edit(scene(word, "condense no", direction=direction, half_box=(0.02, 0.02, 0.02)), "create_cement", motion + "create_cement")
-        text += "fix motion grains nve/sphere\n" + dump(1, ["x", "y", "z", "vx", "vy", "vz"]) + "run 0\n"
+        text += "fix_modify cem points all\nfix motion grains nve/sphere\n" + dump(1, ["x", "y", "z", "vx", "vy", "vz"]) + "run 0\n"
         p = run(text, tmp_path / word).points(0)
         points[word] = np.array([p[c] for c in ("x", "y", "z", "vx", "vy", "vz")])
     a, b = (p[:, np.lexsort(np.round(p[:3] / 1e-6))] for p in (points["now"], points["later"]))

@@ -36,6 +36,17 @@ def test_where_time_goes(ranks, tmp_path):
         assert sum(share) > 99.5
 
 
+@pytest.mark.parametrize("damage, couple, line", [
+    ("damage tensor B0 9.6e6", "", "cement that debonded goes through its grain, and faces of cracks through each other; 'friction' of fix mpm/couple makes them touch"),
+    ("damage tensor B0 9.6e6 unilateral yes", "", "cement that debonded goes through its grain; 'friction' of fix mpm/couple makes them touch"),
+    ("damage tensor B0 9.6e6", " friction 0.3", None), ("", "", None)])
+def test_what_has_no_contact(damage, couple, line, tmp_path):
+    """Said once, where fix mpm prints what the parameters imply."""
+    scene = pair(2e-4, cement="inner 1.4e-3 outer 2.2e-3") + cement(4e-4, 1e-8, damage=damage, couple="kn auto kt auto" + couple)
+    out = run(scene + "fix hold grains freeze\nrun 1\nrun 1\n", tmp_path).output
+    assert re.findall(r"^  contact   (.*)$", out, re.M) == ([line] if line else [])
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_the_set_up_is_not_timed(ranks, tmp_path):
     """The time in fix mpm is that of the steps. The set-up of a run takes longer than one step."""

@@ -223,6 +223,27 @@ TEST(Report, VelocityOfPointsIsThatOfTheirWay) {
   test::expect_within(worst, 1e-12, "velocity of points, m/s");
 }
 
+// Messages of the host that wait in its communicator, of whatever tag, do not get into the sums over nodes.
+TEST(Cement, LeavesMessagesOfTheHostAlone) {
+  const int n = test::ranks(), last_tag = 9000;
+  RowOfGrains host(MPI_COMM_WORLD, Row()), alone(MPI_COMM_SELF, Row());
+  host.setup();
+  std::vector<int> sent(last_tag), received(last_tag);
+  std::vector<MPI_Request> requests(last_tag);
+  const int next = (test::rank() + 1) % n, before = (test::rank() + n - 1) % n;
+  for (int tag = 0; tag < last_tag; ++tag) {
+    sent[tag] = tag;
+    MPI_Isend(&sent[tag], 1, MPI_INT, next, tag, MPI_COMM_WORLD, &requests[tag]);
+  }
+  host.run(20);
+  for (int tag = 0; tag < last_tag; ++tag) MPI_Recv(&received[tag], 1, MPI_INT, before, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  MPI_Waitall(last_tag, requests.data(), MPI_STATUSES_IGNORE);
+  EXPECT_EQ(received, sent);
+  alone.setup();
+  alone.run(20);
+  EXPECT_NEAR(host.tension(0), alone.tension(0), 1e-9 * std::fabs(alone.tension(0)));
+}
+
 TEST(StepTimer, CpuTimeIsWithoutWaiting) {
   StepTimer timer;
   timer.clear();

@@ -213,5 +213,27 @@ TEST(LatticeFill, NeighboursFillTheUnionOnce) {
   }
 }
 
+// Counts how often it is asked whether a place is inside.
+class CountedFlat : public Flat {
+ public:
+  using Flat::Flat;
+  double top(double z) const override {
+    ++asked;
+    return Flat::top(z);
+  }
+  mutable std::int64_t asked = 0;
+};
+
+// A thin ring takes the work of its own cells. Those in its hole lie at the surfaces of the grains, too, and are hundreds of times as many.
+TEST(LatticeFill, ThinRing) {
+  const GrainPair pair = pair_between(5e-3, 5e-3, Vector3(0, 0, 10e-3));
+  constexpr double kSpacing = 1e-7;
+  const double inner = pair.radius_of_thickness(2.0 * kSpacing);
+  const CountedFlat ring(pair, Flat::outer_for_volume(pair, 1e-18, inner), inner);
+  const std::vector<FillPoint> points = fill_with_points(ring, kSpacing, 1e9);
+  EXPECT_GT(points.size(), 1000u);
+  test::expect_within(static_cast<double>(ring.asked) / static_cast<double>(points.size()), 1500.0, "questions a point of a thin ring");
+}
+
 }  // namespace
 }  // namespace mpdem

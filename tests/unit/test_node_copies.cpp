@@ -160,6 +160,16 @@ TEST(NodeCopies, OneFailedPointSplitsNothing) {
   EXPECT_TRUE(p.copies.empty());
 }
 
+// Lists of points that do not belong together are told of.
+TEST(NodeCopies, PointsThatAreNotThere) {
+  NodeCopies copies;
+  CopyLattice lattice(block(2, 2, 2), Basis::quadratic);
+  lattice.start(copies);
+  EXPECT_THROW(lattice.fail({9}, copies), std::logic_error);
+  EXPECT_THROW(lattice.fail({0}, copies), std::logic_error);
+  EXPECT_THROW(lattice.come_apart({{1, 0}, {2, 1}}, copies), std::logic_error);
+}
+
 // Points on faces of cells have no weight at the nodes where the support ends, and a node may have no others.
 TEST(NodeCopies, PointsOnFacesOfCells) {
   std::vector<CopyPoint> points = block(8, 4, 4);

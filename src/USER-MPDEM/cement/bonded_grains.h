@@ -105,6 +105,8 @@ class BondedGrains {
     if (summed_ && !b.added.empty()) accelerations_.add({&b.added, &b.grid, b.side}, sides);
   }
   void added_mass_changed() { fresh_ = true; }
+  // Did some accelerations end before their precision? The same on all ranks.
+  bool accelerations_are_imprecise() const { return accelerations_.imprecise() || impulses_.imprecise(); }
 
   // Jumps in a step: clear_sudden_forces() comes first, then follow_jumps() for each bond before its nodes drift.
   void clear_sudden_forces();

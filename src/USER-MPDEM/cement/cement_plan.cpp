@@ -34,6 +34,10 @@ void BondTrouble::stop(MPI_Comm comm) const {
   throw_if_any(comm, mine == first ? text : "");
 }
 
+std::string trouble_of_shared_id(int tag) {
+  return text_of("there are several atoms of ID ", tag, ", and cement knows its grains by their IDs; give each atom an ID of its own, in the data file it comes from for instance");
+}
+
 std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm) {
   double distance[2];
   for (int s = 0; s < 2; ++s) distance[s] = std::max(length(arm[s].data()) - grain[s].radius, 0.0);
@@ -103,10 +107,11 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       why = text_of("grains ", pairs[n].first, " and ", pairs[n].second, " have cement already; it would overlap");
     for (int s = 0; s < 2; ++s) {
       const int tag = bond.grain[s].tag = s == 0 ? pairs[n].first : pairs[n].second;
-      const bool there = grain_of.count(tag) == 1;
-      if (there) bond.grain[s] = grain_of.find(tag)->second;
+      const std::size_t atoms = grain_of.count(tag);
+      if (atoms == 1) bond.grain[s] = grain_of.find(tag)->second;
       if (!why.empty()) continue;
-      if (!there) why = text_of("grain ", tag, " does not exist; create both grains before their cement");
+      if (atoms == 0) why = text_of("grain ", tag, " does not exist; create both grains before their cement");
+      else if (atoms > 1) why = trouble_of_shared_id(tag);
       else if (bond.grain[s].is_point) why = text_of("atom ", tag, " is a material point, not a grain");
     }
     if (why.empty()) why = trouble_of_geometry(bond);

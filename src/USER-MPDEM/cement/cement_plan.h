@@ -54,6 +54,9 @@ struct PlannedBond {
   Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
 };
 
+// Says that an ID is not of one atom alone.
+std::string trouble_of_shared_id(int tag);
+
 // Velocity of new cement between moving grains. `arm`: vectors from the centres of both grains to a place. The motions
 // of the grains are weighed by the distances to their surfaces. So cement at a grain moves with it, and cement between
 // grains that move as one body moves as a part of that body.

@@ -11,6 +11,7 @@
 #include <algorithm>
 
 #include "../fracture/separation.h"
+#include "../material/law.h"
 #include "../mpm/basis.h"
 #include "../mpm/body.h"
 #include "../parallel/record.h"
@@ -41,8 +42,23 @@ struct LinksSoFar {
   }
 };
 
+// The law of damage of the steps so far. Later steps may have another, which the user is told of.
+struct LawSoFar {
+  int law = 0;  // number of the law, law_number()
+  double value[Law::kMostWords] = {}, length = 0.0, energy = 0.0, imperfection = 0.0;
+
+  template <class Self, class Visitor>
+  static constexpr void describe(Self& l, Visitor& visit) {
+    visit("the number of the law of damage", l.law, kCount);
+    visit("a value of the law of damage", l.value, kFinite);
+    visit("the length of the regularization", l.length, kNotNegative);
+    visit("the energy of a crack", l.energy, kNotNegative);
+    visit("the imperfection", l.imperfection, kNotNegative);
+  }
+};
+
 struct CementHead {
-  static constexpr int kVersion = 19;
+  static constexpr int kVersion = 20;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;
@@ -56,6 +72,7 @@ struct CementHead {
   double auto_share = 0.0;  // its S; 0: there is no such step
   double longest_substep = 0.0;  // longest sub-step of `subcycle auto`; 0: none was found
   LinksSoFar links;
+  LawSoFar law;
   bool unilateral = false;    // are failed points stiff while their crack is closed
   double elastic[5] = {0, 0, 0, 0, 0};  // constants of the elasticity, VtiConstants
   double mass_scale = 1.0;
@@ -78,6 +95,7 @@ struct CementHead {
     visit("the largest eigenvalue", h.eigenvalue, kNotNegative);
     visit("the step of 'timestep auto'", h.auto_step, kNotNegative);
     visit.part(h.links);
+    visit.part(h.law);
     visit("the number of bonds", h.bodies, kCount);
     visit("the number of nodes", h.nodes, kNotNegative);
     visit("'cracks split'", h.split);

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "../mpm/field_drive.h"
+#include "../numerics/place_in.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
 #include "bond_description.h"
@@ -80,7 +81,10 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
     for (int i = 0; i < b->grid.size(); ++i)
       if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
   complete(comm, model);
-  if (is_too_heavy(model)) throw BadState("the static fields of a bond are far off at nodes that hold by next to nothing; use 'edge tied', points that hold, or 'condense no'");
+  if (is_too_heavy(model))
+    throw BadState(text_of("the static fields of the bond of grains ", body.grain[0], " and ", body.grain[1], " are far off at nodes that hold by next to nothing; use ",
+                           body.pattern > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
+                                            : "'edge tied' where edges are free, points that hold, ", "or 'condense no'"));
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
   s->sums.add(b->points, law, false);
@@ -196,7 +200,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law, split)) without.push_back(rows[n]);
   }
   without = union_of_ranks(comm, without);
-  without_field_last_ = static_cast<int>(without.size());
+  without_field_last_ = without;
   for (int row : without) {
     bonds.table[row].condensed = false;
     solutions_.erase(row);
@@ -319,6 +323,10 @@ int CondensedBonds::part_of(int body) const {
   return m != members_.end() && m->body == body ? static_cast<int>(m - members_.begin()) : -1;
 }
 
+int CondensedBonds::part_that_is(int body) const {
+  return static_cast<int>(place_in(members_, body, [](const Member& m) { return m.body; }, "condensed bond"));
+}
+
 void CondensedBonds::follow(const BondedGrains& grains, const double* gravity) {
   pack_.distribute(grains.grains);
   pack_.find_loads(gravity);
@@ -377,7 +385,7 @@ CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double hal
 }
 
 double CondensedBonds::energy_of_points(int body) const {
-  const int part = part_of(body);
+  const int part = part_that_is(body);
   CondensedMotion::Vector6 d;
   for (int j = 0; j < 6; ++j) d[j] = pack_.relative(part, j);
   return 0.5 * d.dot(members_[part].solution->energy * d);

@@ -52,7 +52,7 @@ class CondensedBonds {
   }
   bool is_in_pieces(int row) const { return in_pieces_.count(row) > 0; }
   int solved_last() const { return solved_last_; }  // number of solutions that this rank found last, patterns included
-  int without_field_last() const { return without_field_last_; }  // number of bonds for which the last solve() found no fields, of all ranks
+  const std::vector<int>& without_field_last() const { return without_field_last_; }  // rows for which the last solve() found no fields, of all ranks
   // A laid-out bond that stands for the bonds of a pattern, and the body of one of them.
   struct OfPattern {
     int pattern;
@@ -178,6 +178,7 @@ class CondensedBonds {
   void settle(MPI_Comm comm, Bond* bond, const Body& body, const double* gravity, const Law& law) const;
   void pack_up(MPI_Comm comm, const Bonds& bonds, const BondedGrains& grains);
   int part_of(int body) const;  // the first part of the bond, which may have two pieces; -1: none
+  int part_that_is(int body) const;  // throws std::logic_error if there is none
   template <class F>
   void each_part_of(int body, F f) const {
     const int first = part_of(body);
@@ -195,7 +196,8 @@ class CondensedBonds {
   std::map<int, PatternSolution> patterns_;
   std::map<int, std::shared_ptr<const Solution>> solutions_;  // solutions of bonds with points here
   std::map<int, std::size_t> described_;                      // hash of what these were solved for
-  int solved_last_ = 0, without_field_last_ = 0;
+  int solved_last_ = 0;
+  std::vector<int> without_field_last_;
   std::set<int> in_pieces_;
   std::set<int> cut_;                                         // bodies that ranks cut, the same on all ranks
   struct Candidate {

@@ -26,7 +26,7 @@ constexpr double kChange = 1e-3;  // share of what the bond has at its threshold
 }  // namespace
 
 CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body& body, double later) const {
-  const int part = part_of(bond.body);
+  const int part = part_that_is(bond.body);
   const Member& m = members_[part];
   if (m.piece >= 0) return nodes_of_pieces(bond, body, later);
   const auto sides = pack_.sides(part, body);
@@ -59,7 +59,7 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of(const Bond& bond, const Body
 }
 
 CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, const Body& body, double later) const {
-  const std::size_t first = part_of(bond.body);
+  const std::size_t first = part_that_is(bond.body);
   NodeMotion n;
   for (auto* values : {&n.displacement, &n.velocity, &n.acceleration}) values->resize(3 * static_cast<std::size_t>(bond.grid.size()));
   for (int s = 0; s < 2; ++s) {
@@ -85,7 +85,7 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, con
   return n;
 }
 
-void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_of(bond.body)); }
+void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_that_is(bond.body)); }
 
 void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
@@ -107,7 +107,7 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
     grid.displacement.swap(n.displacement);
     grid.velocity.swap(n.velocity);
     grid.acceleration.swap(n.acceleration);
-    const int part = part_of(body);
+    const int part = part_that_is(body);
     const Matrix3 Q = CondensedMotion(model_of(part), row, pack_.sides(part, row).data()).axes();
     double turn[3][3];
     for (int i = 0; i < 3; ++i)
@@ -129,7 +129,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
       continue;
     }
     Grid& grid = bond->grid;
-    std::array<GrainSide, 2> side = pack_.sides(part_of(bond->body), body);
+    std::array<GrainSide, 2> side = pack_.sides(part_that_is(bond->body), body);
     for (GrainSide& s : side)  // so that dampers do not act
       for (int d = 0; d < 3; ++d) s.v[d] = s.omega[d] = 0.0;
     std::vector<double> velocity(grid.velocity.size(), 0.0);

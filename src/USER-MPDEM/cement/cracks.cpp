@@ -7,6 +7,7 @@
 
 #include "../fracture/ligament.h"
 #include "../mpm/point_state.h"
+#include "../numerics/place_in.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/ranks.h"
@@ -87,8 +88,6 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
-std::size_t index_of(const std::vector<int>& rows, int row) { return std::lower_bound(rows.begin(), rows.end(), row) - rows.begin(); }
-
 // Bonds as a whole, each on one rank.
 struct WholeBonds {
   struct Source {
@@ -142,7 +141,7 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < sent.count[rank]; ++i, ++n) {
       const Sent& s = sent.data[n];
-      const std::size_t place = index_of(rows, s.body);
+      const std::size_t place = place_in(rows, s.body, "bond");
       whole.points[place].push_back(s.point);
       whole.sources[place].push_back({rank, s.slot});
     }

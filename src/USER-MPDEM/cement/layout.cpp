@@ -9,6 +9,7 @@
 #include "../geometry/radial_axis.h"
 #include "../material/tensor_damage.h"
 #include "../mpm/point_state.h"
+#include "../numerics/place_in.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
 #include "borrowed_nodes.h"
@@ -219,7 +220,7 @@ class LayoutMaker {
   // Returns for each layout whether some rank has ties in it.
   std::vector<char> tied_anywhere(const std::vector<std::vector<EdgeTie>>& ties) const {
     std::vector<char> of_rows(rows_.size(), 0), any;
-    const auto at = [&](std::size_t n) { return std::lower_bound(rows_.begin(), rows_.end(), layouts_[n].body) - rows_.begin(); };
+    const auto at = [&](std::size_t n) { return place_in(rows_, layouts_[n].body, "bond"); };
     for (std::size_t n = 0; n < layouts_.size(); ++n) of_rows[at(n)] = !ties[n].empty();
     MPI_Allreduce(MPI_IN_PLACE, of_rows.data(), static_cast<int>(of_rows.size()), MPI_SIGNED_CHAR, MPI_MAX, rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) any.push_back(of_rows[at(n)]);

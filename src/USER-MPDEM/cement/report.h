@@ -30,7 +30,7 @@ class Report {
   double cement_mass() const;  // mass on this rank, with the mass scale
   int awake_bonds() const;     // number over all ranks
   int bonds_solved() const { return condensed_.solved_last(); }  // number at the last layout, of this rank
-  int bonds_without_field() const { return condensed_.without_field_last(); }
+  const std::vector<int>& bonds_without_field() const { return condensed_.without_field_last(); }  // rows
   std::size_t memory_of_condensed() const { return condensed_.memory_usage(); }
   std::size_t memory_usage() const { return scene_.bonds().memory_usage() + condensed_.memory_usage(); }  // bytes, on this rank
 

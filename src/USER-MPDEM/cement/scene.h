@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "../material/law.h"
+#include "../parallel/own_comm.h"
 #include "bond.h"
 #include "bonded_grains.h"
 #include "energy_books.h"
@@ -55,7 +56,7 @@ struct StepInput {
 struct Scene {
   static constexpr int kWatchEvery = 5;  // steps of the cement between looks at bonds that may have come apart, and at places that let go
 
-  MPI_Comm comm;
+  const OwnComm comm;
   CementOptions options;
   std::shared_ptr<const Law> law;
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links

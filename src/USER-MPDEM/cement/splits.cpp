@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "../numerics/length.h"
+#include "../numerics/place_in.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/ranks.h"
@@ -133,7 +134,7 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < holders.count[rank]; ++i, ++n) {
       const int r = holders.data[n];
-      const CopyChange& c = changes[std::lower_bound(rows.begin(), rows.end(), r) - rows.begin()];
+      const CopyChange& c = changes[place_in(rows, r, "bond")];
       for (const CopyChange::Moved& m : c.moved) parts[rank].push_back({r, m.tag, m.part});
       for (const CopyChange::Source& s : c.sources) sources[rank].push_back({r, s.part, s.from, s.node});
       for (const Place& p : c.rows)

@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 
+#include "../material/laws.h"
 #include "../parallel/agree.h"
 #include "../parallel/gather_ranks.h"
 #include "cement.h"
@@ -47,7 +48,35 @@ void check_restored(const CementHead& head, const CementOptions& o, const VtiCon
                            edge(head.tied), "' and the kinematics and re-projection of that run"));
 }
 
+LawSoFar law_of(const Law& law, const CementOptions& o) {
+  LawSoFar now;
+  now.law = law_number(law);
+  const std::vector<double> values = law.values();
+  std::copy(values.begin(), values.end(), now.value);
+  now.length = law.length();
+  now.energy = law.crack_energy();
+  now.imperfection = o.imperfection;
+  return now;
+}
+
 }  // namespace
+
+std::string Cement::other_words_than(const CementHead& head) const {
+  const LawSoFar now = law_of(*scene_.law, scene_.options), &was = head.law;
+  const int known = static_cast<int>(law_entries().size());
+  const NamedLaw& law = law_entries()[now.law - 1];
+  if (was.law != now.law)
+    return text_of("'damage ", law.name, "', was '", was.law >= 1 && was.law <= known ? "damage " + law_entries()[was.law - 1].name : text_of("law ", was.law), "'");
+  std::string all;
+  const auto compare = [&](const std::string& word, double a, double b) {
+    if (std::fabs(a - b) > 1e-5 * std::max(std::fabs(a), std::fabs(b))) all += text_of(all.empty() ? "'" : ", '", word, "' ", a, ", was ", b);
+  };
+  for (std::size_t n = 0; n < law.words.size(); ++n) compare(law.words[n].name, now.value[n], was.value[n]);
+  compare("regularization nonlocal", now.length, was.length);
+  compare("energy", now.energy, was.energy);
+  compare("imperfection", now.imperfection, was.imperfection);
+  return all;
+}
 
 std::vector<double> Cement::packed_state(CementHead head) {
   head.cell = scene_.options.cell;
@@ -68,6 +97,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.unilateral = scene_.options.unilateral;
   const std::array<double, 5> elastic = numbers_of(scene_.law->elasticity().constants);
   std::copy(elastic.begin(), elastic.end(), head.elastic);
+  head.law = law_of(*scene_.law, scene_.options);
   head.mass_scale = scene_.options.mass_scale;
   head.density = scene_.density();
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);

@@ -87,6 +87,9 @@ class GrainAccelerations {
                     GrainSides& sides, CondensedPack* condensed);
 
   int sweeps() const { return sweeps_; }
+  // Did some call end before its precision, for want of sweeps? So it is if links of both grains share nodes, and grains
+  // are far lighter than the mass that these links add.
+  bool imprecise() const { return imprecise_; }
 
  private:
   // Numbers of a side that are summed over ranks: force and moment, moments of c (1 - c/N), and moments of c0 c1/N.
@@ -114,6 +117,7 @@ class GrainAccelerations {
   std::vector<std::array<double, 6>> found_;
   int sweeps_ = 1;
   double radius_ = 0;
+  bool imprecise_ = false;
 };
 
 }  // namespace mpdem

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "node_copies.h"
+#include "../numerics/place_in.h"
 #include "../numerics/sort_unique.h"
 #include "points_around.h"
 
@@ -122,7 +123,7 @@ std::vector<Place> CopyLattice::nodes_of(const std::vector<int>& points) const {
 CopyChange CopyLattice::fail(const std::vector<int>& tags, NodeCopies& copies) {
   std::vector<Place> nodes;
   for (int tag : tags) {
-    const int i = *std::lower_bound(by_tag_.begin(), by_tag_.end(), tag, [&](int p, int t) { return points_[p].tag < t; });
+    const int i = by_tag_[place_in(by_tag_, tag, [&](int p) { return points_[p].tag; }, "point")];
     points_[i].failed = true;
     add_nodes_parted_by(i, copies, nodes);
   }
@@ -164,7 +165,7 @@ CopyChange CopyLattice::come_apart(const std::vector<OfPiece>& pieces, NodeCopie
   std::vector<OfPiece> sorted(pieces);
   const auto by_tag = [](const OfPiece& a, const OfPiece& b) { return a.tag < b.tag; };
   std::sort(sorted.begin(), sorted.end(), by_tag);
-  for (CopyPoint& p : points_) p.piece = std::lower_bound(sorted.begin(), sorted.end(), OfPiece{p.tag, 0}, by_tag)->piece;
+  for (CopyPoint& p : points_) p.piece = sorted[place_in(sorted, p.tag, [](const OfPiece& o) { return o.tag; }, "piece of point")].piece;
   std::vector<int> border;
   for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
     bool meets = false;

@@ -76,13 +76,16 @@ bool Shape::inside(const Vector3& x) const {
 double Shape::clearance(const Vector3& x) const {
   const double z = x.dot(pair_.n);
   const double r = std::sqrt(std::max(x.squaredNorm() - z * z, 0.0));
-  double c = top_clearance(r, z);
-  if (inner_ > 0.0) c = std::min(c, std::fabs(r - inner_));
-  for (int s = 0; s < 2; ++s) {
-    const double h = z - pair_.height(s);
-    c = std::min(c, std::fabs(std::sqrt(r * r + h * h) - pair_.radius(s)));
-  }
-  return c;
+  double above[2];  // distances from the surfaces of the grains, below 0 inside
+  for (int s = 0; s < 2; ++s) above[s] = std::hypot(r, z - pair_.height(s)) - pair_.radius(s);
+  // The body lies in several sets. It is as far away as the farthest set that does not hold x, whatever other surfaces
+  // are near, such as those of the grains where there is no cement.
+  double apart = std::max({lowest() - z, z - highest(), -above[0], -above[1]});
+  if (apart <= 0.0 && r > top(z)) apart = top_clearance(r, z);
+  if (r < inner_ && between_centres(z)) apart = std::max(apart, std::min({inner_ - r, z - pair_.height(0), pair_.height(1) - z}));
+  if (apart > 0.0) return apart;
+  const double c = std::min({top_clearance(r, z), above[0], above[1]});
+  return inner_ > 0.0 ? std::min(c, std::fabs(r - inner_)) : c;
 }
 
 Vector3 Shape::half_extent() const {

@@ -70,7 +70,7 @@ struct ImpliedStrength {
 
 class Law {
  public:
-  static constexpr int kMostFields = 6;
+  static constexpr int kMostFields = 6, kMostWords = 8;
 
   explicit Law(const VtiElasticity& elasticity) : elasticity_(elasticity) {}
   virtual ~Law() = default;
@@ -81,6 +81,8 @@ class Law {
   // True if the law does no damage. Points then have no state, and none fails.
   bool inert() const { return fields() == 0; }
 
+  // Values of its words, in the order of words(); of a word with choices, the place of the chosen one.
+  virtual std::vector<double> values() const = 0;
   // Largest damage of a point that has not failed.
   virtual double cutoff() const { return 0.0; }
   virtual ImpliedStrength implied_strength(double E) const = 0;
@@ -93,6 +95,8 @@ class Law {
 
   // True if its softening can be chosen so that a crack takes the energy G_f per area.
   virtual bool has_crack_energy() const { return false; }
+  // The energy that its softening was chosen for; 0: none.
+  virtual double crack_energy() const { return 0.0; }
   // Chooses its softening so. Throws std::domain_error with the allowed range if there is no such softening.
   virtual void set_crack_energy(double /* G_f */, double /* cell */) {}
 

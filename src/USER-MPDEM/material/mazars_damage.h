@@ -45,6 +45,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
       : LawOf(elasticity), kappa0_(values.get("kappa0", 0.0)), At_(values.get("At", 1.0)), Bt_(values.get("Bt", 0.0)),
         cutoff_(values.get("cutoff", 0.9)), interface_(values.get("interface", 1.0)), kappa_at_cutoff_(kappa_of(cutoff_)) {}
 
+  std::vector<double> values() const override { return {kappa0_, At_, Bt_, cutoff_, interface_}; }
   double threshold() const { return kappa0_; }
   double lowest_threshold() const { return kappa0_; }
   double interface() const { return interface_; }

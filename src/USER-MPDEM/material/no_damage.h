@@ -20,6 +20,7 @@ class NoDamage final : public LawOf<NoDamage> {
   explicit NoDamage(const VtiElasticity& elasticity, const LawValues& = {}) : LawOf(elasticity) {}
   static std::vector<LawWord> words() { return {}; }
 
+  std::vector<double> values() const override { return {}; }
   ImpliedStrength implied_strength(double) const override {
     const double infinite = std::numeric_limits<double>::infinity();
     return {infinite, infinite, infinite, infinite};

@@ -159,15 +159,18 @@ std::string TensorDamage::report(double cell) const {
   if (length() > 0.0) return text + report_of_band(cell);
   const double band = localisation_cells(p_);
   return text + text_of("  implies   energy per crack area ", implied_strength(elasticity().constants.Ez).work_per_volume * band * cell,
-                        " for a crack ", band, crack_energy_set_ ? " cells wide\n"
+                        " for a crack ", band, crack_energy_ > 0.0 ? " cells wide\n"
                                                                 : " cells wide: without regularization it is proportional to the cell\n");
 }
 
-void TensorDamage::set_nonlocal_energy(double G_f) { p_.exponent = nonlocal_exponent(p_, G_f, length()); }
+void TensorDamage::set_nonlocal_energy(double G_f) {
+  p_.exponent = nonlocal_exponent(p_, G_f, length());
+  crack_energy_ = G_f;
+}
 
 void TensorDamage::set_crack_energy(double G_f, double cell) {
   p_.exponent = crack_cell_exponent(p_, G_f, cell);
-  crack_energy_set_ = true;
+  crack_energy_ = G_f;
 }
 
 void TensorDamage::state_from_tensor(const double* D, double* state) const {

@@ -78,11 +78,13 @@ class TensorDamage final : public LawOf<TensorDamage> {
   double interface() const { return p_.interface; }
   double growth(double dt) const { return dt / (p_.viscosity + dt); }
 
+  std::vector<double> values() const override { return {p_.B0, p_.Dcut, p_.monotone ? 0.0 : 1.0, p_.zeta, p_.interface, p_.viscosity}; }
   double cutoff() const override { return p_.Dcut; }
   ImpliedStrength implied_strength(double E) const override { return mpdem::implied_strength(p_, E); }
   std::string advice_on_strain() const override;
   std::string report(double cell) const override;
   bool has_crack_energy() const override { return true; }
+  double crack_energy() const override { return crack_energy_; }
   void set_crack_energy(double G_f, double cell) override;
   std::optional<SofteningCurve> softening_curve() const override { return mpdem::softening_curve(p_); }
   void set_nonlocal_energy(double G_f) override;
@@ -158,7 +160,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
   vmask first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const;
 
   DamageParameters p_;
-  bool crack_energy_set_ = false;
+  double crack_energy_ = 0.0;
 };
 
 }  // namespace mpdem

@@ -96,6 +96,14 @@ void AtomVecMpdem::check_motion_is_kept() const {
                                       "read_restart define fix mpm with the ID it had and use 'run 0' before write_restart, and 'unfix' it later only"));
 }
 
+void AtomVecMpdem::clear_loads_of_points() {
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!is_point(i)) continue;
+    std::fill(atom->f[i], atom->f[i] + 3, 0.0);
+    std::fill(atom->torque[i], atom->torque[i] + 3, 0.0);
+  }
+}
+
 void AtomVecMpdem::grow(int n) {
   AtomVecSphere::grow(n);
   memory->grow(slot, nmax, "atom:mpdem_slot");
@@ -440,6 +448,23 @@ void AtomVecMpdem::create_atom(int itype, double* coord) {
 void AtomVecMpdem::data_atom(double* coord, tagint image, char** values) {
   AtomVecSphere::data_atom(coord, image, values);
   slot[atom->nlocal - 1] = kPlain;
+}
+
+// read_data would make ordinary spheres of the points, and grains without bonds.
+void AtomVecMpdem::refuse_data_file() const {
+  if (bonds.table.empty()) return;
+  mpdem::stop_all(lmp, mpdem::text_of("write_data: a data file has spheres alone and would lose the cement (of grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
+                                      ", and so on); use write_restart and read_restart, or write_data before create_cement, and write_cement for the cement"));
+}
+
+void AtomVecMpdem::pack_data(double** buf) {
+  refuse_data_file();
+  AtomVecSphere::pack_data(buf);
+}
+
+void AtomVecMpdem::pack_data(double** buf, int tag_offset) {
+  refuse_data_file();
+  AtomVecSphere::pack_data(buf, tag_offset);
 }
 
 bigint AtomVecMpdem::memory_usage() {

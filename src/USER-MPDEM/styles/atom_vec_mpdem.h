@@ -54,6 +54,8 @@ class AtomVecMpdem : public AtomVecSphere {
   GrainState* grain(int i) { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   const GrainState* grain(int i) const { return slot[i] <= -2 ? &grains[-2 - slot[i]] : nullptr; }
   double* orientation(int i) { return slot[i] <= -2 ? grain(i)->q : nullptr; }
+  // LIGGGHTS clears forces and torques of the first group alone. Those of points have no meaning, so they show zero.
+  void clear_loads_of_points();
   // Gives a grain a state, if it has none. Its orientation is the identity.
   void track_orientation(int i);
 
@@ -91,6 +93,9 @@ class AtomVecMpdem : public AtomVecSphere {
   void read_restart_settings(FILE* fp) override;
   void create_atom(int itype, double* coord) override;
   void data_atom(double* coord, tagint image, char** values) override;
+  // write_data calls one of these, on all ranks.
+  void pack_data(double** buf) override;
+  void pack_data(double** buf, int tag_offset) override;
   bigint memory_usage() override;
 
  private:
@@ -102,6 +107,7 @@ class AtomVecMpdem : public AtomVecSphere {
   int pack_rows(int i, double* buf);
   void send_rows_to_points(std::map<int, std::vector<double>>& of_bonds) const;
   void drop_grains_that_left();
+  void refuse_data_file() const;
   bool is_in_motion() const;
   bool has_fix(const char* style) const;
   int pack_state(int i, double* buf) const;

@@ -109,6 +109,9 @@ void CementReport::parameters(Cement& c, bigint points) {
     text += c.law().report(o.cell);
     if (o.imperfection > 0.0) text += text_of("  one side of each bond bears ", o.imperfection, " more strain than the other ('imperfection')\n");
     if (!c.law().inert()) text += text_of("  cracks    ", o.split ? "split" : "bonds", "\n");
+    if (c.penalty() && c.penalty()->friction < 0.0 && (!c.law().inert() || c.penalty()->law->fields() > 0))
+      text += text_of("  contact   cement that debonded goes through its grain", o.unilateral ? "" : ", and faces of cracks through each other", "; 'friction' of fix mpm/couple makes them touch",
+                      o.condense ? ", with 'condense no'" : "", "\n");
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
     text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
@@ -125,8 +128,13 @@ void CementReport::parameters(Cement& c, bigint points) {
     int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
     const int bonds = static_cast<int>(table.size());
-    const int without = c.report().bonds_without_field();
-    const std::string others = without > 0 ? text_of("; ", without, " stay resolved, since parts of them hold by next to nothing") : "";
+    std::string others;
+    const std::vector<int>& without = c.report().bonds_without_field();
+    constexpr std::size_t kNamed = 5;
+    for (std::size_t n = 0; n < std::min(kNamed, without.size()); ++n)
+      others += text_of(n == 0 ? text_of("; ", without.size(), " stay resolved, since parts of them hold by next to nothing: of grains ") : std::string(", "), table[without[n]].grain[0],
+                        " and ", table[without[n]].grain[1]);
+    if (without.size() > kNamed) others += " ...";
     if (lmp_->comm->me == 0)
       say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
   }
@@ -178,13 +186,34 @@ void CementReport::warn(Cement& c) const {
   if (c.options().advance.nonlocal && length > wide)
     lmp_->error->warning("fix mpm", 0, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
                                                ", so that no crack is narrower than a bond; use a length well below that, in the units of the box").c_str());
+  const double band = 2.0 * c.options().half_band;
+  int thin = 0;
+  double thinnest = band;
+  for (const Body& b : c.bonds().table)
+    if (b.thickness < band) {
+      ++thin;
+      thinnest = std::min(thinnest, b.thickness);
+    }
+  if (thin > 0 && length <= wide && !c.keeps_skins())
+    lmp_->error->warning("fix mpm", 0, text_of(who_, "the band in which cement breaks with 'regularization nonlocal ", length, "' is ", band, " wide, and ", thin, " of ", c.bonds().table.size(),
+                                               " bonds are thinner, the thinnest ", thinnest, ": all surface on which these separate counts as debonding; a length of ", length * thinnest / band,
+                                               " or less, with cells of that, would tell").c_str());
   const VtiConstants& e = law.elasticity().constants;
   const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
   if (strain > 1.0)
     lmp_->error->warning("fix mpm", 0, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()).c_str());
 }
 
+void CementReport::accelerations(Cement& c) {
+  if (accelerations_told_ || !c.grains().accelerations_are_imprecise()) return;
+  accelerations_told_ = true;
+  if (lmp_->comm->me == 0)
+    lmp_->error->warning("fix mpm", 0, (who_ + "accelerations of grains are not found to their precision, and energy is not kept: grains are far lighter than the mass that links add, and "
+                                               "links of both grains of a bond share nodes; look at the 'density' of the grains, or use a smaller 'timestep', a smaller cell, or 'kn auto' and 'kt auto' of fix mpm/couple").c_str());
+}
+
 void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
+  accelerations(c);
   if (reported_) return;
   reported_ = true;
   if (!c.penalty()) return;
@@ -233,6 +262,7 @@ std::string limited_grain(LAMMPS* lmp, Cement& c) {
 }  // namespace
 
 void CementReport::times(Cement& c, bigint points) {
+  accelerations(c);
   const bigint steps = steps_timed_ += lmp_->update->ntimestep - lmp_->update->firststep;
   if (steps <= 0) return;
   const CementOptions& o = c.options();

@@ -48,6 +48,7 @@ class CementReport {
  private:
   void say(const std::string& text) const;
   void damping(Cement& c);
+  void accelerations(Cement& c);  // warns once if they are imprecise
   void stop_if_not_positive(const Cement& c) const;
   void stop_if_too_long(const Cement& c, double limit) const;
   void warn(Cement& c) const;
@@ -57,7 +58,7 @@ class CementReport {
 
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
-  bool reported_ = false, jump_told_ = false, split_told_ = false;
+  bool reported_ = false, jump_told_ = false, split_told_ = false, accelerations_told_ = false;
   bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;

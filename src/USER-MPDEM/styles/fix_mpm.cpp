@@ -135,11 +135,16 @@ int FixMpm::modify_param(int narg, char** arg) {
 void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
-  const bool all = all_points_ || !coupled || !cement_->may_leave_points_out();
+  const char* const against = all_points_ ? nullptr : cement_->word_against_patterns();
   std::vector<int> rows;
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
-  for (std::size_t row = 0; row < table.size(); ++row)
-    if (table[row].pattern > 0 && (all || table[row].wants_points)) rows.push_back(static_cast<int>(row));
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    if (table[row].pattern == 0) continue;
+    if (against)
+      mpdem::stop_all(lmp, text_of(who(), "the cement of grains ", table[row].grain[0], " and ", table[row].grain[1], " was made with 'points later', which ", against,
+                                   " does not allow; use 'condense yes', 'cracks bonds' and 'axis radial' or 'axis bond', or 'fix_modify ", id, " points all', which makes all points now"));
+    if (all_points_ || !coupled || table[row].wants_points) rows.push_back(static_cast<int>(row));
+  }
   if (rows.empty()) return;
   mpdem::keep_contact_history(lmp);
   make_points(rows);
@@ -389,6 +394,7 @@ void FixMpm::pre_exchange() {
 
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
+  avec_->clear_loads_of_points();  // points are at other places of LIGGGHTS' lists now
   mpdem::count_points(lmp, who(), *avec_, points_expected_);
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
@@ -528,6 +534,7 @@ void FixMpm::show_points() { cement_->show_points(); }
 // Brings LIGGGHTS' positions, velocities and slots of the points up to date. Code that reads strain shows it itself.
 void FixMpm::fill_atoms() {
   cement_->sync_slots();
+  avec_->clear_loads_of_points();
   std::string trouble;
   std::vector<mpdem::Report::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {
@@ -543,7 +550,6 @@ void FixMpm::fill_atoms() {
         for (int d = 0; d < 3; ++d) {
           place[d] = bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
           velocity[d] = motion[b].v[d][l];
-          atom->f[i][d] = 0.0;  // LIGGGHTS does not clear it for points, and it has no meaning
         }
         const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, place), v = mpdem::turned(axes, velocity);
         std::copy(in_box.begin(), in_box.end(), x);

@@ -11,6 +11,7 @@
 
 #include "arguments.h"
 #include "comm.h"
+#include "error.h"
 #include "fix_mpm.h"
 #include "update.h"
 
@@ -70,6 +71,9 @@ void FixMpm::restart(char* buf) {
   nodes.swap(avec_->restored_rows);
   guarded([&] { cement_->restore(head, in, nodes); });
   mpdem::stop_if_any(lmp, damaged(in.trouble()));  // the nodes are those of this rank
+  const std::string others = cement_->other_words_than(head);
+  if (!others.empty() && comm->me == 0)
+    error->warning("fix mpm", 0, text_of(who(), "the cement goes on with other words than in the steps before the restart file: ", others).c_str());
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = head.time;
   update->atimestep = update->ntimestep;
