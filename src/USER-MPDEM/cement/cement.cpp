@@ -123,7 +123,19 @@ void Cement::take_up_commands() {
   BondedGrains& grains = scene_.grains;
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.books.do_work(condensed_.work_of_commands(scene_.bonds, scene_.dt_last));
-  if (added_.any()) grains.take_up_commands(scene_.comm, scene_.bonds, scene_.now.dt, scene_.dt_last, scene_.books);
+  if (added_.any()) {
+    const auto power = [&](auto of_bond) {  // of the forces on nodes in the second half of the last step
+      double sum = 0.0;
+      for (const Bond& b : scene_.bonds.awake()) sum += of_bond(b, b.grid.acceleration);
+      return 0.25 * scene_.dt_last * (scene_.dt_last + scene_.now.dt) * sum;
+    };
+    const auto of_loads = [&](const Bond& b, const std::vector<double>& v) { return work_.load_power(b, v); };
+    const auto inertial = [&](const Bond& b, const std::vector<double>& v) { return work_.inertial_power(b, v); };
+    const double loads_before = power(of_loads), inertial_before = power(inertial);
+    grains.take_up_commands(scene_.comm, scene_.bonds, scene_.now.dt, scene_.dt_last, scene_.books);
+    scene_.books.do_work(power(of_loads) - loads_before);
+    scene_.books.do_inertial_work(power(inertial) - inertial_before);
+  }
   grains.book_commands(scene_.dt_last, scene_.books);
 }
 
