@@ -98,6 +98,7 @@ void Cement::change_step() {
 
 // Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
+  if (stable_step_.bound_alone()) return stable_step_.eigenvalue();
   std::vector<BondLayout> layouts = arrangement_.of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
   for (BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});

@@ -91,7 +91,11 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
   return 2.0 / std::sqrt(largest);
 }
 
-EigenvalueEstimate StableStep::eigenvalue() { return eigenvalue_of(scene_.all_rows(), nullptr); }
+EigenvalueEstimate StableStep::eigenvalue() {
+  return bound_alone() ? EigenvalueEstimate{scene_.eigenvalue_bound(), 0.0, 0} : eigenvalue_of(scene_.all_rows(), nullptr);
+}
+
+bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
 
 // Patches are looked at as nodes split, as coarsely as is enough to see that the known eigenvalue holds. The estimate is
 // value and residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is
@@ -128,7 +132,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
-  if (bound > 0.0 && dt <= step_for(bound, scene_.options.relax)) return bound;
+  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches);
   if (e.value > kGrowth * known_) known_ = e.value + e.residual;
   return e.value + e.residual;
@@ -139,7 +143,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 // layout has the added mass for what was known before. Where nodes split, patches are blocks about them, one support
 // further than those that changed: the new modes are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
-  if (known_ == 0.0 || scene_.options.updated) return false;
+  if (known_ == 0.0) return false;
   const int n = scene_.now.substeps;
   const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches), scene_.options.relax);
   if (scene_.now.dt > limit)

@@ -26,6 +26,9 @@ class StableStep {
   // Largest stable step in the present state, from the largest eigenvalue of the cement and the damping of the options.
   double find();
   EigenvalueEstimate eigenvalue();
+  // True with `updated` kinematics: points come to other places in the cells, so only the bound holds for the steps to
+  // come. The functions above and below give the bound then.
+  bool bound_alone() const;
   // Largest stable step for a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is
   // stable.
   double step_for(double eigenvalue, double relax) const;

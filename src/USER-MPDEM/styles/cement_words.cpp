@@ -205,8 +205,8 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain(text_of("'subcycle' is for 'kinematics total' without 'reproject': cement follows impulses on its grains by its places in the reference; use "
                           "'subcycle no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.updated && o.basis == Basis::linear)
-    w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
-                "from cell to cell; use 'basis quadratic'";
+    args.complain("'kinematics updated' with 'basis linear': no time step stays stable as points move, since a node that they have just reached has "
+                  "stiffness but next to no mass; use 'basis quadratic', or 'kinematics total'");
   if (flip && o.reproject_every > 1)
     args.complain(text_of("'transfer flip' with 'reproject ", o.reproject_every, "' feeds energy into the cement; use 'reproject 1', "
                           "or 'transfer apic' or 'xpic' with any interval"));

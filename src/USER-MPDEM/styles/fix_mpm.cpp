@@ -59,7 +59,6 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
     for (const std::string& note : words.notes)
       for (FILE* f : {screen, logfile})
         if (f) std::fprintf(f, "%s%s\n", who().c_str(), note.c_str());
-    if (!words.warning.empty()) error->warning("fix mpm", 0, (who() + words.warning).c_str());
   }
   step_fraction_ = words.step_fraction;
   failures_.name(words.events);
