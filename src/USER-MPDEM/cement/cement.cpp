@@ -109,7 +109,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() {
   sort_unique(patterns);
   std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
   for (CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
-  return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law);
+  return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law, kPreciseEigenvalue);
 }
 
 std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() { return mpdem::stiffness_of_bonds(scene_, arrangement_.of_copies(&*scene_.penalty)); }

@@ -203,7 +203,7 @@ void FixMpm::set_time_step(const Fix* running) {
   double limit = 0.0;
   guarded([&] {
     e = cement_->eigenvalue_of_new_layout();
-    limit = cement_->stable_step().step_for(e.value + e.residual, cement_->options().relax);
+    limit = cement_->stable_step().step_for(e.most, cement_->options().relax);
     if (subcycle > 0) limit *= subcycle;
     else longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * limit);  // as with `timestep auto`
     if (subcycle == 0 && step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
