@@ -199,6 +199,9 @@ void check_together(Arguments& args, CementWords& w) {
                           "'condense no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.condense && o.mass_order > 1)
     args.complain(text_of("'condense yes' is for 'mass_order 1', the mass that condensed bonds have; use 'condense no' or leave 'mass_order ", o.mass_order, "' out"));
+  if (o.condense && o.basis == Basis::cubic)
+    args.complain("'condense yes' is for 'basis quadratic' or 'linear': with 'basis cubic' nodes at the edge hold by so little that bonds wake differently on "
+                  "other ranks; use 'condense no' or leave 'basis cubic' out");
   if (o.condense && o.unilateral)
     args.complain("'condense yes' is for 'unilateral no': points that are stiff again while their crack is closed are not linear; use 'condense no' or leave 'unilateral yes' out");
   if (o.subcycle != 1 && reprojects)
