@@ -93,7 +93,7 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() {
   const double bound = scene_.eigenvalue_bound();
-  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, kEigenvalueTolerance);
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr);
 }
 
 bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
@@ -101,7 +101,7 @@ bool StableStep::bound_alone() const { return scene_.options.updated && scene_.e
 // Patches are looked at as nodes split, as coarsely as is enough to see that the known eigenvalue holds. The estimate is
 // value and residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is
 // to be known is found of whole bonds, and does not depend on the number of ranks.
-EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, double tolerance) {
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
     if (Bond* b = scene_.bonds.find(row)) {
@@ -117,7 +117,7 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
   }
   for (EigenvaluePart& p : parts) p.blocks = nullptr;
   if (!patches) condensed_.each_pattern([&](Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
-  return largest_eigenvalue(scene_.comm, parts, *scene_.law, tolerance);
+  return largest_eigenvalue(scene_.comm, parts, *scene_.law, kPreciseEigenvalue);
 }
 
 double StableStep::find() {
@@ -135,11 +135,8 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
   if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
-  EigenvalueEstimate e = eigenvalue_of(rows, patches, known_ > 0.0 ? kEigenvalueTolerance : kPreciseEigenvalue);
-  if (e.value > kGrowth * known_) {
-    if (known_ > 0.0) e = eigenvalue_of(rows, nullptr, kPreciseEigenvalue);
-    known_ = e.most;
-  }
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches);
+  if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
 }
 

@@ -61,7 +61,7 @@ class StableStep {
   bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
 
  private:
-  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, double tolerance);
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches);
   double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches);
 
   const Scene& scene_;
