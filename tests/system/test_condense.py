@@ -301,6 +301,7 @@ BAD = {
     "neither yes nor no": ("condense yes", "condense 0.8", ["fix mpm (id cem)", "condense", "0.8", "yes"]),
     "updated": ("condense yes", "condense yes kinematics updated", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'kinematics updated' out"]),
     "a new reference": ("condense yes", "condense yes reproject 10", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'reproject' out"]),
+    "cubic splines": ("condense yes", "condense yes basis cubic", ["fix mpm (id cem)", "'condense yes' is for 'basis quadratic' or 'linear'", "leave 'basis cubic' out"]),
     "cracks that close": ("condense yes", "condense yes unilateral yes", ["fix mpm (id cem)", "'condense yes' is for 'unilateral no'", "leave 'unilateral yes' out"]),
     "friction": ("kn auto", "friction 0.3 kn auto", ["fix mpm/couple (id bond)", "'friction 0.3'", "'condense no'", "fix mpm (id cem)"]),
     "the other mass": ("condense yes", "condense yes mass_order 2", ["fix mpm (id cem)", "'condense yes' is for 'mass_order 1'", "leave 'mass_order 2' out"]),

@@ -11,7 +11,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import NEIGHBOURS, RADIUS, cement, dump, edit, host, point_quantities, pull, run, thermo
+from scenes import NEIGHBOURS, RADIUS, cement, dump, edit, host, pair, point_quantities, pull, run, thermo
 
 SPACING = 1e-4
 VISCOUS = "viscosity 1e-6"
@@ -99,6 +99,20 @@ def test_points_in_the_middle(tmp_path, figures):
     figures.below(f"{name}, through failure and after it: force over the peak", worst.max(), 1e-9)
     for c in SHARES + REST:
         figures.below(f"{name}: {c}", abs(one.table()[c] - other.table()[c]).max() / max(abs(one.table()[c]).max(), 1e-300), 1e-9)
+
+
+@pytest.mark.parametrize("words, limit", [("basis linear", 7e-9), ("basis linear condense yes", 5e-9), ("timestep auto 0.3", 2.5e-9)])
+def test_axes_of_the_box(words, limit, tmp_path, figures):
+    """Along another axis of the box the nodes have another order. Added mass and 'timestep auto' go by an eigenvalue that does not depend on it."""
+    along = {}
+    for d in range(3):
+        n = np.eye(3)[d]
+        text = pair(SPACING, gap=2e-4, cement="outer 1.5e-3 inner 0.3e-3", direction=n, half_box=3 * (12.5e-3,))
+        text += cement(2 * SPACING, 4e-9, axis="radial", damage=f"damage tensor B0 9.6e3 cutoff 0.9 check 10 {words}") + pull(0.5, 8e-6, n)
+        done = run(text + thermo(20, FORCES) + "run 800\n", tmp_path / "xyz"[d])
+        along[d] = forces(done)[:, 2] @ n
+    for d in range(2):
+        figures.below(f"flat, {words}, along {'xyz'[d]} against along z: force over the peak", abs(along[d] - along[2]).max() / abs(along[2]).max(), limit)
 
 
 # The axis of the box nearest to each, of equally near ones the first: that of the pair which is the same.

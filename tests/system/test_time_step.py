@@ -190,6 +190,19 @@ def test_a_loose_piece_is_damped_with_no_grain(tmp_path, figures):
                   abs(t["f_cem[15]"][-1]) / (mass * t["v_w"][-1]), 0.01)
 
 
+@pytest.mark.parametrize("basis", ["quadratic", "cubic"])
+def test_points_that_move(basis, tmp_path):
+    """Points of `updated` come to other places in the cells. So the step holds for points anywhere, wherever they start."""
+    steps = []
+    for place in ("0 0 0", "5e-5 2e-5 3e-5", "1e-4 1e-4 1e-4"):
+        text = edit(pair(CELL / 2), "spacing 0.0001", f"spacing 0.0001 grid {place}") + edit(cement(CELL, 1e-9), "mpm cell 0.0002", f"mpm cell 0.0002 basis {basis} kinematics updated timestep auto 1")
+        out = run(text + "fix hold grains move linear 0 0 0\nrun 1\n", tmp_path).output
+        steps.append(float(re.search(r"timestep auto: (\S+),", out).group(1)))
+    assert steps[0] == steps[1] == steps[2], steps
+    longer = launch(edit(text, "timestep     1e-09", f"timestep {1.01 * steps[0]:.15g}").replace("timestep auto 1", "") + "fix hold grains move linear 0 0 0\nrun 1\n", tmp_path)
+    assert longer.status != 0 and "exceeds the stable step" in longer.errors()[0], longer.output[-500:]
+
+
 @pytest.mark.parametrize("dt", [5e-9, 1.3e-8])
 def test_another_step_keeps_momentum(dt, tmp_path, figures):
     """Added mass goes with the time step. A run with another step goes on with the momentum of the one before."""

@@ -387,7 +387,7 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   EXPECT_GT(std::fabs(added_energy(s) - inertial), 0.1 * inertial);
   s.sides.clear_forces();
   s.sides.clear_sudden_forces();
-  for (Bond& b : s.bonds) b.added.follow_jumps(b.grid, s.side(b), 1.0, 1.0);
+  for (Bond& b : s.bonds) b.added.follow_jumps(b.grid, s.side(b), 1.0, 1.0, {});
   const std::vector<std::vector<double>> momentum = momentum_of(s, &Grid::acceleration);
   double work = 0.0;
   for (Bond& b : s.bonds)

@@ -265,8 +265,10 @@ void BondedGrains::resume_sudden_loads(double dt) {
     for (int d = 0; d < 6; ++d) sudden_loads_[n][d] = 2.0 / dt * grains[n].state->owed[d];
 }
 
-void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last) {
-  b.added.follow_jumps(b.grid, side_of(b), 2.0 / (dt_last + dt), 1.0 / dt);
+void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBooks& books) {
+  const AddedMass::Followed power = b.added.follow_jumps(b.grid, side_of(b), 2.0 / (dt_last + dt), 1.0 / dt, weight);
+  books.do_work(0.5 * dt_last * power.of_weight);
+  books.do_inertial_work(0.5 * dt_last * power.of_inertial_force);
 }
 
 void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* condensed) {

@@ -112,7 +112,9 @@ class BondedGrains {
   void clear_sudden_forces();
   // Call at the start of a run, before its accelerations are found. What jumps and transfers of the last step leave for the next acts again.
   void resume_sudden_loads(double dt);
-  void follow_jumps(Bond& b, double dt, double dt_last);
+  // weight: acceleration by gravity that acts on the inertia of the bond. Books the work of weight and inertial forces in
+  // the second half of the last step on what the jump adds to the velocities of nodes.
+  void follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBooks& books);
   // Collective. Adds the forces of the cement to the grains, once the sides have the forces of all bonds. condensed:
   // may be null.
   void react(double dt, EnergyBooks& books, const CondensedPack* condensed);

@@ -104,6 +104,7 @@ void Cement::show_points() {
 
 // Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
 EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
+  if (stable_step_.bound_alone()) return stable_step_.eigenvalue();
   const std::vector<BondLayout> layouts = layouts_of_copies(nullptr);
   std::vector<EigenvaluePart> of_layouts;
   for (const BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});
@@ -114,7 +115,7 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
   sort_unique(patterns);
   const std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
   for (const CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
-  return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law);
+  return largest_eigenvalue(scene_.comm, of_layouts, *scene_.law, kPreciseEigenvalue);
 }
 
 std::vector<StiffnessOfBond> Cement::stiffness_of_bonds() const { return mpdem::stiffness_of_bonds(scene_, layouts_of_copies(&*scene_.penalty)); }
@@ -129,7 +130,19 @@ void Cement::take_up_commands() {
   BondedGrains& grains = scene_.grains;
   if (!scene_.penalty || !grains.find_commands(scene_.comm, condensed_.pack())) return;
   scene_.books.do_work(condensed_.work_of_commands(scene_.bonds(), scene_.dt_last));
-  if (added_.any()) grains.take_up_commands(scene_.comm, scene_.bonds(), scene_.now.dt, scene_.dt_last, scene_.books);
+  if (added_.any()) {
+    const auto power = [&](auto of_bond) {  // of the forces on nodes in the second half of the last step
+      double sum = 0.0;
+      for (const Bond& b : scene_.bonds().awake()) sum += of_bond(b, b.grid.acceleration);
+      return 0.25 * scene_.dt_last * (scene_.dt_last + scene_.now.dt) * sum;
+    };
+    const auto of_loads = [&](const Bond& b, const std::vector<double>& v) { return work_.load_power(b, v); };
+    const auto inertial = [&](const Bond& b, const std::vector<double>& v) { return work_.inertial_power(b, v); };
+    const double loads_before = power(of_loads), inertial_before = power(inertial);
+    grains.take_up_commands(scene_.comm, scene_.bonds(), scene_.now.dt, scene_.dt_last, scene_.books);
+    scene_.books.do_work(power(of_loads) - loads_before);
+    scene_.books.do_inertial_work(power(inertial) - inertial_before);
+  }
   grains.book_commands(scene_.dt_last, scene_.books);
 }
 

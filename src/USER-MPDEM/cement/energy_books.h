@@ -56,6 +56,7 @@ class EnergyBooks {
   void damp(double energy) { sums_.damped += energy; }
   void rub(double energy) { sums_.rubbed += energy; }
   void do_work(double work) { sums_.work += work; }
+  void do_inertial_work(double work) { sums_.inertial_work += work; }
 
   // Books as released what `action` takes of `energy()`. damp_by() books it as damped.
   template <class Energy, class Action>

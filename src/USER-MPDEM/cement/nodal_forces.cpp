@@ -69,12 +69,10 @@ void NodalForces::add_link_forces(Bond& b) {
 // Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
 void NodalForces::complete(Bond& b, double kick) {
   if (scene_.penalty && scene_.options.relax > 0.0) b.relaxation.add_force(b.grid, scene_.grains.side_of(b));
-  const double* g = scene_.now.gravity;
-  if (g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0) {
-    const std::array<double, 3> along = scene_.gravity_of(b);
+  const std::array<double, 3> weight = scene_.weight_of(b);
+  if (weight != std::array<double, 3>{})
     for (int i = 0; i < b.grid.size(); ++i)
-      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] / scene_.options.mass_scale * along[d];
-  }
+      for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
   scene_.host().add_node_forces(b);
   if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
 }

@@ -15,7 +15,10 @@ std::array<double, 3> Scene::weight() const {
   return {g[0] / options.mass_scale, g[1] / options.mass_scale, g[2] / options.mass_scale};
 }
 
-std::array<double, 3> Scene::gravity_of(const Bond& b) const { return turned_back(axes_of(bonds().body(b)), now.gravity); }
+std::array<double, 3> Scene::weight_of(const Bond& b) const {
+  const std::array<double, 3> w = weight();
+  return w == std::array<double, 3>{} ? w : turned_back(axes_of(bonds().body(b)), w.data());
+}
 
 double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / inertia); }
 

@@ -100,9 +100,9 @@ struct Scene {
   bool faces_touch() const { return touches() && options.split; }
 
   // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.
-  // gravity_of() is the acceleration of gravity in the axes of a bond.
+  // weight_of() is the same in the axes of a bond.
   std::array<double, 3> weight() const;
-  std::array<double, 3> gravity_of(const Bond& b) const;
+  std::array<double, 3> weight_of(const Bond& b) const;
   double shear_speed() const;
   // Bound of the largest eigenvalue of cement without ties; 0: none.
   double eigenvalue_bound() const;

@@ -91,12 +91,17 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
   return 2.0 / std::sqrt(largest);
 }
 
-EigenvalueEstimate StableStep::eigenvalue() { return eigenvalue_of(scene_.all_rows(), nullptr); }
+EigenvalueEstimate StableStep::eigenvalue() const {
+  const double bound = scene_.eigenvalue_bound();
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr);
+}
+
+bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
 
 // Patches are looked at as nodes split, as coarsely as is enough to see that the known eigenvalue holds. The estimate is
 // value and residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is
 // to be known is found of whole bonds, and does not depend on the number of ranks.
-EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) {
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches) const {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
     if (const Bond* b = scene_.bonds().find(row)) {
@@ -106,32 +111,33 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
     }
   for (double coarse : {0.05, 0.01}) {
     if (!patches) break;
-    const EigenvalueEstimate e = largest_eigenvalue(scene_.comm, parts, *scene_.law, coarse);
-    const double most = e.value + e.residual;
-    if (most <= kGrowth * known_ && scene_.now.dt <= step_for(most, scene_.options.relax)) return e;
+    EigenvalueEstimate e = largest_eigenvalue(scene_.comm, parts, *scene_.law, coarse);
+    e.most = e.value + e.residual;
+    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
   }
   for (EigenvaluePart& p : parts) p.blocks = nullptr;
   if (!patches) condensed_.each_pattern([&](const Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
-  return largest_eigenvalue(scene_.comm, parts, *scene_.law);
+  return largest_eigenvalue(scene_.comm, parts, *scene_.law, kPreciseEigenvalue);
 }
 
 double StableStep::find() {
   const EigenvalueEstimate e = eigenvalue();
-  return step_for(e.value + e.residual, scene_.options.relax);
+  return step_for(e.most, scene_.options.relax);
 }
 
 // The eigenvalue that was found before is kept unless it is well below. The added mass depends on it, and has a margin
-// for that. It has to be the same in runs that are divided or restarted otherwise.
+// for that. It has to be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds
+// along other axes of the box, whose nodes have another order, have the same added mass.
 double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
   condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
-  if (bound > 0.0 && dt <= step_for(bound, scene_.options.relax)) return bound;
+  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
   const EigenvalueEstimate e = eigenvalue_of(rows, patches);
-  if (e.value > kGrowth * known_) known_ = e.value + e.residual;
-  return e.value + e.residual;
+  if (e.value > kGrowth * known_) known_ = e.most;
+  return e.most;
 }
 
 // Other nodes and weights have another eigenvalue. Only the bonds in question matter, since the eigenvalues of the
@@ -139,7 +145,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 // layout has the added mass for what was known before. Where nodes split, patches are blocks about them, one support
 // further than those that changed: the new modes are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
-  if (known_ == 0.0 || scene_.options.updated) return false;
+  if (known_ == 0.0) return false;
   const int n = scene_.now.substeps;
   const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches), scene_.options.relax);
   if (scene_.now.dt > limit)

@@ -25,7 +25,10 @@ class StableStep {
 
   // Largest stable step in the present state, from the largest eigenvalue of the cement and the damping of the options.
   double find();
-  EigenvalueEstimate eigenvalue();
+  EigenvalueEstimate eigenvalue() const;
+  // True with `updated` kinematics: points come to other places in the cells, so only the bound holds for the steps to
+  // come. The functions above and below give the bound then.
+  bool bound_alone() const;
   // Largest stable step for a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is
   // stable.
   double step_for(double eigenvalue, double relax) const;
@@ -58,7 +61,7 @@ class StableStep {
   bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
 
  private:
-  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches);
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches) const;
   double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches);
 
   const Scene& scene_;

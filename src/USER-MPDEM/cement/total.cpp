@@ -34,7 +34,7 @@ class Total : public Kinematics {
       scene_.timer.start(StepTimer::kNodes);
       b.jump.clear();
       if (transfer) reproject(b);
-      if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last);
+      if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.books);
       b.grid.drift(kick, dt);
       scene_.timer.start(StepTimer::kPoints);
       if (may_be_distorted) b.grid.clear_force();

@@ -102,7 +102,7 @@ class Updated : public Kinematics {
     const CementOptions& o = scene_.options;
     const double dt = scene_.now.dt, kick = scene_.kick();
     scene_.timer.start(StepTimer::kNodes);
-    if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last);
+    if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.books);
     b.grid.drift(kick, 0.0);
     kinetic_.push_back(work_.kinetic_energy(b, 0.0));
     inertial_.push_back(b.added.energy(b.grid, scene_.grains.side_of(b)));

@@ -59,12 +59,27 @@ Power WorkOfStep::of_rubbing() const {
 }
 
 double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& velocity) const {
-  const std::array<double, 3> g = scene_.gravity_of(b);
-  if ((g[0] == 0.0 && g[1] == 0.0 && g[2] == 0.0) || velocity.empty()) return 0.0;
+  const std::array<double, 3> weight = scene_.weight_of(b);
+  if (weight == std::array<double, 3>{} || velocity.empty()) return 0.0;
   double power = 0.0;
   for (int i = 0; i < b.grid.size(); ++i) {
     if (!b.grid.halo.counts_here()[i]) continue;
-    for (int d = 0; d < 3; ++d) power += b.grid.mass[i] / scene_.options.mass_scale * g[d] * velocity[3 * i + d];
+    for (int d = 0; d < 3; ++d) power += b.grid.mass[i] * weight[d] * velocity[3 * i + d];
+  }
+  return power;
+}
+
+double WorkOfStep::load_power(const Bond& b, const std::vector<double>& velocity) const {
+  const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
+  return gravity_power(b, velocity) + (pushed ? b.impulse.power(b.grid, velocity) : 0.0);
+}
+
+double WorkOfStep::inertial_power(const Bond& b, const std::vector<double>& velocity) const {
+  if (scene_.options.mass_order == 1) return 0.0;
+  double power = 0.0;
+  for (int i = 0; i < b.grid.size(); ++i) {
+    if (!b.grid.halo.counts_here()[i]) continue;
+    for (int n = 3 * i; n < 3 * i + 3; ++n) power += b.grid.inertial_force[n] * velocity[n];
   }
   return power;
 }
@@ -79,37 +94,28 @@ double WorkOfStep::half_kick(const Bond& b, const std::vector<double>& jump) con
   return -0.5 * scene_.dt_last * (power[0] + power[1] + power[2] + b.added.power(b.grid, scene_.grains.side_of(b), jump));
 }
 
+EnergyBooks::StepWork WorkOfStep::over_step(double power, double of_acceleration) const {
+  const double dt = scene_.dt_last;
+  return {dt * power + 0.5 * dt * dt * of_acceleration, dt * power};
+}
+
 EnergyBooks::StepWork WorkOfStep::of_inertial_forces(int first_body) const {
-  EnergyBooks::StepWork work;
+  double power = 0.0, of_acceleration = 0.0;
   for (const Bond& b : scene_.bonds().awake()) {
-    if (b.body < first_body || scene_.options.mass_order == 1) continue;
-    const Grid& grid = b.grid;
-    double before = 0.0, later = 0.0;
-    for (int i = 0; i < grid.size(); ++i) {
-      if (!grid.halo.counts_here()[i]) continue;
-      for (int n = 3 * i; n < 3 * i + 3; ++n) {
-        before += grid.inertial_force[n] * grid.velocity[n];
-        later += grid.inertial_force[n] * grid.acceleration[n];
-      }
-    }
-    work.before += scene_.dt_last * before;
-    work.now += scene_.dt_last * before + 0.5 * scene_.dt_last * scene_.dt_last * later;
+    if (b.body < first_body) continue;
+    power += inertial_power(b, b.grid.velocity);
+    of_acceleration += inertial_power(b, b.grid.acceleration);
   }
-  return work;
+  return over_step(power, of_acceleration);
 }
 
 EnergyBooks::StepWork WorkOfStep::of_loads(int first_body) const {
-  const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
   EnergyBooks::StepWork work = scene_.penalty ? scene_.grains.work(scene_.dt_last, first_body) : EnergyBooks::StepWork();
   for (const Bond& b : scene_.bonds().awake()) {
     if (b.body < first_body) continue;
-    double before = scene_.dt_last * gravity_power(b, b.grid.velocity), later = gravity_power(b, b.grid.acceleration);
-    if (pushed) {
-      before += scene_.dt_last * b.impulse.power(b.grid, b.grid.velocity);
-      later += b.impulse.power(b.grid, b.grid.acceleration);
-    }
-    work.now += before + 0.5 * scene_.dt_last * scene_.dt_last * later;
-    work.before += before;
+    const EnergyBooks::StepWork of_bond = over_step(load_power(b, b.grid.velocity), load_power(b, b.grid.acceleration));
+    work.now += of_bond.now;
+    work.before += of_bond.before;
   }
   const EnergyBooks::StepWork of_condensed = condensed_.work(scene_.grains, scene_.bonds(), scene_.weight().data(), scene_.dt_last, first_body);
   work.now += of_condensed.now;

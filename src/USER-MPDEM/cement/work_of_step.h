@@ -26,6 +26,9 @@ class WorkOfStep {
   double energy_of(const Bond& b) const;
   // Power of the weight of the nodes of a bond on a velocity of these. An empty velocity gives 0.
   double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
+  // Power of all loads of the host on the nodes of a bond, and of inertial forces (`mass_order 2`).
+  double load_power(const Bond& b, const std::vector<double>& velocity) const;
+  double inertial_power(const Bond& b, const std::vector<double>& velocity) const;
   // Energy that a change of velocity takes of that which central differences keep, beyond that of the stored velocity.
   // The change meets the acceleration, too. jump: change of the velocities of the nodes, or empty.
   double half_kick(const Bond& b, const std::vector<double>& jump) const;
@@ -42,6 +45,8 @@ class WorkOfStep {
   StepWork over_step(const Power& power) const;
 
  private:
+  StepWork over_step(double power, double of_acceleration) const;
+
   const Scene& scene_;
   const CondensedBonds& condensed_;
 };

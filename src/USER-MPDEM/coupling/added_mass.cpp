@@ -137,9 +137,11 @@ void AddedMass::accelerate(Grid& grid, GrainSide* side) const {
   grid.take_accelerations();
 }
 
-void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const {
-  if (!jumps(side[0]) && !jumps(side[1])) return;
+AddedMass::Followed AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate, const std::array<double, 3>& weight) const {
+  Followed power;
+  if (!jumps(side[0]) && !jumps(side[1])) return power;
   const std::vector<char>& counts = grid.halo.counts_here();
+  const double* inertial = grid.inertial_force.empty() ? nullptr : grid.inertial_force.data();
   for_each_share(*this, [&](const Share& a) {
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
@@ -150,6 +152,10 @@ void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double gr
     }
     for (int d = 0; d < 3; ++d) grid.acceleration[3 * a.node + d] += rate * of_node[d];
     if (!counts[a.node]) return;
+    for (int d = 0; d < 3; ++d) {
+      power.of_weight += grid.mass[a.node] * weight[d] * of_node[d];
+      if (inertial) power.of_inertial_force += inertial[3 * a.node + d] * of_node[d];
+    }
     for (int n = 0; n < 2; ++n) {
       double relative[3];
       for (int d = 0; d < 3; ++d) relative[d] = of_node[d] - of_grain[n][d];
@@ -157,6 +163,7 @@ void AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double gr
     }
   });
   grid.ties.extend(grid.acceleration.data());
+  return power;
 }
 
 void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {

@@ -75,7 +75,11 @@ class AddedMass {
   void accelerate(Grid& grid, GrainSide* side) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
   // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the forces of jumps on the grains.
-  void follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate) const;
+  // weight: acceleration by gravity that acts on the mass of nodes.
+  struct Followed {
+    double of_weight = 0.0, of_inertial_force = 0.0;  // power of these forces on the changes of velocity, on nodes that this rank counts
+  };
+  Followed follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate, const std::array<double, 3>& weight) const;
   // Adds the jumps as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is
   // the velocity of the grains less that of the nodes.
   void add_jumps(Grid& grid, GrainSide* side, bool at_start) const;

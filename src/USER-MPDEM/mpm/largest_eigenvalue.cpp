@@ -121,7 +121,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
       for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(parts[p].grid->keys[node], c) : 0.0;
     }
   const double norm = std::sqrt(dot(v, v));
-  EigenvalueEstimate best{0.0, 0.0, 0};
+  EigenvalueEstimate best{0.0, 0.0, 0, 0.0};
   if (!(norm > 0.0)) return best;
   for (double& x : v) x /= norm;
 
@@ -147,7 +147,7 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     diagonal.push_back(alpha);
     beta = std::sqrt(dot(w, w));
     if (!std::isfinite(alpha) || !std::isfinite(beta)) {
-      best.value = std::numeric_limits<double>::infinity();
+      best.value = best.most = std::numeric_limits<double>::infinity();
       break;
     }
     const int m = static_cast<int>(diagonal.size());
@@ -155,7 +155,8 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     const Eigen::VectorXd d = Eigen::Map<Eigen::VectorXd>(diagonal.data(), m);
     const Eigen::VectorXd e = Eigen::Map<Eigen::VectorXd>(side.data(), m - 1);
     solver.computeFromTridiagonal(d, e);
-    best = {solver.eigenvalues()[m - 1], beta * std::fabs(solver.eigenvectors()(m - 1, m - 1)), m};
+    best = {solver.eigenvalues()[m - 1], beta * std::fabs(solver.eigenvectors()(m - 1, m - 1)), m, 0.0};
+    best.most = best.value + std::max(best.residual, tolerance * best.value);
     if (best.residual <= tolerance * best.value || beta == 0.0) break;
     side.push_back(beta);
     before.swap(v);

@@ -24,6 +24,9 @@ struct EigenvalueEstimate {
   double value;     // 1/time^2
   double residual;  // there is an eigenvalue within this distance of value
   int products;     // number of products with the operator
+  // Value and tolerance, or value and residual where the iteration did not end. The residual hangs on the vector with
+  // which the iteration begins, and so on the order of the axes. The value hangs on it by the square of the residual.
+  double most;
 };
 
 // Points and grid of one bond.
@@ -34,12 +37,15 @@ struct EigenvaluePart {
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 
+// Tolerances: for a check, and for an eigenvalue on which the answer depends.
+constexpr double kEigenvalueTolerance = 1e-3, kPreciseEigenvalue = 1e-7;
+
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
 // the residual is below tolerance times the value.
 EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
-                                      double tolerance = 1e-3);
+                                      double tolerance = kEigenvalueTolerance);
 inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, const Grid& grid, const Law& law,
-                                             double tolerance = 1e-3) {
+                                             double tolerance = kEigenvalueTolerance) {
   return largest_eigenvalue(comm, {{&points, &grid}}, law, tolerance);
 }
 

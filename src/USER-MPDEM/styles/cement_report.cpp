@@ -163,7 +163,7 @@ void CementReport::stop_if_too_long(const Cement& c, double limit) const {
 void CementReport::damping(Cement& c) {
   const CementOptions& o = c.options();
   const EigenvalueEstimate e = c.stable_step().eigenvalue();
-  const StableStep::DampedStep damped = c.stable_step().damped_step(e.value + e.residual);
+  const StableStep::DampedStep damped = c.stable_step().damped_step(e.most);
   const double ratio = c.stable_step().largest_mass_ratio();
   const std::string is_free = ratio == 0.0 ? "" :
       text_of(", since the cement of a free grain has up to ", ratio, " times the inertia of the grain against it");

@@ -199,14 +199,17 @@ void check_together(Arguments& args, CementWords& w) {
                           "'condense no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.condense && o.mass_order > 1)
     args.complain(text_of("'condense yes' is for 'mass_order 1', the mass that condensed bonds have; use 'condense no' or leave 'mass_order ", o.mass_order, "' out"));
+  if (o.condense && o.basis == Basis::cubic)
+    args.complain("'condense yes' is for 'basis quadratic' or 'linear': with 'basis cubic' nodes at the edge hold by so little that bonds wake differently on "
+                  "other ranks; use 'condense no' or leave 'basis cubic' out");
   if (o.condense && o.unilateral)
     args.complain("'condense yes' is for 'unilateral no': points that are stiff again while their crack is closed are not linear; use 'condense no' or leave 'unilateral yes' out");
   if (o.subcycle != 1 && reprojects)
     args.complain(text_of("'subcycle' is for 'kinematics total' without 'reproject': cement follows impulses on its grains by its places in the reference; use "
                           "'subcycle no' or leave ", o.updated ? "'kinematics updated'" : "'reproject'", " out"));
   if (o.updated && o.basis == Basis::linear)
-    w.warning = "'kinematics updated' with 'basis linear' does not converge as the cell gets smaller, since points jump in stress as they cross "
-                "from cell to cell; use 'basis quadratic'";
+    args.complain("'kinematics updated' with 'basis linear': no time step stays stable as points move, since a node that they have just reached has "
+                  "stiffness but next to no mass; use 'basis quadratic', or 'kinematics total'");
   if (flip && o.reproject_every > 1)
     args.complain(text_of("'transfer flip' with 'reproject ", o.reproject_every, "' feeds energy into the cement; use 'reproject 1', "
                           "or 'transfer apic' or 'xpic' with any interval"));

@@ -25,7 +25,6 @@ struct CementWords {
   std::string events;            // name of the file of events, or empty
   bool tied_given = false, transfer_given = false, cracks_given = false;
   std::vector<std::string> notes;  // words that have no effect any more
-  std::string warning;             // text about a combination that is known to be poor, or empty
 };
 
 // Complains of words that are unknown, missing, out of range or do not go together.

@@ -59,7 +59,6 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
     for (const std::string& note : words.notes)
       for (FILE* f : {screen, logfile})
         if (f) std::fprintf(f, "%s%s\n", who().c_str(), note.c_str());
-    if (!words.warning.empty()) error->warning("fix mpm", 0, (who() + words.warning).c_str());
   }
   step_fraction_ = words.step_fraction;
   failures_.name(words.events);
@@ -212,7 +211,7 @@ void FixMpm::set_time_step(const Fix* running) {
   double limit = 0.0;
   guarded([&] {
     e = cement_->eigenvalue_of_new_layout();
-    limit = cement_->stable_step().step_for(e.value + e.residual, cement_->options().relax);
+    limit = cement_->stable_step().step_for(e.most, cement_->options().relax);
     if (subcycle > 0) limit *= subcycle;
     else longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * limit);  // as with `timestep auto`
     if (subcycle == 0 && step_fraction_ > 0.0 && is_coupled()) limit = std::max(limit, cement_->grains_step());
