@@ -164,3 +164,22 @@ def test_places_and_names(tmp_path):
             assert f"{value:.10g}" == row[4 + n], name
     more = launch(script.replace(f"f_bond[{len(names)}]", f"f_bond[{len(names) + 1}]") + "run 0\n", tmp_path, 1)
     assert more.status != 0
+
+
+@pytest.mark.parametrize("words, ranks", [("", 1), ("", 2), ("condense yes wake 0.7", 1), ("condense yes wake 0.7", 2), ("subcycle 4", 1), ("condense yes wake 0.7 subcycle 4", 2)])
+def test_peak_is_that_of_every_step(words, ranks, tmp_path, figures):
+    """A bond that swings and then fails: its largest tension is that of every step, however seldom a row asks for it, and over a restart."""
+    dt, steps = (8e-9, 300) if "subcycle" in words else (2e-9, 1200)
+    scene = pair(SPACING, gap=1e-4, processors="1 1 2" if ranks == 2 else "* * *")
+    fixes = cement(CELL, dt, axis="radial", damage=f"damage tensor B0 9.6e3 {words}", couple="kn auto kt auto") + MOTION
+    start = scene + fixes + "velocity second set 0.1 0.2 0.6\nset group second omegaz 300\nvariable awake equal f_cem[24]\n"
+    each = run(start + thermo(1, ["f_bond[14]", "f_bond[21]", "v_awake"]) + f"run {steps}\n", tmp_path / "each", ranks).table()
+    assert "condense" not in words or 0 < each["v_awake"].argmax() < steps / 2, "the bond is to wake on its way"
+    tension, half = each["f_bond[14]"][1:], steps // 2
+    assert 0 < tension.argmax() < steps - 1
+    seldom = run(start + f"run {half}\nwrite_restart half.restart\n" + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "seldom", ranks).table()
+    parted = run(restarted("../seldom/half.restart") + fixes + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "parted", ranks).table()
+    most = tension.max()
+    for what, found in (("each step", each), ("the end", seldom), ("the end after a restart", parted)):
+        figures.below(f"{words or 'one clock'}, {ranks} ranks: peak_tension asked for at {what}, off the largest tension, over it", abs(found["f_bond[21]"][-1] / most - 1), 6e-15)
+    assert (np.diff(each["f_bond[21]"][1:]) >= 0).all()
