@@ -42,6 +42,19 @@ def test_breaking_pair(tmp_path, figures):
     figures.below("breaking pair: drift of angular momentum", angular, 1e-8)
 
 
+@pytest.mark.parametrize("cracks, limit", [("bonds", 2e-8), ("split", 5e-6)])
+def test_breaking_pair_with_ties(tmp_path, figures, cracks, limit):
+    """Edges are tied, so mass goes back to nodes where ties are given up: nodes that split give up most."""
+    script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,))
+              + cement(3e-4, 2.4e-8, damage=f"damage tensor B0 9.6e3 cracks {cracks}", couple="kn auto kt auto")
+              + LEAVING + MOMENTA + thermo(5, MOMENTUM_COLUMNS + ["f_bond[22]"]) + "run 400\n")
+    table = run(script, tmp_path).table()
+    assert table["f_bond[22]"][-1] == 1
+    linear, angular = drift(table)
+    figures.below(f"pair with ties, cracks {cracks}: drift of momentum", linear, 1e-13)
+    figures.below(f"pair with ties, cracks {cracks}: drift of angular momentum", angular, limit)
+
+
 def test_energy_where_layouts_are_made_often(tmp_path, figures):
     """A breaking pair goes from rank to rank, with a new layout in steps that look for parts: the energies are those of one rank."""
     def table(ranks):

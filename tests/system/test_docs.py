@@ -8,7 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
-  liggghts-specimen   lines of examples/specimen150, which test_specimen.py runs
+  liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
   text                neither: output, formulas, folders
 Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
@@ -95,9 +95,9 @@ def test_first_script(tmp_path):
 
 def test_lines_of_the_specimen():
     """What doc/howto_pictures.md shows stands so in the script that tests/system/test_specimen.py runs."""
-    script = {" ".join(line.split()) for line in (ROOT / "examples" / "specimen150" / "in.compress").read_text().splitlines()}
+    scripts = " ".join(" ".join((ROOT / "examples" / "specimen" / name).read_text().split()) for name in ("pictures.in", "in.load"))
     shown = [" ".join(line.split()) for _, text in blocks("liggghts-specimen") for line in text.splitlines()]
-    assert len(shown) == 9 and set(shown) <= script, set(shown) - script
+    assert len(shown) == 9 and all(line in scripts for line in shown), [line for line in shown if line not in scripts]
 
 
 @pytest.mark.parametrize("line", LINES)
