@@ -19,6 +19,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenes import PATIENCE, RING, executable, launch, pair, run
@@ -68,7 +69,19 @@ LINES = [pytest.param(line, id=f"{page.stem}:{' '.join(line.split()[:4])[:40]}")
 
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_whole_script(script, tmp_path):
-    run(script, tmp_path, ranks=2)
+    """Files that it writes are there; it takes all of its steps, and what it prints of them is numbers and moves."""
+    result = run(script, tmp_path, ranks=2)
+    files = set(re.findall(r"\S+\.(?:csv|txt|restart)", script))
+    steps = sum(int(n) for n in re.findall(r"^run +(\d+)", script, re.M))
+    assert files or steps
+    for name in files:
+        assert (tmp_path / name).stat().st_size > 100, name
+    if steps == 0:
+        return
+    head = re.findall(r"^ +Step .*$", result.output, re.M)[-1].split()
+    rows = re.findall(rf"^ +\d+(?: +\S+){{{len(head) - 1}}} *$", result.output, re.M)
+    table = np.array([r.split() for r in rows], dtype=float)
+    assert len(table) > 2 and table[-1, 0] == steps and np.isfinite(table).all() and (np.ptp(table, axis=0)[2:] > 0).any()
 
 
 def test_first_script(tmp_path):

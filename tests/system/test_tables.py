@@ -2,6 +2,7 @@
 """Tables of the bonds and of the events: rows of a run in parts are those of the run left alone, and none is lost in silence."""
 import os
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -144,9 +145,16 @@ def test_one_file_by_two_names(tmp_path, alias):
         assert word in result.errors()[0]
 
 
-def test_devices_take_both(tmp_path):
+def test_devices_take_both(tmp_path, whole):
+    """A device that is named twice is written to twice, and stays what it is; the run is that which has files."""
     script = edit(edit(FIRST, "events events.csv", "events /dev/null"), "csv 7 bond.csv", "csv 7 /dev/null")
-    run(script + "run 20\n", tmp_path)
+    table = run(script + thermo(40, ["f_bond[14]", "f_bond[18]"]) + "run 520\n", tmp_path).table()
+    assert Path("/dev/null").is_char_device() and not list(tmp_path.glob("*.csv"))
+    assert table["step"][-1] == 520 and table["f_bond[18]"][-1] == len(whole["events.csv"].splitlines()) - 1
+    names, *rows = [line.split(b",") for line in whole["bond.csv"].splitlines()]
+    of_files = {int(r[0]): float(r[names.index(b"tension")]) for r in rows}
+    both = [(f, of_files[int(s)]) for s, f in zip(table["step"], table["f_bond[14]"]) if int(s) in of_files]
+    assert len(both) > 1 and all(abs(a - b) <= 1e-9 * max(of_files.values()) for a, b in both)
 
 
 def test_places_and_names(tmp_path):
