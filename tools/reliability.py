@@ -59,14 +59,14 @@ def closeness(r):
 
 
 def wide_limits(records):
-    """Limits of a test that are far above rounding that they hold: (test, limit, largest figure). Figures of one limit are one set, so that of
-    several ranks or cases the largest counts. Where nothing is off, or nothing is allowed, there is nothing to compare."""
+    """Limits of a test that are far above rounding that they hold: (test, limit, largest figure). Of several ranks or cases, which are figures of one
+    line of the test, the largest counts. Where nothing is off, or nothing is allowed, there is nothing to compare."""
     largest = {}
     for r in records:
         if r["limit"]:
-            key = r["test"], r["limit"]
+            key = r["test"], r["limit"], r["line"]
             largest[key] = max(largest.get(key, 0.0), r["value"])
-    return [(*key, v) for key, v in largest.items() if 0.0 < v < ROUNDING and key[1] > WIDEST * v]
+    return [(*key[:2], v) for key, v in largest.items() if 0.0 < v < ROUNDING and key[1] > WIDEST * v]
 
 
 def told_limits(folder):

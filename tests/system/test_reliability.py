@@ -12,7 +12,7 @@ COUNTS = {"ok": 3, "message": 4, "silent": 0, "nameless": 0, "crash": 1, "hang":
 
 
 def figure(name, value, limit):
-    return {"test": "test_a", "what": "What.", "case": name, "figure": name, "value": value, "limit": limit,
+    return {"test": "test_a", "what": "What.", "line": 7, "case": name, "figure": name, "value": value, "limit": limit,
             "met": limit is None or value <= limit}
 
 

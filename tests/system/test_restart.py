@@ -69,7 +69,7 @@ def test_on_more_ranks(tmp_path, first, figures):
     for names in VECTORS + [[f"c_{q}"] for q in QUANTITIES]:
         scale = max(abs(p[n]).max() for n in names)
         worst = max(abs(p[n] - q[n]).max() for n in names)
-        figures.below(f"restart, 1 -> 2 ranks, {' '.join(names)}: difference over the largest", worst / scale, 1e-10)
+        figures.below(f"restart, 1 -> 2 ranks, {' '.join(names)}: difference over the largest", worst / scale, 3e-13)
 
 
 def test_written_during_a_run(tmp_path, figures):
@@ -83,7 +83,7 @@ def test_written_during_a_run(tmp_path, figures):
         assert tail["step"][0] == step
         force = whole.table()["f_bond"][step // 10:][:len(tail["f_bond"])]
         figures.below(f"restart written at step {step} of a run: bond force of the next 30 steps, over the peak",
-                      abs(force - tail["f_bond"]).max() / peak, 1e-12)
+                      abs(force - tail["f_bond"]).max() / peak, 2e-15)
 
 
 def test_events_before_the_file_are_in_the_log(tmp_path):
