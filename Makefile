@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-# Thin front of CMake: make demo, make test, make fuzz, make stress, make mutants. See README.md.
+# Thin front of CMake: make demo, make test, make fuzz, make stress, make check-deep, make mutants. See README.md.
 BUILD ?= build
 JOBS  ?= $(shell nproc)
 RANKS ?= 2
@@ -12,7 +12,7 @@ export OMPI_ALLOW_RUN_AS_ROOT = 1
 export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
 endif
 
-.PHONY: all demo test fuzz stress mutants bench liggghts-from-source clean
+.PHONY: all demo test fuzz stress long tables check-deep mutants bench liggghts-from-source clean
 all: $(BUILD)/.setup
 	cmake -S . -B $(BUILD) $(CMAKE_OPTIONS)
 	cmake --build $(BUILD) --parallel $(JOBS)
@@ -40,7 +40,8 @@ test: all
 	cd $(BUILD) && ctest --output-on-failure --parallel $(JOBS)
 
 # Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and
-# UndefinedBehaviorSanitizer; about half an hour. Findings are scripts in $(BUILD)/fuzz.
+# UndefinedBehaviorSanitizer; about half an hour. Findings are scripts in $(BUILD)/fuzz. MINUTES=20: no round of
+# 3000 inputs begins later.
 INPUTS ?= 100000
 SEED   ?= 1
 fuzz: $(BUILD)/.setup
@@ -48,14 +49,24 @@ fuzz: $(BUILD)/.setup
 	cmake --build $(BUILD) --parallel $(JOBS) --target fuzz_input
 	mkdir -p $(BUILD)/figures
 	$(BUILD)/tests/fuzz/fuzz_input --inputs $(INPUTS) --seed $(SEED) --jobs $(JOBS) --folder $(BUILD)/fuzz \
-	  --json $(BUILD)/figures/fuzz.json
+	  $(if $(MINUTES),--minutes $(MINUTES)) --json $(BUILD)/figures/fuzz.json
 
 # Every test, those of stability at full length, and the table of doc/reliability.md from what they
 # measured. The long form takes about half an hour on two cores.
 stress: test
-	MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures JOBS=$(JOBS) tools/test_files.sh $(BUILD)/stress --long \
-	  tests/stability/test_*.py
+	$(MAKE) long
+	$(MAKE) tables
+
+LONG ?= $(wildcard tests/stability/test_*.py)
+long: all
+	MPDEM_EXE=$(EXE) MPDEM_FIGURES=$(abspath $(BUILD))/figures JOBS=$(JOBS) tools/test_files.sh $(BUILD)/stress --long $(LONG)
+
+tables:
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
+
+# Stress, 20 minutes of fuzzing and the preset `sanitize`, in pieces. Called again it goes on where it was stopped.
+check-deep:
+	tools/check_deep.py --build $(BUILD) --jobs $(JOBS) $(PIECES)
 
 # Bugs planted in a copy of the source, one at a time, and which test fails with each; hours. See tests/mutation/README.md.
 # MUTANTS="--new 20 --since COMMIT" plants 20 more in the lines that changed since a commit.

@@ -202,7 +202,7 @@ void triad_rate(benchmark::State& state) {
 void multiply_add_rate(benchmark::State& state) {
   const long n = 1 << 20;
   for (auto _ : state) benchmark::DoNotOptimize(multiply_add(0.5, n));
-  state.counters["flop/s"] = rate(2.0 * kLanes * kChains * static_cast<double>(n), state);
+  state.counters["flop/s"] = rate(2.0 * kWidest * kChains * static_cast<double>(n), state);
 }
 
 std::vector<std::string> register_all() {

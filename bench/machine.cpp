@@ -2,8 +2,6 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 #include "machine.h"
 
-#include "numerics/simd.h"
-
 namespace mpdem::bench {
 
 void triad(double* __restrict a, const double* __restrict b, const double* __restrict c, double s, std::size_t n) {
@@ -11,19 +9,18 @@ void triad(double* __restrict a, const double* __restrict b, const double* __res
 }
 
 double multiply_add(double seed, long n) {
-  // Named, so that they stay in registers: latency times width of two pipes needs ten or so
-  // registers, and a `vd` takes two of 256 bits.
-  vd a = splat(seed), b = a + 1.0, c = a + 2.0, d = a + 3.0, e = a + 4.0, f = a + 5.0;
-  const vd x = splat(1.0 - 1e-9 * seed), y = splat(1e-9 * seed);
+  using Wide = double __attribute__((vector_size(8 * kWidest)));
+  Wide v[kChains];
+  for (int k = 0; k < kChains; ++k) v[k] = Wide{} + (seed + k);
+  const Wide x = Wide{} + (1.0 - 1e-9 * seed), y = Wide{} + 1e-9 * seed;
   for (long i = 0; i < n; ++i) {
-    a = a * x + y;
-    b = b * x + y;
-    c = c * x + y;
-    d = d * x + y;
-    e = e * x + y;
-    f = f * x + y;
+#pragma GCC unroll 12
+    for (int k = 0; k < kChains; ++k) v[k] = v[k] * x + y;
   }
-  return sum_lanes(a + b + c + d + e + f);
+  double sum = 0.0;
+  for (const Wide& w : v)
+    for (int l = 0; l < kWidest; ++l) sum += w[l];
+  return sum;
 }
 
 }  // namespace mpdem::bench

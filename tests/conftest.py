@@ -54,7 +54,8 @@ class Figures:
         self.test = {"file": node.path.stem, "test": node.originalname, "case": node.name, "what": " ".join(doc.split())}
 
     def _add(self, name, value, limit, met):
-        _records.append({**self.test, "figure": name, "value": value, "limit": limit, "met": met})
+        line = sys._getframe(2).f_lineno  # figures of one line of the test have one limit
+        _records.append({**self.test, "line": line, "figure": name, "value": value, "limit": limit, "met": met})
 
     def note(self, name, value):
         self._add(name, value, None, True)

@@ -18,6 +18,7 @@ import os
 import sys
 
 FUZZ, MUTANTS = "fuzz.json", "mutants.json"
+ROUNDING, WIDEST = 1e-9, 30  # a figure below the first measures rounding, and its limit is to be at most so many times as large
 OUTCOMES = {"ok": "ended well", "message": "one message that names its command", "silent": "error without a message",
             "nameless": "message that names no command", "crash": "crash", "hang": "hang", "memory": "too much memory",
             "host": "LIGGGHTS' own crash or hang"}
@@ -57,6 +58,31 @@ def closeness(r):
     return r["value"] / r["limit"]
 
 
+def wide_limits(records):
+    """Limits of a test that are far above rounding that they hold: (test, limit, largest figure). Of several ranks or cases, which are figures of one
+    line of the test, the largest counts. Where nothing is off, or nothing is allowed, there is nothing to compare."""
+    largest = {}
+    for r in records:
+        if r["limit"]:
+            key = r["test"], r["limit"], r["line"]
+            largest[key] = max(largest.get(key, 0.0), r["value"])
+    return [(*key[:2], v) for key, v in largest.items() if 0.0 < v < ROUNDING and key[1] > WIDEST * v]
+
+
+def told_limits(folder):
+    found, some = [], 0
+    for path in files(folder):
+        with reading(path):
+            with open(path) as f:
+                records = json.load(f)
+            some += sum(bool(r["limit"]) and 0.0 < r["value"] < ROUNDING for r in records)
+            name = os.path.splitext(os.path.basename(path))[0]
+            found += [f"`{name}`: {test.replace('test_', '').replace('_', ' ')} ({limit:g} for {value:.1e})" for test, limit, value in wide_limits(records)]
+    text = f"{some} figures measure rounding: they are below {ROUNDING:g}. "
+    return text + (f"Of these limits are above {WIDEST} times the largest figure that they hold: {'; '.join(found)}." if found
+                   else f"No limit of them is above {WIDEST} times the largest figure that it holds.")
+
+
 def row_of(r):
     w = r["worst"]
     name = f"`{r['file']}`: {r['test'].replace('test_', '').replace('_', ' ')}"
@@ -70,7 +96,8 @@ def table(folder):
     for path in files(folder):
         with reading(path):
             text += [row_of(r) for r in rows(path)]
-    return "\n".join(text)
+    return "\n".join(text + ["", told_limits(folder)])
+
 
 def fuzz_table(path):
     with open(path) as f:

@@ -54,7 +54,7 @@ def arguments():
 def variables(words):
     """NAME=VALUE as a dict; names that no script has are refused."""
     known = sorted({v for s in ("beads.in", "in.pour", "in.cement", "in.load") for v in specimen.variables_of(os.path.join(specimen.FOLDER, s))}
-                   - {"here", "poured", "cemented", "beads", "content", "test", "pressure"})
+                   - {"here", "poured", "cemented", "beads", "content", "test", "pressure", "start", "loaded"})
     found = {}
     for word in words:
         name, _, value = word.partition("=")

@@ -3,7 +3,7 @@
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 """Picture of beads and cement from the files of `dump custom/vtk`, with VTK, as ParaView would draw them.
 
-    tools/vtk_picture.py RUN_DIR PICTURE.png --steps 350500,352000 --titles '50 N,past the peak'
+    tools/vtk_picture.py RUN_DIR PICTURE.png --steps 352000,355000 --titles 'before the peak,past the peak'
 
 For each step it reads beads_STEP.vtk (radius), cement_STEP.vtk (radius, c_damage, c_failed) and, if it is there,
 plate_STEP.vtk, see doc/howto_pictures.md. Needs Debian's python3-vtk9 and, without a screen, xvfb:

@@ -13,9 +13,9 @@
 // the stack, are counted as `host`; they are shown but are no findings. Findings are written to a folder as
 // scripts that repeat them.
 //
-//   fuzz_input [--inputs N] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F] [--json FILE]
+//   fuzz_input [--inputs N] [--minutes M] [--seed S] [--jobs J] [--only NUMBER] [--scene NAME] [--folder F] [--json FILE]
 //
-// Ends with status 1 if there are findings. --json: the counts for tools/reliability.py.
+// Ends with status 1 if there are findings. --minutes: no round of inputs begins later. --json: the counts for tools/reliability.py.
 #include <fcntl.h>
 #include <mpi.h>
 #include <sys/mman.h>
@@ -29,6 +29,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -66,6 +67,7 @@ void watch_memory(const volatile void*, std::size_t) {
 
 struct Options {
   long inputs = 1000, only = -1;
+  double minutes = 1e9;
   std::uint64_t seed = 1;
   int jobs = 1, scene = -1;
   std::string folder = "fuzz-findings", json;
@@ -240,6 +242,7 @@ Options parse(int argc, char** argv) {
     }
     const char* v = argv[++i];
     if (key == "--inputs") o.inputs = std::atol(v);
+    else if (key == "--minutes") o.minutes = std::atof(v);
     else if (key == "--seed") o.seed = std::strtoull(v, nullptr, 10);
     else if (key == "--jobs") o.jobs = std::atoi(v);
     else if (key == "--only") o.only = std::atol(v);
@@ -258,8 +261,8 @@ Options parse(int argc, char** argv) {
     }
   }
   if (o.only >= o.inputs) o.inputs = o.only + 1;
-  if (o.jobs < 1 || o.inputs < 1) {
-    std::fprintf(stderr, "fuzz_input: --jobs and --inputs must be at least 1\n");
+  if (o.jobs < 1 || o.inputs < 1 || !(o.minutes > 0.0)) {
+    std::fprintf(stderr, "fuzz_input: --jobs and --inputs must be at least 1, --minutes above 0\n");
     std::exit(2);
   }
   return o;
@@ -308,7 +311,8 @@ int main(int argc, char** argv) {
     mkdir(work.c_str(), 0755);
     if (chdir(work.c_str()) != 0) _exit(2);
     int worst = 0;
-    for (long first = o.only >= 0 ? o.only / kRound * kRound : 0; first < o.inputs; first += kRound)
+    const std::time_t end_of_rounds = std::time(nullptr) + static_cast<std::time_t>(60.0 * o.minutes);
+    for (long first = o.only >= 0 ? o.only / kRound * kRound : 0; first < o.inputs && std::time(nullptr) < end_of_rounds; first += kRound)
       for (int s = 0; s < fuzz::kScenes; ++s) {
         if (o.scene >= 0 && s != o.scene) continue;
         if (o.only >= 0 && o.only % fuzz::kScenes != s) continue;

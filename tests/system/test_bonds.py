@@ -66,7 +66,7 @@ def test_cement_alone(tmp_path, figures):
     for name, p in (("momentum", P[:3]), ("angular momentum", P[3:])):
         assert np.linalg.norm(p[:, 0]) > 0
         figures.below(f"cement alone: drift of {name}",
-                      np.linalg.norm(p - p[:, :1], axis=0).max() / np.linalg.norm(p[:, 0]), 1e-10)
+                      np.linalg.norm(p - p[:, :1], axis=0).max() / np.linalg.norm(p[:, 0]), 1e-13)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

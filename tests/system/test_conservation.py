@@ -23,8 +23,8 @@ def test_spinning_pair(tmp_path, figures):
               + cement(2e-4, 1e-8, axis="radial", couple="kn 2e12 kt 3e11") + SPINNING + MOMENTA
               + thermo(200, MOMENTUM_COLUMNS + ["f_cem[6]"]) + "run 10000\n")
     linear, angular = drift(run(script, tmp_path, ranks=2).table())
-    figures.below("spinning pair, 10 000 steps: drift of momentum", linear, 1e-10)
-    figures.below("spinning pair, 10 000 steps: drift of angular momentum", angular, 1e-10)
+    figures.below("spinning pair, 10 000 steps: drift of momentum", linear, 2e-12)
+    figures.below("spinning pair, 10 000 steps: drift of angular momentum", angular, 1e-13)
 
 
 def test_breaking_pair(tmp_path, figures):
@@ -37,7 +37,7 @@ def test_breaking_pair(tmp_path, figures):
     force = table["f_bond"]  # the halves ring
     assert table["f_bond[17]"][-1] > 1000 and table["f_bond[22]"][-1] == 1 and abs(force[-40:].mean()) < 0.1 * force.max(), "not broken"
     linear, angular = drift(table)
-    figures.below("breaking pair: drift of momentum", linear, 1e-10)
+    figures.below("breaking pair: drift of momentum", linear, 1e-13)
     # Mass goes back to nodes that are not tied any more, which moves the middle of the cement by a hair.
     figures.below("breaking pair: drift of angular momentum", angular, 1e-8)
 
@@ -78,6 +78,19 @@ def test_grains_take_impulses_in_two_halves(tmp_path, figures, words):
     assert not different, different
 
 
+@pytest.mark.parametrize("cracks, limit", [("bonds", 2e-8), ("split", 5e-6)])
+def test_breaking_pair_with_ties(tmp_path, figures, cracks, limit):
+    """Edges are tied, so mass goes back to nodes where ties are given up: nodes that split give up most."""
+    script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,))
+              + cement(3e-4, 2.4e-8, damage=f"damage tensor B0 9.6e3 cracks {cracks}", couple="kn auto kt auto")
+              + LEAVING + MOMENTA + thermo(5, MOMENTUM_COLUMNS + ["f_bond[22]"]) + "run 400\n")
+    table = run(script, tmp_path).table()
+    assert table["f_bond[22]"][-1] == 1
+    linear, angular = drift(table)
+    figures.below(f"pair with ties, cracks {cracks}: drift of momentum", linear, 1e-13)
+    figures.below(f"pair with ties, cracks {cracks}: drift of angular momentum", angular, limit)
+
+
 def test_energy_where_layouts_are_made_often(tmp_path, figures):
     """A breaking pair goes from rank to rank, with a new layout in steps that look for parts: the energies are those of one rank."""
     def table(ranks):
@@ -95,7 +108,7 @@ def test_energy_where_layouts_are_made_often(tmp_path, figures):
     assert one["f_bond[18]"][-1] > 1000 and one["f_cem[9]"][-1] > 0
     for name, column in (("of the coupling", "f_cem[7]"), ("dissipated", "f_cem[8]"), ("released", "f_cem[9]")):
         figures.below(f"pair that goes through the ranks: energy {name}, 1 against 2 ranks",
-                      abs(one[column] - two[column]).max() / abs(one[column]).max(), 1e-6)
+                      abs(one[column] - two[column]).max() / abs(one[column]).max(), 3e-9)
 
 
 @pytest.mark.parametrize("cracks, friction", [("bonds", ""), ("split", ""), ("split", " friction 0.3")])

@@ -8,7 +8,7 @@ What is fenced has a word that says what becomes of it:
   sh, python          commands                            run
   sh-template         commands that take long or need a place of their own; files, targets, presets and variables
                       that they name must be there
-  liggghts-specimen   lines of examples/specimen150, which test_specimen.py runs
+  liggghts-specimen   lines of examples/specimen, which test_specimen.py runs
   liggghts-template   lines with words to be replaced; the command or style must be there
   text                neither: output, formulas, folders
 Indented blocks are templates under the head Syntax, and formulas on the page theory.md. There are no others.
@@ -19,6 +19,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from scenes import PATIENCE, RING, executable, launch, pair, run
@@ -68,7 +69,19 @@ LINES = [pytest.param(line, id=f"{page.stem}:{' '.join(line.split()[:4])[:40]}")
 
 @pytest.mark.parametrize("script", SCRIPTS)
 def test_whole_script(script, tmp_path):
-    run(script, tmp_path, ranks=2)
+    """Files that it writes are there; it takes all of its steps, and what it prints of them is numbers and moves."""
+    result = run(script, tmp_path, ranks=2)
+    files = set(re.findall(r"\S+\.(?:csv|txt|restart)", script))
+    steps = sum(int(n) for n in re.findall(r"^run +(\d+)", script, re.M))
+    assert files or steps
+    for name in files:
+        assert (tmp_path / name).stat().st_size > 100, name
+    if steps == 0:
+        return
+    head = re.findall(r"^ +Step .*$", result.output, re.M)[-1].split()
+    rows = re.findall(rf"^ +\d+(?: +\S+){{{len(head) - 1}}} *$", result.output, re.M)
+    table = np.array([r.split() for r in rows], dtype=float)
+    assert len(table) > 2 and table[-1, 0] == steps and np.isfinite(table).all() and (np.ptp(table, axis=0)[2:] > 0).any()
 
 
 def test_first_script(tmp_path):
@@ -95,9 +108,9 @@ def test_first_script(tmp_path):
 
 def test_lines_of_the_specimen():
     """What doc/howto_pictures.md shows stands so in the script that tests/system/test_specimen.py runs."""
-    script = {" ".join(line.split()) for line in (ROOT / "examples" / "specimen150" / "in.compress").read_text().splitlines()}
+    scripts = " ".join(" ".join((ROOT / "examples" / "specimen" / name).read_text().split()) for name in ("pictures.in", "in.load"))
     shown = [" ".join(line.split()) for _, text in blocks("liggghts-specimen") for line in text.splitlines()]
-    assert len(shown) == 9 and set(shown) <= script, set(shown) - script
+    assert len(shown) == 9 and all(line in scripts for line in shown), [line for line in shown if line not in scripts]
 
 
 @pytest.mark.parametrize("line", LINES)

@@ -21,11 +21,11 @@ def test_weight(scale, tmp_path, figures):
     time, mass = t["step"][1:] * dt, DENSITY * t["c_V"][0]
     impulse = mass * g * time
     for name, column, share in (("x", 13, 0.6), ("y", 14, 0.0), ("z", 15, -0.8)):
-        figures.below(f"S {scale}: momentum along {name} against the weight times time", abs(t[f"f_cem[{column}]"][1:] / impulse - share).max(), 1e-10)
+        figures.below(f"S {scale}: momentum along {name} against the weight times time", abs(t[f"f_cem[{column}]"][1:] / impulse - share).max(), 1e-13)
     energy = impulse**2 / (2 * scale * mass)
-    figures.below(f"S {scale}: kinetic energy against p^2/(2 S m)", abs(t["f_cem[5]"][1:] / energy - 1).max(), 1e-9)
+    figures.below(f"S {scale}: kinetic energy against p^2/(2 S m)", abs(t["f_cem[5]"][1:] / energy - 1).max(), 2e-13)
     # What central differences count of it differs by the square of a step in the whole time.
-    figures.below(f"S {scale}: work of the weight against it", abs(t["f_cem[11]"][1:] / energy - 1).max(), 1e-3)
+    figures.below(f"S {scale}: work of the weight against it", abs(t["f_cem[11]"][1:] / energy - 1).max(), 1e-13)
 
 
 def test_a_grain_without_links_is_free(tmp_path, figures):

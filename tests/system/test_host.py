@@ -180,3 +180,12 @@ def test_dump_vtk(tmp_path):
     for step in (0, 10):
         data = (tmp_path / f"points.{step}.vtk").read_bytes()
         assert b"c_damage" in data and b"c_stress_zz" in data
+
+
+@pytest.mark.skipif("not hosted()", reason="LIGGGHTS' own main() leaves output in a buffer")
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_output_is_there_at_once(ranks, tmp_path):
+    """Output that goes to a file can be followed while the program runs."""
+    result = run('print "a line of the script"\nshell cp in.test.out then.txt\n', tmp_path, ranks)
+    assert "a line of the script" in result.output
+    assert "a line of the script" in (tmp_path / "then.txt").read_text()

@@ -31,7 +31,7 @@ def test_pulled_through_failure(tmp_path, figures, one_rank, ranks, processors, 
     first_failure = np.argmax(a["f_bond[17]"] > 0)
     name = f"{ranks} ranks cut {processors}: bond force against 1 rank, over the peak,"
     figures.note(f"{name} in all {steps} steps", f"{difference.max():.1e}")
-    figures.below(f"{name} up to the first failure (step {first_failure})", difference[:first_failure].max(), 1e-10)
+    figures.below(f"{name} up to the first failure (step {first_failure})", difference[:first_failure].max(), 1e-12)
     p, q = one_rank.points(steps), other.points(steps)
     assert (p["id"] == q["id"]).all()
     figures.note(f"{ranks} ranks cut {processors}: damage after {steps} steps against 1 rank",
@@ -54,6 +54,6 @@ def test_points_that_change_rank(tmp_path, figures):
     crossed = (before["z"] * after["z"] < 0).sum()
     assert crossed > 100, crossed
     # A position rounded by 1e-18 m, times the penalty, is felt by the velocity of a light node.
-    for names, scale, limit in (("xyz", CELL, 1e-10), (("vx", "vy", "vz"), 30.0, 1e-9)):
+    for names, scale, limit in (("xyz", CELL, 4e-12), (("vx", "vy", "vz"), 30.0, 1e-9)):
         error = max(abs(after[n] - alone[n]).max() for n in names) / scale
         figures.below(f"spinning pair, {crossed} points crossed the cut: {' '.join(names)} against 1 rank", error, limit)

@@ -12,7 +12,7 @@ COUNTS = {"ok": 3, "message": 4, "silent": 0, "nameless": 0, "crash": 1, "hang":
 
 
 def figure(name, value, limit):
-    return {"test": "test_a", "what": "What.", "case": name, "figure": name, "value": value, "limit": limit,
+    return {"test": "test_a", "what": "What.", "line": 7, "case": name, "figure": name, "value": value, "limit": limit,
             "met": limit is None or value <= limit}
 
 
@@ -31,7 +31,8 @@ def write(tmp_path):
 def test_row_is_that_of_the_figure_nearest_to_its_limit(write):
     status, _, page = write(test_file=[figure("far", 1.0, 10.0), figure("near", 0.2, 0.5), figure("noted", "1e-3", None)])
     assert status == 0
-    assert "| `test_file`: a | What. | 3, 2 | near | 0.2 | 0.5 |\n<!-- table: end -->\nbetween\n" in page
+    assert ("| `test_file`: a | What. | 3, 2 | near | 0.2 | 0.5 |\n\n0 figures measure rounding: they are below 1e-09. No limit of them is above 30 times the largest "
+            "figure that it holds.\n<!-- table: end -->\nbetween\n") in page
     assert "<!-- fuzz: begin -->\nold\n<!-- fuzz: end -->" in page
 
 
@@ -39,6 +40,16 @@ def test_row_is_that_of_the_figure_nearest_to_its_limit(write):
 def test_a_limit_that_is_missed_is_said(write, value, limit):
     _, _, page = write(test_file=[figure("missed", value, limit), figure("near", 0.9, 1.0)])
     assert f"missed | {value:.2g} **not met** | {limit:g} |" in page
+
+
+def test_wide_limits_of_rounding_are_said(write):
+    """Of the figures of one limit the largest counts; one that is exact, or none, is left out."""
+    one = [figure("one rank", 1e-15, 4e-13), figure("two ranks", 2e-14, 4e-13), figure("exact", 0.0, 1e-10), figure("physics", 1e-6, 1e-3)]
+    other = [figure("loose", 1e-14, 1e-9)]
+    _, _, page = write(test_file=one, test_other=other)
+    assert "3 figures measure rounding: they are below 1e-09. Of these limits are above 30 times the largest figure that they hold: `test_other`: a (1e-09 for 1.0e-14)." in page
+    _, _, page = write(test_file=one, test_other=[])
+    assert "2 figures measure rounding" in page and "No limit of them is above 30 times" in page
 
 
 def test_fuzzer_alone(write):

@@ -83,7 +83,7 @@ def test_flight(tmp_path, figures):
         P = np.array([t[c] for c in MOMENTUM_COLUMNS])
         drift = np.abs(P - P[:, :1]).max(axis=1) / np.repeat([np.linalg.norm(P[:3, 0]), np.linalg.norm(P[3:, 0])], 3)
         figures.below(f"{n}: drift of momentum", drift[:3].max(), 1e-12)
-        figures.below(f"{n}: drift of angular momentum", drift[3:].max(), 1e-7)
+        figures.below(f"{n}: drift of angular momentum", drift[3:].max(), 1e-13)
         figures.below(f"{n}: drift of energy", np.abs(t["v_E"] / t["v_E"][0] - 1).max(), 1e-4)
     assert found[8]["f_bond"][:50] == pytest.approx(found[1]["f_bond"][:50], abs=1e-4 * np.abs(found[1]["f_bond"]).max())
 

@@ -2,6 +2,7 @@
 """Tables of the bonds and of the events: rows of a run in parts are those of the run left alone, and none is lost in silence."""
 import os
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -144,9 +145,16 @@ def test_one_file_by_two_names(tmp_path, alias):
         assert word in result.errors()[0]
 
 
-def test_devices_take_both(tmp_path):
+def test_devices_take_both(tmp_path, whole):
+    """A device that is named twice is written to twice, and stays what it is; the run is that which has files."""
     script = edit(edit(FIRST, "events events.csv", "events /dev/null"), "csv 7 bond.csv", "csv 7 /dev/null")
-    run(script + "run 20\n", tmp_path)
+    table = run(script + thermo(40, ["f_bond[14]", "f_bond[18]"]) + "run 520\n", tmp_path).table()
+    assert Path("/dev/null").is_char_device() and not list(tmp_path.glob("*.csv"))
+    assert table["step"][-1] == 520 and table["f_bond[18]"][-1] == len(whole["events.csv"].splitlines()) - 1
+    names, *rows = [line.split(b",") for line in whole["bond.csv"].splitlines()]
+    of_files = {int(r[0]): float(r[names.index(b"tension")]) for r in rows}
+    both = [(f, of_files[int(s)]) for s, f in zip(table["step"], table["f_bond[14]"]) if int(s) in of_files]
+    assert len(both) > 1 and all(abs(a - b) <= 1e-9 * max(of_files.values()) for a, b in both)
 
 
 def test_places_and_names(tmp_path):
@@ -164,3 +172,22 @@ def test_places_and_names(tmp_path):
             assert f"{value:.10g}" == row[4 + n], name
     more = launch(script.replace(f"f_bond[{len(names)}]", f"f_bond[{len(names) + 1}]") + "run 0\n", tmp_path, 1)
     assert more.status != 0
+
+
+@pytest.mark.parametrize("words, ranks", [("", 1), ("", 2), ("condense yes wake 0.7", 1), ("condense yes wake 0.7", 2), ("subcycle 4", 1), ("condense yes wake 0.7 subcycle 4", 2)])
+def test_peak_is_that_of_every_step(words, ranks, tmp_path, figures):
+    """A bond that swings and then fails: its largest tension is that of every step, however seldom a row asks for it, and over a restart."""
+    dt, steps = (8e-9, 300) if "subcycle" in words else (2e-9, 1200)
+    scene = pair(SPACING, gap=1e-4, processors="1 1 2" if ranks == 2 else "* * *")
+    fixes = cement(CELL, dt, axis="radial", damage=f"damage tensor B0 9.6e3 {words}", couple="kn auto kt auto") + MOTION
+    start = scene + fixes + "velocity second set 0.1 0.2 0.6\nset group second omegaz 300\nvariable awake equal f_cem[24]\n"
+    each = run(start + thermo(1, ["f_bond[14]", "f_bond[21]", "v_awake"]) + f"run {steps}\n", tmp_path / "each", ranks).table()
+    assert "condense" not in words or 0 < each["v_awake"].argmax() < steps / 2, "the bond is to wake on its way"
+    tension, half = each["f_bond[14]"][1:], steps // 2
+    assert 0 < tension.argmax() < steps - 1
+    seldom = run(start + f"run {half}\nwrite_restart half.restart\n" + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "seldom", ranks).table()
+    parted = run(restarted("../seldom/half.restart") + fixes + thermo(steps, ["f_bond[21]"]) + f"run {steps - half}\n", tmp_path / "parted", ranks).table()
+    most = tension.max()
+    for what, found in (("each step", each), ("the end", seldom), ("the end after a restart", parted)):
+        figures.below(f"{words or 'one clock'}, {ranks} ranks: peak_tension asked for at {what}, off the largest tension, over it", abs(found["f_bond[21]"][-1] / most - 1), 6e-15)
+    assert (np.diff(each["f_bond[21]"][1:]) >= 0).all()

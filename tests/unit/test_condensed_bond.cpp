@@ -280,7 +280,9 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
     pack.set_accelerations(rates.data());
     pack.find_inertial_loads();
 
-    double sum[kGrains][6] = {}, still[kGrains][6] = {}, jump[kGrains][6] = {}, most = 0.0, worst = 0.0, worst_d = 0.0;
+    std::array<double, kBonds> tension{};
+    pack.each_tension([&](std::size_t part, double t) { tension.at(part) += t; });
+    double sum[kGrains][6] = {}, still[kGrains][6] = {}, jump[kGrains][6] = {}, most = 0.0, worst = 0.0, worst_d = 0.0, worst_tension = 0.0;
     for (int b = 0; b < kBonds; ++b) {
       auto side = pack.sides(b, bodies[b]);
       const CondensedMotion motion(models[b], bodies[b], side.data());
@@ -291,6 +293,9 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
       }
       EXPECT_NEAR(pack.level(b), level, 1e-11 * (1 + level));
       const GrainLoads all = motion.all(models[b], side.data(), gravity);
+      const Vector3 apart = CondensedMotion::vector(side[1].x) - CondensedMotion::vector(side[0].x);
+      const Vector3 pull = 0.5 * (CondensedMotion::vector(all.of[0]) - CondensedMotion::vector(all.of[1]));
+      worst_tension = std::max(worst_tension, std::fabs(tension[b] - pull.dot(apart) / apart.norm()));
       const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.of_sides(side[0].jump, side[1].jump)));
       for (GrainSide& s : side) {
         std::fill(s.a, s.a + 3, 0.0);
@@ -313,6 +318,7 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
       }
     EXPECT_GT(most, 1.0);
     test::expect_within(worst / most, 1e-13, "loads on grains, in lanes and one by one");
+    test::expect_within(worst_tension / most, 1e-13, "tension, in lanes and one by one");
   }
 }
 

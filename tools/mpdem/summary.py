@@ -64,7 +64,7 @@ def measure(bond, window):
 
 
 def _peak(bond):
-    """The largest tension may fall between rows: peak_tension knows it if the run evaluated it there."""
+    """The largest tension may fall between rows: peak_tension is that of every step."""
     row = int(np.argmax(np.abs(bond.tension)))
     peak = float(abs(bond.tension[row]))
     seen = float(np.max(bond.peak_tension))

@@ -72,7 +72,7 @@ std::vector<BondColumn> columns() {
       {"failed", "failed points", &BondState::failed},
       {"largest_damage", "largest eigenvalue of D", &BondState::largest_damage},
       {"mean_damage", "its mean over the volume", &BondState::mean_damage},
-      {"peak_tension", "largest tension, of the steps at which it was asked for", &BondState::peak},
+      {"peak_tension", "largest tension of all steps so far", &BondState::peak},
       {"separated", "1 once separated, else 0", &BondState::separated},
       {"share_grain1", "share of the separating surface at the first grain", share<0>},
       {"share_grain2", "share of it at the second grain", share<1>},

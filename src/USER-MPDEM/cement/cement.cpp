@@ -278,6 +278,7 @@ void Cement::end_step() {
   if (scene_.ends_step()) scene_.grains.watch_late_loads(true);
   scene_.grains.keep_velocities(scene_.dt_last);
   parting_.watch_loads();
+  if (scene_.ends_step()) report_.note_peaks();
   scene_.books.end_step(work_.of_loads(0), work_.of_inertial_forces(0));
   std::vector<Body>& table = scene_.bonds().table;
   for (auto b = table.rbegin(); b != table.rend() && !b->in_motion; ++b) b->in_motion = true;

@@ -465,6 +465,13 @@ double CondensedBonds::work_of_commands(const Bonds& bonds, double dt_last) cons
   return work;
 }
 
+void CondensedBonds::note_peaks(std::vector<double>& peaks) const {
+  pack_.each_tension([&](std::size_t part, double tension) {
+    const Member& m = members_[part];
+    if (m.tells && m.piece < 0) peaks[m.body] = std::max(peaks[m.body], tension);
+  });
+}
+
 std::vector<int> CondensedBonds::rows_told() const {
   std::vector<int> rows;
   for (const Member& m : members_)

@@ -94,6 +94,8 @@ class CondensedBonds {
   bool tells(int body) const { return find(body) && find(body)->tells; }
   std::array<GrainSide, 2> loaded_sides(int body, const Bonds& bonds, const double* gravity) const;
   double energy_of_points(int body) const;
+  // Raises the largest tension of the bonds that this rank tells, but for those in pieces, to that of the step. peaks: by row.
+  void note_peaks(std::vector<double>& peaks) const;
   const PointSums& sums_of_points(int body) const { return find(body)->solution->sums; }
   std::vector<int> rows_told() const;                        // rows that this rank tells
   std::vector<int> rows_without_points(const Bonds& bonds) const;  // rows among these that have no points yet

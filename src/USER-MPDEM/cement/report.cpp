@@ -182,12 +182,9 @@ CementTotals Report::totals(double reach_of_box) const {
 
 const std::vector<BondState>& Report::bond_loads() {
   const std::size_t n = scene_.bonds().table.size();
-  states_.resize(n);
-  for (BondState& b : states_) {
-    BondState now;
-    now.peak = b.peak;
-    b = std::move(now);
-  }
+  states_.assign(n, BondState{});
+  const std::vector<double> peak = peaks();
+  for (std::size_t i = 0; i < n; ++i) states_[i].peak = peak[i];
   if (!scene_.laid_out) return states_;
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
   constexpr std::size_t kSide = 9, width = 2 * kSide;  // force, torque, position of the grain from the origin of the body
@@ -217,7 +214,6 @@ const std::vector<BondState>& Report::bond_loads() {
         b.torque[s][d] = row[kSide * s + 3 + d];
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
-    b.peak = std::max(b.peak, b.tension);
     b.gap = length - scene_.bonds().table[i].radius[0] - scene_.bonds().table[i].radius[1];
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
@@ -308,15 +304,29 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   });
 }
 
-std::vector<double> Report::peaks() const {
-  std::vector<double> peaks(scene_.bonds().table.size(), 0.0);
-  for (std::size_t r = 0; r < std::min(peaks.size(), states_.size()); ++r) peaks[r] = states_[r].peak;
-  return peaks;
+void Report::note_peaks() {
+  if (!scene_.penalty) return;
+  peaks_.resize(scene_.bonds().table.size());
+  const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
+  for (const BondedGrains::OwnedSide& o : scene_.grains.owned()) {
+    if (o.side != 0) continue;
+    const GrainSide *first = &scene_.grains.sides.sides[o.at], *second = first + 1;
+    double square = 0.0, sum = 0.0;
+    for (int d = 0; d < 3; ++d) {
+      const double axis = second->x[d] - first->x[d];
+      square += axis * axis;
+      sum += axis * (first->force[d] - second->force[d] - of_other_substeps * (first->impulse[d] - second->impulse[d]));
+    }
+    if (square > 0.0) peaks_[o.body] = std::max(peaks_[o.body], 0.5 * sum / std::sqrt(square));
+  }
+  condensed_.note_peaks(peaks_);
 }
 
-void Report::restore(const std::vector<double>& peaks) {
-  states_.assign(peaks.size(), BondState{});
-  for (std::size_t r = 0; r < peaks.size(); ++r) states_[r].peak = peaks[r];
+std::vector<double> Report::peaks() const {
+  std::vector<double> peaks(peaks_);
+  peaks.resize(scene_.bonds().table.size());
+  global_max(peaks, scene_.comm);
+  return peaks;
 }
 
 }  // namespace mpdem

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Reports of the cement: sums over all bonds, a row for each bond, and the motion of points. Nothing here runs in a
-// step that prints nothing, and nothing here changes the state. Consistent units.
+// Reports of the cement: sums over all bonds, a row for each bond, and the motion of points. Nothing here but note_peaks()
+// runs in a step that prints nothing, and nothing here changes the state. Consistent units.
 #ifndef MPDEM_REPORT_H
 #define MPDEM_REPORT_H
 
@@ -40,15 +40,18 @@ class Report {
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
 
-  // The largest tension of each bond that was reported so far, for restart files.
+  // Call at the end of each step.
+  void note_peaks();
+  // Collective. Returns the largest tension of each bond in any step so far.
   std::vector<double> peaks() const;
-  void restore(const std::vector<double>& peaks);
+  void restore(std::vector<double> peaks) { peaks_ = std::move(peaks); }
 
  private:
   const Scene& scene_;
   const Cracks& cracks_;
   const CondensedBonds& condensed_;
   std::vector<BondState> states_;
+  std::vector<double> peaks_;  // largest tension of each bond in the steps that this rank had its first grain
 };
 
 }  // namespace mpdem

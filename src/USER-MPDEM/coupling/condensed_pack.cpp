@@ -48,6 +48,13 @@ Mat operator-(const Mat& x, const Mat& y) {
   return z;
 }
 
+// generalized: forces on the twelve velocities in the axes Q, with the opposite sign. along: line of centres, in these axes.
+vd tension_of(const vd* generalized, const Vec& along) {
+  vd sum{};
+  for (int d = 0; d < 3; ++d) sum += (generalized[6 + d] - generalized[d]) * along.a[d];
+  return splat(0.5) * sum;
+}
+
 }  // namespace
 
 void CondensedPack::fill(Block& b, int lane, const Part& part) {
@@ -186,7 +193,7 @@ void CondensedPack::add_loads(const Block& b, const RelativeMotion<vd>& m, const
     }
 }
 
-void CondensedPack::find_weight(const Block& b, const RelativeMotion<vd>& m, const double* gravity) {
+void CondensedPack::find_weight(Block& b, const RelativeMotion<vd>& m, const double* gravity, const Vec& along) {
   const Vec g = turned_back(m.Q, Vec{{splat(gravity[0]), splat(gravity[1]), splat(gravity[2])}});
   vd of_weight[12];
   for (int i = 0; i < 12; ++i) {
@@ -194,6 +201,7 @@ void CondensedPack::find_weight(const Block& b, const RelativeMotion<vd>& m, con
     for (int d = 0; d < 3; ++d) of_weight[i] -= (b.M[lower_triangle(i, d)] + b.M[lower_triangle(i, 6 + d)]) * g.a[d];
   }
   add_loads(b, m, of_weight, weight_);
+  b.tension += mpdem::tension_of(of_weight, turned_back(m.Q, along));
 }
 
 void CondensedPack::find_loads(Block& b, const double* gravity) {
@@ -213,7 +221,9 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
     turn[s] = rotation_of(quaternion_product(q, b.back[s]).data());
     arm[s] = Vec{{b.arm[s][0], b.arm[s][1], b.arm[s][2]}};
   }
-  const RelativeMotion<vd> m(turn, arm, x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}});
+  const Vec apart = x[1] - x[0] + Vec{{b.shift[0], b.shift[1], b.shift[2]}};
+  const RelativeMotion<vd> m(turn, arm, apart);
+  const Vec along = splat(1.0) / sqrt(dot(apart, apart)) * apart;
   // Elastic loads.
   vd f[6], *const d = b.d;
   for (int c = 0; c < 3; ++c) {
@@ -250,6 +260,7 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   for (int i = 0; i < 12; ++i)
     for (int c = 0; c < 3; ++c) generalized[i] += b.M[lower_triangle(i, c)] * to_axis[0].a[c] + b.M[lower_triangle(i, 6 + c)] * to_axis[1].a[c];
   add_loads(b, m, generalized, load_);
+  b.tension = mpdem::tension_of(generalized, turned_back(m.Q, along)) - dot(force, along);
   for (int lane = 0; lane < b.count; ++lane) {
     double *l0 = &load_[6 * b.slot[0][lane]], *l1 = &load_[6 * b.slot[1][lane]];
     for (int c = 0; c < 3; ++c) {
@@ -259,11 +270,21 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
       l1[3 + c] += moment.a[c][lane];
     }
   }
-  if (gravity) find_weight(b, m, gravity);
-  find_masses(b, m);
+  if (gravity) find_weight(b, m, gravity, along);
+  find_masses(b, m, along);
 }
 
-void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m) {
+void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m, const Vec& along) {
+  const Vec half = splat(0.5) * along;
+  const auto add_lag = [&](int s, const Vec& of_force, const Mat& of_v, const Mat& of_omega) {
+    const Vec v = turned_back(of_v, of_force), omega = turned_back(of_omega, of_force);
+    for (int d = 0; d < 3; ++d) {
+      b.lag[s][d] += v.a[d];
+      b.lag[s][3 + d] += omega.a[d];
+    }
+  };
+  for (auto& side : b.lag) std::fill(side, side + 6, vd{});
+
   const auto block = [&](int row, int column) {
     Mat x;
     for (int i = 0; i < 3; ++i)
@@ -275,6 +296,7 @@ void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m) {
     const Mat a = block(6 * s, 6 * s), b0 = block(6 * s, 6 * s + 3);
     const Mat upper_right = b0 - times_cross(a, r), lower_left = transpose(upper_right);
     const Mat lower_right = block(6 * s + 3, 6 * s + 3) - times_cross(transpose(b0), r) + cross_times(r, upper_right);
+    add_lag(s, s == 0 ? half : splat(-1.0) * half, a, upper_right);
     for (int lane = 0; lane < b.count; ++lane) {
       double* to = &mass_[kSym6 * b.slot[s][lane]];
       for (int i = 0; i < 3; ++i) {
@@ -290,6 +312,8 @@ void CondensedPack::find_masses(Block& b, const RelativeMotion<vd>& m) {
   const Mat a = block(0, 6), c = block(3, 6);
   const Mat upper_right = block(0, 9) - times_cross(a, r1);
   const Mat lower_left = c + cross_times(r0, a), lower_right = block(3, 9) - times_cross(c, r1) + cross_times(r0, upper_right);
+  add_lag(0, splat(-1.0) * half, transpose(a), transpose(lower_left));
+  add_lag(1, half, a, upper_right);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       b.C[6 * i + j] = a.a[i][j];
@@ -318,6 +342,17 @@ void CondensedPack::apply(const std::vector<double>& rates, std::vector<double>&
         for (int d = 0; d < 6; ++d) to[d] -= load[s][d][lane];
       }
   }
+}
+
+vd CondensedPack::tension_of(const Block& b) const {
+  vd tension = b.tension;
+  for (int s = 0; s < 2; ++s)
+    for (int d = 0; d < 6; ++d) {
+      vd rate;
+      for (int l = 0; l < kLanes; ++l) rate[l] = acceleration_[6 * b.slot[s][l] + d];
+      tension -= b.lag[s][d] * rate;
+    }
+  return tension;
 }
 
 bool CondensedPack::at_rest() const {

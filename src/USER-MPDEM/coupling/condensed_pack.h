@@ -68,6 +68,14 @@ class CondensedPack {
   void take_coupling(double* of_owned);
   bool at_rest() const;  // true if no grain here has an acceleration
 
+  // Calls f(part, tension) with the mean force of each part along the line of centres, once all loads are known.
+  template <class F>
+  void each_tension(F f) const {
+    for (std::size_t n = 0; n < blocks_.size(); ++n) {
+      const vd tension = tension_of(blocks_[n]);
+      for (int lane = 0; lane < blocks_[n].count; ++lane) f(kLanes * n + lane, tension[lane]);
+    }
+  }
   // Component j of the relative motion of a part. part: its place in the list of build().
   double relative(int part, int j) const { return blocks_[part / kLanes].d[j][part % kLanes]; }
   // Upper bound of the root of the drive over its threshold.
@@ -87,11 +95,13 @@ class CondensedPack {
     vd K[kSym6], M[78], N[36], first[3], second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
     vd bound[6], d[6], level;
     vd C[36];                 // M_01 in the axes of the box, by rows
+    vd tension, lag[2][6];    // mean force along the line of centres without accelerations, and what each acceleration takes from it
   };
   static void fill(Block& b, int lane, const Part& part);
   void find_loads(Block& b, const double* gravity);
-  void find_masses(Block& b, const RelativeMotion<vd>& m);
-  void find_weight(const Block& b, const RelativeMotion<vd>& m, const double* gravity);
+  void find_masses(Block& b, const RelativeMotion<vd>& m, const Three<vd>& along);
+  void find_weight(Block& b, const RelativeMotion<vd>& m, const double* gravity, const Three<vd>& along);
+  vd tension_of(const Block& b) const;
   void add_loads(const Block& b, const RelativeMotion<vd>& m, const vd* generalized, std::vector<double>& to) const;
   void apply(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
   void hand_out(double* values, int width);

@@ -4,6 +4,7 @@
 // liggghts-mpdem: LIGGGHTS' own driver, linked with the package.
 #include <mpi.h>
 
+#include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
@@ -15,6 +16,7 @@
 
 int main(int argc, char** argv) {
   mpdem::install_signal_handlers();
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a run whose output goes to a file can be watched
   MPI_Init(&argc, &argv);
   auto* liggghts = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
   try {
