@@ -51,7 +51,7 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density, bool all) {
   owned_.clear();
   for (std::size_t b = 0; b < bonds.table.size(); ++b)
     for (int s = 0; s < 2; ++s) {
-      const auto it = by_tag.find(bonds.table[b].grain[s]);
+      const auto it = bonds.table[b].has_grain(s) ? by_tag.find(bonds.table[b].grain[s]) : by_tag.end();
       if (it == by_tag.end()) continue;
       cement[it->second] += density * bonds.table[b].volume;
       grains[it->second].made_for = bonds.table[b].radius[s];

@@ -42,7 +42,7 @@ struct LinksSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 19;
+  static constexpr int kVersion = 20;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;

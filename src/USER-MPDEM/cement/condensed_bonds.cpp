@@ -260,6 +260,7 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
     const bool in_pieces = is_in_pieces(row);
     for (int n = 0; n < (in_pieces ? 2 : 1); ++n) {
       const int piece = in_pieces ? n : -1;
+      if (in_pieces && !body.has_grain(n)) continue;
       if (own != solutions_.end()) {
         members_.push_back({row, teller[row] == me, own->second, piece});
         keys.push_back({row, n, 0, 0});
@@ -370,6 +371,14 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
   return sum;
 }
 
+CondensedBonds::Energies CondensedBonds::energies_of_piece(int body, int side, const Bonds& bonds, double half) const {
+  Energies sum;
+  each_part_of(body, [&](std::size_t part) {
+    if (members_[part].piece == side) sum.add(energies_of_part(part, bonds, half));
+  });
+  return sum;
+}
+
 CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double half) const {
   Energies sum;
   for (std::size_t part = 0; part < members_.size(); ++part) sum.add(energies_of_part(part, bonds, half));
@@ -396,7 +405,7 @@ std::array<GrainSide, 2> CondensedBonds::loaded_sides_of_part(std::size_t part, 
 
 // A piece loads the first side of its part.
 std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bonds, const double* gravity) const {
-  std::array<GrainSide, 2> side;
+  std::array<GrainSide, 2> side{};  // that of a piece whose grain left has no load
   each_part_of(body, [&](std::size_t part) {
     const auto of_part = loaded_sides_of_part(part, bonds, gravity);
     const int piece = members_[part].piece;

@@ -86,9 +86,10 @@ class CondensedBonds {
     double momentum[3] = {0, 0, 0}, angular_momentum[3] = {0, 0, 0};  // angular momentum is about the origin of the box
     void add(const Energies& e);
   };
-  // Energies of the bonds that this rank tells, or of one of them. half: half a step.
+  // Energies of the bonds that this rank tells, of one of them, or of the piece of one on a grain. half: half a step.
   Energies energies(const Bonds& bonds, double half) const;
   Energies energies_of(int body, const Bonds& bonds, double half) const;
+  Energies energies_of_piece(int body, int side, const Bonds& bonds, double half) const;
   // tells(): does this rank tell the loads of the bond? loaded_sides(): all its loads on its grains.
   // energy_of_points(): elastic energy of its points. The rest of its energy is in the links.
   bool tells(int body) const { return find(body) && find(body)->tells; }

@@ -95,7 +95,7 @@ CementTotals Report::totals(double reach_of_box) const {
   // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
   // accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
-         kReleased, kDamped, kRubbed, kWork, kCount };
+         kReleased, kDamped, kRubbed, kWork, kLeftPoints, kLeftMass, kLeftP, kLeftEnergy = kLeftP + 3, kCount };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
@@ -135,7 +135,8 @@ CementTotals Report::totals(double reach_of_box) const {
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = scene_.books.sums();
   const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
-                             books.work - books.work_ahead};
+                             books.work - books.work_ahead, books.left.points, books.left.mass, books.left.momentum[0], books.left.momentum[1],
+                             books.left.momentum[2], books.left.energy};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
@@ -146,7 +147,7 @@ CementTotals Report::totals(double reach_of_box) const {
   t.points = sum[kPoints];
   t.failed = sum[kFailed];
   t.largest_damage = most[0];
-  t.mean_damage = sum[kDamaged] / sum[kVolume];
+  t.mean_damage = sum[kVolume] > 0.0 ? sum[kDamaged] / sum[kVolume] : 0.0;
   t.kinetic = sum[kKinetic];
   t.elastic = sum[kElastic];
   t.coupling = sum[kCoupling];
@@ -155,7 +156,8 @@ CementTotals Report::totals(double reach_of_box) const {
   t.damped = sum[kDamped];
   t.rubbed = sum[kRubbed];
   t.external_work = sum[kWork];
-  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
+  t.left = {sum[kLeftPoints], sum[kLeftMass], {sum[kLeftP], sum[kLeftP + 1], sum[kLeftP + 2]}, sum[kLeftEnergy]};
+  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // Central differences do not keep m/2 v.v but m/2 v-.v+, with the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
@@ -199,7 +201,9 @@ const std::vector<BondState>& Report::bond_loads() {
       axis[d] = row[kSide + 6 + d] - row[6 + d];
       length += axis[d] * axis[d];
     }
-    length = std::sqrt(length);
+    const Body& body = scene_.bonds.table[i];
+    const bool both = body.has_grain(0) && body.has_grain(1);
+    length = both ? std::sqrt(length) : 0.0;
     for (int s = 0; s < 2; ++s)
       for (int d = 0; d < 3; ++d) {
         b.force[s][d] = row[kSide * s + d];
@@ -207,7 +211,7 @@ const std::vector<BondState>& Report::bond_loads() {
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
     b.peak = std::max(b.peak, b.tension);
-    b.gap = length - scene_.bonds.table[i].radius[0] - scene_.bonds.table[i].radius[1];
+    b.gap = both ? length - body.radius[0] - body.radius[1] : 0.0;
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
     const SeparatingSurface& s = cracks_[i].separation;
@@ -249,7 +253,7 @@ const std::vector<BondState>& Report::bond_states() {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
     b.failed = row[kFailed];
-    b.mean_damage = row[kDamaged] / row[kVolume];
+    b.mean_damage = row[kVolume] > 0.0 ? row[kDamaged] / row[kVolume] : 0.0;
     b.largest_damage = most[i];
     b.sums.assign(row + kColumns, row + width);
   }
@@ -277,7 +281,7 @@ void Report::show_condensed_points() const {
 }
 
 int Report::awake_bonds() const {
-  return static_cast<int>(std::count_if(scene_.bonds.table.begin(), scene_.bonds.table.end(), [](const Body& b) { return !b.condensed; }));
+  return static_cast<int>(std::count_if(scene_.bonds.table.begin(), scene_.bonds.table.end(), [](const Body& b) { return b.points > 0 && !b.condensed; }));
 }
 
 // Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where
