@@ -343,13 +343,13 @@ void CondensedBonds::Energies::add(const Energies& e) {
   }
 }
 
-CondensedBonds::Energies CondensedBonds::energies_of_part(std::size_t part, const Bonds& bonds, double half) const {
+CondensedBonds::Energies CondensedBonds::energies_of_part(std::size_t part, const Bonds& bonds, double half, const Sides* sides) const {
   Energies e;
   if (!members_[part].tells) return e;
   const CondensedModel& model = model_of(part);
   Body piece;
   const Body& b = body_of(part, bonds, piece);
-  const auto side = pack_.sides(static_cast<int>(part), b);
+  const Sides side = sides ? *sides : pack_.sides(static_cast<int>(part), b);
   const CondensedMotion motion(model, b, side.data());
   const CondensedMotion::Vector12 before = motion.velocity(side.data(), 0.0), now = motion.velocity(side.data(), half),
                                   after = motion.velocity(side.data(), 2.0 * half);
@@ -371,12 +371,25 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
   return sum;
 }
 
-CondensedBonds::Energies CondensedBonds::energies_of_piece(int body, int side, const Bonds& bonds, double half) const {
-  Energies sum;
+int CondensedBonds::part_of_piece(int body, int piece) const {
+  int found = -1;
   each_part_of(body, [&](std::size_t part) {
-    if (members_[part].piece == side) sum.add(energies_of_part(part, bonds, half));
+    if (members_[part].piece == piece) found = static_cast<int>(part);
   });
-  return sum;
+  return found;
+}
+
+CondensedBonds::Energies CondensedBonds::energies_of_piece(int body, int piece, const Bonds& bonds, double half, const Sides& sides) const {
+  const int part = part_of_piece(body, piece);
+  return part < 0 ? Energies() : energies_of_part(static_cast<std::size_t>(part), bonds, half, &sides);
+}
+
+bool CondensedBonds::piece_sides(int body, int piece, const Bonds& bonds, Sides& sides) const {
+  const int part = part_of_piece(body, piece);
+  if (part < 0) return false;
+  Body of_piece;
+  sides = pack_.sides(part, body_of(static_cast<std::size_t>(part), bonds, of_piece));
+  return true;
 }
 
 CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double half) const {

@@ -84,11 +84,18 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   if (separated)
     for (std::size_t slot = 0; slot < held.size(); ++slot)
       if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1) b.points.set_holds(static_cast<int>(slot), b.points.has_failed(static_cast<int>(slot)) ? 0 : held[slot]);
-  if (separated && gone != 0) grain_of_node = awake ? grains_that_hold_nodes(b) : grains_of_nodes(b, body, scene_.options.split);
+  if (separated && gone != 0 && awake) grain_of_node = grains_that_hold_nodes(b);
   const auto goes_with_grain = [&](int slot) {
+    const BlockMeta& m = b.points.meta[slot / kLanes];
+    if (!awake) {  // as grains_of_nodes() has it
+      const int lane = slot % kLanes;
+      double X[3];
+      for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
+      const int piece = piece_of(m.part);
+      return (gone >> (!scene_.options.split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X))) & 1) != 0;
+    }
     bool goes = false;
-    if (!grain_of_node.empty())
-      for_each_node_of_lane(b.grid, b.points.meta[slot / kLanes], slot % kLanes, [&](int i) { goes = goes || (grain_of_node[i] >= 0 && (gone >> grain_of_node[i] & 1)); });
+    if (!grain_of_node.empty()) for_each_node_of_lane(b.grid, m, slot % kLanes, [&](int i) { goes = goes || (grain_of_node[i] >= 0 && (gone >> grain_of_node[i] & 1)); });
     return goes;
   };
   for (int slot = 0; slot < static_cast<int>(held.size()); ++slot) {
@@ -123,8 +130,9 @@ std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const 
 }
 
 // Adds what this rank has of an awake bond, with `sign`.
-void Departures::add_awake(const Bond& b, double sign, EnergyBooks::Left& left) const {
-  left.energy += sign * (work_.energy_of(b) + work_.ahead_of(b));
+void Departures::add_awake(const Bond& b, double sign, EnergyBooks::Left& left, double& ahead) const {
+  left.energy += sign * work_.energy_of(b);
+  ahead += sign * work_.ahead_of(b);
   double sum[3] = {0, 0, 0};
   for (int i = 0; i < b.grid.size(); ++i)
     for (int d = 0; d < 3 && b.grid.halo.counts_here()[i]; ++d)
@@ -133,22 +141,26 @@ void Departures::add_awake(const Bond& b, double sign, EnergyBooks::Left& left) 
   for (int d = 0; d < 3; ++d) left.momentum[d] += momentum[d];
 }
 
-// Adds the pieces of a condensed bond that go. With the work that is ahead of it, the energy of a piece is that of its velocity after
-// the next kick.
-void Departures::add_condensed(const Share& of_row, int gone, EnergyBooks::Left& left) const {
+// Adds what this rank tells of the pieces of a condensed bond, with `sign`. The work that is ahead of a piece takes its energy to that
+// of its velocity after the next kick.
+void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBooks::Left& left, double& ahead) const {
   const double dt = scene_.dt_last;
-  for (int piece = 0; piece < 2; ++piece) {
-    if (!of_row.all && !(gone >> piece & 1)) continue;
-    const bool whole = !condensed_.is_in_pieces(of_row.row);
-    if (whole && piece == 1) continue;
-    const auto energies = [&](double half) {
-      return whole ? condensed_.energies_of(of_row.row, scene_.bonds, half) : condensed_.energies_of_piece(of_row.row, piece, scene_.bonds, half);
-    };
-    const CondensedBonds::Energies ahead = energies(dt);
-    left.energy += ahead.kinetic + ahead.elastic;
+  for (int n = 0; n < 2; ++n) {
+    if (!pieces.here[n]) continue;
+    const auto energies = [&](double half) { return condensed_.energies_of_piece(pieces.row, pieces.whole ? -1 : n, scene_.bonds, half, pieces.sides[n]); };
     const CondensedBonds::Energies now = energies(0.5 * dt);
-    for (int d = 0; d < 3; ++d) left.momentum[d] += now.momentum[d];
+    left.energy += sign * (now.elastic + now.discrete_kinetic);
+    ahead += sign * (energies(dt).kinetic - now.discrete_kinetic);
+    for (int d = 0; d < 3; ++d) left.momentum[d] += sign * now.momentum[d];
   }
+}
+
+Departures::Pieces Departures::pieces_of(int row) const {
+  Pieces pieces;
+  pieces.row = row;
+  pieces.whole = !condensed_.is_in_pieces(row);
+  for (int n = 0; n < (pieces.whole ? 1 : 2); ++n) pieces.here[n] = condensed_.piece_sides(row, pieces.whole ? -1 : n, scene_.bonds, pieces.sides[n]);
+  return pieces;
 }
 
 // Work that the books have for the second half of the last step, of grains on cement that goes.
@@ -203,25 +215,29 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   const std::vector<Share> of_rows = shares(leaving);
   EnergyBooks::Left left;
   std::vector<int> emptied;
-  left.energy = ahead_of_grains(of_rows, leaving.grains);
+  std::vector<Pieces> pieces;
+  double ahead = ahead_of_grains(of_rows, leaving.grains);  // work of the second half of the last step, which is still to come
   for (const Share& share : of_rows) {
     const Body& body = scene_.bonds.table[share.row];
-    if (body.condensed) add_condensed(share, sides_in(body, leaving.grains), left);
-    else if (const Bond* b = scene_.bonds.find(share.row)) add_awake(*b, 1.0, left);
+    if (body.condensed) pieces.push_back(pieces_of(share.row));
+    else if (const Bond* b = scene_.bonds.find(share.row)) add_awake(*b, 1.0, left, ahead);
     if (share.all) emptied.push_back(share.row);
     if (rank_in(scene_.comm) != 0) continue;
     left.points += share.points;
     left.mass += scene_.density() * share.volume;
   }
+  for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
   const std::vector<int> tags = take_out(of_rows, leaving);
   if (scene_.options.split) divisions_.splits.forget_points(leaving.rows);
   arrangement_.bring_copies();
   arrangement_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds.awake())
-    if (has(leaving.rows, b.body)) add_awake(b, -1.0, left);
-  scene_.books.leave(left);
+    if (has(leaving.rows, b.body)) add_awake(b, -1.0, left, ahead);
   if (condensed_.any()) condensed_.drop(scene_.comm, emptied, scene_.bonds, scene_.grains);
   condensing_.condense(leaving.rows, false);
+  for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
+  scene_.books.leave(left);
+  scene_.books.start(0.0, {-ahead, 0.0}, {}, 0.0);  // that work is not done
   return tags;
 }
 

@@ -60,10 +60,17 @@ class Departures {
     double points, volume;
     bool all;
   };
+  // The pieces of a condensed bond, or the bond as a whole, with the sides that it has before anything leaves.
+  struct Pieces {
+    int row = 0;
+    bool whole = false, here[2] = {false, false};
+    CondensedBonds::Sides sides[2] = {};
+  };
   void choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole, Leaving& leaving) const;
   std::vector<Share> shares(const Leaving& leaving) const;
-  void add_awake(const Bond& b, double sign, EnergyBooks::Left& left) const;
-  void add_condensed(const Share& of_row, int gone, EnergyBooks::Left& left) const;
+  void add_awake(const Bond& b, double sign, EnergyBooks::Left& left, double& ahead) const;
+  Pieces pieces_of(int row) const;
+  void add_pieces(const Pieces& pieces, double sign, EnergyBooks::Left& left, double& ahead) const;
   double ahead_of_grains(const std::vector<Share>& of_rows, const std::vector<int>& grains) const;
   std::vector<int> take_out(const std::vector<Share>& of_rows, const Leaving& leaving);
 

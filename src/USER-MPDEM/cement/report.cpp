@@ -95,7 +95,7 @@ CementTotals Report::totals(double reach_of_box) const {
   // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
   // accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
-         kReleased, kDamped, kRubbed, kWork, kLeftPoints, kLeftMass, kLeftP, kLeftEnergy = kLeftP + 3, kCount };
+         kReleased, kDamped, kRubbed, kWork, kLeft, kCount = kLeft + kMostNumbers<EnergyBooks::Left> };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes;
@@ -135,9 +135,9 @@ CementTotals Report::totals(double reach_of_box) const {
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = scene_.books.sums();
   const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
-                             books.work - books.work_ahead, books.left.points, books.left.mass, books.left.momentum[0], books.left.momentum[1],
-                             books.left.momentum[2], books.left.energy};
+                             books.work - books.work_ahead};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
+  pack(books.left, &sum[kLeft]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
   sum[kDiscreteKinetic] -= inertial;
@@ -156,7 +156,7 @@ CementTotals Report::totals(double reach_of_box) const {
   t.damped = sum[kDamped];
   t.rubbed = sum[kRubbed];
   t.external_work = sum[kWork];
-  t.left = {sum[kLeftPoints], sum[kLeftMass], {sum[kLeftP], sum[kLeftP + 1], sum[kLeftP + 2]}, sum[kLeftEnergy]};
+  unpack(&sum[kLeft], t.left);
   const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // Central differences do not keep m/2 v.v but m/2 v-.v+, with the velocities half a step before and after.
@@ -164,10 +164,8 @@ CementTotals Report::totals(double reach_of_box) const {
   const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
   const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
   t.imbalance = scale > rounding ? (t.external_work + scene_.books.start_energy() - kept) / scale : 0.0;
-  for (int d = 0; d < 3; ++d) {
-    t.momentum[d] = sum[kP + d];
-    t.angular_momentum[d] = sum[kL + d];
-  }
+  std::copy(&sum[kP], &sum[kP] + 3, t.momentum);
+  std::copy(&sum[kL], &sum[kL] + 3, t.angular_momentum);
   return t;
 }
 

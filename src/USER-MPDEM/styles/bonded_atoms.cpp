@@ -12,6 +12,7 @@
 #include "atom.h"
 #include "domain.h"
 #include "fix_gravity.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "prescribed_motion.h"
 #include "update.h"
@@ -25,8 +26,8 @@ void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {
   atoms_.clear();
   for (const Body& b : avec.bonds.table)
     for (int s = 0; s < 2; ++s) {
-      const int i = b.has_grain(s) ? atom.map(b.grain[s]) : -1;
-      if (i < 0 || i >= atom.nlocal) continue;
+      const int i = b.has_grain(s) ? local_atom(atom, b.grain[s]) : -1;
+      if (i < 0) continue;
       avec.track_orientation(i);
       atoms_.push_back(i);
     }

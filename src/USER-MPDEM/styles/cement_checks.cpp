@@ -142,7 +142,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
                                        " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));
   if (high > low * (1.0 + 1e-12))
     stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
-  return {expected, expected > 0 || low < 1e300 ? low : 0.0};
+  return {expected, low < 1e300 ? low : 0.0};
 }
 
 // Bonds across a boundary are as long as the box was when they were made. In a deformed box, the image of a grain moves

@@ -25,6 +25,7 @@
 #include "fix_gravity.h"
 #include "force.h"
 #include "host_recipe.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "output.h"
 #include "point_atoms.h"
@@ -508,8 +509,8 @@ void FixMpm::slots_changed(const mpdem::Bond& bond) {
   for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
     for (int l = 0; l < kLanes; ++l) {
       if (!(bond.points.meta[b].occupied >> l & 1)) continue;
-      const int i = atom->map(bond.points.tags[b][l]);
-      if (i >= 0 && i < atom->nlocal) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
+      const int i = mpdem::local_atom(*atom, bond.points.tags[b][l]);
+      if (i >= 0) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
     }
 }
 
@@ -543,8 +544,8 @@ void FixMpm::fill_atoms() {
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (std::size_t b = 0; b < motion.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
-        const int i = bond.points.meta[b].occupied >> l & 1 ? atom->map(bond.points.tags[b][l]) : -1;
-        if (i < 0 || i >= atom->nlocal) continue;
+        const int i = bond.points.meta[b].occupied >> l & 1 ? mpdem::local_atom(*atom, bond.points.tags[b][l]) : -1;
+        if (i < 0) continue;
         double* x = atom->x[i];
         double place[3], velocity[3];
         for (int d = 0; d < 3; ++d) {

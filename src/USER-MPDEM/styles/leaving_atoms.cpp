@@ -14,6 +14,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "local_atom.h"
 #include "update.h"
 
 namespace mpdem {
@@ -111,8 +112,7 @@ std::optional<Departing> LeavingAtoms::find(const AtomVecMpdem& avec, bool point
   for (const Bond& b : avec.bonds)
     for (int slot = 0; slot < kLanes * static_cast<int>(b.points.meta.size()); ++slot) {
       if (!(b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)) continue;
-      const int i = atom->map(b.points.tag(slot));
-      if (i < 0 || i >= atom->nlocal) found.deleted[b.body].push_back(slot);
+      if (local_atom(*atom, b.points.tag(slot)) < 0) found.deleted[b.body].push_back(slot);
     }
   return found;
 }
@@ -130,8 +130,8 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
   const auto is_unstable = [&](int i) { return dt * length(atom->v[i]) >= kFastest * cell; };
   std::string trouble;
   for (int tag : leaving.grains) {
-    const int i = atom->map(tag);
-    if (i < 0 || i >= atom->nlocal || (tag != leaving.joined_grain && !is_unstable(i))) continue;
+    const int i = local_atom(*atom, tag);
+    if (i < 0 || (tag != leaving.joined_grain && !is_unstable(i))) continue;
     for (int d = 0; d < 3 && trouble.empty(); ++d)
       if (left_the_box(*domain, d, atom->x[i][d]))
         trouble = text_of(who_, "bonded grain ", tag, " is lost at step ", update->ntimestep, ": it left the simulation box", place(d, atom->x[i][d]), flight(i, cell, dt));
@@ -156,8 +156,8 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
 bigint LeavingAtoms::remove(const std::vector<int>& tags) {
   bigint mine[2] = {static_cast<bigint>(tags.size()), 0}, all[2];  // points, and atoms among them
   for (int tag : tags) {
-    const int i = atom->map(tag);
-    if (i < 0 || i >= atom->nlocal) continue;
+    const int i = local_atom(*atom, tag);
+    if (i < 0) continue;
     const int last = --atom->nlocal;
     atom->avec->copy(last, i, 1);
     if (last != i) atom->map_one(atom->tag[i], i);
