@@ -33,6 +33,7 @@ class Pair {
     MPI_Comm_rank(MPI_COMM_WORLD, &me_);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
     Body body;
+    body.points = 1;
     for (int s = 0; s < 2; ++s) {
       body.grain[s] = s + 1;
       body.radius[s] = is_upper(s) ? placed_.upper_radius : 1.0;

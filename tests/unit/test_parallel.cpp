@@ -378,6 +378,7 @@ TEST_F(Ranks, GrainSides) {
   std::vector<GrainSides::Motion> motions(2 * n);
   for (int b = 0; b < n; ++b)
     for (int s = 0; s < 2; ++s) {
+      bodies[b].points = 1;
       bodies[b].grain[s] = 100 * b + s + 1;
       GrainSides::Motion& m = motions[2 * b + s];
       const Eigen::Quaterniond q(same.frame());

@@ -9,6 +9,7 @@
 #define MPDEM_CEMENT_BOND_H
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <vector>
 
@@ -99,6 +100,11 @@ class Bonds {
   template <class B>
   class Iterator {
    public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = Bond;
+    using difference_type = std::ptrdiff_t;
+    using pointer = B*;
+    using reference = B&;
     explicit Iterator(const Place* at) : at_(at) {}
     B& operator*() const { return **at_; }
     B* operator->() const { return at_->get(); }
@@ -106,6 +112,7 @@ class Bonds {
       ++at_;
       return *this;
     }
+    bool operator==(const Iterator& other) const { return at_ == other.at_; }
     bool operator!=(const Iterator& other) const { return at_ != other.at_; }
 
    private:

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bond.h"
+#include "energy_books.h"
 #include "point_sums.h"
 
 namespace mpdem {
@@ -23,6 +24,7 @@ struct CementTotals {
   double separated, debonding, internal, mixed;  // numbers of bonds
   double broken;                                 // number of bonds that are separated or carry nothing any more
   double awake;                                  // number of bonds that are not condensed
+  EnergyBooks::Left left;                        // what left the scene
 };
 
 // Part of a bond on one rank.

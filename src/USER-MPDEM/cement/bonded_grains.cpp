@@ -50,7 +50,7 @@ std::vector<BondedGrains::OwnedSide> BondedGrains::find_sides(MPI_Comm comm, con
   std::vector<Key> keys;
   for (std::size_t b = 0; b < bonds.table.size(); ++b)
     for (int s = 0; s < 2; ++s) {
-      if (bonds.table[b].condensed && !all) continue;
+      if ((bonds.table[b].condensed && !all) || !bonds.table[b].has_grain(s)) continue;
       const std::size_t grain = place_of(bonds.table[b].grain[s]);
       if (grain == grains.size()) continue;
       owned.push_back({static_cast<int>(grain), -1, static_cast<int>(b), s});
@@ -72,7 +72,7 @@ void BondedGrains::bind(MPI_Comm comm, Bonds& bonds, double density) {
   std::vector<double> cement(grains.size(), 0.0);
   for (const Body& body : bonds.table)
     for (int s = 0; s < 2; ++s) {
-      const std::size_t grain = place_of(body.grain[s]);
+      const std::size_t grain = body.has_grain(s) ? place_of(body.grain[s]) : grains.size();
       if (grain == grains.size()) continue;
       cement[grain] += density * body.volume;
       grains[grain].made_for = body.radius[s];

@@ -24,6 +24,7 @@
 #include "cement_restart.h"
 #include "condensed_bonds.h"
 #include "condensing.h"
+#include "departures.h"
 #include "divisions.h"
 #include "kinematics.h"
 #include "nodal_forces.h"
@@ -65,6 +66,7 @@ class Cement {
   Report& report() { return report_; }
   StableStep& stable_step() { return stable_step_; }
   NodalForces& forces() { return forces_; }
+  Departures& departures() { return departures_; }
   // Sets the step. Call before each of the functions below.
   void set_step(const StepInput& now) { scene_.now = now; }
   bool built() const { return scene_.laid_out; }
@@ -163,6 +165,7 @@ class Cement {
   WorkOfStep work_{scene_, condensed_};
   Parting parting_{scene_, divisions_, arrangement_, added_};
   Condensing condensing_{scene_, condensed_, divisions_.cracks, parting_.load_watch(), arrangement_, shared_, added_, work_};
+  Departures departures_{scene_, divisions_, arrangement_, added_, condensed_, condensing_, work_};
   NodalForces forces_{scene_, shared_, added_, condensed_, divisions_.cracks};
   std::unique_ptr<Kinematics> kinematics_;
   Substeps substeps_{scene_};

@@ -264,6 +264,7 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
     const bool in_pieces = is_in_pieces(row);
     for (int n = 0; n < (in_pieces ? 2 : 1); ++n) {
       const int piece = in_pieces ? n : -1;
+      if (in_pieces && !body.has_grain(n)) continue;
       if (own != solutions_.end()) {
         members_.push_back({row, teller[row] == me, own->second, piece});
         keys.push_back({row, n, 0, 0});
@@ -350,13 +351,13 @@ void CondensedBonds::Energies::add(const Energies& e) {
   }
 }
 
-CondensedBonds::Energies CondensedBonds::energies_of_part(std::size_t part, const Bonds& bonds, double half) const {
+CondensedBonds::Energies CondensedBonds::energies_of_part(std::size_t part, const Bonds& bonds, double half, const Sides* sides) const {
   Energies e;
   if (!members_[part].tells) return e;
   const CondensedModel& model = model_of(part);
   Body piece;
   const Body& b = body_of(part, bonds, piece);
-  const auto side = pack_.sides(static_cast<int>(part), b);
+  const Sides side = sides ? *sides : pack_.sides(static_cast<int>(part), b);
   const CondensedMotion motion(model, b, side.data());
   const CondensedMotion::Vector12 before = motion.velocity(side.data(), 0.0), now = motion.velocity(side.data(), half),
                                   after = motion.velocity(side.data(), 2.0 * half);
@@ -376,6 +377,27 @@ CondensedBonds::Energies CondensedBonds::energies_of(int body, const Bonds& bond
   Energies sum;
   each_part_of(body, [&](std::size_t part) { sum.add(energies_of_part(part, bonds, half)); });
   return sum;
+}
+
+int CondensedBonds::part_of_piece(int body, int piece) const {
+  int found = -1;
+  each_part_of(body, [&](std::size_t part) {
+    if (members_[part].piece == piece) found = static_cast<int>(part);
+  });
+  return found;
+}
+
+CondensedBonds::Energies CondensedBonds::energies_of_piece(int body, int piece, const Bonds& bonds, double half, const Sides& sides) const {
+  const int part = part_of_piece(body, piece);
+  return part < 0 ? Energies() : energies_of_part(static_cast<std::size_t>(part), bonds, half, &sides);
+}
+
+bool CondensedBonds::piece_sides(int body, int piece, const Bonds& bonds, Sides& sides) const {
+  const int part = part_of_piece(body, piece);
+  if (part < 0) return false;
+  Body of_piece;
+  sides = pack_.sides(part, body_of(static_cast<std::size_t>(part), bonds, of_piece));
+  return true;
 }
 
 CondensedBonds::Energies CondensedBonds::energies(const Bonds& bonds, double half) const {
@@ -404,7 +426,7 @@ std::array<GrainSide, 2> CondensedBonds::loaded_sides_of_part(std::size_t part, 
 
 // A piece loads the first side of its part.
 std::array<GrainSide, 2> CondensedBonds::loaded_sides(int body, const Bonds& bonds, const double* gravity) const {
-  std::array<GrainSide, 2> side;
+  std::array<GrainSide, 2> side{};  // that of a piece whose grain left has no load
   each_part_of(body, [&](std::size_t part) {
     const auto of_part = loaded_sides_of_part(part, bonds, gravity);
     const int piece = members_[part].piece;

@@ -89,6 +89,11 @@ class CondensedBonds {
   // Energies of the bonds that this rank tells, or of one of them. half: half a step.
   Energies energies(const Bonds& bonds, double half) const;
   Energies energies_of(int body, const Bonds& bonds, double half) const;
+  // The same of the piece of a bond on one of its grains. sides: its sides, or those of piece_sides() before it changed.
+  using Sides = std::array<GrainSide, 2>;
+  Energies energies_of_piece(int body, int piece, const Bonds& bonds, double half, const Sides& sides) const;
+  // Returns false if this rank has nothing of the piece.
+  bool piece_sides(int body, int piece, const Bonds& bonds, Sides& sides) const;
   // tells(): does this rank tell the loads of the bond? loaded_sides(): all its loads on its grains.
   // energy_of_points(): elastic energy of its points. The rest of its energy is in the links.
   bool tells(int body) const { return find(body) && find(body)->tells; }
@@ -186,7 +191,8 @@ class CondensedBonds {
     const int first = part_of(body);
     for (std::size_t part = static_cast<std::size_t>(first); first >= 0 && part < members_.size() && members_[part].body == body; ++part) f(part);
   }
-  Energies energies_of_part(std::size_t part, const Bonds& bonds, double half) const;
+  Energies energies_of_part(std::size_t part, const Bonds& bonds, double half, const Sides* sides = nullptr) const;
+  int part_of_piece(int body, int piece) const;  // -1: none
   std::array<GrainSide, 2> loaded_sides_of_part(std::size_t part, const Bonds& bonds, const double* gravity) const;
   NodeMotion nodes_of_pieces(const Bond& bond, const Body& body, double later) const;
 

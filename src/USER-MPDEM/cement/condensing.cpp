@@ -169,6 +169,7 @@ bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
   const Body& body = scene_.bonds().body(b);
   if (b.cut_by_ranks() || b.points.size() != body.points) return false;
+  if (!body.has_grain(0) || !body.has_grain(1)) return false;  // dust may be far from the grain that is left
   // looks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
   if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;

@@ -88,6 +88,9 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
+// With nodes that split: how many cells of the lattice a cell of the grid is wide.
+int cells_across(const Body& body, const CementOptions& options) { return std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))); }
+
 // Bonds as a whole, each on one rank.
 struct WholeBonds {
   struct Source {
@@ -189,7 +192,7 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   for (double& f : face) f = std::fabs(f) * body.spacing * body.spacing;
   const double reach = skins ? 0.0 : options.half_band;
   const bool again = states_[row].separation.separated;
-  if (options.split) return separate(points, face, {}, 0, again, std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))), reach);
+  if (options.split) return separate(points, face, {}, 0, again, cells_across(body, options), reach);
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), again, 1, reach);
 }
 
@@ -342,6 +345,24 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
     all[b].surface.inside = of_bond[4];
   }
   return all;
+}
+
+std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
+                                                     const std::vector<int>& rows) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options.split);
+  std::vector<std::vector<Held>> back(ranks_of(comm));
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const std::vector<CrackPoint>& points = whole.points[n];
+    if (points.empty()) continue;
+    const std::vector<char> held = options.split ? mpdem::grains_held(points, {}, 0, cells_across(bonds.table[rows[n]], options))
+                                                 : mpdem::grains_held(points, sheets.joined_nodes(rows[n]), support(options.basis), 1);
+    for (std::size_t k = 0; k < points.size(); ++k) back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, held[k]});
+  }
+  std::map<int, std::vector<char>> found;
+  for (int row : rows)
+    if (const Bond* b = bonds.find(row)) found[row].assign(kLanes * b->points.blocks.size(), 0);
+  for (const Held& h : all_to_all(comm, back).data) found[h.body][h.slot] = static_cast<char>(h.holds);
+  return found;
 }
 
 void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,

@@ -10,6 +10,7 @@
 #define MPDEM_CEMENT_CRACKS_H
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -73,6 +74,11 @@ class Cracks {
   };
   std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
                            const std::vector<int>& rows, bool skins) const;
+
+  // Collective. For each slot of these bonds of which this rank has points, by row: the bits of the grains to which its piece is
+  // attached now, see grains_held() of fracture/separation.h. rows: ascending, the same on all ranks.
+  std::map<int, std::vector<char>> grains_held(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
+                                               const std::vector<int>& rows) const;
 
   // Collective. Notes that these bonds, ascending, carry nothing any more since this step. Those of them that are not
   // whole count as broken.

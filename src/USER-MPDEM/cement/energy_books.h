@@ -3,10 +3,10 @@
 //
 // Books of the energy of the cement. Central differences keep
 //
-//   E + dissipated + released + damped + rubbed - work = start,
+//   E + dissipated + released + damped + rubbed + left - work = start,
 //
 // where E is the energy of strain, springs and motion. Growth of damage dissipates. Failed points, links that let go
-// and added mass that changes release. Dampers and transfers damp. Friction rubs. Grains, gravity and impulses of the
+// and added mass that changes release. Dampers and transfers damp. Friction rubs. What leaves the scene takes its energy along. Grains, gravity and impulses of the
 // host do work on the cement. Each half step has the work of its velocity on the force at its end. The same holds for
 // dampers and for friction of crack faces. What belongs to the second half of the last step is ahead.
 //
@@ -26,10 +26,23 @@ namespace mpdem {
 
 class EnergyBooks {
  public:
+  // What left the scene, see departures.h. momentum: in the axes of the box.
+  struct Left {
+    double points = 0.0, mass = 0.0, momentum[3] = {0, 0, 0}, energy = 0.0;
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& l, Visitor& visit) {
+      visit("the number of points that left", l.points, kNotNegative);
+      visit("the mass that left", l.mass, kNotNegative);
+      visit("the momentum that left", l.momentum, kFinite);
+      visit("the energy that left", l.energy, kFinite);
+    }
+  };
   struct Sums {
     double dissipated = 0.0, released = 0.0, damped = 0.0, rubbed = 0.0, work = 0.0, work_ahead = 0.0;
     double inertial_work = 0.0, inertial_work_ahead = 0.0;  // work of Grid::inertial_force
     double damped_ahead = 0.0, rubbed_ahead = 0.0;
+    Left left;
 
     template <class Self, class Visitor>
     static constexpr void describe(Self& s, Visitor& visit) {
@@ -43,6 +56,7 @@ class EnergyBooks {
       visit("the work of the inertial forces ahead of its step", s.inertial_work_ahead, kFinite);
       visit("the damped energy ahead of its step", s.damped_ahead, kFinite);
       visit("the energy of friction ahead of its step", s.rubbed_ahead, kFinite);
+      visit.part(s.left);
     }
   };
   // Work of a step with the forces of this time. now: with the velocities of this time. before: with those of half a
@@ -57,6 +71,12 @@ class EnergyBooks {
   void rub(double energy) { sums_.rubbed += energy; }
   void do_work(double work) { sums_.work += work; }
   void do_inertial_work(double work) { sums_.inertial_work += work; }
+  void leave(const Left& l) {
+    sums_.left.points += l.points;
+    sums_.left.mass += l.mass;
+    for (int d = 0; d < 3; ++d) sums_.left.momentum[d] += l.momentum[d];
+    sums_.left.energy += l.energy;
+  }
 
   // Books as released what `action` takes of `energy()`. damp_by() books it as damped.
   template <class Energy, class Action>

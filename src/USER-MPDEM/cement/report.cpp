@@ -106,7 +106,7 @@ CementTotals Report::totals(double reach_of_box) const {
   // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
   // accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
-         kReleased, kDamped, kRubbed, kWork, kCount };
+         kReleased, kDamped, kRubbed, kWork, kLeft, kCount = kLeft + kMostNumbers<EnergyBooks::Left> };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes(scene_.grains.grains);
@@ -148,6 +148,7 @@ CementTotals Report::totals(double reach_of_box) const {
   const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
                              books.work - books.work_ahead};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
+  pack(books.left, &sum[kLeft]);
   const double inertial = books.inertial_work - books.inertial_work_ahead;
   sum[kKinetic] -= inertial;
   sum[kDiscreteKinetic] -= inertial;
@@ -157,7 +158,7 @@ CementTotals Report::totals(double reach_of_box) const {
   t.points = sum[kPoints];
   t.failed = sum[kFailed];
   t.largest_damage = most[0];
-  t.mean_damage = sum[kDamaged] / sum[kVolume];
+  t.mean_damage = sum[kVolume] > 0.0 ? sum[kDamaged] / sum[kVolume] : 0.0;
   t.kinetic = sum[kKinetic];
   t.elastic = sum[kElastic];
   t.coupling = sum[kCoupling];
@@ -166,17 +167,16 @@ CementTotals Report::totals(double reach_of_box) const {
   t.damped = sum[kDamped];
   t.rubbed = sum[kRubbed];
   t.external_work = sum[kWork];
-  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed;
+  unpack(&sum[kLeft], t.left);
+  const double spent = t.kinetic + t.elastic + t.coupling + t.dissipated + t.released + t.damped + t.rubbed + t.left.energy;
   const double scale = std::max(std::fabs(t.external_work), spent);
   // Central differences do not keep m/2 v.v but m/2 v-.v+, with the velocities half a step before and after.
   const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
   const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
   const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
   t.imbalance = scale > rounding ? (t.external_work + scene_.books.start_energy() - kept) / scale : 0.0;
-  for (int d = 0; d < 3; ++d) {
-    t.momentum[d] = sum[kP + d];
-    t.angular_momentum[d] = sum[kL + d];
-  }
+  std::copy(&sum[kP], &sum[kP] + 3, t.momentum);
+  std::copy(&sum[kL], &sum[kL] + 3, t.angular_momentum);
   return t;
 }
 
@@ -207,14 +207,16 @@ const std::vector<BondState>& Report::bond_loads() {
       axis[d] = row[kSide + 6 + d] - row[6 + d];
       length += axis[d] * axis[d];
     }
-    length = std::sqrt(length);
+    const Body& body = scene_.bonds().table[i];
+    const bool both = body.has_grain(0) && body.has_grain(1);
+    length = both ? std::sqrt(length) : 0.0;
     for (int s = 0; s < 2; ++s)
       for (int d = 0; d < 3; ++d) {
         b.force[s][d] = row[kSide * s + d];
         b.torque[s][d] = row[kSide * s + 3 + d];
         b.tension += (s == 0 ? 0.5 : -0.5) * b.force[s][d] * (length > 0.0 ? axis[d] / length : 0.0);
       }
-    b.gap = length - scene_.bonds().table[i].radius[0] - scene_.bonds().table[i].radius[1];
+    b.gap = both ? length - body.radius[0] - body.radius[1] : 0.0;
     b.broken = cracks_.broken(i);
     if (!cracks_.broken(i)) continue;
     const SeparatingSurface& s = cracks_[i].separation;
@@ -256,7 +258,7 @@ const std::vector<BondState>& Report::bond_states() {
     const double* row = &sum[width * i];
     BondState& b = states_[i];
     b.failed = row[kFailed];
-    b.mean_damage = row[kDamaged] / row[kVolume];
+    b.mean_damage = row[kVolume] > 0.0 ? row[kDamaged] / row[kVolume] : 0.0;
     b.largest_damage = most[i];
     b.sums.assign(row + kColumns, row + width);
   }
@@ -279,7 +281,7 @@ double Report::cement_mass() const {
 }
 
 int Report::awake_bonds() const {
-  return static_cast<int>(std::count_if(scene_.bonds().table.begin(), scene_.bonds().table.end(), [](const Body& b) { return !b.condensed; }));
+  return static_cast<int>(std::count_if(scene_.bonds().table.begin(), scene_.bonds().table.end(), [](const Body& b) { return b.points > 0 && !b.condensed; }));
 }
 
 // Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where
@@ -309,7 +311,8 @@ void Report::note_peaks() {
   peaks_.resize(scene_.bonds().table.size());
   const double of_other_substeps = 1.0 - 1.0 / scene_.now.substeps;
   for (const BondedGrains::OwnedSide& o : scene_.grains.owned()) {
-    if (o.side != 0) continue;
+    const Body& body = scene_.bonds().table[o.body];
+    if (o.side != 0 || !body.has_grain(1)) continue;
     const GrainSide *first = &scene_.grains.sides.sides[o.at], *second = first + 1;
     double square = 0.0, sum = 0.0;
     for (int d = 0; d < 3; ++d) {

@@ -64,6 +64,7 @@ std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool spli
     const int piece = piece_of(part_of_field(bond.grid.keys[i].field()));
     const Eigen::Vector3d X = place_of(bond.grid, static_cast<int>(i));
     grain[i] = static_cast<signed char>(!split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X.data())));
+    if (!body.has_grain(grain[i])) grain[i] = static_cast<signed char>(1 - grain[i]);
   }
   return grain;
 }

@@ -42,6 +42,11 @@ class Splits {
   // Collective. Brings copies of bonds whose points came to this rank.
   void bring(MPI_Comm comm, const Bonds& bonds);
 
+  // Forgets the points of these bonds, after some left the scene.
+  void forget_points(const std::vector<int>& rows) {
+    for (int row : rows) rows_[row].lattice.reset();
+  }
+
   // Restart: rows_to_keep() returns rows of the bonds that this rank looks at. restore() takes the rows of all bonds.
   std::map<Key, NodeCopies::Row> rows_to_keep(MPI_Comm comm) const;
   void restore(std::size_t bonds, std::map<Key, NodeCopies::Row> rows) {

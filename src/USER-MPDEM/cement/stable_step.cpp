@@ -20,8 +20,8 @@ double StableStep::largest_mass_ratio() const {
   std::unordered_map<int, double> cement;
   for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
   for (const Body& b : scene_.bonds().table)
-    for (int tag : b.grain)
-      if (const auto at = cement.find(tag); at != cement.end()) at->second += scene_.inertia * b.volume;
+    for (int s = 0; s < 2; ++s)
+      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.inertia * b.volume;
   double mine = 0.0, most;
   for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
@@ -68,7 +68,7 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
     const Body& body = scene_.bonds().table[row];
     const Eigen::Map<const Eigen::Vector3d> axis(found[row].axis), first(body.centre[0]), second(body.centre[1]);
     const double half_gap = 0.5 * ((second - first).norm() - body.radius[0] - body.radius[1]);
-    for (int s = 0; s < 2; ++s) {
+    for (int s = 0; s < 2 && body.has_grain(0) && body.has_grain(1); ++s) {
       Matrix6 to_middle = Matrix6::Identity();
       to_middle.topRightCorner<3, 3>() = -cross_matrix((s == 0 ? 1.0 : -1.0) * (body.radius[s] + half_gap) * axis);
       const auto at = stiffness.emplace(body.grain[s], Matrix6::Zero()).first;

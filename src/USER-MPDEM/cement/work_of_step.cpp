@@ -13,6 +13,8 @@ double WorkOfStep::energy_of(const Bond& b) const {
   points.add(b.points, *scene_.law, true);
   double energy = points.elastic + b.added.energy(b.grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
   b.links.add_spring_energy(b.grid, scene_.grains.side_of(b), energy);
+  b.places.add_energy(b.grid, scene_.grains.side_of(b), energy);
+  energy += b.closing.energy(b.points, b.grid);
   for (int i = 0; i < b.grid.size(); ++i) {
     if (!b.grid.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) {
@@ -43,12 +45,23 @@ EnergyBooks::StepWork WorkOfStep::over_step(const Power& power) const {
 Power WorkOfStep::of_dampers(int first_body) const {
   Power power;
   if (!scene_.penalty || (scene_.penalty->damping == 0.0 && scene_.options.relax == 0.0)) return power;
-  for (const Bond& b : scene_.bonds().awake()) {
-    if (b.body < first_body) continue;
-    power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
-    if (scene_.options.relax > 0.0) power.add(b.relaxation.power(b.grid, scene_.grains.side_of(b)));
-  }
+  for (const Bond& b : scene_.bonds().awake())
+    if (b.body >= first_body) power.add(of_dampers(b));
   return power;
+}
+
+Power WorkOfStep::of_dampers(const Bond& b) const {
+  Power power;
+  if (!scene_.penalty) return power;
+  power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
+  if (scene_.options.relax > 0.0) power.add(b.relaxation.power(b.grid, scene_.grains.side_of(b)));
+  return power;
+}
+
+double WorkOfStep::ahead_of(const Bond& b) const {
+  const double dt = scene_.dt_last;
+  const StepWork damped = over_step(of_dampers(b));
+  return 0.5 * dt * (gravity_power(b, b.grid.velocity) + dt * gravity_power(b, b.grid.acceleration)) - (damped.now - 0.5 * damped.before);
 }
 
 Power WorkOfStep::of_rubbing() const {

@@ -22,8 +22,10 @@ class WorkOfStep {
 
   // Kinetic energy of the nodes of a bond. Velocities are ahead of the stored ones by `later` times the acceleration.
   static double kinetic_energy(const Bond& b, double later);
-  // Energy of points, nodes and links of a bond that is awake.
+  // Energy of points, nodes, links and places of a bond that is awake.
   double energy_of(const Bond& b) const;
+  // What the books have of a bond for the second half of the last step, which is still to come: work of gravity, less what dampers take.
+  double ahead_of(const Bond& b) const;
   // Power of the weight of the nodes of a bond on a velocity of these. An empty velocity gives 0.
   double gravity_power(const Bond& b, const std::vector<double>& velocity) const;
   // Power of all loads of the host on the nodes of a bond, and of inertial forces (`mass_order 2`).
@@ -37,9 +39,10 @@ class WorkOfStep {
   // host. of_inertial_forces() is that of inertial forces (`mass_order 2`).
   StepWork of_loads(int first_body) const;
   StepWork of_inertial_forces(int first_body) const;
-  // of_dampers() is the power that dampers take of bodies from first_body on. of_rubbing() is the power that friction
+  // of_dampers() is the power that dampers take of bodies from first_body on, or of one bond. of_rubbing() is the power that friction
   // of crack faces takes.
   Power of_dampers(int first_body) const;
+  Power of_dampers(const Bond& b) const;
   Power of_rubbing() const;
   // Work of a power in this step.
   StepWork over_step(const Power& power) const;

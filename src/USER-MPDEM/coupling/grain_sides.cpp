@@ -73,7 +73,7 @@ void GrainSides::distribute(const std::vector<Body>& bodies, const std::vector<M
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const double* b = &buffer_[kMotion * i];
     GrainSide& s = sides[i];
-    if (b[0] != 1.0) orphan_ = static_cast<int>(i);
+    if (b[0] != 1.0 && bodies[s.body].has_grain(s.side)) orphan_ = static_cast<int>(i);
     take(s, b + 1, s.x);
     take(s, b + 4, s.v);
     take(s, b + 7, s.omega);

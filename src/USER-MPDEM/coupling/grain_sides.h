@@ -74,7 +74,7 @@ class GrainSides {
   // Place in `sides` of each owned key.
   const std::vector<int>& owned() const { return owned_at_; }
 
-  // Place of a side whose grain no rank owns, so that the grain is lost; -1 if there is none. Known after distribute().
+  // Place of a side whose grain no rank owns though it is to be there; -1 if there is none. Known after distribute().
   int orphan() const { return orphan_; }
 
  private:

@@ -264,4 +264,15 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   return result;
 }
 
+std::vector<char> grains_held(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support, int across) {
+  std::vector<int> piece_of;
+  const std::vector<Piece> pieces = find_pieces(Neighbours(points, joined, support, across), points, piece_of);
+  std::vector<char> held(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Piece* p = piece_of[i] < 0 ? nullptr : &pieces[piece_of[i]];
+    held[i] = static_cast<char>(p ? p->attached[0] + 2 * p->attached[1] : skin_on(points[i]));
+  }
+  return held;
+}
+
 }  // namespace mpdem

@@ -66,6 +66,10 @@ constexpr int kLeastLoose = 64;
 Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
                     bool again = false, int across = 1, double reach = 0.0);
 
+// For each point the bits of the grains to which its piece is attached now, whether the bond is separated or not. For a failed point
+// those of the grains on which it stays as a skin. joined, support, across: as in separate().
+std::vector<char> grains_held(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support, int across);
+
 }  // namespace mpdem
 
 #endif

@@ -46,6 +46,11 @@ struct Body {
   int pattern = 0;       // number of its pattern, from 1, while its points are not made yet (point_pattern.h); else 0
   bool wants_points = false;  // its points must be made before the next step
   int home = 0;          // rank that has its points, counted from 1; 0: points go by their places, see cement/work_shares.h
+  bool left[2] = {false, false};  // the grain left the scene, see cement/departures.h
+
+  // Is the grain still there, and may it have cement of this body? A body without points asks for no grain. Its IDs may be those
+  // of later atoms.
+  bool has_grain(int side) const { return points > 0 && !left[side]; }
 
   // See parallel/record.h.
   template <class Self, class Visitor>
@@ -65,17 +70,18 @@ struct Body {
     visit("the direction of its axis", b.axis, kFinite);
     visit("'is in motion'", b.in_motion);
     visit("'is condensed'", b.condensed);
-    visit("its volume", b.volume, kPositive);
+    visit("its volume", b.volume, kNotNegative);
     // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);
     visit("its spacing", b.spacing, from(1e-8 * widest, widest));
     visit("the corner of its lattice", b.lattice, from(-1e3 * widest, 1e3 * widest));
     visit("'is regular'", b.regular);
     visit("its thickness", b.thickness, from(0.0, widest));
-    visit("its number of points", b.points, from(1.0, kLargestInt));
+    visit("its number of points", b.points, kCount);
     visit("its pattern", b.pattern, kCount);
     visit("'wants points'", b.wants_points);
     visit("the rank that has its points", b.home, kCount);
+    for (auto& l : b.left) visit("'has left' of a grain", l);
   }
 };
 

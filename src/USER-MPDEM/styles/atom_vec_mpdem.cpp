@@ -74,7 +74,7 @@ void AtomVecMpdem::init() {
   // `run 0` moves nothing, but LIGGGHTS drops what a restart file holds for fix mpm at the first run of all
   if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;
   // fix mpm/couple says itself that its fix mpm is gone, and which one it was
-  if (has_fix("mpm") || has_fix("mpm/couple")) return;
+  if (has_fix("mpm") || has_fix("mpm/couple") || !has_cement()) return;
   mpdem::stop_all(lmp, mpdem::text_of("atom_style mpdem: grains ", bonds.table[0].grain[0], " and ", bonds.table[0].grain[1],
                                       " have cement, but there is no fix mpm, without which it would hang in the air and bond nothing; define "
                                       "fix mpm and fix mpm/couple before the run (after read_restart with the same IDs)"));
@@ -82,6 +82,15 @@ void AtomVecMpdem::init() {
 
 bool AtomVecMpdem::is_in_motion() const {
   return std::any_of(bonds.table.begin(), bonds.table.end(), [](const mpdem::Body& b) { return b.in_motion; });
+}
+
+// Collective. A command may have deleted all points, or they left.
+bool AtomVecMpdem::has_cement() const {
+  int some = 0, any;
+  for (int i = 0; i < atom->nlocal; ++i) some |= is_point(i);
+  for (const mpdem::Body& b : bonds.table) some |= b.pattern > 0;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, world);
+  return any != 0;
 }
 
 bool AtomVecMpdem::has_fix(const char* style) const {

@@ -110,6 +110,7 @@ class AtomVecMpdem : public AtomVecSphere {
   void refuse_data_file() const;
   bool is_in_motion() const;
   bool has_fix(const char* style) const;
+  bool has_cement() const;
   int pack_state(int i, double* buf) const;
   int unpack_state(int i, const double* buf);
   int size_of_state(int i) const;

@@ -12,6 +12,7 @@
 #include "atom.h"
 #include "domain.h"
 #include "fix_gravity.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "prescribed_motion.h"
 #include "update.h"
@@ -20,17 +21,13 @@ namespace mpdem {
 
 using namespace LAMMPS_NS;
 
-namespace {
-constexpr int kFixedBoundary = 1;  // value in Domain::boundary
-}  // namespace
-
 void BondedAtoms::find(AtomVecMpdem& avec, BondedGrains& grains) {
   Atom& atom = *lmp_->atom;
   atoms_.clear();
   for (const Body& b : avec.bonds.table)
-    for (int tag : b.grain) {
-      const int i = atom.map(tag);
-      if (i < 0 || i >= atom.nlocal) continue;
+    for (int s = 0; s < 2; ++s) {
+      const int i = b.has_grain(s) ? local_atom(atom, b.grain[s]) : -1;
+      if (i < 0) continue;
       avec.track_orientation(i);
       atoms_.push_back(i);
     }
@@ -130,34 +127,6 @@ void BondedAtoms::expect_gravity(BondedGrains& grains, const Fix* fix) const {
 
 void BondedAtoms::report_trouble() { stop_if_any(lmp_, trouble_); }
 
-std::string BondedAtoms::flight(int i, double cell) const {
-  const double* v = lmp_->atom->v[i];
-  const double cells = lmp_->update->dt / cell * length(v);
-  if (cells < 0.5) return "use a larger box or a periodic one";
-  return text_of("it moves ", cells, " cells a step, so the motion is unstable; check the motion of the grains, the contact model, 'kn' of fix "
-                 "mpm/couple and the densities of grains and cement, and use a smaller time step");
-}
-
-bool left_the_box(const Domain& box, int d, double x) {
-  return (box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d]) || (box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d]);
-}
-
-void BondedAtoms::watch_for_those_that_leave(double cell) {
-  const Atom& atom = *lmp_->atom;
-  const Domain& box = *lmp_->domain;
-  for (int i : atoms_)
-    for (int d = 0; d < 3 && trouble_.empty(); ++d) {
-      const double x = atom.x[i][d];
-      const bool finite = std::isfinite(x);
-      if (finite && !left_the_box(box, d, x)) continue;
-      const std::string who = text_of(who_, "bonded grain ", atom.tag[i], " is lost at step ", lmp_->update->ntimestep, ": ");
-      trouble_ = who + (finite ? text_of("it left the simulation box (", "xyz"[d], " = ", x, ", box ", box.boxlo[d], " to ", box.boxhi[d], "); ",
-                                         flight(i, cell))
-                               : text_of("its position is not finite; check the motion of the grains, the contact model, 'kn' of fix "
-                                         "mpm/couple and the densities of grains and cement, and use a smaller time step"));
-    }
-}
-
 std::string BondedAtoms::changed_radius(int i, double made_for) const {
   const Atom& atom = *lmp_->atom;
   if (std::fabs(atom.radius[i] - made_for) <= 1e-12 * made_for) return "";
@@ -170,7 +139,8 @@ void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
   const Atom& atom = *lmp_->atom;
   std::unordered_map<int, double> radius;
   for (const Body& b : avec.bonds.table)
-    for (int s = 0; s < 2; ++s) radius.emplace(b.grain[s], b.radius[s]);
+    for (int s = 0; s < 2; ++s)
+      if (b.has_grain(s)) radius.emplace(b.grain[s], b.radius[s]);
   std::string trouble;
   for (int i = 0; i < atom.nlocal && trouble.empty(); ++i) {
     const GrainState* g = avec.grain(i);

@@ -17,9 +17,6 @@
 
 namespace mpdem {
 
-// Whether a place is beyond a side of the box that stays where it is.
-bool left_the_box(const LAMMPS_NS::Domain& box, int direction, double x);
-
 class BondedAtoms {
  public:
   // who: name of the command, for complaints.
@@ -40,18 +37,14 @@ class BondedAtoms {
   // in the first step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;
 
-  // Stops if a grain jumped, was lost, or changed its size. Collective, so not called in every step.
+  // Stops if a grain jumped or changed its size. Collective, so not called in every step.
   void report_trouble();
-  // Looks for grains of this rank that leave the box, before LIGGGHTS drops them without a word.
-  void watch_for_those_that_leave(double cell);
   // Notes positions, and how far each grain moved. Checks that a grain goes where its velocity takes it. Call in each
   // step, before the engine forgets the velocities of the last one.
   void follow(BondedGrains& grains, const LAMMPS_NS::AtomVecMpdem& avec, double cell, double dt);
   // Collective. Call at the start of a run. Compares places with the end of the last run, the restart file or
   // create_cement.
   void check_stayed(LAMMPS_NS::AtomVecMpdem& avec, double cell) const;
-  // Text about what to do with an atom that is out of the box, by its speed.
-  std::string flight(int i, double cell) const;
 
  private:
   std::string changed_radius(int i, double made_for) const;

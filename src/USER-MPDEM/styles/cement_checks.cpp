@@ -53,7 +53,9 @@ std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
   const char* const cure = ", and with them those of bonded grains; use 'delete_atoms ... compress no' for other grains, and no 'replicate' of cement; "
                            "a grain with cement cannot be deleted";
   std::unordered_set<int> bonded;
-  for (const Body& b : avec.bonds.table) bonded.insert(b.grain, b.grain + 2);
+  for (const Body& b : avec.bonds.table)
+    for (int s = 0; s < 2; ++s)
+      if (b.has_grain(s)) bonded.insert(b.grain[s]);
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
     const int tag = lmp->atom->tag[i], slot = avec.slot[i];
     const GrainState* grain = avec.grain(i);
@@ -74,7 +76,7 @@ std::string trouble_with_diameter(const std::string& who, const Atom& atom, cons
 
 }  // namespace
 
-CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec) {
+CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, const AtomVecMpdem& avec, bool may_leave) {
   if (lmp->domain->triclinic || lmp->domain->dimension != 3)
     stop_all(lmp, who + "needs a three-dimensional orthogonal box");
   for (const std::string& trouble : {trouble_with_units(lmp), trouble_with_types(lmp, avec, 0)})
@@ -132,7 +134,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
   bigint expected = 0;
   for (const Body& b : avec.bonds.table)
     if (b.pattern == 0) expected += static_cast<bigint>(b.points);
-  if (total < expected)
+  if (total < expected && !may_leave)
     stop_all(lmp, who + text_of(expected - total, " of ", expected,
                                        " material points were deleted or left the box; cement cannot be deleted by points"));
   if (total > expected)
@@ -140,7 +142,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
                                        " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));
   if (high > low * (1.0 + 1e-12))
     stop_all(lmp, who + text_of("material points differ in density, ", low, " to ", high, "; one density is needed"));
-  return {expected, low};
+  return {expected, low < 1e300 ? low : 0.0};
 }
 
 // Bonds across a boundary are as long as the box was when they were made. In a deformed box, the image of a grain moves

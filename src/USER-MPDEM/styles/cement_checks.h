@@ -23,11 +23,12 @@ namespace mpdem {
 
 struct CementPoints {
   LAMMPS_NS::bigint expected;
-  double density;  // one density for all points
+  double density;  // one density for all points; 0 if there are none
 };
 
-// Checks box, units, types, group and density of the points. Nothing but `fix` may move them.
-CementPoints check_scene(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec);
+// Checks box, units, types, group and density of the points. Nothing but `fix` may move them. may_leave: deleted points are looked at
+// later (leaving_atoms.h).
+CementPoints check_scene(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const LAMMPS_NS::Fix* fix, const LAMMPS_NS::AtomVecMpdem& avec, bool may_leave);
 void check_box(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table);
 void check_cell(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell);
 void check_axis(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, const CementOptions& o);

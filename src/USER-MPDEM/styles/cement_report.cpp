@@ -356,7 +356,7 @@ void CementReport::modes(Cement& c) {
 
 // Does the report at the end of a run have a line for this bond?
 bool CementReport::is_told(const Cement& c, const BondState& bond) {
-  return bond.failed != 0.0 || (c.keeps_skins() && links_let_go(bond) != 0.0);
+  return bond.failed != 0.0 || bond.separated != 0.0 || (c.keeps_skins() && links_let_go(bond) != 0.0);
 }
 
 // Tells a sum of modes where not every bond has a line.

@@ -9,6 +9,7 @@
 #include "arguments.h"
 #include "atom.h"
 #include "memory.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "update.h"
 
@@ -128,8 +129,8 @@ void ComputeMpmAtom::compute_peratom() {
     for (std::size_t b = 0; b < bond.points.blocks.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
         if (!(bond.points.meta[b].occupied >> l & 1)) continue;
-        const int i = atom->map(bond.points.tags[b][l]);
-        if (i >= 0 && i < atom->nlocal && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
+        const int i = mpdem::local_atom(*atom, bond.points.tags[b][l]);
+        if (i >= 0 && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
       }
   }
 }

@@ -146,7 +146,8 @@ std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
 
 CreateCement::Pairs CreateCement::cemented() const {
   Pairs pairs;
-  for (const Body& b : AtomVecMpdem::of(lmp)->bonds.table) pairs.emplace_back(b.grain[0], b.grain[1]);
+  for (const Body& b : AtomVecMpdem::of(lmp)->bonds.table)
+    if (b.has_grain(0) && b.has_grain(1)) pairs.emplace_back(b.grain[0], b.grain[1]);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

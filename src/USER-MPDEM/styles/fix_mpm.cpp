@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "../parallel/huge_pages.h"
 #include "../parallel/memory_limit.h"
@@ -24,10 +25,12 @@
 #include "fix_gravity.h"
 #include "force.h"
 #include "host_recipe.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "output.h"
 #include "point_atoms.h"
 #include "pair.h"
+#include "private_access.h"
 #include "scene_checks.h"
 #include "update.h"
 
@@ -38,12 +41,12 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 26;
+constexpr int kVectorSize = 32;
 constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, for `subcycle auto`
 constexpr int kReportEvery = 5;  // steps between reports of grains that are lost or jump
 }  // namespace
 
-FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp), ranks_(lmp) {
+FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(AtomVecMpdem::of(lmp)), atoms_(lmp, who()), hidden_(lmp), ranks_(lmp), leaving_(lmp, who()) {
   time_integrate = 1;
   restart_global = 1;
   force_reneighbor = 1;  // LIGGGHTS exchanges atoms at the step next_reneighbor
@@ -103,9 +106,9 @@ void FixMpm::init() {
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   make_points_of_run();
-  const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_);
+  const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_, cement_->built());
   points_expected_ = points.expected;
-  guarded([&] { cement_->set_density(points.density); });
+  if (points.density > 0.0) guarded([&] { cement_->set_density(points.density); });
   mpdem::check_box(lmp, who(), table);
   mpdem::check_axis(lmp, who(), table, o);
   guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
@@ -274,6 +277,7 @@ void FixMpm::set_time_step(const Fix* running, double limit, const mpdem::Eigenv
 
 void FixMpm::setup_pre_exchange() {
   check_positions();
+  let_leave(false);
   show_homes(update->setupflag != 0);
 }
 
@@ -301,8 +305,8 @@ void FixMpm::check_unprepared() {
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   if (all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; }))
     mpdem::stop_all(lmp, "run ... pre no: fix_modify 'points all' asks for points that are yet to be made; leave 'pre no' out");
-  const mpdem::CementPoints points = mpdem::check_scene(lmp, "run ... pre no: ", this, *avec_);
-  guarded([&] { cement_->set_density(points.density); });
+  const mpdem::CementPoints points = mpdem::check_scene(lmp, "run ... pre no: ", this, *avec_, false);
+  if (points.density > 0.0) guarded([&] { cement_->set_density(points.density); });
   if (atom->natoms != atoms_at_end_)
     mpdem::stop_all(lmp, text_of("run ... pre no: there are ", atom->natoms, " atoms and were ", atoms_at_end_, " at the end of the last run; leave 'pre no' out after commands that make or delete atoms"));
   check_positions();
@@ -326,6 +330,7 @@ void FixMpm::setup(int) {
   update->first_update = 1;
   avec_->prepared_fixes.note(lmp);
   hidden_.start(this);
+  mpdem::exchange_last(modify, this);  // fixes before it may delete grains, or insert some
   ranks_.start_run(this);
   report_->start_run(*cement_);
   guarded([this] { report_->parameters(*cement_, points_expected_); });
@@ -341,6 +346,7 @@ void FixMpm::setup(int) {
   report_->added_mass(*cement_, *avec_);
   report_->forget();
   fill_atoms();
+  watch_outside();
   mpdem::gather_into_huge_pages();
   report_->start_timing(*cement_);
 }
@@ -380,9 +386,9 @@ void FixMpm::post_integrate() {
 void FixMpm::pre_exchange() {
   if (!cement_->built()) return;
   cement_->timer().start(mpdem::StepTimer::kLayout);
-  atoms_.watch_for_those_that_leave(cell());
-  atoms_.report_trouble();  // before points that left with a grain are told of
+  atoms_.report_trouble();
   fill_atoms();
+  let_leave((update->ntimestep - 1) % cement_->options().check_every == 0);
   // new points take the places of ghosts; LIGGGHTS has called the fix that keeps the history of contacts by these
   // places before all other fixes
   const std::vector<int> rows = cement_->rows_that_want_points();
@@ -425,9 +431,13 @@ void FixMpm::end_of_step() {
   report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
   if (check_due || output_due) check_state();
-  if (output_due) fill_atoms();
+  const bool shown = output_due || (check_due && leaving_.may_be_outside(*avec_));
+  if (shown) {
+    fill_atoms();
+    watch_outside();
+  }
   if (check_due && ranks_.is_uneven(*avec_)) {
-    if (!output_due) fill_atoms();
+    if (!shown) fill_atoms();
     if (ranks_.find_homes(*avec_)) next_reneighbor = update->ntimestep + 1;
   }
   if (first) coupling_.remember(cement_->penalty() ? &*cement_->penalty() : nullptr);
@@ -440,6 +450,7 @@ void FixMpm::post_run() {
   dt_at_end_ = update->dt;
   report_->jump(*cement_);
   fill_atoms();
+  watch_outside();
   write_events();
   report_->modes(*cement_);
   report_->times(*cement_, points_expected_);
@@ -510,8 +521,8 @@ void FixMpm::slots_changed(const mpdem::Bond& bond) {
   for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
     for (int l = 0; l < kLanes; ++l) {
       if (!(bond.points.meta[b].occupied >> l & 1)) continue;
-      const int i = atom->map(bond.points.tags[b][l]);
-      if (i >= 0 && i < atom->nlocal) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
+      const int i = mpdem::local_atom(*atom, bond.points.tags[b][l]);
+      if (i >= 0) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
     }
 }
 
@@ -534,6 +545,7 @@ void FixMpm::show_points() { cement_->show_points(); }
 void FixMpm::fill_atoms() {
   cement_->sync_slots();
   avec_->clear_loads_of_points();
+  leaving_.begin();
   std::string trouble;
   std::vector<mpdem::Report::PointMotionNow> motion;
   for (const mpdem::Bond& bond : avec_->bonds) {
@@ -542,8 +554,8 @@ void FixMpm::fill_atoms() {
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (std::size_t b = 0; b < motion.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
-        const int i = bond.points.meta[b].occupied >> l & 1 ? atom->map(bond.points.tags[b][l]) : -1;
-        if (i < 0 || i >= atom->nlocal) continue;
+        const int i = bond.points.meta[b].occupied >> l & 1 ? mpdem::local_atom(*atom, bond.points.tags[b][l]) : -1;
+        if (i < 0) continue;
         double* x = atom->x[i];
         double place[3], velocity[3];
         for (int d = 0; d < 3; ++d) {
@@ -557,13 +569,36 @@ void FixMpm::fill_atoms() {
         atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
         domain->remap(x, atom->image[i]);
         for (int d = 0; d < 3; ++d)
-          if ((!std::isfinite(x[d]) || mpdem::left_the_box(*domain, d, x[d])) && trouble.empty())
-            trouble = text_of(who(), "material point ", atom->tag[i], " left the simulation box at step ", update->ntimestep, " (", "xyz"[d],
-                              " = ", x[d], ", box ", domain->boxlo[d], " to ", domain->boxhi[d], "); ", atoms_.flight(i, cell()));
+          if (!std::isfinite(x[d]) && trouble.empty())
+            trouble = text_of(who(), "the position of material point ", atom->tag[i], " is not finite at step ", update->ntimestep,
+                              "; check the motion of the grains, the time step and the contact model");
+        leaving_.show(i, bond.body, kLanes * static_cast<int>(b) + l, x);
       }
   }
   ranks_.true_places_shown();
   mpdem::stop_if_any(lmp, trouble);
+}
+
+// Cement that is attached must not be beyond a side of the box. What is loose leaves in the step after a check, so that it does not
+// matter where a run is divided.
+void FixMpm::watch_outside() {
+  if (!leaving_.some_are_outside()) return;
+  if (update->ntimestep % cement_->options().check_every == 0) next_reneighbor = update->ntimestep + 1;
+  guarded([this] { leaving_.stop_if_wrong(cement_->departures().choose(leaving_.outside()), points_expected_, cell(), cement_->dt()); });
+}
+
+// Call before LIGGGHTS exchanges atoms, when points are shown.
+void FixMpm::let_leave(bool points_too) {
+  if (!cement_->built()) return;
+  const std::optional<mpdem::Departing> departing = leaving_.find(*avec_, points_too);
+  if (!departing) return;
+  guarded([&] {
+    const mpdem::Leaving leaving = cement_->departures().choose(*departing);
+    leaving_.stop_if_wrong(leaving, points_expected_, cell(), cement_->dt());
+    if (leaving.rows.empty()) return;
+    points_expected_ -= leaving_.remove(cement_->departures().carry_out(leaving));
+    report_->forget();
+  });
 }
 
 double FixMpm::compute_scalar() {
@@ -578,7 +613,8 @@ double FixMpm::compute_vector(int n) {
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
                       t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
-                      t.awake, static_cast<double>(substeps()), t.broken};
+                      t.awake, static_cast<double>(substeps()), t.broken,
+                      t.left.points, t.left.mass, t.left.momentum[0], t.left.momentum[1], t.left.momentum[2], t.left.energy};
   return v[n];
 }
 

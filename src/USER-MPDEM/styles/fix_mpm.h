@@ -27,6 +27,7 @@ FixStyle(mpm,FixMpm)
 #include "failure_log.h"
 #include "fix.h"
 #include "hidden_points.h"
+#include "leaving_atoms.h"
 #include "point_ranks.h"
 
 namespace LAMMPS_NS {
@@ -111,6 +112,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void tell_substeps();
   void fill_atoms();
   void show_homes(bool for_run);
+  void watch_outside();
+  void let_leave(bool points_too);
   void check_positions();
   void check_unprepared();
   void make_points_of_run();
@@ -126,6 +129,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
+  mpdem::LeavingAtoms leaving_;
   std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
   bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step

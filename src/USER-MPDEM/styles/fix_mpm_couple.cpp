@@ -15,6 +15,7 @@
 #include "domain.h"
 #include "error.h"
 #include "files_in_use.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "prescribed_motion.h"
 #include "update.h"
@@ -120,9 +121,9 @@ void FixMpmCouple::init() {
 
   std::string trouble;
   for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int tag : b.grain) {
-      const int i = atom->map(tag);
-      if (i >= 0 && i < atom->nlocal && !(atom->mask[i] & groupbit))
+    for (int s = 0; s < 2; ++s) {
+      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
+      if (i >= 0 && !(atom->mask[i] & groupbit))
         trouble = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is not in the group of this fix; use the group of all grains");
     }
   mpdem::stop_if_any(lmp, trouble);
@@ -162,9 +163,9 @@ void FixMpmCouple::check_integrators() {
   if (update->nsteps == 0) return;  // `run 0` moves nothing
   std::string trouble;
   for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int tag : b.grain) {
-      const int i = atom->map(tag);
-      if (i < 0 || i >= atom->nlocal || !trouble.empty()) continue;
+    for (int s = 0; s < 2; ++s) {
+      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
+      if (i < 0 || !trouble.empty()) continue;
       const Fix* mover = nullptr;
       bool frozen = false;
       const std::string who = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is ");

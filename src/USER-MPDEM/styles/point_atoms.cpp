@@ -14,6 +14,7 @@
 #include "domain.h"
 #include "fix.h"
 #include "force.h"
+#include "local_atom.h"
 #include "modify.h"
 #include "pair.h"
 
@@ -35,8 +36,8 @@ std::vector<GrainOfRow> grains_of(LAMMPS* lmp, AtomVecMpdem& avec, const std::ve
   Atom& atom = *lmp->atom;
   std::vector<GrainOfRow> grains(2 * rows.size());
   for (std::size_t n = 0; n < grains.size(); ++n) {
-    const int i = atom.map(avec.bonds.table[rows[n / 2]].grain[n % 2]);
-    if (i < 0 || i >= atom.nlocal || !avec.orientation(i)) continue;
+    const int i = local_atom(atom, avec.bonds.table[rows[n / 2]].grain[n % 2]);
+    if (i < 0 || !avec.orientation(i)) continue;
     GrainOfRow& g = grains[n];
     g.found = 1.0;
     lmp->domain->unmap(atom.x[i], atom.image[i], g.x);

@@ -132,7 +132,10 @@ void WriteCement::command(int narg, char** arg) {
   std::vector<char> chosen;
   std::size_t made = 0;
   for (const mpdem::Body& b : avec->bonds.table) {
-    chosen.push_back(wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1]));
+    chosen.push_back(b.points > 0 && (wanted[0] == 0 || (b.grain[0] == wanted[0] && b.grain[1] == wanted[1])));
+    if (chosen.back() && (b.left[0] || b.left[1]))
+      args.complain(text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], " has lost grain ", b.grain[b.left[0] ? 0 : 1], ", which left the scene, and cannot be made again without it; ",
+                            wanted[0] == 0 ? "name other pairs" : "name another pair"));
     if (chosen.back() && b.pattern > 0)
       args.complain(text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], " has no points yet; use 'fix_modify' with 'points all' for fix mpm, and 'run 0', before"));
     if (chosen.back()) made += b.points;

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "departures.h"
+
+#include <algorithm>
+
+#include "../mpm/block_nodes.h"
+#include "../numerics/sort_unique.h"
+#include "../parallel/agree.h"
+#include "../parallel/ranks.h"
+#include "rigid_pieces.h"
+
+namespace mpdem {
+
+namespace {
+
+bool has(const std::vector<int>& ascending, int value) { return std::binary_search(ascending.begin(), ascending.end(), value); }
+
+bool has(const std::map<int, std::vector<int>>& slots, int row, int slot) {
+  const auto at = slots.find(row);
+  return at != slots.end() && has(at->second, slot);
+}
+
+// Bits of the grains of a body that are in a list of IDs.
+int sides_in(const Body& body, const std::vector<int>& grains) {
+  int bits = 0;
+  for (int s = 0; s < 2; ++s)
+    if (body.has_grain(s) && has(grains, body.grain[s])) bits |= 1 << s;
+  return bits;
+}
+
+// Drops links and places that have no grain any more.
+template <class List>
+void drop_of_grain(List& list, int grain) {
+  list.erase(std::remove_if(list.begin(), list.end(), [grain](const auto& a) { return a.grain == grain; }), list.end());
+}
+
+}  // namespace
+
+Leaving Departures::choose(const Departing& departing) {
+  const std::vector<Body>& table = scene_.bonds().table;
+  std::vector<int> mine;
+  for (const auto* slots : {&departing.outside, &departing.deleted})
+    for (const auto& of_row : *slots) mine.push_back(of_row.first);
+  if (!departing.grains.empty())
+    for (std::size_t row = 0; row < table.size(); ++row)
+      if (sides_in(table[row], departing.grains) != 0) mine.push_back(static_cast<int>(row));
+  sort_unique(mine);
+  Leaving leaving;
+  leaving.grains = departing.grains;
+  const std::vector<int> rows = scene_.agreed_rows(mine);
+  std::vector<int> deleted(rows.size(), 0);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const auto at = departing.deleted.find(rows[n]); at != departing.deleted.end()) deleted[n] = static_cast<int>(at->second.size());
+  MPI_Allreduce(MPI_IN_PLACE, deleted.data(), static_cast<int>(deleted.size()), MPI_INT, MPI_SUM, scene_.comm);
+  std::vector<char> as_a_whole(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Body& body = table[rows[n]];
+    const int gone = sides_in(body, departing.grains);
+    const bool separated = divisions_.cracks.separated(rows[n]);
+    as_a_whole[n] = (deleted[n] == body.points || body.pattern > 0) && (separated || gone == 3);
+    if (gone != 0 && !separated && !as_a_whole[n]) {
+      leaving.joined_grain = body.grain[(gone & 1) != 0 ? 0 : 1];
+      return leaving;
+    }
+  }
+  std::map<int, std::vector<char>> held = divisions_.cracks.grains_held(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, rows);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (Bond* b = scene_.bonds().find(rows[n])) choose_points(*b, held[rows[n]], departing, as_a_whole[n], leaving);
+  for (const auto& of_row : leaving.slots) leaving.rows.push_back(of_row.first);
+  for (int row : rows)
+    if (sides_in(table[row], departing.grains) != 0) leaving.rows.push_back(row);
+  sort_unique(leaving.rows);
+  leaving.rows = scene_.agreed_rows(leaving.rows);
+  return leaving;
+}
+
+// Dust of a condensed bond is part of the pieces. It goes with its grain.
+void Departures::choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole, Leaving& leaving) const {
+  const Body& body = scene_.bonds().body(b);
+  const int gone = sides_in(body, departing.grains);
+  const bool separated = divisions_.cracks.separated(b.body), awake = scene_.bonds().is_awake(b);
+  std::vector<signed char> grain_of_node;  // empty: no piece goes
+  if (separated)
+    for (std::size_t slot = 0; slot < held.size(); ++slot)
+      if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1) b.points.set_holds(static_cast<int>(slot), b.points.has_failed(static_cast<int>(slot)) ? 0 : held[slot]);
+  if (separated && gone != 0 && awake) grain_of_node = grains_that_hold_nodes(b);
+  const auto goes_with_grain = [&](int slot) {
+    const BlockMeta& m = b.points.meta[slot / kLanes];
+    if (!awake) {  // as grains_of_nodes() has it
+      const int lane = slot % kLanes;
+      double X[3];
+      for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
+      const int piece = piece_of(m.part);
+      return (gone >> (!scene_.options.split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X))) & 1) != 0;
+    }
+    bool goes = false;
+    if (!grain_of_node.empty()) for_each_node_of_lane(b.grid, m, slot % kLanes, [&](int i) { goes = goes || (grain_of_node[i] >= 0 && (gone >> grain_of_node[i] & 1)); });
+    return goes;
+  };
+  for (int slot = 0; slot < static_cast<int>(held.size()); ++slot) {
+    if (!(b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)) continue;
+    const bool outside = has(departing.outside, b.body, slot), deleted = has(departing.deleted, b.body, slot);
+    const bool dust = held[slot] == 0, stays = dust ? !awake && !goes_with_grain(slot) : (held[slot] & ~gone) != 0;
+    if (as_a_whole || (!stays && (!dust || outside || deleted || goes_with_grain(slot)))) leaving.slots[b.body].push_back(slot);
+    else if (deleted) leaving.attached_deleted.push_back(b.points.tag(slot));
+    else if (outside && !dust) leaving.attached_outside.push_back(b.points.tag(slot));
+  }
+}
+
+// Points and volume that leave each row, of all ranks.
+std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
+  std::vector<double> sum(2 * leaving.rows.size(), 0.0);
+  for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
+    const Body& body = scene_.bonds().table[leaving.rows[n]];
+    const auto slots = leaving.slots.find(leaving.rows[n]);
+    if (body.pattern > 0 && rank_in(scene_.comm) == 0) {
+      sum[2 * n] = body.points;
+      sum[2 * n + 1] = body.volume;
+    } else if (slots != leaving.slots.end()) {
+      const PointStore& points = scene_.bonds().find(slots->first)->points;
+      for (int slot : slots->second) sum[2 * n + 1] += points.blocks[slot / kLanes].volume[slot % kLanes];
+      sum[2 * n] = static_cast<double>(slots->second.size());
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);
+  std::vector<Share> all(leaving.rows.size());
+  for (std::size_t n = 0; n < all.size(); ++n) all[n] = {leaving.rows[n], sum[2 * n], sum[2 * n + 1], sum[2 * n] == scene_.bonds().table[leaving.rows[n]].points};
+  return all;
+}
+
+// Adds what this rank has of an awake bond, with `sign`.
+void Departures::add_awake(const Bond& b, double sign, EnergyBooks::Left& left, double& ahead) const {
+  left.energy += sign * work_.energy_of(b);
+  ahead += sign * work_.ahead_of(b);
+  double sum[3] = {0, 0, 0};
+  for (int i = 0; i < b.grid.size(); ++i)
+    for (int d = 0; d < 3 && b.grid.halo.counts_here()[i]; ++d)
+      sum[d] += sign * b.grid.mass[i] * (b.grid.velocity[3 * i + d] + 0.5 * scene_.dt_last * b.grid.acceleration[3 * i + d]);
+  const std::array<double, 3> momentum = turned(axes_of(scene_.bonds().body(b)), sum);
+  for (int d = 0; d < 3; ++d) left.momentum[d] += momentum[d];
+}
+
+// Adds what this rank tells of the pieces of a condensed bond, with `sign`. The work that is ahead of a piece takes its energy to that
+// of its velocity after the next kick.
+void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBooks::Left& left, double& ahead) const {
+  const double dt = scene_.dt_last;
+  for (int n = 0; n < 2; ++n) {
+    if (!pieces.here[n]) continue;
+    const auto energies = [&](double half) { return condensed_.energies_of_piece(pieces.row, pieces.whole ? -1 : n, scene_.bonds(), half, pieces.sides[n]); };
+    const CondensedBonds::Energies now = energies(0.5 * dt);
+    left.energy += sign * (now.elastic + now.discrete_kinetic);
+    ahead += sign * (energies(dt).kinetic - now.discrete_kinetic);
+    for (int d = 0; d < 3; ++d) left.momentum[d] += sign * now.momentum[d];
+  }
+}
+
+Departures::Pieces Departures::pieces_of(int row) const {
+  Pieces pieces;
+  pieces.row = row;
+  pieces.whole = !condensed_.is_in_pieces(row);
+  for (int n = 0; n < (pieces.whole ? 1 : 2); ++n) pieces.here[n] = condensed_.piece_sides(row, pieces.whole ? -1 : n, scene_.bonds(), pieces.sides[n]);
+  return pieces;
+}
+
+// Work that the books have for the second half of the last step, of grains on cement that goes.
+double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std::vector<int>& grains) const {
+  double power = 0.0;
+  for (const BondedGrains::OwnedSide& o : scene_.grains.owned()) {
+    const auto of_row = std::lower_bound(of_rows.begin(), of_rows.end(), o.body, [](const Share& s, int row) { return s.row < row; });
+    if (of_row == of_rows.end() || of_row->row != o.body || scene_.bonds().table[o.body].condensed) continue;
+    if (!of_row->all && !(sides_in(scene_.bonds().table[o.body], grains) >> o.side & 1)) continue;
+    const GrainSide& s = scene_.grains.sides.sides[o.at];
+    for (int d = 0; d < 6; ++d) {
+      const double force = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
+      const double velocity = d < 3 ? s.v[d] + scene_.dt_last * s.a[d] : s.omega[d - 3] + scene_.dt_last * s.alpha[d - 3];
+      power -= force * velocity;
+    }
+  }
+  return 0.5 * scene_.dt_last * power;
+}
+
+// Takes points, links and places out of the bonds, and grains and points out of the table.
+std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const Leaving& leaving) {
+  std::vector<int> tags;
+  for (const Share& share : of_rows) {
+    Body& body = scene_.bonds().table[share.row];
+    const int gone = sides_in(body, leaving.grains);
+    if (Bond* b = scene_.bonds().find(share.row)) {
+      const auto slots = leaving.slots.find(share.row);
+      for (int slot : slots == leaving.slots.end() ? std::vector<int>() : slots->second) {
+        tags.push_back(b->points.tag(slot));
+        b->points.release(slot);
+      }
+      for (int s = 0; s < 2; ++s) {
+        if (!(gone >> s & 1)) continue;
+        drop_of_grain(b->points.links, body.grain[s]);
+        drop_of_grain(b->points.places, body.grain[s]);
+      }
+    }
+    for (int s = 0; s < 2; ++s) body.left[s] = body.left[s] || (gone >> s & 1) != 0;
+    body.points -= static_cast<int>(share.points);
+    body.volume = share.all ? 0.0 : std::max(0.0, body.volume - share.volume);
+    if (!share.all) continue;
+    body.condensed = body.wants_points = false;
+    body.pattern = body.home = 0;
+  }
+  scene_.bonds().awake_changed();
+  return tags;
+}
+
+std::vector<int> Departures::carry_out(const Leaving& leaving) {
+  const bool moved = std::any_of(scene_.bonds().begin(), scene_.bonds().end(), [](const Bond& b) { return b.points.changed(); });
+  throw_if_any(scene_.comm, moved ? "cement leaves of which points went to other ranks since the last run; use 'run 0' after write_restart, before grains or points are deleted" : "");
+  const std::vector<Share> of_rows = shares(leaving);
+  EnergyBooks::Left left;
+  std::vector<int> emptied;
+  std::vector<Pieces> pieces;
+  double ahead = ahead_of_grains(of_rows, leaving.grains);  // work of the second half of the last step, which is still to come
+  for (const Share& share : of_rows) {
+    const Body& body = scene_.bonds().table[share.row];
+    if (body.condensed) pieces.push_back(pieces_of(share.row));
+    else if (const Bond* b = scene_.bonds().find(share.row)) add_awake(*b, 1.0, left, ahead);
+    if (share.all) emptied.push_back(share.row);
+    if (rank_in(scene_.comm) != 0) continue;
+    left.points += share.points;
+    left.mass += scene_.density() * share.volume;
+  }
+  for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
+  const std::vector<int> tags = take_out(of_rows, leaving);
+  if (scene_.options.split) divisions_.splits.forget_points(leaving.rows);
+  arrangement_.bring_copies();
+  arrangement_.lay_out_again(leaving.rows, {}, {});
+  for (const Bond& b : scene_.bonds().awake())
+    if (has(leaving.rows, b.body)) add_awake(b, -1.0, left, ahead);
+  if (condensed_.any()) condensed_.drop(scene_.comm, emptied, scene_.bonds(), scene_.grains);
+  condensing_.condense(leaving.rows, false);
+  for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
+  scene_.books.leave(left);
+  scene_.books.start(0.0, {-ahead, 0.0}, {}, 0.0);  // that work is not done
+  return tags;
+}
+
+}  // namespace mpdem
