@@ -206,9 +206,13 @@ def test_points_that_move(basis, tmp_path):
 @pytest.mark.parametrize("dt", [5e-9, 1.3e-8])
 def test_another_step_keeps_momentum(dt, tmp_path, figures):
     """Added mass goes with the time step. A run with another step goes on with the momentum of the one before."""
-    head = edit(pair(CELL / 2, half_box=3 * (15e-3,)), "create_cement", "set atom 2 diameter 0.008\ncreate_cement") + cement(CELL, 1e-8, axis="radial")
-    head += "velocity second set 0.2 -0.1 0.3\nset atom 2 omegax 200\nfix motion grains nve/sphere\n" + MOMENTA + thermo(5, MOMENTUM_COLUMNS[:3] + ["f_cem[12]"])
-    t = run(head + f"run 40\ntimestep {dt}\nrun 40\n", tmp_path).table()
+    start = edit(pair(CELL / 2, half_box=3 * (15e-3,)), "create_cement", "set atom 2 diameter 0.008\ncreate_cement")
+    go, fixes = "velocity second set 0.2 -0.1 0.3\nset atom 2 omegax 200\n", cement(CELL, 1e-8, axis="radial")
+    moved = "fix motion grains nve/sphere\n" + MOMENTA + thermo(5, MOMENTUM_COLUMNS[:3] + ["f_cem[12]"])
+    t = run(start + fixes + go + moved + f"run 40\nwrite_restart middle.restart\ntimestep {dt}\nrun 40\n", tmp_path).table()
+    again = run(restarted("middle.restart") + fixes + moved + f"timestep {dt}\nrun 40\n", tmp_path).table()
+    for name in t:
+        assert (again[name] == t[name][-9:]).all(), f"{name}: a run from a restart file goes on with another step as the run itself does"
     P = np.array([t[c] for c in MOMENTUM_COLUMNS[:3]])
     figures.below(f"momentum after a step of {dt} instead of 1e-8, against the start", abs(P - P[:, :1]).max() / abs(P).max(), 1e-12)
     figures.below(f"energy imbalance with a step of {dt} after 1e-8", abs(t["f_cem[12]"])[-8:].max(), 0.01)

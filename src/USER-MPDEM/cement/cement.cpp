@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "../mpm/point_state.h"
 #include "../numerics/flush_denormals.h"
@@ -54,15 +55,14 @@ void Cement::lay_out_run() {
   NewPartsOfBonds parts = arrangement_.parts_at_start();
   arrangement_.remember_axis();
   condensing_.choose();
-  // another time step needs other added mass
-  const bool changes = scene_.laid_out && scene_.now.dt != scene_.dt_last;
-  scene_.books.release_by([&] { return changes ? added_.energy_ahead(scene_.all_rows(), 0.0) : 0.0; },
-                          [&] {
-                            arrangement_.lay_out(scene_.all_rows(), std::move(parts), {});
-                            condensing_.bind();
-                            open_places_of_files(scene_);
-                            added_.refresh();
-                          });
+  arrangement_.lay_out(scene_.all_rows(), std::move(parts), {});
+  condensing_.bind();
+  open_places_of_files(scene_);
+  // Another time step needs other added mass than the last one, from a restart file too.
+  const double dt = std::exchange(scene_.now.dt, scene_.dt_last);
+  added_.refresh();
+  scene_.now.dt = dt;
+  if (dt != scene_.dt_last) scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), 0.0); }, [&] { added_.refresh(); });
   parting_.take_up();
   condensing_.condense(scene_.all_rows(), true);
 }
