@@ -126,6 +126,8 @@ def test_line(line, tmp_path):
         scene = re.sub(r"^atom_style .*$", line, scene, flags=re.M)
     elif command == "create_cement":
         scene = re.sub(r"^create_cement .*$", line, scene, flags=re.M)
+        if "points later" in line:
+            cement += " condense yes"
     elif " mpm " in line and command == "fix":
         cement = line
     elif " mpm/couple " in line:
