@@ -337,6 +337,40 @@ void CopyLattice::grow(const std::vector<int>& group) {
     if (seen_[i] == kIn) seen_[i] = 0;
 }
 
+std::vector<Place> CopyLattice::leave(NodeCopies& copies) const {
+  struct Left {
+    std::vector<int> holds, failed;  // points
+    double volume = 0.0, share = 0.0;  // volume of the first, and the former share of failed points
+  };
+  std::vector<Place> nodes;
+  for (const auto& r : copies.rows()) nodes.push_back(r.first);
+  std::sort(nodes.begin(), nodes.end());
+  for (const Place& node : nodes) {
+    NodeCopies::Row row = *copies.row(node);
+    std::map<int, Left> left;  // by copy
+    for_each_point(node, [&](int p) {
+      Left& l = left[copy_of(row, points_[p].part)];
+      (points_[p].failed ? l.failed : l.holds).push_back(p);
+    });
+    double failed = 0.0, shares = 0.0;
+    for (const NodeCopies::Entry& e : row)
+      if (const auto l = left.find(e.copy); l != left.end()) l->second.share = e.volume;
+    for (auto& l : left) {
+      failed += volume_at(node, l.second.failed);
+      l.second.volume = volume_at(node, l.second.holds);
+      l.second.share = std::max(0.0, l.second.share - l.second.volume);
+      shares += l.second.share;
+    }
+    for (NodeCopies::Entry& e : row) {
+      const auto l = left.find(e.copy);
+      if (l == left.end()) e.volume = 0.0;
+      else e.volume = l->second.volume + (shares > 0.0 ? failed * l->second.share / shares : volume_at(node, l->second.failed));
+    }
+    copies.set(node, std::move(row));
+  }
+  return nodes;
+}
+
 bool CopyLattice::Class::operator<(const Class& o) const {
   if (base != o.base) return base < o.base;
   if (part != o.part) return part < o.part;

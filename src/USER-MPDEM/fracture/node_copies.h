@@ -18,7 +18,8 @@
 //
 // A copy keeps the mass that it had when it was made. When a copy is split, the new copies share its mass in proportion
 // to the material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed
-// between them, and no copy has less mass than the material that holds in it.
+// between them, and no copy has less mass than the material that holds in it. When points leave the scene, a copy keeps what its
+// material that holds has, and what failed points have is shared as it was among the copies that points are left of.
 //
 // Failed points carry nothing. They go with the nearest points that hold, in steps from cell to cell in the support, so
 // that they are shown where the crack left them. Among components at equal distance they go with the largest, then with
@@ -134,6 +135,8 @@ class CopyLattice {
     int tag, piece;
   };
   CopyChange come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies);
+  // Finds the volumes of the copies from these points, after others left the scene. Returns the nodes that are split.
+  std::vector<Place> leave(NodeCopies& copies) const;
   const std::vector<CopyPoint>& points() const { return points_; }
 
  private:
