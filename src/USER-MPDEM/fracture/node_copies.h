@@ -59,6 +59,7 @@ class NodeCopies {
   // Entry of a part at a node, {part, 0, 0, 0} if the node is whole. A split node must have the part.
   Entry at(int part, const Place& node) const { return entry_of(row(node), part); }
   static Entry entry_of(const Row* row, int part);
+  static int copy_of(const Row& row, int part) { return entry_of(&row, part).copy; }
   // First part that has the same copy of the node. Its node stands for that of this part.
   int canonical(int part, const Place& node) const;
   // Part whose node stands for the copy `first` of the start; -1 if that copy has been split since.
@@ -199,6 +200,25 @@ class CopyLattice {
   std::map<int, std::map<Place, int>> wanted_;  // by point and node: the new copy
   std::map<Place, std::map<int, double>> split_now_;  // by node and new copy: the volume
 };
+
+template <class F>
+void CopyLattice::for_each_node(const int* base, F f) const {
+  int n = 0;
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
+}
+
+template <class F>
+void CopyLattice::for_each_point(const Place& node, F f) const {
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) {
+        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
+        if (cell == base_.end()) continue;
+        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
+      }
+}
 
 }  // namespace mpdem
 
