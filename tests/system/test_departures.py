@@ -5,23 +5,24 @@ import csv
 
 import numpy as np
 import pytest
-from scenes import NEIGHBOURS, host, launch, restarted, run, thermo
+from scenes import NEIGHBOURS, edit, host, launch, restarted, run, thermo
 
 POINTS, FAILED, IMBALANCE, MOMENTUM, GAP, APART = "f_cem[1]", "f_cem[2]", "f_cem[12]", "f_cem[15]", "f_bond[13]", "f_bond[22]"
 LEFT_POINTS, LEFT_MASS, LEFT_MOMENTUM, LEFT_ENERGY = "f_cem[27]", "f_cem[28]", "f_cem[31]", "f_cem[32]"
 COLUMNS = ["atoms", GAP, APART, POINTS, FAILED, IMBALANCE, MOMENTUM, LEFT_POINTS, LEFT_MASS, LEFT_MOMENTUM, LEFT_ENERGY, "c_mass"]
 DAMPED = "quasistatic 1 0.1"
+WEIGHT = "fix weight calcite gravity 20000 vector 1 0 0\n"
 DELETE = "delete_atoms group {} compress no\n"
 
 
-def fixes(more, B0, extra=""):
+def fixes(more, B0, extra="", couple=""):
     return (f"timestep 4e-7\n{extra}"
             f"fix cem calcite mpm cell 4e-4 elastic isotropic 1e8 0.25 damage tensor B0 {B0} check 10 {more}\n"
-            "fix bond grains mpm/couple cem csv 100 bond.csv\nfix motion grains nve/sphere\n"
+            f"fix bond grains mpm/couple cem {couple} csv 100 bond.csv\nfix motion grains nve/sphere\n"
             "variable mass atom mass\ncompute mass calcite reduce sum v_mass\n" + thermo(50, COLUMNS))
 
 
-def scene(more="cracks split", B0=1e5, pull=2.0, side=0.012, high=0.0046, extra=""):
+def scene(more="cracks split", B0=1e5, pull=2.0, side=0.012, high=0.0046, extra="", couple=""):
     """The upper bead of a pair flies up at `pull` and takes cement along, since the bond comes off the lower one first."""
     return (host() + f"""\
 region       box block -0.012 {side} -0.012 0.012 -0.012 {high} units box
@@ -31,7 +32,7 @@ create_atoms 1 single 0 0 0.0036 units box
 set          type 1 diameter 0.0072 density 2500
 group        grains type 1
 """ + NEIGHBOURS + "create_cement calcite pair 1 2 shape flat outer 1.5e-3 spacing 2e-4\n"
-        + f"group lower id 1\ngroup upper id 2\nvelocity upper set 0 0 {pull}\n" + fixes(more, B0, extra))
+        + f"group lower id 1\ngroup upper id 2\nvelocity upper set 0 0 {pull}\n" + fixes(more, B0, extra, couple))
 
 
 def check_books(table, figures, name, energy):
@@ -57,32 +58,58 @@ def test_grain_leaves(tmp_path, figures, ranks):
     assert len(rows) == 21 and not any(v in ("nan", "inf", "-nan", "-inf") for v in rows[-1].values()) and float(rows[-1]["points"]) == 0
 
 
-@pytest.mark.parametrize("more, energy", [("cracks split", 1.3e-5), ("cracks split subcycle 2", 2e-5), ("condense yes", 4e-15), ("condense yes cracks split", 4e-15)])
-def test_what_holds_to_the_other_grain_stays(tmp_path, figures, more, energy):
-    t = run(scene(more) + "run 2000\n", tmp_path).table()
-    check_books(t, figures, more, energy)
+@pytest.mark.parametrize("more, couple, energy", [("cracks split", "", 1.3e-5), ("cracks split subcycle 2", "", 2e-5), ("cracks split", "friction 0.3", 1.3e-4),
+                                                  ("condense yes", "", 4e-15), ("condense yes cracks split", "", 4e-15)])
+def test_what_holds_to_the_other_grain_stays(tmp_path, figures, more, couple, energy):
+    t = run(scene(more, couple=couple) + "run 2000\n", tmp_path).table()
+    check_books(t, figures, f"{more} {couple}", energy)
     assert t["atoms"][-1] == 1 + t[POINTS][-1] > 1
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_crumbs_leave(tmp_path, figures, ranks):
     """What failed falls out of the box sideways. What holds to the beads stays."""
-    extra = "fix weight calcite gravity 20000 vector 1 0 0\n"
-    t = run(scene(side=0.0025, high=0.012, extra=extra) + "run 2000\n", tmp_path, ranks).table()
+    t = run(scene(side=0.0025, high=0.012, extra=WEIGHT) + "run 2000\n", tmp_path, ranks).table()
     check_books(t, figures, f"{ranks} ranks", 3e-5)
+    figures.below(f"{ranks} ranks: imbalance of the energy, with nodes that split later", max(abs(t[IMBALANCE])), 1e-3)
     assert t["atoms"][-1] == 2 + t[POINTS][-1] and 0 < t[POINTS][-1] and t[GAP][-1] > 0
 
 
-def test_goes_on_from_a_file(tmp_path):
+@pytest.mark.parametrize("couple, ranks", [("", 1), ("friction 0.3", 2)])
+def test_goes_on_from_a_file(tmp_path, couple, ranks):
     """A run goes on to the bit after a departure, and before one that is still to come."""
-    extra = "fix weight calcite gravity 20000 vector 1 0 0\n"
     for first in (600, 1500):
-        a = run(scene(side=0.0025, extra=extra) + f"run {first}\nwrite_restart middle.restart\nprint MIDDLE\nrun 800\n", tmp_path)
-        b = run(restarted("middle.restart") + fixes("cracks split", 1e5, extra) + "run 800\n", tmp_path, name="in.continued")
+        a = run(scene(side=0.0025, extra=WEIGHT, couple=couple) + f"run {first}\nwrite_restart middle.restart\nprint MIDDLE\nrun 800\n", tmp_path, ranks)
+        b = run(restarted("middle.restart") + fixes("cracks split", 1e5, WEIGHT, couple) + "run 800\n", tmp_path, ranks, name="in.continued")
         rows = [[line for line in text.splitlines() if line.split()[:1] and line.split()[0].isdigit() and len(line.split()) == 1 + len(COLUMNS)]
                 for text in (a.output.split("MIDDLE")[-1], b.output)]
         assert len(rows[0]) == 17 and rows[0] == rows[1]
         assert float(rows[0][-1].split()[1 + COLUMNS.index(LEFT_POINTS)]) > 0
+
+
+def test_leaves_a_periodic_box(tmp_path, figures):
+    """A pair whose cement goes through a periodic side, so that two ranks have it, leaves as one in the middle of a fixed box does."""
+    script = edit(scene(couple="friction 0.3", side=0.006), "-0.012 0.006 -0.012", "-0.006 0.006 -0.012")
+    t = run(script.replace("boundary     f f f", "boundary     p f f").replace("single 0 0", "single 0.0055 0 ") + "run 1500\n", tmp_path, 2).table()
+    check_books(t, figures, "periodic", 1.3e-4)
+    whole = run(scene(couple="friction 0.3") + "run 1500\n", tmp_path).table()
+    assert all(t[c][-1] == whole[c][-1] for c in (POINTS, FAILED, LEFT_POINTS, "atoms"))
+    figures.below("energy that left against that in a fixed box", abs(t[LEFT_ENERGY][-1] / whole[LEFT_ENERGY][-1] - 1), 1.3e-10)
+
+
+@pytest.mark.parametrize("more, side, limit", [("cracks split balance yes", 0.0025, 1e-3), ("kinematics updated", 0.0025, 1.5e-3)])
+def test_crumbs_of_other_runs(tmp_path, figures, more, side, limit):
+    """Crumbs leave while points go to other ranks, and with points that move through the grid."""
+    t = run(scene(more, side=side, high=0.012, extra=WEIGHT) + "run 1500\n", tmp_path, 2).table()
+    check_books(t, figures, more, 9e-5 if "updated" not in more else 9e-4)
+    figures.below(f"{more}: imbalance of the energy", max(abs(t[IMBALANCE])), limit)
+
+
+def test_updated_grain_leaves(tmp_path, figures):
+    """A grain that is deleted takes the cement that holds to it along, with `kinematics updated`."""
+    t = run(scene("kinematics updated", B0=3e5) + "run 1500\n" + DELETE.format("upper") + "run 100\n", tmp_path, 2).table()
+    check_books(t, figures, "updated", 3.8e-8)
+    assert t["atoms"][-1] == 1 + t[POINTS][-1] and t[FAILED][0] < t[POINTS][0]
 
 
 # name: (commands, points that are left of those there were)
@@ -113,6 +140,13 @@ def test_pair_deleted_before_it_breaks(tmp_path):
     run(scene(pull=0.0) + "run 50\ngroup gone union calcite grains\n" + DELETE.format("gone") + "run 50\nthermo_style one\nunfix bond\nunfix cem\nrun 50\n", tmp_path)
 
 
+def test_pair_without_points_deleted(tmp_path):
+    """Cement that has no points yet leaves with both its grains."""
+    script = edit(scene("condense yes", pull=0.0), "spacing 2e-4", "spacing 2e-4 points later")
+    t = run(script + "run 50\n" + DELETE.format("grains") + "run 50\n", tmp_path, 2).table()
+    assert t["atoms"][-1] == 0 and t[POINTS][-1] == 0 and t[LEFT_POINTS][-1] == t[POINTS][0] > 0
+
+
 def test_mesh_deletes_grains(tmp_path):
     """A fix that deletes atoms takes the cement of a separated bond with them, wherever it stands among the fixes."""
     (tmp_path / "lid.stl").write_text("solid lid\n" + "".join(
@@ -130,6 +164,7 @@ STOPS = {
     "joined grain deleted": (scene(B0=1e12, pull=0.0) + "run 50\n" + DELETE.format("upper") + "run 50\n", ["grain 2", "not separated", "keep"]),
     "attached points deleted": (scene() + "run 300\nregion r block 0 INF INF INF INF INF units box\ngroup r region r\ngroup gone subtract r grains\n"
                                 + DELETE.format("gone") + "run 50\n", ["hold to grains which stay", "cannot"]),
+    "stiffness before the next run": (scene() + "run 300\n" + DELETE.format("upper") + "bond_stiffness bonds.csv\n", ["grain 2", "'run 0'", "separated"]),
     "attached points leave": (scene(side=0.001, B0=1e12, pull=0.0, extra="fix weight calcite gravity 2e7 vector 1 0 0\n").replace("-0.012 0.001", "-0.012 0.00155")
                               + "run 2000\n", ["material point", "left the simulation box", "larger"]),
 }
@@ -141,3 +176,9 @@ def test_stops(tmp_path, name):
     result = launch(script, tmp_path)
     assert result.status != 0 and len(result.errors()) == 1, result.output[-2000:]
     assert all(w in result.errors()[0] for w in ["fix mpm (id cem)", *words]), result.errors()
+
+
+def test_cures(tmp_path):
+    """`run 0` lets commands follow deletions, and deletions a file."""
+    run(scene() + "run 300\nwrite_restart some.restart\n" + DELETE.format("upper") + "run 0\nbond_stiffness bonds.csv\n", tmp_path)
+    run(restarted("some.restart") + "group upper id 2\n" + fixes("cracks split", 1e5) + "run 0\n" + DELETE.format("upper") + "run 10\n", tmp_path)

@@ -70,7 +70,7 @@ std::vector<Key> Splits::copies_of(int body) const {
   std::vector<Key> nodes;
   for (const auto& row : rows_[body].copies.rows())
     for (const NodeCopies::Entry& e : row.second)
-      if (rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
+      if (e.volume > 0.0 && rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
   return nodes;
 }
 

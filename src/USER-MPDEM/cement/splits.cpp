@@ -305,6 +305,19 @@ Splits::Found Splits::come_apart(MPI_Comm comm, const Bonds& bonds, const Cement
   return found;
 }
 
+void Splits::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) {
+  std::vector<char> wanted(rows_.size(), 0);
+  for (int r : rows) wanted[r] = kToCome;
+  find_lattices(comm, bonds, options, wanted);
+  std::vector<CopyChange> changes(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    if (rows[n] % ranks_of(comm) != rank_in(comm)) continue;
+    changes[n].rows = rows_[rows[n]].lattice->leave(rows_[rows[n]].copies);
+    rows_[rows[n]].lattice.reset();
+  }
+  apply(comm, bonds, rows, changes);
+}
+
 void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<char> moved(rows_.size(), 0);

@@ -42,10 +42,8 @@ class Splits {
   // Collective. Brings copies of bonds whose points came to this rank.
   void bring(MPI_Comm comm, const Bonds& bonds);
 
-  // Forgets the points of these bonds, after some left the scene.
-  void forget_points(const std::vector<int>& rows) {
-    for (int row : rows) rows_[row].lattice.reset();
-  }
+  // Collective. Takes the volume of points that left the scene out of the copies of these bonds. rows: ascending, the same on all ranks.
+  void leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
 
   // Restart: rows_to_keep() returns rows of the bonds that this rank looks at. restore() takes the rows of all bonds.
   std::map<Key, NodeCopies::Row> rows_to_keep(MPI_Comm comm) const;
@@ -62,7 +60,7 @@ class Splits {
   void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
   // Nodes that stand for those of the blocks of a bond, and masters and heirs at the edge.
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
-  // All nodes of a bond that are copies.
+  // All nodes of a bond that are copies with a volume.
   std::vector<Key> copies_of(int body) const;
   // The node that stands for this one.
   Key standing_for(const Key& node) const;

@@ -165,7 +165,7 @@ class StiffnessFinder {
 std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<BondLayout> layouts) {
   const BondedGrains::SidesOfAll grains = scene.grains.sides_of_all(scene.comm, scene.bonds());
   const int orphan = grains.sides.orphan();
-  throw_if_any(scene.comm, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; keep bonded grains"));
+  throw_if_any(scene.comm, orphan < 0 ? "" : text_of("grain ", grains.sides.sides[orphan].tag, " has cement but was deleted or lost; use 'run 0' before, which takes the cement of separated bonds out of the scene, or keep bonded grains"));
   // without its grain, cement has no stiffness to tell
   const auto is_alone = [&](const BondLayout& l) { return !scene.bonds().table[l.body].has_grain(0) || !scene.bonds().table[l.body].has_grain(1); };
   layouts.erase(std::remove_if(layouts.begin(), layouts.end(), is_alone), layouts.end());

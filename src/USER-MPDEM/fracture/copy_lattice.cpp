@@ -17,12 +17,6 @@ namespace {
 
 constexpr int kOut = -2, kIn = -1;  // values of seen_: not in the group; not reached yet
 
-int copy_of(const NodeCopies::Row& row, int part) {
-  for (const NodeCopies::Entry& e : row)
-    if (e.part == part) return e.copy;
-  return 0;
-}
-
 bool same_cell(const CopyPoint& a, const CopyPoint& b) { return a.cell[0] == b.cell[0] && a.cell[1] == b.cell[1] && a.cell[2] == b.cell[2]; }
 
 bool before(const CopyPoint& a, const CopyPoint& b) {
@@ -61,28 +55,9 @@ CopyLattice::CopyLattice(std::vector<CopyPoint> points, Basis basis, const Line&
   seen_.assign(n, kOut);
 }
 
-template <class F>
-void CopyLattice::for_each_node(const int* base, F f) const {
-  int n = 0;
-  for (int i = 0; i < S_; ++i)
-    for (int j = 0; j < S_; ++j)
-      for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
-}
-
 // Number that for_each_node() gives to a node of the support with this base.
 int CopyLattice::number_of(const Place& node, const Place& base) const {
   return (S_ * (node[0] - base[0]) + node[1] - base[1]) * S_ + node[2] - base[2];
-}
-
-template <class F>
-void CopyLattice::for_each_point(const Place& node, F f) const {
-  for (int i = 0; i < S_; ++i)
-    for (int j = 0; j < S_; ++j)
-      for (int k = 0; k < S_; ++k) {
-        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
-        if (cell == base_.end()) continue;
-        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
-      }
 }
 
 // Calls f for the points connected with a point. All points of one cell are connected.
@@ -151,10 +126,10 @@ void CopyLattice::add_nodes_parted_by(int i, const NodeCopies& copies, std::vect
       mask |= static_cast<unsigned>(in_support) << q;
     }
     if (const NodeCopies::Row* row = (mask & around.faces) ? copies.row(n) : nullptr) {
-      const int mine = copy_of(*row, p.part);
+      const int mine = NodeCopies::copy_of(*row, p.part);
       for (unsigned left = mask; left; left &= left - 1) {
         const int q = __builtin_ctz(left);
-        if (copy_of(*row, points_[around.point[q]].part) != mine) mask &= ~(1u << q);
+        if (NodeCopies::copy_of(*row, points_[around.point[q]].part) != mine) mask &= ~(1u << q);
       }
     }
     if (!around.hang_together(mask)) nodes.push_back(n);
@@ -192,47 +167,13 @@ bool CopyLattice::is_way(int from, int to) const {
 // Examines the copies of a node: the points of a copy may fall apart.
 void CopyLattice::look_at(const Place& node, const NodeCopies& copies) {
   std::map<int, std::vector<int>> groups;
-  if (const NodeCopies::Row* row = copies.row(node)) for_each_point(node, [&](int p) { groups[copy_of(*row, points_[p].part)].push_back(p); });
+  if (const NodeCopies::Row* row = copies.row(node)) for_each_point(node, [&](int p) { groups[NodeCopies::copy_of(*row, points_[p].part)].push_back(p); });
   else for_each_point(node, [&](int p) { groups[0].push_back(p); });
   apart_ = crevice_ && crevice_->found && !std::binary_search(crevice_->joined.begin(), crevice_->joined.end(), node);
   int next = groups.empty() ? 0 : groups.rbegin()->first + 1;
+  if (const NodeCopies::Row* row = copies.row(node))  // copies without points keep their numbers
+    for (const NodeCopies::Entry& e : *row) next = std::max(next, e.copy + 1);
   for (const auto& g : groups) part_group(node, g.second, g.first, next, copies);
-}
-
-// Volumes of points times their weights at a node.
-double CopyLattice::volume_at(const Place& node, const std::vector<int>& points) const {
-  double sum = 0.0;
-  with_basis(basis_, [&](auto type) {
-    using Type = decltype(type);
-    for (int i : points) {
-      const CopyPoint& p = points_[i];
-      vd w[Type::kSupport], slope[Type::kSupport];
-      Type::factors(vd{p.at[0], p.at[1], p.at[2]}, 1.0, w, slope);
-      sum += p.volume * w[node[0] - p.base[0]][0] * w[node[1] - p.base[1]][1] * w[node[2] - p.base[2]][2];
-    }
-  });
-  return sum;
-}
-
-// Shares the volume of a copy between its components. The largest keeps the copy, and the others are the next copies.
-// Components whose points all lie where the support ends have no volume. Then what failed points left goes to the largest.
-void CopyLattice::share_volume(const Place& node, const std::vector<int>& group, int copy, int next, const NodeCopies& copies,
-                               const std::vector<std::vector<int>>& components, const std::vector<int>& rank) {
-  double whole = -1.0, holds = 0.0;
-  if (const NodeCopies::Row* row = copies.row(node)) {
-    for (const NodeCopies::Entry& e : *row)
-      if (e.copy == copy) whole = e.volume;
-  } else {
-    whole = volume_at(node, group);
-  }
-  std::vector<double> of;
-  for (const std::vector<int>& c : components) {
-    of.push_back(volume_at(node, c));
-    holds += of.back();
-  }
-  std::map<int, double>& volumes = split_now_[node];
-  for (std::size_t n = 0; n < rank.size(); ++n)
-    volumes[n == 0 ? copy : next + static_cast<int>(n) - 1] = holds > 0.0 ? whole * of[rank[n]] / holds : n == 0 ? whole : 0.0;
 }
 
 void CopyLattice::part_group(const Place& node, const std::vector<int>& group, int copy, int& next, const NodeCopies& copies) {
@@ -369,12 +310,18 @@ CopyChange CopyLattice::colour(NodeCopies& copies) {
   for (auto& r : rows) {
     const NodeCopies::Row* before = copies.row(r.first);
     int last = -1;  // points of a part mostly follow each other
+    std::vector<int> with_points;
     for_each_point(r.first, [&](int p) {
       const int part = points_[p].part;
+      if (before) with_points.push_back(NodeCopies::copy_of(*before, part));
       if (changes[p] || part == last) return;
       r.second.emplace(part, Now{NodeCopies::entry_of(before, part), part});
       last = part;
     });
+    sort_unique(with_points);
+    if (!before) continue;
+    for (const NodeCopies::Entry& e : *before)  // a node that split stays so when the points of a copy left the scene
+      if (!std::binary_search(with_points.begin(), with_points.end(), e.copy)) r.second.emplace(e.part, Now{e, e.part});
   }
   CopyChange change;
   std::vector<RowNow*> of_class;  // row of each node; null if the node is whole

@@ -18,7 +18,8 @@
 //
 // A copy keeps the mass that it had when it was made. When a copy is split, the new copies share its mass in proportion
 // to the material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed
-// between them, and no copy has less mass than the material that holds in it.
+// between them, and no copy has less mass than the material that holds in it. When points leave the scene, a copy keeps what its
+// material that holds has, and what failed points have is shared as it was among the copies that points are left of.
 //
 // Failed points carry nothing. They go with the nearest points that hold, in steps from cell to cell in the support, so
 // that they are shown where the crack left them. Among components at equal distance they go with the largest, then with
@@ -58,6 +59,7 @@ class NodeCopies {
   // Entry of a part at a node, {part, 0, 0, 0} if the node is whole. A split node must have the part.
   Entry at(int part, const Place& node) const { return entry_of(row(node), part); }
   static Entry entry_of(const Row* row, int part);
+  static int copy_of(const Row& row, int part) { return entry_of(&row, part).copy; }
   // First part that has the same copy of the node. Its node stands for that of this part.
   int canonical(int part, const Place& node) const;
   // Part whose node stands for the copy `first` of the start; -1 if that copy has been split since.
@@ -134,6 +136,8 @@ class CopyLattice {
     int tag, piece;
   };
   CopyChange come_apart(const std::vector<OfPiece>& pieces, NodeCopies& copies);
+  // Finds the volumes of the copies from these points, after others left the scene. Returns the nodes that are split.
+  std::vector<Place> leave(NodeCopies& copies) const;
   const std::vector<CopyPoint>& points() const { return points_; }
 
  private:
@@ -196,6 +200,25 @@ class CopyLattice {
   std::map<int, std::map<Place, int>> wanted_;  // by point and node: the new copy
   std::map<Place, std::map<int, double>> split_now_;  // by node and new copy: the volume
 };
+
+template <class F>
+void CopyLattice::for_each_node(const int* base, F f) const {
+  int n = 0;
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) f(Place{base[0] + i, base[1] + j, base[2] + k}, n++);
+}
+
+template <class F>
+void CopyLattice::for_each_point(const Place& node, F f) const {
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) {
+        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
+        if (cell == base_.end()) continue;
+        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
+      }
+}
 
 }  // namespace mpdem
 

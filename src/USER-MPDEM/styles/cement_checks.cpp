@@ -136,7 +136,7 @@ CementPoints check_scene(LAMMPS* lmp, const std::string& who, const Fix* fix, co
     if (b.pattern == 0) expected += static_cast<bigint>(b.points);
   if (total < expected && !may_leave)
     stop_all(lmp, who + text_of(expected - total, " of ", expected,
-                                       " material points were deleted or left the box; cement cannot be deleted by points"));
+                                       " material points were deleted or left the box; use 'run 0' before, which takes crumbs and the cement of separated bonds out of the scene; other cement cannot be deleted by points"));
   if (total > expected)
     stop_all(lmp, who + text_of("there are ", total - expected, " more material points than the ", expected,
                                        " that were made; cement cannot be copied by 'replicate', make each bond by create_cement"));

@@ -147,7 +147,7 @@ void WriteCement::command(int narg, char** arg) {
   std::string trouble;
   if (comm->me == 0)
     trouble = now.points.size() == made ? write(name, chosen, now)
-                                        : text_of("write_cement: ", made - now.points.size(), " of ", made, " material points were deleted or left the box; keep them");
+                                        : text_of("write_cement: ", made - now.points.size(), " of ", made, " material points were deleted or left the box; use 'run 0' before, which takes crumbs and the cement of separated bonds out of the scene, or keep them");
   mpdem::stop_if_any(lmp, trouble);
 }
 
