@@ -54,6 +54,13 @@ class Pieces {
     take(lattice_.come_apart(pieces, copies), before);
   }
 
+  template <class Goes>
+  void leave(Goes goes) {
+    points_.erase(std::remove_if(points_.begin(), points_.end(), goes), points_.end());
+    lattice_ = CopyLattice(points_, Basis::quadratic);
+    lattice_.leave(copies);
+  }
+
   // Looks at the points that hold in the support of each node: which of them share its copy, and which are connected?
   void check() const {
     std::map<Place, std::vector<int>> nodes;
@@ -262,6 +269,29 @@ TEST(NodeCopies, AnyFailuresInAnyOrder) {
     const std::map<int, int> parts = p.parts();
     for (const CopyPoint& q : other.points()) ASSERT_EQ(q.part, parts.at(q.tag));
   }
+}
+
+// A side of a crack leaves, then half of what failed there. Volumes are those of the points that stay, and nodes that split stay so when they split again.
+TEST(NodeCopies, PointsLeave) {
+  Pieces p(block(8, 6, 4));
+  const auto plane = [](int d, int cell, int below) {
+    std::vector<int> tags;
+    for (const CopyPoint& q : block(8, 6, 4))
+      if (q.cell[d] == cell && q.cell[0] < below) tags.push_back(q.tag);
+    return tags;
+  };
+  p.fail(plane(0, 4, 8));
+  std::vector<Place> split;
+  for (const auto& row : p.copies.rows())
+    if (p.copies.canonical_of_first(0, row.first) < 0) split.push_back(row.first);
+  ASSERT_GT(split.size(), 10u);
+  p.leave([](const CopyPoint& q) { return q.cell[0] > 4; });
+  p.check();
+  p.leave([](const CopyPoint& q) { return q.cell[0] == 4 && q.cell[1] % 2 == 0; });
+  p.check();
+  p.fail(plane(1, 3, 4));
+  p.check();
+  for (const Place& n : split) EXPECT_LT(p.copies.canonical_of_first(0, n), 0);
 }
 
 // New nodes take the motion of the copy that their points had.

@@ -46,7 +46,7 @@ void CopyLattice::share_volume(const Place& node, const std::vector<int>& group,
 
 std::vector<Place> CopyLattice::leave(NodeCopies& copies) const {
   struct Left {
-    std::vector<int> holds, failed;  // points
+    std::vector<int> holds, failed;    // points
     double volume = 0.0, share = 0.0;  // volume of the first, and the former share of failed points
   };
   std::vector<Place> nodes;
