@@ -41,6 +41,21 @@ def test_ring_one_cell_wide(content, tmp_path, figures):
     figures.below("imbalance of the energy", abs(table["yes"]["f_cem[12]"]).max(), 1e-4)
 
 
+def test_rings_that_trim_each_other(tmp_path, figures):
+    """Of three beads that touch. They are condensed, and their loads are those of resolved ones."""
+    force = {}
+    for word in ("no", "yes"):
+        text = edit(pair(2e-4, radius=1.7e-3), "create_atoms 1 single 0 0 0.0017 units box\n", "create_atoms 1 single 0 0 0.0017 units box\ncreate_atoms 1 single 0 0.00294448637286709 0 units box\n")
+        text = edit(text, "pair 1 2 shape flat inner 1e-3 outer 2e-3", "contacts grains gap 1e-5 shape flat content 0.007 overlap trim")
+        text += cement(4e-4, 2e-8, CALCITE, axis="radial", damage=f"quasistatic 1 0.05 condense {word}") + shift(1e-7, 2e-4, (0, 0.6, 0.8))
+        text = edit(text, "fix hold first move", "group low id 1 3\nfix hold low move")
+        text += "variable fy equal fy[2]\nvariable fz equal fz[2]\n"
+        done = run(text + thermo(10, ["v_fy", "v_fz"]) + "run 10000\n", tmp_path / word)
+        assert word == "no" or "condensed 3 of 3 bonds" in done.output and "stay resolved" not in done.output
+        force[word] = np.array([done.table()[c] for c in ("v_fy", "v_fz")])
+    figures.below("force on the bead that moves", abs(force["yes"] - force["no"]).max() / abs(force["no"]).max(), 5e-3)
+
+
 def free_pair(word, axis="radial", words=""):
     """Unequal grains, skew, that fly, turn and swing along all six motions."""
     text = pair(1e-4, gap=4e-4, cement="outer 1.5e-3 inner 0", direction=(0.36, -0.48, 0.8), half_box=(0.02, 0.02, 0.02))

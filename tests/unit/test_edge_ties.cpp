@@ -117,7 +117,7 @@ TEST(EdgeTies, FilmIsTiedOnBothSides) {
 
 // A layer of points beside a node: the next nodes have 0.11 and 0.24 of its mass, and the lighter one is tied to both.
 TEST(EdgeTies, LayerIsTiedOnItsLighterSide) {
-  const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.1) < 0.2 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.0; };
+  const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.1) < 0.2 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
   Cement c(kH, lattice(2, Vector(0, 0, -0.15), 4, inside), 1.0);
   const std::vector<EdgeTie> ties = ties_of(c);
   expect_sound(ties);
