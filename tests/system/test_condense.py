@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from elastic_pair import measure_case, references
-from scenes import MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, thermo
+from scenes import CALCITE, MOMENTA, MOMENTUM_COLUMNS, SPINNING, cement, edit, launch, pair, pull, restarted, run, shift, thermo
 from test_stiffness_command import rows_of
 
 CASES = references()
@@ -20,6 +20,40 @@ def test_loads(load, tmp_path, figures):
     case = CASES["meniscus across a gap"]
     condensed, resolved = (measure_case(tmp_path / word, case, load, 2.5e-4, cracks=f"bonds condense {word}") for word in ("yes", "no"))
     figures.below(f"{load}: condensed against resolved", abs(condensed / resolved - 1), 1e-3)
+
+
+@pytest.mark.parametrize("content", [0.002, 0.003])
+def test_ring_one_cell_wide(content, tmp_path, figures):
+    """Nodes beside a ring as thin as that move more than its grains, but bear nothing: it is condensed, and wakes to break as the resolved one does."""
+    table = {}
+    for word in ("no", "yes"):
+        text = pair(2e-4, cement=f"content {content}", radius=1.85e-3)
+        text += cement(4e-4, 2e-8, CALCITE, axis="radial", damage=f"damage tensor B0 9.6e3 zeta 0.1 quasistatic 1 0.05 condense {word}")
+        done = run(text + shift(4e-7, 3e-4) + thermo(10, ["f_bond", AWAKE, "f_cem[12]"]) + "run 10000\n", tmp_path / word)
+        assert word == "no" or "condensed 1 of 1 bonds, with 1 solutions found anew" in done.output and "stay resolved" not in done.output
+        table[word] = done.table()
+    condensed, resolved = (table[word]["f_bond"] for word in ("yes", "no"))
+    peak, woke = resolved.argmax(), np.argmax(table["yes"][AWAKE] > 0)
+    assert 0.6 * peak < woke < peak < len(resolved) - 50 and resolved[-1] < 0.9 * resolved[peak]
+    figures.below("force until it wakes", abs(condensed - resolved)[:woke].max() / resolved[peak], 5e-3)
+    figures.below("force from there to the peak", abs(condensed - resolved)[woke:peak - 30].max() / resolved[peak], 5e-3)
+    figures.below("peak", abs(condensed.max() / resolved[peak] - 1), 2e-3)
+    figures.below("imbalance of the energy", abs(table["yes"]["f_cem[12]"]).max(), 1e-4)
+
+
+def test_rings_that_trim_each_other(tmp_path, figures):
+    """Of three beads that touch. They are condensed, and their loads are those of resolved ones."""
+    force = {}
+    for word in ("no", "yes"):
+        text = edit(pair(2e-4, radius=1.7e-3), "create_atoms 1 single 0 0 0.0017 units box\n", "create_atoms 1 single 0 0 0.0017 units box\ncreate_atoms 1 single 0 0.00294448637286709 0 units box\n")
+        text = edit(text, "pair 1 2 shape flat inner 1e-3 outer 2e-3", "contacts grains gap 1e-5 shape flat content 0.007 overlap trim")
+        text += cement(4e-4, 2e-8, CALCITE, axis="radial", damage=f"quasistatic 1 0.05 condense {word}") + shift(1e-7, 2e-4, (0, 0.6, 0.8))
+        text = edit(text, "fix hold first move", "group low id 1 3\nfix hold low move")
+        text += "variable fy equal fy[2]\nvariable fz equal fz[2]\n"
+        done = run(text + thermo(10, ["v_fy", "v_fz"]) + "run 10000\n", tmp_path / word)
+        assert word == "no" or "condensed 3 of 3 bonds" in done.output and "stay resolved" not in done.output
+        force[word] = np.array([done.table()[c] for c in ("v_fy", "v_fz")])
+    figures.below("force on the bead that moves", abs(force["yes"] - force["no"]).max() / abs(force["no"]).max(), 5e-3)
 
 
 def free_pair(word, axis="radial", words=""):

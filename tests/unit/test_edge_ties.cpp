@@ -115,6 +115,23 @@ TEST(EdgeTies, FilmIsTiedOnBothSides) {
   }
 }
 
+// A layer of points beside a node: the next nodes have 0.11 and 0.24 of its mass, and the lighter one is tied to both.
+TEST(EdgeTies, LayerIsTiedOnItsLighterSide) {
+  const auto inside = [](const Vector& x) { return std::fabs(x[2] - 0.1) < 0.2 && std::max(std::fabs(x[0]), std::fabs(x[1])) < 2.5; };
+  Cement c(kH, lattice(2, Vector(0, 0, -0.15), 4, inside), 1.0);
+  const std::vector<EdgeTie> ties = ties_of(c);
+  expect_sound(ties);
+  std::set<Key> slaves, wanted;
+  for (const EdgeTie& t : ties) {
+    slaves.insert(t.slave);
+    const std::vector<std::pair<Key, double>> masters{{{0, t.slave.at(0), t.slave.at(1), 0}, 2.0}, {{0, t.slave.at(0), t.slave.at(1), 1}, -1.0}};
+    EXPECT_EQ(t.masters, masters);
+  }
+  for (const Key& k : c.grid.keys)
+    if (k.at(2) == -1) wanted.insert(k);
+  EXPECT_EQ(slaves, wanted);
+}
+
 // Bound to one grid and to another with more nodes: ties are taken over from layout to layout by their keys.
 TEST(EdgeTies, KeysComeBack) {
   const auto inside = [](const Vector& x) { return x.norm() < 3.3; };

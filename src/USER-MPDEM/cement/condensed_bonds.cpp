@@ -30,12 +30,15 @@ BondDescription described(const Bond& b, const Body& body) { return BondDescript
 
 // Nodes at the rim that hold next to nothing may be far off in the static fields. Their masses weigh in with these
 // motions, and the bond seems to be far too heavy. Where all of a bond moves about as its grains do, either grain has a
-// third of its mass.
-constexpr double kHeaviest = 2.0;
-bool is_too_heavy(const CondensedModel& model) {
+// third of its mass. Stiffness, and strains of points, do not depend on such nodes. So a bond may be heavy as long as
+// its grains do not feel it: it may have kHeaviest times its mass, or the share kOfGrain of the mass of a grain as
+// dense as the cement.
+constexpr double kHeaviest = 2.0, kOfGrain = 0.05;
+bool is_too_heavy(const CondensedModel& model, const Body& body) {
   const auto trace = [&](int i, int j) { return model.M.block<3, 3>(i, j).trace(); };
   const double mass = trace(0, 0) + trace(6, 6) + 2.0 * trace(0, 6);  // mass when both grains move alike
-  return !(std::max(trace(0, 0), trace(6, 6)) <= kHeaviest * mass);
+  const double grain = 4.0 / 3.0 * M_PI * std::pow(std::min(body.radius[0], body.radius[1]), 3) / body.volume;  // over that of the bond
+  return !(std::max(trace(0, 0), trace(6, 6)) <= std::max(kHeaviest, kOfGrain * grain) * mass);
 }
 
 // Hash of the parameters on which every solution depends.
@@ -81,7 +84,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
     for (int i = 0; i < b->grid.size(); ++i)
       if (b->grid.mass[i] > 0.0 && b->grid.halo.counts_here()[i]) model.add_node(b->grid.mass[i], place_of(b->grid, i), fields_at(s->fields, i));
   complete(comm, model);
-  if (is_too_heavy(model))
+  if (is_too_heavy(model, body))
     throw BadState(text_of("the static fields of the bond of grains ", body.grain[0], " and ", body.grain[1], " are far off at nodes that hold by next to nothing; use ",
                            body.pattern > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
                                             : "'edge tied' where edges are free, points that hold, ", "or 'condense no'"));

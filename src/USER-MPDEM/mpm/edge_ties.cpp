@@ -21,7 +21,7 @@ namespace {
 double tied_below(Basis basis) {
   return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
 }
-constexpr double kSecond = 0.3;   // a node is tied only if the second node has at least this share of the mass of the next
+constexpr double kSecond = 2.0;   // a node is tied only if the second node has at least so many times its mass, see edge_ties.h
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
@@ -186,7 +186,7 @@ std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& node
       bool other[2];
       const double first = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 1, other[0]);
       const double second = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 2, other[1]);
-      if (!(first > 0.0) || second < kSecond * first) continue;
+      if (!(first > 0.0) || second < kSecond * mass[i]) continue;
       share[n] = mass[i] / first;
       least = std::min(least, share[n]);
       others |= other[0] << (kNextOther + n) | other[1] << (kSecondOther + n);

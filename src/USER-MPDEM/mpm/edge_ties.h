@@ -8,8 +8,10 @@
 // linear extrapolation from the two nodes behind it. Its force goes to these by the same weights. Its mass goes to the
 // nearer of them, so that no mass is negative.
 //
-// A node is tied along an axis if its mass is less than a share of the mass of the next node inwards. The weights of
-// the next two nodes are 2 and -1. The chosen axis is that with the smallest share. If the shares of several axes are
+// A node is tied along an axis if its mass is less than a share of the mass of the next node inwards, and at most half
+// of that of the second. The weights of these two nodes are 2 and -1. The second may be at an edge itself. In cement one
+// cell wide the points see how two nodes move, and not how three do: one that is free besides has next to no stiffness,
+// and statics have it off by many times the motion of the grains. The chosen axis is that with the smallest share. If the shares of several axes are
 // alike, the node is tied along all of these. A node behind may be tied itself. Its own masters then take its place,
 // until only free nodes are left. A master is heavier than its slave by a factor, so there are no circles. The weights
 // of a slave sum to one and keep linear fields, so forces and moments are kept. Extrapolation is linear although the
