@@ -106,9 +106,11 @@ struct Cube {
   }
 };
 
-// The last cube is kept: Google Benchmark calls several times to find out how long to run.
+// The last cube is kept: Google Benchmark calls several times to find out how long to run. It has a communicator, so it
+// goes before MPI ends.
+std::unique_ptr<Cube> last;
+
 Cube& cube(const Method& m, int cells, bool damaging, Places places) {
-  static std::unique_ptr<Cube> last;
   static std::string what;
   const std::string wanted = m.name() + (damaging ? "d" : "e") + (places == Places::lattice ? "l" : "a") + std::to_string(cells);
   if (what != wanted) {
@@ -245,6 +247,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "bench_step: no benchmark matches; names are\n");
     for (const std::string& n : names) std::fprintf(stderr, "  %s\n", n.c_str());
   }
+  last.reset();
   MPI_Finalize();
   return wrong || none;
 }
