@@ -165,7 +165,7 @@ class Cement {
   WorkOfStep work_{scene_, condensed_};
   Parting parting_{scene_, divisions_, arrangement_, added_};
   Condensing condensing_{scene_, condensed_, divisions_.cracks, parting_.load_watch(), arrangement_, shared_, added_, work_};
-  Departures departures_{scene_, divisions_, arrangement_, added_, condensed_, condensing_, work_};
+  Departures departures_{scene_, divisions_, arrangement_, condensed_, condensing_, work_};
   NodalForces forces_{scene_, shared_, added_, condensed_, divisions_.cracks};
   std::unique_ptr<Kinematics> kinematics_;
   Substeps substeps_{scene_};

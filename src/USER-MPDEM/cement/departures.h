@@ -14,7 +14,6 @@
 #include <map>
 #include <vector>
 
-#include "added_masses.h"
 #include "arrangement.h"
 #include "condensed_bonds.h"
 #include "condensing.h"
@@ -43,9 +42,9 @@ struct Leaving {
 
 class Departures {
  public:
-  Departures(Scene& scene, Divisions& divisions, Arrangement& arrangement, AddedMasses& added, CondensedBonds& condensed, Condensing& condensing,
+  Departures(Scene& scene, Divisions& divisions, Arrangement& arrangement, CondensedBonds& condensed, Condensing& condensing,
              const WorkOfStep& work)
-      : scene_(scene), divisions_(divisions), arrangement_(arrangement), added_(added), condensed_(condensed), condensing_(condensing), work_(work) {}
+      : scene_(scene), divisions_(divisions), arrangement_(arrangement), condensed_(condensed), condensing_(condensing), work_(work) {}
 
   // Collective.
   Leaving choose(const Departing& departing);
@@ -77,7 +76,6 @@ class Departures {
   Scene& scene_;
   Divisions& divisions_;
   Arrangement& arrangement_;
-  AddedMasses& added_;
   CondensedBonds& condensed_;
   Condensing& condensing_;
   const WorkOfStep& work_;
