@@ -90,6 +90,8 @@ def test_restart_of_updated(tmp_path, figures):
     part = run(again + tail + "run 400\n", tmp_path / "part").table()
     n = len(part["step"])
     assert whole["f_bond[18]"][-1] == part["f_bond[18]"][-1]
+    twice = whole["f_bond"][whole["step"] == 900]  # the last row of a run, and the one at the set-up of the next
+    figures.below("updated: row at the set-up of a second run against the row before", abs(twice[1] - twice[0]) / whole["f_bond"].max(), 1e-3)
     figures.below("updated: restarted against not", abs(whole["f_bond"][-n:] - part["f_bond"]).max() / whole["f_bond"].max(), 1e-10)
 
 
