@@ -93,15 +93,15 @@ double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
 
 EigenvalueEstimate StableStep::eigenvalue() const {
   const double bound = scene_.eigenvalue_bound();
-  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, false);
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
 }
 
 bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
 
-// What changed in a run is looked at as coarsely as is enough to see that the known eigenvalue holds. The estimate is
-// value and residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is
-// to be known is found of whole bonds, and does not depend on the number of ranks.
-EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, bool changed) const {
+// Cement whose eigenvalue is known is looked at as coarsely as is enough to see that it holds. The estimate is value and
+// residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is to be known
+// is found of whole bonds, and does not depend on the number of ranks.
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
   std::vector<EigenvaluePart> parts;
   for (int row : rows)
     if (const Bond* b = scene_.bonds().find(row)) {
@@ -109,18 +109,15 @@ EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const
       const auto patch = patches ? patches->find(row) : Patches::const_iterator();
       if (patches && patch != patches->end()) parts.back().blocks = &patch->second;
     }
-  const auto whole = [&] {
-    for (EigenvaluePart& p : parts) p.blocks = nullptr;
-  };
+  if (look != Look::after_change) condensed_.each_pattern([&](const Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
   for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
-    if (!changed) break;
-    if (tolerance == kEigenvalueTolerance) whole();
+    if (look == Look::precise || known_ == 0.0) break;
+    if (tolerance == kEigenvalueTolerance)
+      for (EigenvaluePart& p : parts) p.blocks = nullptr;
     EigenvalueEstimate e = largest_eigenvalue(scene_.comm, parts, *scene_.law, tolerance);
     e.most = e.value + e.residual;
     if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
   }
-  whole();
-  if (!changed) condensed_.each_pattern([&](const Bond& b) { parts.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
   return largest_eigenvalue(scene_.comm, parts, *scene_.law, kPreciseEigenvalue);
 }
 
@@ -132,14 +129,14 @@ double StableStep::find() {
 // The eigenvalue that was found before is kept unless it is well below. The added mass depends on it, and has a margin
 // for that. It has to be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds
 // along other axes of the box, whose nodes have another order, have the same added mass.
-double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, bool changed) {
+double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
   double mine = 1.0, ties;
   for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
   condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
   MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
   const double bound = ties * scene_.eigenvalue_bound();
   if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
-  const EigenvalueEstimate e = eigenvalue_of(rows, patches, changed);
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches, look);
   if (e.value > kGrowth * known_) known_ = e.most;
   return e.most;
 }
@@ -151,7 +148,7 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
   const int n = scene_.now.substeps;
-  const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, true), scene_.options.relax);
+  const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Look::after_change), scene_.options.relax);
   if (scene_.now.dt > limit)
     throw BadState(text_of("time step ", n * scene_.now.dt, " exceeds the stable step ", n * limit, n > 1 ? text_of(" of ", n, " sub-steps") : "", " after ", event, " at step ",
                            scene_.now.number, "; use 'timestep ", 0.9 * n * limit, "' or less, or a smaller share in 'timestep auto'"));

@@ -47,7 +47,7 @@ class StableStep {
 
   // Returns the bound of the eigenvalue if dt is stable with it, else the eigenvalue. The eigenvalue itself costs some
   // passes.
-  double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr, false); }
+  double limiting_eigenvalue(double dt) { return limiting_eigenvalue(dt, scene_.all_rows(), nullptr, Look::at_start); }
   // The largest eigenvalue that was found so far; 0: none was asked for.
   double known_eigenvalue() const { return known_; }
   bool eigenvalue_is_known() const { return known_ > 0.0; }
@@ -61,9 +61,9 @@ class StableStep {
   bool check_after(const std::vector<int>& rows, const char* event, const Patches* patches = nullptr);
 
  private:
-  // changed: these bonds changed in a run.
-  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, bool changed) const;
-  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, bool changed);
+  enum class Look { precise, at_start, after_change };  // the last two may be coarse; after_change: of these bonds alone, in a run
+  EigenvalueEstimate eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const;
+  double limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look);
 
   const Scene& scene_;
   const CondensedBonds& condensed_;
