@@ -4,11 +4,23 @@ import re
 
 import pytest
 from scenes import CONTACT, cement, pair, pull, run
+from test_mesh_walls import tiles
 
 STEPS = 60
 
 
-FREE = "velocity second set 0 0 0.1\nfix motion grains nve/sphere\n"
+# Gravity of all atoms, and six mesh walls around the grains.
+WALLS = """\
+fix          g all gravity 9.81 vector 0 0 -1
+fix          w1 all mesh/surface file square.stl type 1 move 0 0 -0.0115
+fix          w2 all mesh/surface file square.stl type 1 move 0 0 0.0115
+fix          w3 all mesh/surface file square.stl type 1 rotate axis 0 1 0 angle 90 move -0.0055 0 0
+fix          w4 all mesh/surface file square.stl type 1 rotate axis 0 1 0 angle 90 move 0.0055 0 0
+fix          w5 all mesh/surface file square.stl type 1 rotate axis 1 0 0 angle 90 move 0 -0.0055 0
+fix          w6 all mesh/surface file square.stl type 1 rotate axis 1 0 0 angle 90 move 0 0.0055 0
+fix          walls grains wall/gran model hertz/stiffness tangential history mesh n_meshes 6 meshes w1 w2 w3 w4 w5 w6
+"""
+FREE = WALLS + "velocity second set 0 0 0.1\nfix motion grains nve/sphere\n"
 
 
 def scene(motion):
@@ -38,6 +50,8 @@ def test_cost(tmp_path, figures):
 
 def cost(directory, figures):
     # The fixes' times hold what they do before and after the loop, which two lengths cancel, but not that of the first run.
+    directory.mkdir()
+    (directory / "square.stl").write_text(tiles(side=0.009, across=1))
     output = run(scene(FREE) + f"run {STEPS}\nrun {5 * STEPS}\n", directory).output
     points = int(re.search(r"(\d+) points\n", output)[1])
     assert points > 390000
@@ -49,7 +63,7 @@ def cost(directory, figures):
 
     loop, ours = each_step("Loop time"), each_step("Fix cem mpm", "Fix bond mpm/couple")
     figures.note(f"cost with {points} points, 1 rank: step", f"{1e3 * loop:.3g} ms, of that the package {1e3 * ours:.3g} ms")
-    for name in ("Pair ", "Neigh", "Comm ", "Outpt", "Fix motion nve/sphere"):
+    for name in ("Pair ", "Neigh", "Comm ", "Outpt", "Fix motion nve/sphere", "Fix walls wall/gran", "Fix g gravity"):
         figures.note(f"cost with {points} points, 1 rank: {name}", f"{1e6 * each_step(name):.3g} us a step")
     return 1 - ours / loop
 

@@ -70,6 +70,7 @@ void AtomVecMpdem::drop_grains_that_left() {
 // LIGGGHTS calls this at the start of a run. Other commands that look at all styles call it too.
 void AtomVecMpdem::init() {
   AtomVecSphere::init();
+  apart = false;
   waiting.finish(lmp);
   // `run 0` moves nothing, but LIGGGHTS drops what a restart file holds for fix mpm at the first run of all
   if (update->whichflag == 0 || (update->nsteps == 0 && !is_in_motion()) || bonds.table.empty()) return;

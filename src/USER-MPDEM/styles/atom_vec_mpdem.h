@@ -42,6 +42,9 @@ class AtomVecMpdem : public AtomVecSphere {
   std::vector<GrainState> grains;
   // State of fixes for points that were made after read_restart and before the first run.
   WaitingState waiting;
+  // Does the script keep points out of LIGGGHTS' bins, and so out of all of its lists of neighbours? fix mpm finds out when a run is
+  // prepared (host_recipe.h). All atoms behind the first group are out of them then.
+  bool apart = false;
   // Fixes of the last run with fix mpm. They are known here, since fix mpm may be one of those that go.
   PreparedFixes prepared_fixes;
 

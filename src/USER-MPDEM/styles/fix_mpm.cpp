@@ -114,6 +114,7 @@ void FixMpm::init() {
   guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
   mpdem::check_cell(lmp, who(), table, o.cell);
   check_host_recipe(lmp, who(), *avec_);
+  avec_->apart = true;
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
   gravities_ = mpdem::gravities(lmp, who(), this, *avec_);

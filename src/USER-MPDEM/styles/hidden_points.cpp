@@ -94,15 +94,7 @@ bool HiddenPoints::may_hide(const Fix* own) const {
 }
 
 void HiddenPoints::hide() {
-  Atom& atom = *lmp_->atom;
-  if (!hides_ || !atom.firstgroupname) return;
-  atoms_ = atom.nlocal;
-  atom.nlocal = atom.nfirst;
-}
-
-void HiddenPoints::show() {
-  if (atoms_ >= 0) lmp_->atom->nlocal = atoms_;
-  atoms_ = -1;
+  if (hides_ && lmp_->atom->firstgroupname) hidden_.emplace(*lmp_->atom);
 }
 
 }  // namespace mpdem

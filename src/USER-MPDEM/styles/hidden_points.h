@@ -7,9 +7,11 @@
 #ifndef MPDEM_HIDDEN_POINTS_H
 #define MPDEM_HIDDEN_POINTS_H
 
+#include <optional>
 #include <string>
 
 #include "fix.h"
+#include "grains_alone.h"
 
 namespace mpdem {
 
@@ -19,13 +21,13 @@ class HiddenPoints {
   // Call at the start of a run. fix: calls hide() before others integrate, and show() after them.
   void start(const LAMMPS_NS::Fix* fix);
   void hide();
-  void show();
+  void show() { hidden_.reset(); }
 
  private:
   bool may_hide(const LAMMPS_NS::Fix* fix) const;
   LAMMPS_NS::LAMMPS* lmp_;
   bool hides_ = false;
-  int atoms_ = -1;  // number of atoms of this rank while points are hidden
+  std::optional<GrainsAlone> hidden_;
 };
 
 // Does a formula of LIGGGHTS look at nothing but time, numbers and variables of this kind?
