@@ -47,7 +47,7 @@ def made(side, points):
     return (host() + f"region box block {low} {high} {low} {high} {low} {high} units box\ncreate_box 2 box\nlattice sc {2 * RADIUS}\n"
             f"region beads block -{RADIUS} {inner} -{RADIUS} {inner} -{RADIUS} {inner} units box\ncreate_atoms 1 region beads\n"
             f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"shell sh mark.sh start\ncreate_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing {CELL / 2} points {points}\n"
+            + f"shell sh mark.sh start\ncreate_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2} points {points}\n"
             "shell sh mark.sh made\n" + fixes() + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\n'
             f"run {STEPS}\nshell sh mark.sh run\nwrite_restart packing.restart\nshell sh mark.sh written\n")
 

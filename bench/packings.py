@@ -21,7 +21,7 @@ def script(kinematics, quick):
     n = 3 if quick else BEADS
     low, high = -1.1 * RADIUS, 2 * RADIUS * (n - 1) + 1.1 * RADIUS
     text = grains_at([[2 * RADIUS * k for k in (i % n, i // n % n, i // n**2)] for i in range(n**3)], (low,) * 3, (high,) * 3)
-    text += f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing {CELL / 2}\n"
+    text += f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2}\n"
     text += edit(cement(CELL, 4e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3"), "elastic vti", f"kinematics {kinematics} elastic vti")
     return (text + f'variable vx atom "0.01*z/{high}"\nvelocity grains set v_vx 0 0\nfix motion grains nve/sphere\n'
             + "thermo_style custom step f_cem[2] f_cem[12]\nthermo 100\n" + f"run {20 if quick else 500}\n")

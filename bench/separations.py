@@ -22,7 +22,7 @@ def script(bonds, columns, every, steps):
     across, deep, apart = 60, -(-bonds // 60), 2.2 * RADIUS
     text = grains_at([(n % across * apart, n // across * apart, z) for n in range(bonds) for z in (-RADIUS, RADIUS)],
                      (-RADIUS, -RADIUS, -4 * RADIUS), (across * apart, deep * apart, 4 * RADIUS))
-    text += f"create_cement calcite contacts grains gap 1e-6 shape flat inner 5e-4 outer 2e-3 spacing {CELL / 2}\n"
+    text += f"create_cement calcite contacts grains gap 1e-6 shape flat inner 5e-4 outer 2e-3 film grid spacing {CELL / 2}\n"
     text += cement(CELL, STEP, elastic=CALCITE, damage="damage tensor B0 9.6e3")
     text = text.replace("damage tensor B0 9.6e3", "damage tensor B0 9.6e3 check 100000")
     names = []

@@ -36,7 +36,7 @@ def row_of_bonds(quick):
     text = grains_at([(n * apart, 0, z) for n in range(BONDS) for z in (-RADIUS, RADIUS)],
                      (-RADIUS, -RADIUS, -3 * RADIUS), (BONDS * apart, RADIUS, 3 * RADIUS))
     for n in range(BONDS):
-        text += f"create_cement calcite pair {2 * n + 1} {2 * n + 2} shape flat {RING} spacing {cell / 2}\n"
+        text += f"create_cement calcite pair {2 * n + 1} {2 * n + 2} shape flat {RING} film grid spacing {cell / 2}\n"
     return (text + cement(cell, 2e-8, elastic=CALCITE, damage="damage tensor B0 9.6e3")
             + "group others subtract grains second\nfix hold others move linear 0 0 0\nfix pull second move linear 0 0 2\n"
             + f"run {20 if quick else 1000}\n")

@@ -89,6 +89,10 @@ def draw(out, rows, reference, line):
     figures.curves(os.path.join(out, "curves.png"), items, reference)
     figures.awake(os.path.join(out, "awake.png"), items)
     figures.strengths(os.path.join(out, "strength.png"), items, reference, line)
+    confined = [i for i in items if i[0].pressure]
+    if confined:
+        figures.pressures(os.path.join(out, "pressure.png"), confined)
+        names.append("pressure.png")
     for load, _, curve in items:
         folder = os.path.join(out, load.label)
         bonds, beads = specimen.bonds_at(folder), specimen.beads_at(folder)
@@ -106,7 +110,8 @@ def tell(rows, reference):
         calm = f"below 1e-3 from {100 * r['load_when_calm']:.0f} % of the peak" if r["load_when_calm"] < 1.0 else "not below 1e-3 before"
         print(f"{load.label}: {load.told(r)}; kinetic share of the energy {r['kinetic_at_half']:.1e} at half of the peak, {calm} until the first point fails; "
               f"energy imbalance of the cement {r['imbalance']:.1e}; of the work at the peak {100 * r['springs_at_peak']:.3g} % are in the springs of the contacts, "
-              f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots")
+              f"{100 * r['rubbed_at_peak']:.2g} % went to their friction and dashpots"
+              + (f"; pressure of the sides off by at most {100 * r['pressure_off_to_peak']:.2g} % up to the peak, {100 * r['pressure_off_after_peak']:.2g} % after it" if load.pressure else ""))
     line = specimen.mohr_coulomb([r for load, r in rows if load.test == "compression" and load.content == reference])
     if not line:
         return None

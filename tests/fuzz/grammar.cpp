@@ -28,17 +28,17 @@ const Lines kFreeMotion = {"group first id 1", "group second id 2", "fix hold fi
                            "fix push second addforce 1 0 5", "fix keep second setforce NULL 0 NULL", "timestep 4e-9"};
 
 const Lines kCreate = {
-    "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape flat content 0.01 spacing 4e-4 density 2600 type 2",
+    "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 film grid spacing 4e-4",
+    "create_cement calcite pair 1 2 shape flat content 0.01 inner auto spacing 4e-4 density 2600 type 2",
     "create_cement calcite pair 2 1 shape flat outer 2.5e-3 inner auto spacing 4e-4",
-    "create_cement calcite pair 1 2 shape meniscus neck 2e-3 contact 20 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape meniscus filling 30 inner 5e-4 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape meniscus content 0.02 contact 0 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 inner 5e-4 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 spacing 4.5e-4",
-    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 shape meniscus filling 35 spacing 4e-4",
-    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 30 spacing 4e-4 type 2 density 2710",
-    "create_cement calcite contacts grains gap 1e-5 shape flat inner 1e-3 outer 2e-3 spacing 4e-4",
+    "create_cement calcite pair 1 2 shape meniscus neck 2e-3 contact 20 inner auto spacing 4e-4",
+    "create_cement calcite pair 1 2 shape meniscus filling 30 inner 5e-4 film grid spacing 4e-4",
+    "create_cement calcite pair 1 2 shape meniscus content 0.02 contact 0 inner auto spacing 4e-4",
+    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 inner 5e-4 film grid spacing 4e-4",
+    "create_cement calcite pair 1 2 shape coating content 0.15 cap 60 inner auto spacing 4.5e-4",
+    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 40 shape meniscus filling 35 inner auto spacing 4e-4",
+    "create_cement calcite pair 1 2 shape coating thickness 8e-4 cap 30 inner auto spacing 4e-4 type 2 density 2710",
+    "create_cement calcite contacts grains gap 1e-5 shape flat inner 1e-3 outer 2e-3 film grid spacing 4e-4",
 };
 const Lines kPointFiles = {
     "create_cement calcite pair 1 2 file points.txt spacing 4e-4",
@@ -53,7 +53,7 @@ const Lines kMpm = {
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer flip 0.9 basis linear",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer pic",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 basis cubic timestep auto 0.9 reproject auto 0.2 transfer apic",
-    "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 quasistatic 100 0.2 balance yes skip resting no skip all yes",
+    "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 quasistatic 100 0.2 kinetic_share 0.01 balance yes skip resting no skip all yes",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 viscosity 1e-6 evolution full events events.csv",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization crackband 10 axis radial",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization nonlocal 8e-4 energy 40 imperfection 1e-3 axis radial",

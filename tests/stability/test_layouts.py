@@ -73,7 +73,7 @@ def at_place(middle, n, words, processors):
     for side in (-1, 1):
         text += "create_atoms 1 single {:.15g} {:.15g} {:.15g} units box\n".format(*(np.array(middle) + side * (RADIUS + 1e-4) * n) % box)
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-    text += "create_cement calcite pair 1 2 shape flat inner 1.4e-3 outer 2.2e-3 spacing 2e-4\n" + CONTACT
+    text += "create_cement calcite pair 1 2 shape flat inner 1.4e-3 outer 2.2e-3 film grid spacing 2e-4\n" + CONTACT
     text += cement(CELL, 2e-8, axis="radial", damage="damage tensor B0 9.6e6 cutoff 0.9 events events.csv " + words)
     return text + pull(8.0, 4e-6, n) + thermo(EVERY, ["f_bond", "f_cem[2]", "f_bond[22]"]) + "run 1500\n"
 

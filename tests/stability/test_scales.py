@@ -77,7 +77,7 @@ group        grains type 1
 communicate  single vel yes group grains
 neighbor     {5e-4 * L:.15g} bin
 neigh_modify include grains delay 0
-create_cement calcite pair 1 2 shape flat inner {1.4e-3 * L:.15g} outer {2.2e-3 * L:.15g} spacing {CELL / 2 * L:.15g}
+create_cement calcite pair 1 2 shape flat inner {1.4e-3 * L:.15g} outer {2.2e-3 * L:.15g} film grid spacing {CELL / 2 * L:.15g}
 timestep     {2e-8 * T:.15g}
 fix          cem calcite mpm cell {CELL * L:.15g} elastic vti {60e9 * pressure:.15g} {40e9 * pressure:.15g} 0.25 0.2 {18e9 * pressure:.15g} damage tensor B0 {9.6e6 * pressure:.15g}
 fix          bond grains mpm/couple cem

@@ -54,6 +54,11 @@ neigh_modify include grains delay 0
 """
 
 
+def in_cells(words):
+    """Words of create_cement with those that leave all of the bond to cells: no film."""
+    return words + ("" if "film" in words else " film grid" if "inner" in words else " inner auto")
+
+
 def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-3, 12.5e-3), shape="flat", radius=RADIUS,
          **options):
     """Two grains, 1 and 2, on `direction` through the origin, and their cement."""
@@ -64,7 +69,7 @@ def pair(spacing, gap=0.0, direction=(0, 0, 1), cement=RING, half_box=(6e-3, 6e-
         centre = side * (radius + gap / 2) * n + 0.0  # no minus before a zero
         text += f"create_atoms 1 single {' '.join(f'{c:.15g}' for c in centre)} units box\n"
     return (text + f"set          type 1 diameter {2 * radius} density 2500\ngroup        grains type 1\n"
-            + NEIGHBOURS + f"create_cement calcite pair 1 2 shape {shape} {cement} spacing {spacing:.15g}\n")
+            + NEIGHBOURS + f"create_cement calcite pair 1 2 shape {shape} {in_cells(cement)} spacing {spacing:.15g}\n")
 
 
 def restarted(file, **options):

@@ -3,7 +3,7 @@
 import pytest
 from scenes import NEIGHBOURS, RADIUS, cement, edit, host, launch, pair, pull, restarted
 
-CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing 0.0001"
+CREATE = "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 film grid spacing 0.0001"
 FIX, BOND = "fix          cem calcite mpm ", "fix          bond grains mpm/couple cem"
 PULLING = pull(1.0, 1e-6)
 ELASTIC = "elastic vti 60e9 40e9 0.25 0.2 18e9 axis radial"
@@ -81,6 +81,10 @@ CASES = {
     "friction below 0": ([("kt auto", "kt auto friction -0.1")], ["fix mpm/couple (id bond)", "friction -0.1", "[0, 100]"]),
     "grid far off": ([("spacing 0.0001", "grid 0 -1e300 0 spacing 0.0001")], ["create_cement", "'grid 0 -1e+300 0'", "1000 spacings, 0.1"]),
     "grid somewhat too far off": ([("spacing 0.0001", "spacing 0.0001 grid 0 0 0.11")], ["create_cement", "'grid 0 0 0.11'", "1000 spacings, 0.1"]),
+    "kinetic share of all or more": ([("axis radial", "axis radial kinetic_share 1.5")], ["fix mpm (id cem)", "'kinetic_share 1.5'", "(0, 1]", "'no'", "0.003"]),
+    "kinetic share of nothing": ([("axis radial", "axis radial kinetic_share 0")], ["fix mpm (id cem)", "kinetic_share 0", "greater than 0", "'no'"]),
+    "kinetic share as a word": ([("axis radial", "axis radial kinetic_share yes")], ["fix mpm (id cem)", "kinetic_share", "yes", "'no'"]),
+    "kinetic share twice": ([("axis radial", "axis radial kinetic_share no kinetic_share 0.1")], ["fix mpm (id cem)", "kinetic_share", "twice"]),
     "quasistatic damping with updated": ([("axis radial", "axis radial quasistatic 10 0.5 kinematics updated")], ["quasistatic", "total"]),
     "quasistatic damping without coupling": ([("axis radial", "axis radial quasistatic 10 0.5"), ("fix          bond grains mpm/couple cem kn auto kt auto\n", "")], ["quasistatic", "mpm/couple"]),
     "check/timestep/mpm: no such fix": ([("run 10\n", "fix ts all check/timestep/mpm 5 cement 0.9\nrun 10\n")], ["check/timestep/mpm (id ts)", "cement", "define"]),
@@ -131,7 +135,7 @@ CASES = {
                                ["create_cement", "'grains'", "gap 1e-05", "wider"]),
     "grain missing": ([("pair 1 2", "pair 1 7")], ["create_cement", "grain 7", "does not exist", "create"]),
     "same grain twice": ([("pair 1 2", "pair 2 2")], ["create_cement", "pair 2 2", "different"]),
-    "grain is a point": ([("spacing 0.0001\n", "spacing 0.0001\ncreate_cement more pair 1 10 shape flat outer 2e-3 spacing 1e-4\n")],
+    "grain is a point": ([("spacing 0.0001\n", "spacing 0.0001\ncreate_cement more pair 1 10 shape flat outer 2e-3 inner auto spacing 1e-4\n")],
                          ["create_cement", "10", "material point", "not a grain"]),
     "cement there already": ([("spacing 0.0001\n", f"spacing 0.0001\n{CREATE}\n")], ["create_cement", "1 and 2", "already"]),
     "grains not neighbours": ([("0 0 0.005", "0 0 0.0068"), ("0 0 -0.005", "0 0 -0.0068")],
@@ -308,7 +312,7 @@ def test_thin_film(tmp_path):
     result = launch(edit(GOOD, "inner 1e-3", "inner 5e-4"), tmp_path, 2)
     assert result.status == 0 and not result.errors(), result.output[-2000:]
     thin = [line for line in result.output.splitlines() if "thin at its inner rim" in line]
-    assert len(thin) == 1 and all(w in thin[0] for w in ("WARNING", "pair 1 2", "less than two spacings", "use 'inner auto'")), thin
+    assert len(thin) == 1 and all(w in thin[0] for w in ("WARNING", "pair 1 2", "less than two spacings", "use 'film joined', 'inner auto' or a")), thin
 
 
 DATA = """\

@@ -20,7 +20,7 @@ def beads(boundary="f f f", processors="1 1 2", speed=0.8):
     atoms = "".join(f"create_atoms 1 single {x} {y} {z} units box\n" for x, y, z in places)
     return (host(boundary=boundary, processors=processors) + f"region box block {LOW} {HIGH} {LOW} {HIGH} {LOW} {TOP} units box\ncreate_box 2 box\n" + atoms
             + f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing {CELL / 2}\n"
+            + f"create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing {CELL / 2}\n"
             + f'variable vx atom "{speed}*x/0.02"\nvelocity grains set v_vx 0 0\n')
 
 

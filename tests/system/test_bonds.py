@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, pair, pull, run,
+from scenes import (CONTACT, MOMENTA, MOMENTUM_COLUMNS, NEIGHBOURS, RADIUS, RING, VTI, cement, edit, host, in_cells, pair, pull, run,
                     shift, thermo)
 
 CELL = 2e-4
-CREATE = f"create_cement calcite pair %d %d shape flat {RING} spacing {CELL / 2:g}\n"
+CREATE = f"create_cement calcite pair %d %d shape flat {in_cells(RING)} spacing {CELL / 2:g}\n"
 
 
 def grains(centres, box, **options):
@@ -158,7 +158,7 @@ def test_all_contacts(tmp_path, ranks):
     centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2.0001 * RADIUS * k) for i in range(4) for j in range(4) for k in range(2)]
     scene = grains(centres, f"0 {size:.15g} 0 {size:.15g} -0.0061 0.0162", boundary="p p f")
     scene += "".join(f"group small{i} id {i}\nset group small{i} diameter {1.5 * RADIUS} density 2500\n" for i in (3, 12, 26))
-    words = "shape flat inner 1.4e-3 outer 2.3e-3 spacing 2.5e-4"
+    words = "shape flat inner 1.4e-3 outer 2.3e-3 film grid spacing 2.5e-4"
     far = 2.5e-4 * (1 - 1e-9)  # between rows, not to the smaller grains
 
     def apart(a, b):
@@ -184,7 +184,7 @@ def test_all_contacts(tmp_path, ranks):
 def test_contacts_at_two_places(tmp_path, high, pairs):
     """Two grains that touch directly and through the boundary get cement at one place; the command tells."""
     text = grains([(0, 0, RADIUS), (0, 0, 3 * RADIUS)], f"-0.006 0.006 -0.006 0.006 0 {high:.15g}", boundary="f f p")
-    text += "create_cement calcite contacts grains gap 1e-6 shape flat inner 1.4e-3 outer 2.3e-3 spacing 2.5e-4\n"
+    text += "create_cement calcite contacts grains gap 1e-6 shape flat inner 1.4e-3 outer 2.3e-3 film grid spacing 2.5e-4\n"
     output = run(text, tmp_path).output
     assert "Cement at 1 contacts" in output
     assert (f"{pairs} pairs of grains are in contact at more than one place" in output) == (pairs > 0)
@@ -198,7 +198,7 @@ def test_many_bonds_that_break(tmp_path, ranks):
     beads = "".join(f"create_atoms 1 single {2.05 * RADIUS * x} {2.05 * RADIUS * y} {RADIUS * z} units box\n" for x, y, z in places)
     scene = (scene[:scene.index("create_atoms")] + beads
              + scene[scene.index("set          type"):scene.index("create_cement")]
-             + f"create_cement calcite contacts grains gap 1e-4 shape flat {RING} spacing 4e-4\n")
+             + f"create_cement calcite contacts grains gap 1e-4 shape flat {in_cells(RING)} spacing 4e-4\n")
     script = (scene + cement(8e-4, 4e-8, axis="radial", damage="damage tensor B0 9.6e3")
               + "region low block INF INF INF INF INF 0 units box\nregion high block INF INF INF INF 0 INF units box\n"
               "group low region low\ngroup low subtract low calcite\ngroup high region high\ngroup high subtract high calcite\n"
@@ -234,7 +234,7 @@ def test_equal_bonds(tmp_path):
     """54 contacts of a cubic packing, points of equal ones made once: the same on any number of ranks as pair by pair; 20 are listed."""
     centres = [(2 * RADIUS * i, 2 * RADIUS * j, 2 * RADIUS * k) for k in range(3) for j in range(3) for i in range(3)]
     scene = grains(centres, "-0.0051 0.0251 " * 3)
-    words, end = "shape flat outer 2.5e-3 spacing 4e-4 grid 1e-4 0 0", "write_cement cement.txt\n"
+    words, end = "shape flat outer 2.5e-3 inner auto spacing 4e-4 grid 1e-4 0 0", "write_cement cement.txt\n"
     pairs = sorted((a + 1, b + 1) for a in range(27) for b in range(a + 1, 27) if np.linalg.norm(np.subtract(centres[a], centres[b])) < 2.01 * RADIUS)
     one = run(scene + "".join(f"create_cement calcite pair {a} {b} {words}\n" for a, b in pairs) + end, tmp_path / "pairs")
     assert len(pairs) == 54 and one.output.count("Cement between grains") == 54

@@ -66,7 +66,7 @@ fix          tint all property/atom tint scalar yes no no 7
 fix          shade all property/atom shade vector yes no no 8 9
 """
 MOTION = "fix motion free nve/sphere\nfix g all gravity 9.81 vector 0 0 -1\n"
-SHAPE = "shape meniscus neck 4e-4 spacing 5e-5"
+SHAPE = "shape meniscus neck 4e-4 inner auto spacing 5e-5"
 FORMS = {"contacts": f"create_cement calcite contacts grains gap 1e-5 {SHAPE}\n",
          "pair": f"create_cement calcite pair 1 2 {SHAPE}\n",
          "file": "create_cement calcite pair 1 2 file points.txt spacing 5e-5\n"}

@@ -33,7 +33,7 @@ communicate  single vel yes group grains
 neighbor     0.001 bin
 neigh_modify include grains delay 0
 {SOFT}timestep     {timestep}
-create_cement calcite contacts grains gap 2e-5 shape flat outer 1.2e-3 spacing 3e-4 {create}
+create_cement calcite contacts grains gap 2e-5 shape flat outer 1.2e-3 inner auto spacing 3e-4 {create}
 fix          cem calcite mpm cell 6e-4 elastic isotropic 1e7 0.25 damage tensor B0 300 {words}
 fix          bond grains mpm/couple cem
 """

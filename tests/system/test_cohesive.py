@@ -129,7 +129,7 @@ def test_a_skin_carries_nothing(tmp_path, figures, cracks):
         c["attached_i"] = ((c["area_i"] > 0) & ((c["failed"] == 0) | bool(skins))).astype(float)
         c["damage_i"] = c["damage_j"] = 0 * c["x"]
         np.savetxt(tmp_path / "cement.txt", np.column_stack(list(c.values())), fmt="%.17g", header=" ".join(c), comments="")
-        text = edit(breaking(4e7, cracks), "shape flat content 0.01", "file cement.txt").replace("events events.csv", "").replace("csv 20 bond.csv", "")
+        text = edit(breaking(4e7, cracks), "shape flat content 0.01 inner auto", "file cement.txt").replace("events events.csv", "").replace("csv 20 bond.csv", "")
         t = run(text + "run 200\n", tmp_path).table()
         assert t["f_bond[18]"][-1] == c["failed"].sum()
         loads.append(t["f_bond"][-1])
@@ -139,7 +139,7 @@ def test_a_skin_carries_nothing(tmp_path, figures, cracks):
 
 def from_file(strength, table):
     """The cement that was written, with grain 2 where it was then."""
-    text = edit(breaking(strength, "bonds"), "shape flat content 0.01", "file cement.txt")
+    text = edit(breaking(strength, "bonds"), "shape flat content 0.01 inner auto", "file cement.txt")
     return edit(text[:text.index("variable t equal")], f"0 0 {RADIUS:.15g}", f"0 0 {RADIUS + table['f_bond[13]'][-1]:.17g}")
 
 
@@ -243,7 +243,7 @@ def test_events_of_points_that_did_not_hold(tmp_path):
     loose = (c["area_i"] > 0) & (c["x"] < 0)
     c["attached_i"] = ((c["area_i"] > 0) & ~loose).astype(float)
     np.savetxt(tmp_path / "cement.txt", np.column_stack(list(c.values())), fmt="%.17g", header=" ".join(c), comments="")
-    text = edit(scene("", "damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv"), "shape flat content 0.01", "file cement.txt")
+    text = edit(scene("", "damage tensor B0 9.6e3 cutoff 0.9 check 20 events events.csv"), "shape flat content 0.01 inner auto", "file cement.txt")
     run(text + "dump d calcite custom 1 places.txt id x\nrun 0\nundump d\nrun 1200\n", tmp_path)
     x = {row.split()[0]: float(row.split()[1]) for row in (tmp_path / "places.txt").read_text().split("ITEM: ATOMS id x")[1].splitlines() if row.strip()}
     at = [(r[4], x[r[2]] < 0) for r in events(tmp_path)]

@@ -46,7 +46,7 @@ def test_rings_that_trim_each_other(tmp_path, figures):
     force = {}
     for word in ("no", "yes"):
         text = edit(pair(2e-4, radius=1.7e-3), "create_atoms 1 single 0 0 0.0017 units box\n", "create_atoms 1 single 0 0 0.0017 units box\ncreate_atoms 1 single 0 0.00294448637286709 0 units box\n")
-        text = edit(text, "pair 1 2 shape flat inner 1e-3 outer 2e-3", "contacts grains gap 1e-5 shape flat content 0.007 overlap trim")
+        text = edit(text, "pair 1 2 shape flat inner 1e-3 outer 2e-3", "contacts grains gap 1e-5 shape flat content 0.007 inner auto overlap trim")
         text += cement(4e-4, 2e-8, CALCITE, axis="radial", damage=f"quasistatic 1 0.05 condense {word}") + shift(1e-7, 2e-4, (0, 0.6, 0.8))
         text = edit(text, "fix hold first move", "group low id 1 3\nfix hold low move")
         text += "variable fy equal fy[2]\nvariable fz equal fz[2]\n"

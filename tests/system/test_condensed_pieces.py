@@ -107,7 +107,7 @@ def test_momentum_of_a_row(tmp_path, figures):
     """Three light free grains in a row. One bond breaks; what its pieces have of momentum goes on through the other bond, which is condensed and whole."""
     text = edit(broken("yes", motion="", half_box=(0.02, 0.02, 0.02)), "density 2500", "density 600")
     text = edit(text, "set          type 1", "create_atoms 1 single 0 0 0.0156 units box\nset          type 1")
-    text = edit(text, "create_cement calcite pair 1 2", "create_cement calcite pair 2 3 shape flat outer 2.8e-3 inner 0 spacing 2e-4\ncreate_cement calcite pair 1 2")
+    text = edit(text, "create_cement calcite pair 1 2", "create_cement calcite pair 2 3 shape flat outer 2.8e-3 inner 0 film grid spacing 2e-4\ncreate_cement calcite pair 1 2")
     text += ('variable vz atom "-2*(z<-3e-4)+0.7*(z>=-3e-4)"\nvelocity all set 0.2 0.1 v_vz\nfix motion grains nve/sphere\n')
     result = run(text + MOMENTA + thermo(10, MOMENTUM_COLUMNS + [AWAKE, SEPARATED, "f_cem[12]"]) + "run 12000\n", tmp_path)
     t = result.table()

@@ -4,7 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
-from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, launch, pair, point_quantities, pull, restarted, run, shift, thermo)
+from scenes import (MOMENTA, MOMENTUM_COLUMNS, cement, dump, edit, in_cells, launch, pair, point_quantities, pull, restarted, run, shift, thermo)
 from test_point_file import read, write
 
 CELL, ASKEW = 3e-4, (0.3, -0.2, 1.0)
@@ -132,7 +132,7 @@ def test_strain_of_failed_points_while_condensed(tmp_path, figures):
         (tmp_path / skip).mkdir()
         write(tmp_path / skip / "cement.txt", points)
         words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split condense yes wake 0.02 skip failed {skip}"
-        made = edit(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond), "shape flat inner 0 outer 1.5e-3", "file cement.txt")
+        made = edit(pair(cell / 2, cement="inner 0 outer 1.5e-3", **bond), "shape flat inner 0 outer 1.5e-3 film grid", "file cement.txt")
         found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + point_quantities(["failed"] + columns)
                          + thermo(4, ["f_bond", "f_cem[24]"]) + dump(20, ["c_failed"] + [f"c_{c}" for c in columns]) + f"run {steps}\n", tmp_path / skip))
     awake = found[0].table()["f_cem[24]"]
@@ -166,7 +166,7 @@ def test_what_holds_by_next_to_nothing_stays_resolved(tmp_path, gap, edge, outer
         folder.mkdir()
         write(folder / "cement.txt", points)
         words = f"damage tensor B0 9.6e4 cutoff 0.9 cracks split {edge} condense {condense}"
-        made = edit(pair(cell / 2, cement=cem, **ring), f"shape flat {cem}", "file cement.txt")
+        made = edit(pair(cell / 2, cement=cem, **ring), f"shape flat {in_cells(cem)}", "file cement.txt")
         found.append(run(made + cement(cell, 4e-9, axis="radial", damage=words) + pull(0.5, 2e-6) + thermo(10, ["f_bond", "f_cem[24]"]) + "run 600\n", folder, ranks))
     resolved, asked = (done.table()["f_bond"] for done in found)
     assert resolved.max() > 200 and (asked == resolved).all()
@@ -262,7 +262,7 @@ def test_cut_but_for_a_point(tmp_path, figures):
     for name in ("whole", "bonds", "split"):
         columns["failed"] = (plane & ~bridge & (name != "whole")).astype(float)
         write(tmp_path / name / "cement.txt", columns)
-        t = run(edit(scene, f"shape flat {words}", "file cement.txt")
+        t = run(edit(scene, f"shape flat {in_cells(words)}", "file cement.txt")
                 + cement(CELL, 8e-9, axis="radial", damage=f"damage tensor B0 9.6e9 cutoff 0.9 cracks {name.replace('whole', 'bonds')}")
                 + shift(1e-9, 2e-6) + thermo(5, ["f_bond", "f_bond[22]"]) + "run 1000\n", tmp_path / name).table()
         force[name] = t["f_bond"][-100:].mean()
@@ -278,7 +278,7 @@ def test_new_cement_leaves_other_bonds_alone(tmp_path, figures):
     columns = [f"f_bond[1][{n}]" for n in (14, 18)]
     words = (cement(CELL, 8e-9, axis="radial", damage=f"{DAMAGE} check 1000") + pull(3.0, 2e-6) + "group third id 3\nfix third third move linear 0 0 0\n"
              + thermo(1, columns))
-    more = f"create_cement calcite pair 1 3 shape flat content 0.005 spacing {CELL / 2:.15g}\n"
+    more = f"create_cement calcite pair 1 3 shape flat content 0.005 inner auto spacing {CELL / 2:.15g}\n"
     for cut in (215, 274):
         alone, beside = (run(scene + words + f"run {cut}\n{made}run 60\n", tmp_path / f"{cut}{bool(made)}").table() for made in ("", more))
         failed = alone["f_bond[1][18]"]

@@ -31,7 +31,7 @@ create_atoms 1 single 0 0 -0.0036 units box
 create_atoms 1 single 0 0 0.0036 units box
 set          type 1 diameter 0.0072 density 2500
 group        grains type 1
-""" + NEIGHBOURS + "create_cement calcite pair 1 2 shape flat outer 1.5e-3 spacing 2e-4\n"
+""" + NEIGHBOURS + "create_cement calcite pair 1 2 shape flat outer 1.5e-3 inner auto spacing 2e-4\n"
         + f"group lower id 1\ngroup upper id 2\nvelocity upper set 0 0 {pull}\n" + fixes(more, B0, extra, couple))
 
 

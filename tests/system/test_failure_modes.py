@@ -9,7 +9,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import cement, edit, launch, pair, restarted, run, shift, thermo
+from scenes import cement, edit, launch, in_cells, pair, restarted, run, shift, thermo
 from test_pair_table import SCRIPT
 from test_point_file import CELL, DAMAGE, SPACING, read, write
 
@@ -28,7 +28,7 @@ def scene(shape, file=None):
     text = pair(SPACING, shape=style, cement=words, gap=GAP.get(shape, 0.0))
     if file is None:
         return text
-    return edit(text, f"shape {style} {words}", f"file {file}")
+    return edit(text, f"shape {style} {in_cells(words)}", f"file {file}")
 
 
 @pytest.fixture(scope="module")
@@ -198,7 +198,7 @@ def test_section_left_of_an_intact_bond(case, made, tmp_path, figures):
 def test_sheared_bond_with_next_to_no_force(tmp_path, figures):
     """Past the peak the bond is intact by the rule for long; what is left of its weakest section is about what is left of its
     force, and when it comes apart, at the end, it does so where the crack through that section was expected."""
-    words = {"load": "shear", "content": 0.01, "spacing": 2e-4, "frames": 10**8, "limit": 3300}
+    words = {"load": "shear", "content": 0.01, "inner": "auto", "spacing": 2e-4, "frames": 10**8, "limit": 3300}
     arguments = [w for k, v in words.items() for w in ("-var", k, str(v))]
     lines = []
     for ranks in (1, 2):

@@ -66,7 +66,7 @@ def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
     script = Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table"
     for mu in (0, 0.3):
         out = tmp_path / f"mu{mu}"
-        words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, spacing=2.5e-4, cracks=cracks, speed=0.3, limit=1000, frames=10**8,
+        words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, film="grid", spacing=2.5e-4, cracks=cracks, speed=0.3, limit=1000, frames=10**8,
                      bonding=f"penalty friction {mu}", regularization="nonlocal 5e-4 energy 26.5")
         result = launch(script.read_text(), out, name="in.pair_table", arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])
         assert result.status == 0, result.output[-2000:]
@@ -81,7 +81,7 @@ def test_crushed_cement_keeps_the_books(cracks, tmp_path, figures):
 def test_points_that_fail_under_compression_keep_the_books(cracks, zeta, tmp_path, figures):
     """With `unilateral yes` a pressed point goes on with the pressure that it had. If it were as stiff as whole cement from its reference on, energy would come of nothing."""
     script = (Path(__file__).parents[2] / "examples" / "pair_table" / "in.pair_table").read_text()
-    words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, spacing=2.5e-4, cracks=cracks, speed=0.3, zeta=zeta, limit=1000, frames=10**8,
+    words = dict(shape="flat", load="compression", content=0.02, inner=1e-3, film="grid", spacing=2.5e-4, cracks=cracks, speed=0.3, zeta=zeta, limit=1000, frames=10**8,
                  regularization="nonlocal 5e-4 energy 26.5")
     result = launch(script.replace("check ${chunk}", "check ${chunk} unilateral yes"), tmp_path, name="in.pair_table",
                     arguments=[w for k, v in words.items() for w in ("-var", k, str(v))])

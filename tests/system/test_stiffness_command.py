@@ -99,7 +99,7 @@ group        grains type 1
 communicate  single vel yes group grains
 neighbor     0.001 bin
 neigh_modify include grains delay 0
-create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 spacing 4e-4
+create_cement calcite contacts grains gap 1e-6 shape flat outer 2.5e-3 inner auto spacing 4e-4
 timestep     4e-8
 fix          cem calcite mpm cell 8e-4 elastic isotropic 50e9 0.25 axis radial
 fix          bond grains mpm/couple cem

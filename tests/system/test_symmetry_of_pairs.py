@@ -11,7 +11,7 @@ import re
 
 import numpy as np
 import pytest
-from scenes import NEIGHBOURS, RADIUS, cement, dump, edit, host, pair, point_quantities, pull, run, thermo
+from scenes import NEIGHBOURS, RADIUS, cement, dump, edit, host, in_cells, pair, point_quantities, pull, run, thermo
 
 SPACING = 1e-4
 VISCOUS = "viscosity 1e-6"
@@ -34,7 +34,7 @@ def scene(kind, n, along, steps, damage, place=(0, 0, 0), swapped=False, every=5
     for side in (1, -1) if swapped else (-1, 1):
         text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in np.array(place) + side * (RADIUS + gap / 2) * unit(n)) + " units box\n"
     text += (f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-             + f"create_cement calcite pair 1 2 shape {shape} {words} spacing {SPACING}\n")
+             + f"create_cement calcite pair 1 2 shape {shape} {in_cells(words)} spacing {SPACING}\n")
     # Dampers, since rounding feeds the fastest vibration of the links, which nothing else would take.
     fixes = cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {damage} cracks split",
                    couple="kn auto kt auto damping 0.1")
@@ -218,7 +218,7 @@ def opens_and_slides(R):
     for place in ("-0.00505", "0.00205"):
         text += "create_atoms 1 single " + " ".join(along(place, "0", nothing="0")) + " units box\n"
     text += ("group grains type 1\ngroup small id 2\nset type 1 diameter 0.01 density 2500\nset group small diameter 0.004\n" + NEIGHBOURS
-             + "create_cement calcite pair 1 2 shape flat outer 1.2e-3 spacing 1.25e-4\n"
+             + "create_cement calcite pair 1 2 shape flat outer 1.2e-3 inner auto spacing 1.25e-4\n"
              + cement(2.5e-4, 6e-9, axis="radial", damage="damage tensor B0 2e3", couple="friction 0"))
     way, period, opens, every = 1e-6, 1.2e-5, 6e-7, 8e-6
     text += (f"variable t equal step*dt\nvariable x equal {way}*(1-cos(2*PI*v_t/{period}))\nvariable u equal {way}*2*PI/{period}*sin(2*PI*v_t/{period})\n"
@@ -253,7 +253,7 @@ def tetrahedron(place):
         x = np.mod(np.array(place) + RADIUS * np.sqrt(2) * np.array(corner) + half, 2 * half) - half
         text += "create_atoms 1 single " + " ".join(f"{c:.17g}" for c in x) + " units box\n"
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + NEIGHBOURS
-    text += f"create_cement calcite contacts grains gap 1e-5 shape {FLAT[0]} {FLAT[1]} spacing {SPACING}\n"
+    text += f"create_cement calcite contacts grains gap 1e-5 shape {FLAT[0]} {in_cells(FLAT[1])} spacing {SPACING}\n"
     fixes = edit(cement(2 * SPACING, 1.2e-8, axis="radial", damage=f"damage tensor B0 9.6e6 cutoff 0.9 {VISCOUS}",
                         couple="kn auto kt auto damping 0.1"), "second id 2", "second id 4")
     columns = [f"f_bond[{b}][{c}]" for b in range(1, 7) for c in range(1, 13)]

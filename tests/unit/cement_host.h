@@ -336,7 +336,7 @@ class RowOfGrains : public CementHost {
     std::unique_ptr<Law> law;
     if (row_.B0 > 0.0) law = std::make_unique<TensorDamage>(elasticity, p);
     else law = std::make_unique<NoDamage>(elasticity);
-    law->set_length(row_.length);
+    law->set_nonlocal(row_.length, 0.0);
     cement = std::make_unique<Cement>(comm_, bonds, o, std::move(law), *this);
   }
   void init() {

@@ -59,7 +59,8 @@ class RowScene : public CementMakerHost {
     wish.spacing = kSpacing;
     wish.density = 2710.0;
     wish.shapes.push_back({shape_style("flat"), {{"outer", 0.6}}});
-    wish.inner = 0.0;
+    wish.inner_rule = CementWish::given;
+    wish.film = false;
   }
   // Sets grains at these centres with tags from 1 on. Each rank keeps its own.
   void set_grains(const std::vector<Vector3>& centres) {
@@ -106,7 +107,7 @@ class RowScene : public CementMakerHost {
   std::vector<FullPoint> full_points(int bodies) override {
     std::vector<FullPoint> full;
     for (const Point& p : points)
-      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3)) full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row});
+      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3)) full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row, table[p.row].spacing});
     return full;
   }
   std::size_t create_points(const std::vector<NewBond>& bonds, bool) override {

@@ -308,6 +308,10 @@ TEST(PointStore, PartsInPlace) {
     for (std::size_t i = 0; i < f.tags.size(); ++i) of_tag[f.tags[i]] = i;
     if (moving) f.store.let_move();
     f.store.arrange(kCell, Basis::quadratic, {}, true);
+    // any number that tells points apart
+    f.store.softening.resize(f.store.blocks.size());
+    for (std::size_t b = 0; b < f.store.blocks.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) f.store.softening[b][l] = 0.5 * f.store.tags[b][l];
     test::Random random(94);
     for (int round = 0; round < 6; ++round) {
       std::map<int, int> moves;
@@ -337,6 +341,7 @@ TEST(PointStore, PartsInPlace) {
         for (int l = 0; l < kLanes; ++l) {
           if (!(f.store.meta[b].occupied >> l & 1)) continue;
           const int tag = f.store.tags[b][l];
+          EXPECT_EQ(f.store.softening[b][l], 0.5 * tag);
           PointRecord expected = f.records[of_tag.at(tag)];
           const PointRecord r = f.store.record(static_cast<int>(kLanes * b) + l);
           expected.moving = r.moving;

@@ -62,6 +62,15 @@ def band(m, cutoff=0.9, n=16, half=6.0, steps=60):
     return 2 * widest / n, energy, 0.5 * np.exp(S / 2) * opening
 
 
+def exponent(energy):
+    """The m with which a crack takes that energy, over sqrt2 B0 L, with what is stored at the cut-off."""
+    lo, hi = -0.5, 2.0
+    for _ in range(18):
+        m = 0.5 * (lo + hi)
+        lo, hi = (m, hi) if sum(band(m, n=8)[1:]) < energy else (lo, m)
+    return m
+
+
 if __name__ == "__main__":
     for m in (0.0, 1.0, 2.0):
         print("m", m, *(f"n {n}: width {band(m, n=n)[0]:.3f} energy {band(m, n=n)[1]:.4f} stored {band(m, n=n)[2]:.4f}" for n in (4, 8, 16)))

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "system"))
-from localisation import band  # noqa: E402
+from localisation import band, exponent  # noqa: E402
 from scenes import NEIGHBOURS, edit, host, run, thermo  # noqa: E402
 import scenes  # noqa: E402
 
@@ -27,7 +27,13 @@ SOFTENED = 7         # lengths in front of the notch: it is blunt, and its avera
 OVER = 1.35          # energy of the strip over that of the crack
 DAMPING = 0.4        # so that the wake opens soon and does not ring
 RAMP, HOLD = 6, 7    # in times that a wave takes across
-IMPLIED = math.sqrt(2) * B0 * LENGTH * band(0.0)[1]
+UNIT = math.sqrt(2) * B0 * LENGTH
+IMPLIED = UNIT * sum(band(0.0)[1:])
+
+
+def spent_share(energy):
+    spent, stored = band(exponent(energy / UNIT) if energy else 0.0)[1:]
+    return spent / (spent + stored)
 
 
 def strip(spacing, angle):
@@ -51,7 +57,8 @@ def write_strip(file, spacing, cell, angle, off):
 
 
 def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="split"):
-    """energy: asked for; else that which B0 and the length imply."""
+    """energy: asked for; else that which B0 and the length imply.  Of this, damage spends a part. The rest is what the band stores when its middle
+    lets go, and runs off in waves."""
     cell, G = LENGTH / cells_a_length, energy or IMPLIED
     spacing, every = cell / 2, round(5 * cells_a_length)
     directory.mkdir(parents=True, exist_ok=True)
@@ -75,7 +82,7 @@ def crack(directory, cells_a_length, angle=0.0, off=0, energy=None, cracks="spli
     text += f"dump damaged calcite custom {every} damaged.*.txt id x z c_damage\ndump_modify damaged thresh c_damage >= 0.1\n"
     steps = int((RAMP + HOLD) * unit / (0.8 * 2 / math.sqrt(6) * cell / c))
     t = run(text + f"run {steps // every * every}\n", directory, minutes=9).table()
-    return {"G": G, **measure(t, fronts(directory, t["step"], angle, spacing), 2 * spacing, G)}
+    return {"G": G, **measure(t, fronts(directory, t["step"], angle, spacing), 2 * spacing, G * spent_share(energy))}
 
 
 def fronts(directory, steps, angle, spacing):

@@ -48,13 +48,19 @@ def lattice(cells, per_cell, width=2):
     return np.array([(a, b, c) for a in x for b in x for c in z]), s
 
 
-def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0, regularization=None):
-    """regularization: the words of fix mpm in place of a crack band with exponent m."""
+def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, cell_factor=1.0, regularization=None,
+        breaks="in the middle", couple="kn auto kt auto", share=0.9):
+    """regularization: the words of fix mpm in place of a crack band with exponent m.  breaks: where the layer with a little damage is, or how far it goes
+    from the first grain.
+    couple: stiffness of the links.  share: of the stable step."""
     X, s = lattice(cells, per_cell)
     h = LENGTH / cells * cell_factor
-    weak = np.abs(X[:, 2] - X[X[:, 2] > 0, 2].min()) < 0.1 * s
-    # Strength goes as (1 - D)^((3 - m)/2): that of 0.99 B0
-    D0 = np.where(weak, 1 - 0.99**(1 / (3 - m)), 0.0)
+    if breaks == "in the middle":
+        weak, strength = np.abs(X[:, 2] - X[X[:, 2] > 0, 2].min()) < 0.1 * s, 0.99
+    else:
+        weak, strength = X[:, 2] - X[:, 2].min() < breaks, 0.97
+    # Strength goes as (1 - D)^((3 - m)/2): that of 0.99 or 0.97 B0
+    D0 = np.where(weak, 1 - strength**(1 / (3 - m)), 0.0)
     first = X[:, 2] == X[:, 2].min()
     last = X[:, 2] == X[:, 2].max()
     directory.mkdir(parents=True, exist_ok=True)
@@ -71,13 +77,13 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
     text += f"set type 1 diameter {2 * RADIUS} density 2500\ngroup grains type 1\n" + scenes.NEIGHBOURS
     text += f"create_cement calcite pair 1 2 file bar.txt spacing {s:.15g}\n"
     text += scenes.cement(h, 1e-9, damage=f"damage tensor B0 {B0} cutoff {DCUT} regularization {regularization or f'crackband {Gf:.15g}'} "
-                          f"timestep auto 0.9 quasistatic 1 {damping}")
+                          f"timestep auto {share} quasistatic 1 {damping}", couple=couple)
     text = edit(text, "vti 60000000000 40000000000 0.25 0.2 18000000000", f"isotropic {E} 0.0")
     # Until the band, if it were two cells, has come to the strain at failure
     stretch = 0.3 + stretch * 2 * h / LENGTH * (1 - DCUT)**(-(1 + m) / 2)
     duration = stretch * e0 * LENGTH / v
     text += pull(v, 0.1 * duration) + thermo(20, ["f_bond[13]", "f_bond", "f_cem[8]", "f_cem[9]", "f_cem[2]", "f_cem[12]"])
-    dt = 0.9 * 2 / math.sqrt(6) * h / c
+    dt = share * 2 / math.sqrt(6) * h / c
     text += f"dump d calcite custom {int(duration / dt)} end.*.txt id z c_D\n".replace("c_D", "c_damage")
     text = text.replace("dump d", "compute damage calcite mpm/atom cem damage\ndump d")
     text += f"run {int(duration / dt)}\n"
@@ -87,7 +93,9 @@ def bar(directory, cells, m, per_cell=2, speed=0.02, stretch=1.2, damping=0.3, c
     layers = end["c_damage"][np.argsort(end["z"], kind="stable")].reshape(cells * per_cell, -1)
     profile = [round(float(d), 3) for d in layers.mean(axis=1) if d.max() > 0.02]
     spent = t["f_cem[8]"][-1] + t["f_cem[9]"][-1]
-    return {"energy": spent / area, "width": spent / (math.sqrt(2) * B0 * work(m) * area) / h, "ratio": spent / (Gf * area), "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
+    gap, force = t["f_bond[13]"], t["f_bond"]
+    under_curve = float(((gap[1:] - gap[:-1]) * (force[1:] + force[:-1])).sum() / 2)
+    return {"energy": spent / area, "under_curve": under_curve / area, "width": spent / (math.sqrt(2) * B0 * work(m) * area) / h, "ratio": spent / (Gf * area), "failed": t["f_cem[2]"][-1] / (len(X) / (cells * per_cell)),
             "peak": t["f_bond"].max() / area / (2**0.25 * math.sqrt(B0 * E)), "end": t["f_bond"][-1] / t["f_bond"].max(), "profile": profile, "table": t, "steps": t["step"][-1]}
 
 

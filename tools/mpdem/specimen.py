@@ -21,7 +21,8 @@ CALM = 1e-3              # kinetic share of the energy
 FEWEST = 10              # beads that tell the strain
 COLUMNS = ("label", "test", "content", "content_of_all", "pressure", "bonds", "points", "stiffness", "stiffness_of_ends", "strength", "strain_at_peak", "strain_at_end",
            "load_at_end", "awake_at_peak", "broken_at_peak", "awake_most", "broken", "debonding", "internal", "mixed", "kinetic_at_half",
-           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall", "beyond_cap", "springs_at_peak", "rubbed_at_first_failure", "rubbed_at_peak", "load_when_calm")
+           "kinetic_at_first_failure", "kinetic_at_peak", "imbalance", "work", "in_contacts", "steps", "wall", "beyond_cap", "springs_at_peak", "rubbed_at_first_failure", "rubbed_at_peak", "load_when_calm",
+           "kinetic_share_at_first_failure", "unbalanced_at_first_failure", "pressure_off_to_peak", "pressure_off_after_peak")
 
 
 def variables_of(script):
@@ -232,6 +233,12 @@ def calm_from(c, rising, fails):
     return float(rising[first] / rising[c.peak]) if first < fails else float("nan")
 
 
+def pressure_off(c, rows):
+    """Largest deviation of the sides' pressure from that asked for, over it, in rows of the curve; nan: there is none."""
+    wanted = c.pressure * np.sqrt(c.section) * c.height
+    return float(np.abs(c.table["sideways"][rows] / wanted - 1).max()) if wanted > 0.0 and c.table["sideways"][rows].size else float("nan")
+
+
 def results(folder, load):
     c = Curve(folder, load.test, load.pressure, load.arguments.get("young"))
     t, k = c.table, c.peak
@@ -240,6 +247,7 @@ def results(folder, load):
     inside = np.flatnonzero(rising[:int(np.argmax(rising > STIFFNESS[1] * rising[k]))] >= STIFFNESS[0] * rising[k])  # later drops are none of it
     gauge = gauge_strain(folder, c)
     half, fails = int(np.argmax(rising >= 0.5 * rising[k])), int(np.argmax(t["failed"] > 0)) or k
+    before = {name: float(t[name][max(fails - 1, 0)]) if name in t else float("nan") for name in ("kinetic_share", "unbalanced")}
     return {"test": load.test, "content": load.content, "pressure": load.pressure, **{k: cement[k] for k in ("bonds", "points", "content_of_all")},
             "stiffness": slope(gauge[inside], c.stress[inside]), "stiffness_of_ends": slope(c.strain[inside], c.stress[inside]), "strength": float(c.stress[k]), "strain_at_peak": float(c.strain[k]), "strain_at_end": float(c.strain[-1]),
             "load_at_end": float(c.stress[-1] / c.stress[k]), "awake_at_peak": int(t["awake"][k]), "broken_at_peak": int(t["broken"][k]),
@@ -249,7 +257,8 @@ def results(folder, load):
             "imbalance": float(np.abs(t["imbalance"][1:]).max()), "work": float(c.work[-1]), "in_contacts": float(c.in_contacts[-1]),
             "steps": int(t["step"][-1] - t["step"][0]), "springs_at_peak": float((c.springs[k] - c.springs[0]) / c.work[k]),
             "rubbed_at_first_failure": float(c.rubbed[max(fails - 1, 0)] / c.work[max(fails - 1, 0)]), "rubbed_at_peak": float(c.rubbed[k] / c.work[k]),
-            "load_when_calm": calm_from(c, rising, fails)}
+            "load_when_calm": calm_from(c, rising, fails), "kinetic_share_at_first_failure": before["kinetic_share"], "unbalanced_at_first_failure": before["unbalanced"],
+            "pressure_off_to_peak": pressure_off(c, slice(1, k + 1)), "pressure_off_after_peak": pressure_off(c, slice(k + 1, None))}
 
 
 def mohr_coulomb(rows):

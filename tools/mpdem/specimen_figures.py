@@ -54,6 +54,24 @@ def curves(path, items, reference):
     save(fig, path)
 
 
+def pressures(path, items):
+    """The pressure of the sides, a mean of each row of the curve, over the strain from where the plate moves; dashed: what was asked for."""
+    fig, ax = plt.subplots(figsize=(4.6, 2.7))
+    for colour, (load, r, c) in zip(PALETTE, items):
+        of_side = 1e-3 / (np.sqrt(c.section) * c.height)
+        ax.axhline(1e-3 * load.pressure, color="0.5", lw=0.6, ls="--")
+        ax.plot(1e3 * c.strain[1:], of_side * c.table["sideways"][1:], color=colour, lw=0.8, label=name_of(load))
+        ax.axvline(1e3 * c.strain[c.peak], color=colour, lw=0.6, ls=":")
+    ax.set_xlabel("axial strain (‰); dotted: peak of the load")
+    ax.set_ylabel("pressure of the sides (kPa)")
+    ax.set_xlim(0.0, None)
+    ax.set_ylim(0.0, 1.7e-3 * max(load.pressure for load, _, _ in items))
+    ax.legend(frameon=False, loc="lower right")
+    ax.grid(True, lw=0.3, color="0.9")
+    fig.tight_layout()
+    save(fig, path)
+
+
 def awake(path, items):
     """Awake bonds over time, and the kinetic share of the energy."""
     fig, axes = plt.subplots(1, 2, figsize=(7.48, 2.9))

@@ -67,7 +67,12 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& d
   CementOptions options(scene.options);
   options.updated = false;  // without the margin that updated kinematics need
   const LayoutRules rules{scene.comm, copies.table, options, scene.law, sheets, divisions.cracks, scene.inertia, penalty, scene.options.split ? &splits : nullptr};
-  return make_layout(rules, scene.all_rows(), std::move(requests));
+  std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
+  for (BondLayout& l : layouts) {
+    l.film = scene.bonds().find(l.body)->film;
+    lay_out_film(l.film, copies.table[l.body], options, scene.law);
+  }
+  return layouts;
 }
 
 LayoutRequest Arrangement::request_of(Bond& b, NewPartsOfBonds& parts) {
@@ -133,8 +138,9 @@ void Arrangement::remember_axis() {
   if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis_rule != AxisRule::none; })) return;
   std::vector<int> open(table.size(), 0);
   for (const Bond& b : scene_.bonds())
-    for (const BlockMeta& m : b.points.meta)
-      if (m.framed != m.occupied) open[b.body] = 1;
+    for (const PointStore* store : {&b.points, &b.film.points})
+      for (const BlockMeta& m : store->meta)
+        if (m.framed != m.occupied) open[b.body] = 1;
   for (std::size_t b = 0; b < table.size(); ++b)
     if (table[b].pattern > 0) open[b] = 1;
   MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, scene_.comm);
@@ -182,13 +188,13 @@ void Arrangement::adopt(std::vector<BondLayout>& layouts) {
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
+    lay_out_film(b.film, scene_.bonds().body(b), scene_.options, scene_.law);
     start_anew(b);
     b.near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b.points, *scene_.law);
     b.failed.clear();
     b.laid_out_blocks = b.points.blocks.size();
-    if (l.new_slot.empty()) continue;
-    b.blocks_when_arranged = b.points.blocks.size();
-    scene_.host().slots_changed(b);
+    if (!l.new_slot.empty()) b.updated.blocks_when_arranged = b.points.blocks.size();
+    if (!l.new_slot.empty() || !b.film.empty()) scene_.host().slots_changed(b);
   }
 }
 

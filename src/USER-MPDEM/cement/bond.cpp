@@ -37,7 +37,7 @@ Bond& Bonds::make(int body) {
 }
 
 void Bonds::drop_empty(const std::vector<int>& rows) {
-  const auto is_empty = [](const Place& b) { return b->points.blocks.empty(); };
+  const auto is_empty = [](const Place& b) { return b->points.blocks.empty() && b->film.empty(); };
   const bool some = std::any_of(rows.begin(), rows.end(), [&](int row) {
     const auto at = place_of(row);
     return at != here_.end() && (*at)->body == row && is_empty(*at);

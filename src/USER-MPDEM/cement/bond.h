@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "../coupling/added_mass.h"
+#include "../coupling/film.h"
 #include "../coupling/freed_places.h"
 #include "../coupling/penalty_links.h"
 #include "../coupling/relaxation.h"
@@ -32,7 +33,8 @@ namespace mpdem {
 
 struct Bond {
   int body = 0;  // row of the table
-  PointStore points;
+  PointStore points;  // all but the film
+  Film film;
   Grid grid;
   PenaltyLinks links;
   FreedPlaces places;
@@ -46,7 +48,6 @@ struct Bond {
   int side = 0;         // place of the first side of the bond, see GrainSides
   int layout = 0;       // number of its layout among those of this rank; 0: none yet
   std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
-  std::size_t blocks_when_arranged = 0;
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
   ConsistentMass mass;                    // `mass_order 2` only
@@ -58,10 +59,29 @@ struct Bond {
   std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
 
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
-  // True if points of the bond are on this rank. A bond whose last point left stays until the next layout.
-  bool has_points() const {
-    return std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.occupied != 0; });
+  // Points are in two stores. A number that means a point of either store is its slot, and kFilm more for the film.
+  static constexpr int kFilm = 1 << 30;
+  static int slot_in_store(int slot) { return slot & (kFilm - 1); }
+  const PointStore& store_of(int slot) const { return slot >= kFilm ? film.points : points; }
+  int add(const PointRecord& r, int tag) { return r.film ? kFilm + film.points.add(r, tag) : points.add(r, tag); }
+  PointRecord record(int slot) const {
+    PointRecord r = store_of(slot).record(slot_in_store(slot));
+    r.film = slot >= kFilm;
+    return r;
   }
+  void release(int slot) { (slot >= kFilm ? film.points : points).release(slot_in_store(slot)); }
+  // Calls f(slot) for the points of both stores.
+  template <class F>
+  void for_each_slot(F f) const {
+    for (const PointStore* store : {&points, &film.points})
+      for (std::size_t b = 0; b < store->meta.size(); ++b)
+        for (int l = 0; l < kLanes; ++l)
+          if (store->meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l + (store == &points ? 0 : kFilm));
+  }
+  int size() const { return points.size() + film.points.size(); }
+  bool changed() const { return points.changed() || film.points.changed(); }
+  // True if points of the bond are on this rank. A bond whose last point left stays until the next layout.
+  bool has_points() const { return size() > 0; }
   // Prefetch the memory of a bond that comes next. prefetch_nodes() asks for what a pass over its nodes reads out of
   // order, which no processor foresees. prefetch_step() asks for the beginnings of what a step reads in order.
   void prefetch_nodes() const {
@@ -83,7 +103,7 @@ struct Bond {
     links.share(alike);
   }
   std::size_t memory_usage() const {
-    return points.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
+    return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
            mass.memory_usage() + faces.memory_usage() + closing.memory_usage() + relaxation.memory_usage() + impulse.memory_usage() +
            resting.memory_usage() + updated.memory_usage() + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
@@ -168,7 +188,7 @@ class Bonds {
   void drop_empty(const std::vector<int>& rows);
 
   // Adds a point to its bond, and returns its slot.
-  int add(const PointRecord& r, int tag) { return make(r.body).points.add(r, tag); }
+  int add(const PointRecord& r, int tag) { return make(r.body).add(r, tag); }
 
   std::size_t memory_usage() const;
 

@@ -33,7 +33,7 @@ struct SidesAtCreation {
 class BondDescription {
  public:
   // side: first side of the bond, followed by the second.
-  BondDescription(const PointStore& points, const Grid& grid, const Body& body, const GrainSide* side) {
+  BondDescription(const PointStore& points, const PointStore& film, const Grid& grid, const Body& body, const GrainSide* side) {
     const double h = grid.h;
     for (int s = 0; s < 2; ++s) {
       add(&body.radius[s], 1, h);
@@ -43,6 +43,18 @@ class BondDescription {
       add(product(side[s].R, transpose(rotation_of(body.orientation[s]))).a[0], 9, 1.0);
     }
     add(grid.displacement.data(), grid.displacement.size(), h);
+    numbers_.push_back(film.size());
+    for (const PointStore* store : {&points, &film}) add_points(*store, body, h);
+  }
+  bool operator==(const BondDescription& d) const { return numbers_ == d.numbers_; }
+  std::size_t hash() const {
+    std::size_t h = numbers_.size();
+    for (double n : numbers_) h = (h ^ std::hash<double>()(n)) * 0x9e3779b97f4a7c15ull + (h >> 29);
+    return h;
+  }
+
+ private:
+  void add_points(const PointStore& points, const Body& body, double h) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       add_vectors(p.X, 3, h);
@@ -63,14 +75,6 @@ class BondDescription {
       numbers_.push_back(k.attached + 2 * (k.grain == body.grain[1]));
     }
   }
-  bool operator==(const BondDescription& d) const { return numbers_ == d.numbers_; }
-  std::size_t hash() const {
-    std::size_t h = numbers_.size();
-    for (double n : numbers_) h = (h ^ std::hash<double>()(n)) * 0x9e3779b97f4a7c15ull + (h >> 29);
-    return h;
-  }
-
- private:
   static constexpr double kAlike = 1e-9;  // share of a cell, or of a number without unit, to which numbers are rounded
   void add(const double* values, std::size_t count, double unit) {
     for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);

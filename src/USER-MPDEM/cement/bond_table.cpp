@@ -24,29 +24,31 @@ double share(const BondState& b) {
 template <bool attached>
 double links(const PartOfBond& b) {
   double n = 0.0;
-  for (const Link& k : b.bond.points.links) n += k.attached == attached;
+  for (const PointStore* store : {&b.bond.points, &b.bond.film.points})
+    for (const Link& k : store->links) n += k.attached == attached;
   return n;
 }
 
 double points(const PartOfBond& b) { return b.points.points; }
 
-// Share of the area at one grain that the cement had when it was made. Sums over those of `all` that count.
-template <class All, class Counts>
-double share_of_area(const PartOfBond& b, int side, const All& all, Counts counts) {
+// Share of the area at one grain that the cement had when it was made. Sums over those of a list of each store that count.
+template <class List, class Counts>
+double share_of_area(const PartOfBond& b, int side, List PointStore::*list, Counts counts) {
   double area = 0.0;
-  for (const auto& a : all)
-    if (counts(a) && a.grain == b.body.grain[side]) area += a.area;
+  for (const PointStore* store : {&b.bond.points, &b.bond.film.points})
+    for (const auto& a : store->*list)
+      if (counts(a) && a.grain == b.body.grain[side]) area += a.area;
   return area > 0.0 ? area / b.body.attached_area[side] : 0.0;
 }
 
 template <int side>
 double attached_share(const PartOfBond& b) {
-  return share_of_area(b, side, b.bond.points.links, [](const Link& k) { return k.attached; });
+  return share_of_area(b, side, &PointStore::links, [](const Link& k) { return k.attached; });
 }
 
 template <int side>
 double touching_share(const PartOfBond& b) {
-  return share_of_area(b, side, b.bond.points.places, [](const FreedPlace& p) { return p.closed; });
+  return share_of_area(b, side, &PointStore::places, [](const FreedPlace& p) { return p.closed; });
 }
 
 // The table: one line for each column. Scripts use the numbers of columns, so append new ones.
@@ -90,6 +92,8 @@ std::vector<BondColumn> columns() {
       {"touching_grain1", "share of that area that let go and touches the first grain again", touching_share<0>},
       {"touching_grain2", "the same at the second grain", touching_share<1>},
       {"broken", "1 once separated or without any load left, else 0", &BondState::broken},
+      {"kinetic_share", "kinetic share of the energy of free grains and all cement", &CementTotals::kinetic_share},
+      {"unbalanced_force", "unbalanced force of all free grains over the mean force of bonds and contacts", &CementTotals::unbalanced_force},
   };
 }
 

@@ -25,6 +25,8 @@ struct CementTotals {
   double broken;                                 // number of bonds that are separated or carry nothing any more
   double awake;                                  // number of bonds that are not condensed
   EnergyBooks::Left left;                        // what left the scene
+  double kinetic_share;     // see Report::EnergyShares
+  double unbalanced_force;  // see Report::unbalanced_force(); 0 until the host has asked for it
 };
 
 // Part of a bond on one rank.
@@ -60,6 +62,8 @@ struct BondColumn {
   // Is the value the same for all bonds? The totals cost a pass over all points, the states of bonds another.
   bool of_all() const { return std::holds_alternative<double CementTotals::*>(found); }
   double value(const CementTotals& all) const { return all.*std::get<double CementTotals::*>(found); }
+  // Does the value need forces of contacts of the host?
+  bool needs_contacts() const { return of_all() && std::get<double CementTotals::*>(found) == &CementTotals::unbalanced_force; }
   double value(const BondState& bond) const;
 };
 

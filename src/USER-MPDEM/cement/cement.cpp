@@ -42,7 +42,8 @@ void Cement::couple(const PenaltyParameters* penalty) {
 void Cement::take_up_states() {
   std::string trouble;
   for (Bond& b : scene_.bonds())
-    if (trouble.empty()) trouble = mpdem::take_up_states(b.points, scene_.law);
+    for (PointStore* store : {&b.points, &b.film.points})
+      if (trouble.empty()) trouble = mpdem::take_up_states(*store, scene_.law);
   throw_if_any(scene_.comm, trouble);
 }
 
@@ -64,13 +65,14 @@ void Cement::lay_out_run() {
   scene_.now.dt = dt;
   if (dt != scene_.dt_last) scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), 0.0); }, [&] { added_.refresh(); });
   parting_.take_up();
+  stable_step_.find_film();
   condensing_.condense(scene_.all_rows(), true);
 }
 
 void Cement::lay_out_exchanged() {
   std::vector<int> mine;
   for (const Bond& b : scene_.bonds())
-    if (b.points.changed()) mine.push_back(b.body);
+    if (b.changed()) mine.push_back(b.body);
   int moved = !mine.empty() || scene_.grains.changed(), any;
   MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
   // Slots of points were brought up to date for the exchange, with `updated` kinematics.

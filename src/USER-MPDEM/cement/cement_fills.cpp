@@ -78,14 +78,18 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
   std::vector<Neighbour> neighbours;
   if (!near_.empty())
     for (const CementPlan::Near& other : near_[f.first]) neighbours.push_back({&plan_.shape_of(plan_.bonds()[other.bond].kind), other.apart, other.turn});
-  f.points = fill_with_points(plan_.shape_of(shape), wish_.spacing, most, neighbours);
+  const FilmPart& film = plan_.film_of(shape);
+  f.points.clear();
+  if (!film.all) f.points = fill_with_points(plan_.resolved_of(shape), wish_.spacing, most, neighbours);
+  const std::vector<FillPoint> of_film = fill_film(plan_.shape_of(shape).pair(), film, neighbours);
+  f.points.insert(f.points.end(), of_film.begin(), of_film.end());
   f.corner = Vector3(wish_.grid[0], wish_.grid[1], wish_.grid[2]);
   move_origin(f.points, f.corner);
   for (int c = 0; c < 3; ++c) f.body.lattice[c] = -f.corner[c];
   std::copy(kind.area, kind.area + 2, f.body.attached_area);
   f.body.volume = kind.volume;
   if (!neighbours.empty()) measure(f.points, f.body);
-  f.body.thickness = kind.thickness;
+  f.body.thickness = film.all ? 0.0 : kind.thickness;
 }
 
 void CementMaker::fill_by_file(Fill& f) {
@@ -166,7 +170,7 @@ void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
       }
     } else if (!(expected < room)) {
       try {
-        fill_with_points(plan_.shape_of(plan_.bonds()[n].kind), wish_.spacing, room);
+        fill_with_points(plan_.resolved_of(plan_.bonds()[n].kind), wish_.spacing, room);
       } catch (const ShapeError& e) {
         trouble.tell(n, cells, plan_.prefix(n) + e.what());
       }

@@ -17,6 +17,17 @@ namespace {
 // Number of points of fills that a part makes, and number that is kept for later parts. They take some 25 MB.
 constexpr double kPointsOfAPart = 100000.0;
 constexpr int kListed = 20;  // number of bonds told of one by one
+constexpr double kFewCells = 2.0;
+
+// Says how the bond is resolved.
+std::string of_cells(const CementPlan::Kind& kind, const CementWish& wish) {
+  if (!wish.file.empty()) return "";
+  const double cell = kCellOfPoints * wish.spacing;
+  if (kind.width == 0.0) return "  all of it is film, thinner or narrower than cells of two points\n";
+  std::string text = text_of("  in cells of two points up to ", kind.thickness / cell, " thick and ", kind.width / cell, " wide");
+  if (kind.film_share > 0.0) text += text_of("; film carries ", 100.0 * kind.film_share, " % of the attached area");
+  return text + "\n";
+}
 }  // namespace
 
 Box box_around(const Body& body, const Box& box) {
@@ -191,34 +202,45 @@ void CementMaker::report(const Part& part) {
   for (std::size_t k = 0; k < part.bodies.size(); ++k) {
     if (!part.kept[k]) continue;
     const CementPlan::Kind& kind = plan_.kind_of(part.from + k);
-    const bool thin = wish_.file.empty() && kind.thinnest < 2.0 * wish_.spacing * (1.0 - 1e-9);
-    if (thin && listed_ >= kListed) {
-      ++thin_;
-      thinnest_ = std::min(thinnest_, kind.thinnest);
-    }
+    const bool thin = wish_.file.empty() && kind.film_share == 0.0 && kind.thinnest < 2.0 * wish_.spacing * (1.0 - 1e-9);
+    const bool coarse = wish_.file.empty() && kind.width > 0.0 && cells_across(kind) < kFewCells * (1.0 - 1e-9);
+    if (thin && listed_ >= kListed) thin_.add(kind.thinnest);
+    if (coarse && listed_ >= kListed) coarse_.add(cells_across(kind));
     ++listed_;
     if (listed_ > kListed) continue;
     host_.say(told_of(part.from + k, part.bodies[k]));
     if (thin)
       host_.warn(text_of("pair ", part.bodies[k].grain[0], " ", part.bodies[k].grain[1], ": the cement is ", kind.thinnest,
-                         " thin at its inner rim, less than two spacings: the film there is too soft and will not break; use 'inner auto' or a "
+                         " thin at its inner rim, less than two spacings: the film there is too soft and will not break; use 'film joined', 'inner auto' or a "
                          "larger 'inner'"));
+    if (coarse)
+      host_.warn(text_of("pair ", part.bodies[k].grain[0], " ", part.bodies[k].grain[1], ": the cement is ", cells_across(kind), " cells of two points across where cells resolve it, and its strength "
+                         "depends on the spacing below ", kFewCells, "; use a spacing of at most ", wish_.spacing * cells_across(kind) / kFewCells, " to resolve it"));
   }
   if (part.to < plan_.bonds().size() || listed_ <= kListed) return;
   host_.say(text_of("  ... and ", listed_ - kListed, " more bonds\n"));
-  if (thin_ > 0)
-    host_.warn(text_of(thin_, " of these bonds are less than two spacings thin at their inner rim, the thinnest ", thinnest_,
-                       ": the film there is too soft and will not break; use 'inner auto' or a larger 'inner'"));
+  if (thin_.count > 0)
+    host_.warn(text_of(thin_.count, " of these bonds are less than two spacings thin at their inner rim, the thinnest ", thin_.least,
+                       ": the film there is too soft and will not break; use 'film joined', 'inner auto' or a larger 'inner'"));
+  if (coarse_.count > 0)
+    host_.warn(text_of(coarse_.count, " of these bonds are less than ", kFewCells, " cells of two points across where cells resolve them, the least ", coarse_.least,
+                       ", and their strength depends on the spacing; use a spacing of at most ", wish_.spacing * coarse_.least / kFewCells, " to resolve them"));
+}
+
+// Cells of two points across thickness or width, whichever is less.
+double CementMaker::cells_across(const CementPlan::Kind& kind) const {
+  return std::min(kind.thickness, kind.width) / (kCellOfPoints * wish_.spacing);
 }
 
 std::string CementMaker::told_of(std::size_t n, const Body& body) {
   const PlannedBond& bond = plan_.bonds()[n];
-  const double whole = plan_.kind_of(n).volume;
+  const CementPlan::Kind& kind_told = plan_.kind_of(n);
+  const double whole = kind_told.volume;
   std::string what = wish_.file.empty() ? plan_.shape_of(bond.kind).describe() : "file '" + wish_.file + "'";
   if (wish_.file.empty() && body.volume < whole) what += text_of(", trimmed from a volume of ", whole);
   return text_of("Cement between grains ", body.grain[0], " and ", body.grain[1], ": ", what, "\n  volume ", body.volume,
                  ", content (mass over mass of the grains) ", body.volume * wish_.density / (bond.grain[0].mass + bond.grain[1].mass), ", attached area ",
-                 body.attached_area[0], " + ", body.attached_area[1], ", ", body.points, " points\n");
+                 body.attached_area[0], " + ", body.attached_area[1], ", ", body.points, " points\n", of_cells(kind_told, wish_));
 }
 
 std::string CementMaker::text_of_skipped() const {

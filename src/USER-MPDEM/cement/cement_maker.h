@@ -8,6 +8,7 @@
 #ifndef MPDEM_CEMENT_MAKER_H
 #define MPDEM_CEMENT_MAKER_H
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -28,11 +29,13 @@ struct NewBond {
   const Box& box;                        // box around the points
 };
 
-// Point of this rank that stands for a cell of a body that is (nearly) full.
+// Point of this rank that stands for a cube that a body fills (nearly) whole: a cell, or a cube within a column of a film.
 struct FullPoint {
   Vector3 x;
   int body;
+  double width;
 };
+constexpr double kWidthInColumn = 0.5;  // of that cube, over the thickness of the film
 
 // Returns the box around a box that is given in the coordinates of a body. The result is in the coordinates of the
 // simulation box.
@@ -51,6 +54,15 @@ class CementMakerHost {
   // The maker calls these two on the first rank alone.
   virtual void say(const std::string& text) = 0;
   virtual void warn(const std::string& text) = 0;
+};
+
+struct BondsToWarnOf {
+  int count = 0;
+  double least = 1e300;
+  void add(double value) {
+    ++count;
+    least = std::min(least, value);
+  }
 };
 
 class CementMaker {
@@ -112,6 +124,7 @@ class CementMaker {
   void forget_fills();
   void report(const Part& part);
   std::string told_of(std::size_t bond, const Body& body);
+  double cells_across(const CementPlan::Kind& kind) const;
 
   // cement_fills.cpp
   void make_fills(const Part& part, BondTrouble& trouble);
@@ -149,8 +162,8 @@ class CementMaker {
   std::vector<GrainTags> skipped_;
   Sums sums_;
   double live_ = 0, created_ = 0;     // points of the fills that are kept; points made
-  int listed_ = 0, thin_ = 0;         // bonds that were listed one by one; bonds with too thin a film that were not
-  double thinnest_ = 1e300;
+  int listed_ = 0;                // bonds told of one by one
+  BondsToWarnOf thin_, coarse_;   // bonds that were not: with too thin a film of cells, with too few cells
 };
 
 }  // namespace mpdem

@@ -99,7 +99,7 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
   };
   if (there > 0)
     for (const FullPoint& p : host_.full_points(std::min(bodies, there)))
-      for (const Vector3& shift : shifts) search.holding(p.x + shift, [&](int k) { look(k, p.body, Coordinates(table_[p.body]), table_[p.body].spacing, p.x + shift); });
+      for (const Vector3& shift : shifts) search.holding(p.x + shift, [&](int k) { look(k, p.body, Coordinates(table_[p.body]), p.width, p.x + shift); });
   const double full = 0.95 * std::pow(wish_.spacing, 3);
   for (std::size_t m = 0; m < part.bodies.size() && bodies > there; ++m) {
     const Fill& f = fill_of(part.from + m);
@@ -109,9 +109,10 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
       search.meeting(Box(around).translate(shift), [&](int k) {
         if (static_cast<std::size_t>(k) <= m) return;
         for (const FillPoint& p : f.points) {
-          if (p.volume < full) continue;
+          if (!p.film && p.volume < full) continue;
+          const double width = p.film ? kWidthInColumn * (p.link[1].foot - p.link[0].foot).norm() : wish_.spacing;
           const Vector3 x = of[m].out(p.X);
-          if (search.box(k).contains(x + shift) && plan_.box().owns(x)) look(k, there + static_cast<int>(m), of[m], wish_.spacing, x + shift);
+          if (search.box(k).contains(x + shift) && plan_.box().owns(x)) look(k, there + static_cast<int>(m), of[m], width, x + shift);
         }
       });
   }

@@ -161,7 +161,10 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
       for (int s = 0; s < 2; ++s) kind.area[s] = made.attached_area(s);
       kind.thickness = made.largest_thickness();
       kind.thinnest = made.smallest_thickness();
-      if (kind.thickness < 2.0 * wish_.spacing)
+      const FilmPart& film = film_of(static_cast<int>(k));
+      kind.film_share = film.empty() ? 0.0 : (film.area[0] + film.area[1]) / (kind.area[0] + kind.area[1]);
+      kind.width = film.all ? 0.0 : made.spans() - film.to;
+      if (kind.thickness < 2.0 * wish_.spacing && !film.all)
         trouble.tell(kind.first, thickness,
                      prefix(kind.first) + text_of("the cement is at most ", kind.thickness, " thick, less than a cell of two points of spacing ",
                                                   wish_.spacing, "; use a spacing of at most ", 0.5 * kind.thickness, " or more cement"));
@@ -172,12 +175,12 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
 }
 
 void CementPlan::share_kinds() {
-  constexpr int kNumbers = 5;
+  constexpr int kNumbers = 7;
   const int ranks = ranks_of(comm_), me = rank_in(comm_);
   std::vector<double> shared(kNumbers * kinds_.size(), 0.0);
   for (std::size_t k = me; k < kinds_.size(); k += ranks) {
     const Kind& kind = kinds_[k];
-    const double numbers[kNumbers] = {kind.volume, kind.area[0], kind.area[1], kind.thickness, kind.thinnest};
+    const double numbers[kNumbers] = {kind.volume, kind.area[0], kind.area[1], kind.thickness, kind.thinnest, kind.film_share, kind.width};
     std::copy(numbers, numbers + kNumbers, &shared[kNumbers * k]);
   }
   MPI_Allreduce(MPI_IN_PLACE, shared.data(), static_cast<int>(shared.size()), MPI_DOUBLE, MPI_SUM, comm_);
@@ -188,6 +191,8 @@ void CementPlan::share_kinds() {
     std::copy(v + 1, v + 3, kind.area);
     kind.thickness = v[3];
     kind.thinnest = v[4];
+    kind.film_share = v[5];
+    kind.width = v[6];
   }
 }
 
@@ -196,18 +201,29 @@ const Shape& CementPlan::shape_of(int kind) {
   if (k.shape) return *k.shape;
   const PlannedBond& bond = bonds_[k.first];
   const double grain_mass = bond.grain[0].mass + bond.grain[1].mass;
-  // No grid can resolve the film where the grains are closer than a cell. Between rigid touching spheres its stiffness
-  // has no bound either.
-  const double inner = wish_.inner < 0.0 ? bond.pair.radius_of_thickness(2.0 * wish_.spacing) : wish_.inner;
+  // Between rigid touching spheres the stiffness of a film has no bound.
+  const double inner = wish_.inner_rule == CementWish::given          ? wish_.inner
+                       : wish_.inner_rule == CementWish::two_spacings ? bond.pair.radius_of_thickness(2.0 * wish_.spacing)
+                                                                      : bond.pair.usual_inner(wish_.share);
   std::vector<std::unique_ptr<Shape>> made;
   for (const ShapeWords& w : wish_.shapes) {
     const auto content = w.given.find("content");
     const double volume = content == w.given.end() ? 0.0 : content->second * grain_mass / wish_.density;
     made.push_back(make_shape(w, bond.pair, volume, inner));
   }
-  if (made.size() == 1) k.shape = std::move(made.front());
-  else k.shape = std::make_unique<Composite>(std::move(made));
+  std::unique_ptr<Shape> shape;
+  if (made.size() == 1) shape = std::move(made.front());
+  else shape = std::make_unique<Composite>(std::move(made));
+  // with 'inner auto' nothing is too thin, but a rim may be narrow
+  if (wish_.film && wish_.inner_rule != CementWish::two_spacings) k.film = film_part(*shape, wish_.spacing);
+  if (!k.film.empty() && !k.film.all) k.resolved = shape->with_inner(k.film.to);
+  k.shape = std::move(shape);
   return *k.shape;
+}
+
+const Shape& CementPlan::resolved_of(int kind) {
+  const Shape& whole = shape_of(kind);
+  return kinds_[kind].resolved ? *kinds_[kind].resolved : whole;
 }
 
 std::vector<std::vector<CementPlan::Near>> CementPlan::neighbours() {

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "../geometry/film_fill.h"
 #include "../geometry/shape_styles.h"
 #include "scene_box.h"
 
@@ -31,7 +32,10 @@ struct CementWish {
   std::string file;    // file from which points are read; empty: points are made of shapes
   double attach = 0.0;
   double spacing = 0.0, density = 0.0;
-  double inner = -1.0;          // inner radius; negative: the radius where the grains are two spacings apart
+  enum Inner { usual, two_spacings, given } inner_rule = usual;  // usual: GrainPair::usual_inner(); two_spacings: where the grains are so far apart
+  double inner = 0.0;           // inner radius, if given
+  double share = GrainPair::kLeftOut;  // of GrainPair::usual_inner()
+  bool film = true;             // what is too thin for cells is film
   double grid[3] = {0, 0, 0};   // origin of the grid from the middle of the gap
   enum Overlap { error, skip, trim } overlap = error;
   bool later = false;           // true: points are made when they are needed
@@ -86,8 +90,10 @@ class CementPlan {
   // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
   struct Kind {
     std::size_t first;             // the first bond of the kind
-    std::unique_ptr<Shape> shape;  // made by shape_of(); null: not made yet, or points come from a file
-    double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0;  // known to all ranks
+    std::unique_ptr<Shape> shape, resolved;  // made by shape_of(); null: not made yet, or points come from a file. resolved: the part that cells fill, null: all of it
+    FilmPart film;                           // known with `shape`
+    // known to all ranks; film: its share of the attached area; width: of the part that reaches from grain to grain, without the film
+    double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0, film_share = 0, width = 0;
   };
   struct Near {
     std::size_t bond;
@@ -101,6 +107,9 @@ class CementPlan {
   double points_expected(std::size_t bond) const;
   // Makes the shape when it is first asked for. Throws ShapeError.
   const Shape& shape_of(int kind);
+  // The part of the shape that cells fill, and its film. None of it is left for cells if FilmPart::all.
+  const Shape& resolved_of(int kind);
+  const FilmPart& film_of(int kind) { return shape_of(kind), kinds_[kind].film; }
   // Finds for each bond the others, and periodic images, whose boxes meet its own.
   std::vector<std::vector<Near>> neighbours();
   // Text with which complaints about a bond begin.

@@ -26,7 +26,7 @@ using Vector3 = Eigen::Vector3d;
 // looked at.
 constexpr double kDriveOfDamaged = 10.0;
 
-BondDescription described(const Bond& b, const Body& body) { return BondDescription(b.points, b.grid, body, SidesAtCreation(body).side); }
+BondDescription described(const Bond& b, const Body& body) { return BondDescription(b.points, b.film.points, b.grid, body, SidesAtCreation(body).side); }
 
 // Nodes at the rim that hold next to nothing may be far off in the static fields. Their masses weigh in with these
 // motions, and the bond seems to be far too heavy. Where all of a bond moves about as its grains do, either grain has a
@@ -72,7 +72,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   auto s = std::make_shared<Solution>();
   const SidesAtCreation at(body);
   if (b) {
-    const StaticParts parts{b->points, b->grid, b->links, at.side, body, law};
+    const StaticParts parts{b->points, b->grid, b->links, at.side, body, law, &b->film};
     s->fields = solve_static(comm, &parts, most);
   } else {
     s->fields = solve_static(comm, nullptr, most);
@@ -90,7 +90,12 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
                                             : "'edge tied' where edges are free, points that hold, ", "or 'condense no'"));
   if (!b) return s;
   find_strain_bounds(b->points, s->fields.strain, law, s->bound);
-  s->sums.add(b->points, law, false);
+  if (!b->film.empty()) {
+    double of_film[6];
+    find_strain_bounds(b->film.points, s->fields.strain_of_film, law, of_film);
+    for (int j = 0; j < 6; ++j) s->bound[j] = std::max(s->bound[j], of_film[j]);
+  }
+  for (const PointStore* store : {&b->points, &b->film.points}) s->sums.add(*store, law, false);
   if (s->sums.largest_damage > 0.0)
     for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
   b->points.forget_roots_of_norm();
@@ -105,6 +110,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < i; ++j) s->energy(i, j) = s->energy(j, i) = energy_by(i, j) - 0.5 * (s->energy(i, i) + s->energy(j, j));
   for (PointBlock& p : b->points.blocks) p.strain = Sym3<vd>{};
+  s->energy += s->fields.stiffness_of_film;
   return s;
 }
 
@@ -115,7 +121,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
   if (b) {
     s->grain_of_node = grains_of_nodes(*b, body, split);
     s->models = models_of_pieces(*b, s->grain_of_node, middle);
-    s->sums.add(b->points, law, false);
+    for (const PointStore* store : {&b->points, &b->film.points}) s->sums.add(*store, law, false);
   } else {
     s->models.assign(2, CondensedModel());
     for (CondensedModel& m : s->models) m.middle = middle;
@@ -167,7 +173,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       continue;
     }
     // Halves of a bond that came apart share no nodes, and may be on two ranks.
-    cut[n] = b->cut_by_ranks() || b->points.size() != bonds.table[row].points;
+    cut[n] = b->cut_by_ranks() || b->size() != bonds.table[row].points;
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
     const auto before = described_.find(row);
@@ -395,6 +401,18 @@ CondensedBonds::Energies CondensedBonds::energies_of_piece(int body, int piece, 
   return part < 0 ? Energies() : energies_of_part(static_cast<std::size_t>(part), bonds, half, &sides);
 }
 
+CondensedBonds::Sides CondensedBonds::sides_of(int body, const Bonds& bonds) const {
+  Sides both{};
+  each_part_of(body, [&](std::size_t part) {
+    Body of_piece;
+    const Sides side = pack_.sides(static_cast<int>(part), body_of(part, bonds, of_piece));
+    const int piece = members_[part].piece;
+    if (piece < 0) both = side;
+    else both[piece] = side[0];
+  });
+  return both;
+}
+
 bool CondensedBonds::piece_sides(int body, int piece, const Bonds& bonds, Sides& sides) const {
   const int part = part_of_piece(body, piece);
   if (part < 0) return false;
@@ -512,12 +530,13 @@ std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
 
 double CondensedBonds::largest_root(Bond& b, const Body& body, int part, const CementOptions& options, const Law& law) const {
   show_strain(b, part);
-  if (!options.advance.nonlocal) return largest_root_of_drive(b.points, law, nullptr);
+  const double of_film = largest_root_of_drive(b.film.points, law, nullptr);
+  if (!options.advance.nonlocal) return std::max(of_film, largest_root_of_drive(b.points, law, nullptr));
   DriveAverage average;  // a bond that stays condensed keeps no lists for it
   average.find(b.points, b.grid, law, sweeps_for(options.length, options.cell, options.basis), {&body, options.imperfection});
   const double root = largest_root_of_drive(b.points, law, &b.grid);
   b.grid.drive_average.clear();
-  return root;
+  return std::max(of_film, root);
 }
 
 // The bound is by norms, and may be some times the root itself. So points are looked at when the bound says that they

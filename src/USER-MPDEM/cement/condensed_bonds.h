@@ -94,6 +94,8 @@ class CondensedBonds {
   Energies energies_of_piece(int body, int piece, const Bonds& bonds, double half, const Sides& sides) const;
   // Returns false if this rank has nothing of the piece.
   bool piece_sides(int body, int piece, const Bonds& bonds, Sides& sides) const;
+  // The grains of a bond as its sides.
+  Sides sides_of(int body, const Bonds& bonds) const;
   // tells(): does this rank tell the loads of the bond? loaded_sides(): all its loads on its grains.
   // energy_of_points(): elastic energy of its points. The rest of its energy is in the links.
   bool tells(int body) const { return find(body) && find(body)->tells; }

@@ -90,9 +90,12 @@ void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_that
 void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
   bond.points.forget_roots_of_norm();
+  double d[6] = {};
+  for (int j = 0; j < 6 && m.piece < 0; ++j) d[j] = pack_.relative(part, j);
+  if (!bond.film.empty() && m.piece < 0) bond.film.set_strain(m.solution->fields.strain_of_film, d);
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};
-    for (int j = 0; j < 6 && m.piece < 0; ++j) e = e + splat(pack_.relative(part, j)) * m.solution->fields.strain[j][b];
+    for (int j = 0; j < 6 && m.piece < 0; ++j) e = e + splat(d[j]) * m.solution->fields.strain[j][b];
     bond.points.blocks[b].strain = e;
   }
 }
@@ -113,6 +116,7 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) turn[i][j] = Q(i, j);
     take_up_field(bond->points, grid, turn);
+    bond->film.take_up(pack_.sides(part, row).data());
   }
   const bool cut = cut_.count(body) > 0;
   const std::array<double, 3> along = turned_back(axes_of(row), gravity);
@@ -141,7 +145,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
     for (int i = 0; i < grid.size(); ++i)
       for (int d = 0; d < 3; ++d)
         if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
-    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law};
+    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law, &bond->film};
     grid.velocity = static_displacement(comm, &parts, grid.force);
     AdvanceOptions options;
     options.nonlocal = true;  // without averages no damage grows
@@ -158,10 +162,12 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
                           const Law& law) {
   PointSums now;
   now.add(awake.points, law, false);
+  now.add(awake.film.points, law, false);
   Candidate& c = candidates_[awake.body];
   if (c.layout != awake.layout || c.damage != now.damaged_volume || c.failed != now.failed) {
     Bond still(awake);
     go_back_to_creation(still.points);
+    go_back_to_creation(still.film.points);
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);
     c = {awake.layout, now.damaged_volume, now.failed, nullptr};
     try {

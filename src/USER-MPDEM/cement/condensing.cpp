@@ -127,7 +127,8 @@ std::vector<int> Condensing::rows_that_are_due() {
     average_cut_drives(scene_, together);
     std::vector<double> roots(together.size(), 0.0);
     for (std::size_t n = 0; n < roots.size(); ++n)
-      if (const Bond* b = scene_.bonds().find(together[n])) roots[n] = largest_root_of_drive(b->points, *scene_.law, &b->grid);
+      if (const Bond* b = scene_.bonds().find(together[n])) 
+        roots[n] = std::max(largest_root_of_drive(b->points, *scene_.law, &b->grid), largest_root_of_drive(b->film.points, *scene_.law, nullptr));
     MPI_Allreduce(MPI_IN_PLACE, roots.data(), static_cast<int>(roots.size()), MPI_DOUBLE, MPI_MAX, scene_.comm);
     for (std::size_t n = 0; n < roots.size(); ++n)
       if (condensed_.note_look(together[n], roots[n], scene_.options, *scene_.law)) mine.push_back(together[n]);
@@ -168,7 +169,7 @@ void Condensing::wake() {
 bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
   const Body& body = scene_.bonds().body(b);
-  if (b.cut_by_ranks() || b.points.size() != body.points) return false;
+  if (b.cut_by_ranks() || b.size() != body.points) return false;
   if (!body.has_grain(0) || !body.has_grain(1)) return false;  // dust may be far from the grain that is left
   // looks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
@@ -178,7 +179,7 @@ bool Condensing::rests(Bond& b) {
   if (cracks_.separated(b.body))
     return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law,
                                   scene_.options.split);
-  const double root = largest_root_of_drive(b.points, *scene_.law, nullptr);
+  const double root = std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
   if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
   return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
@@ -220,6 +221,7 @@ void Condensing::condense_again() {
     add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], side), 1.0);
     condensed_.forget_candidate(row);
     go_back_to_creation(b->points);
+    go_back_to_creation(b->film.points);
     for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration}) std::fill(values->begin(), values->end(), 0.0);
     b->near_threshold = false;
     b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed

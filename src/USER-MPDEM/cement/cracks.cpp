@@ -88,6 +88,8 @@ double count_broken(const PointStore& points) {
   return count;
 }
 
+double count_broken(const Bond& b) { return count_broken(b.points) + count_broken(b.film.points); }
+
 // With nodes that split: how many cells of the lattice a cell of the grid is wide.
 int cells_across(const Body& body, const CementOptions& options) { return std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))); }
 
@@ -171,6 +173,14 @@ void Cracks::watch_links(const Bond& bond) {
   for (int link : bond.link_step.let_go) note(bond, bond.points.links[link].slot);
 }
 
+// A film that holds bridges the grains, wherever the rest is cracked.
+void Cracks::watch_film(const Bond& bond) {
+  State& s = states_[bond.body];
+  if (bond.film.holds() || s.path_cut || s.separation.separated) return;
+  s.path_cut = true;
+  cut_.push_back(bond.body);
+}
+
 // The point at this slot carries no path any more, or none to a grain.
 void Cracks::note(const Bond& bond, int slot) {
   State& s = states_[bond.body];
@@ -196,7 +206,7 @@ Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, cons
   return separate(points, face, sheets.joined_nodes(row), support(options.basis), again, 1, reach);
 }
 
-bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond.points) == states_[bond.body].broken_seen; }
+bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.body].broken_seen; }
 
 // Returns rows whose path is cut and where something broke since. Debris is looked for in all bonds that came apart,
 // since it may be in any of them.
@@ -217,15 +227,20 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
       if (states_[row].separation.separated && !bonds.table[row].condensed) rows.push_back(static_cast<int>(row));
   }
   std::sort(rows.begin(), rows.end());
-  std::vector<double> now(rows.size(), 0.0);
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    if (const Bond* b = bonds.find(rows[n])) now[n] = count_broken(b->points);
+  std::vector<double> now(2 * rows.size(), 0.0);  // broken so far; 1 if the film holds on a rank
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Bond* b = bonds.find(rows[n]);
+    if (!b) continue;
+    now[2 * n] = count_broken(*b);
+    now[2 * n + 1] = b->film.holds();
+  }
   MPI_Allreduce(MPI_IN_PLACE, now.data(), static_cast<int>(now.size()), MPI_DOUBLE, MPI_SUM, comm);
   std::vector<int> looked_at;
   for (std::size_t n = 0; n < rows.size(); ++n) {
     State& s = states_[rows[n]];
-    if (now[n] == s.broken_seen) continue;
-    s.broken_seen = now[n];
+    // watch_film() asks for the look once the film has failed
+    if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
+    s.broken_seen = now[2 * n];
     looked_at.push_back(rows[n]);
   }
   return looked_at;
@@ -242,12 +257,18 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
   std::vector<std::vector<Returned>> back(ranks);
   std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
-  constexpr int kRow = 6;  // separated, areas, has other parts, holds to other grains
+  constexpr int kRow = 10;  // separated, areas, has other parts, holds to other grains, points, areas of the film
   std::vector<double> result(kRow * looked_at.size(), 0.0);
   std::vector<Separation> separations(looked_at.size());
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
     const int r = looked_at[n];
+    if (const Bond* b = bonds.find(r)) {
+      const Film::Areas film = b->film.areas();
+      const double areas[3] = {film.at_grain[0], film.at_grain[1], film.inside};
+      std::copy(areas, areas + 3, &result[kRow * n + 7]);
+    }
     if (whole.points[n].empty()) continue;
+    result[kRow * n + 6] = 1.0;
     Separation& s = separations[n] = look_at(bonds.table[r], r, sheets, options, whole.points[n], skins);
     for (int tag : s.path)
       for (auto& to : paths) to.push_back({r, tag});
@@ -283,10 +304,11 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
     State& s = states_[looked_at[k]];
     bool lay_out = row[4] != 0.0;
     // The surface is that of the separation; what breaks later is debris.
-    if (!s.separation.separated && row[0] != 0.0) {
+    // A bond that is all film has nothing else.
+    if (!s.separation.separated && (row[0] != 0.0 || row[6] == 0.0)) {
       s.separation.separated = true;
-      std::copy(row + 1, row + 3, s.separation.at_grain);
-      s.separation.inside = row[3];
+      for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[7 + g];
+      s.separation.inside = row[3] + row[9];
       lay_out = lay_out || (options.tied && !options.split) || options.relax > 0.0;
     }
     if (row[5] != 0.0) found.held.push_back(looked_at[k]);
@@ -321,14 +343,22 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
   std::vector<double> found(kWords * rows.size(), 0.0);
   for (std::size_t b = 0; b < rows.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];
-    if (points.empty()) continue;
     const int row = rows[b];
+    if (const Bond* bond = bonds.find(row); bond && !bond->film.empty()) {
+      const Film::Areas film = bond->film.areas();
+      const double face = bonds.table[row].spacing * bonds.table[row].spacing;
+      found[kWords * b] += film.holding / face;  // as points across the line of centres would count
+      found[kWords * b + 1] += film.all() / face;
+      for (int g = 0; g < 2; ++g) found[kWords * b + 2 + g] += film.at_grain[g];
+      found[kWords * b + 4] += film.inside + film.holding;
+    }
+    if (points.empty()) continue;
     const JoinedNodes joined = options.split ? JoinedNodes() : sheets.joined_nodes(row);
     const int nodes = options.split ? 0 : support(options.basis);
     const Ligament ligament = find_ligament(points, joined, nodes);
     double* of_bond = &found[kWords * b];
-    of_bond[0] = ligament.left();
-    of_bond[1] = ligament.whole;
+    of_bond[0] += ligament.left();
+    of_bond[1] += ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
       const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins, joined, nodes), skins);
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};

@@ -47,6 +47,8 @@ class Cracks {
   bool take_up(std::size_t rows);
   // Notes whether the path of a bond is cut by the points that fail in this step.
   void watch(const Bond& bond);
+  // Notes that the film of a bond failed on this rank.
+  void watch_film(const Bond& bond);
   // Does the same for links that let go in this step of points that hold.
   void watch_links(const Bond& bond);
   // Collective. Is a path cut on any rank, or does a bond wait for its first look?

@@ -106,6 +106,14 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
     else if (deleted) leaving.attached_deleted.push_back(b.points.tag(slot));
     else if (outside && !dust) leaving.attached_outside.push_back(b.points.tag(slot));
   }
+  // A film is of both grains. Once the bond is separated it is dust, and goes with the first grain that does.
+  b.for_each_slot([&](int slot) {
+    if (slot < Bond::kFilm) return;
+    const int tag = b.film.points.tag(Bond::slot_in_store(slot));
+    if (as_a_whole || (separated && (gone != 0 || has(departing.outside, b.body, slot) || has(departing.deleted, b.body, slot)))) leaving.slots[b.body].push_back(slot);
+    else if (has(departing.deleted, b.body, slot)) leaving.attached_deleted.push_back(tag);
+    else if (has(departing.outside, b.body, slot)) leaving.attached_outside.push_back(tag);
+  });
 }
 
 // Points and volume that leave each row, of all ranks.
@@ -118,8 +126,11 @@ std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const 
       sum[2 * n] = body.points;
       sum[2 * n + 1] = body.volume;
     } else if (slots != leaving.slots.end()) {
-      const PointStore& points = scene_.bonds().find(slots->first)->points;
-      for (int slot : slots->second) sum[2 * n + 1] += points.blocks[slot / kLanes].volume[slot % kLanes];
+      const Bond& b = *scene_.bonds().find(slots->first);
+      for (int slot : slots->second) {
+        const int in_store = Bond::slot_in_store(slot);
+        sum[2 * n + 1] += b.store_of(slot).blocks[in_store / kLanes].volume[in_store % kLanes];
+      }
       sum[2 * n] = static_cast<double>(slots->second.size());
     }
   }
@@ -189,8 +200,8 @@ std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const L
     if (Bond* b = scene_.bonds().find(share.row)) {
       const auto slots = leaving.slots.find(share.row);
       for (int slot : slots == leaving.slots.end() ? std::vector<int>() : slots->second) {
-        tags.push_back(b->points.tag(slot));
-        b->points.release(slot);
+        tags.push_back(b->store_of(slot).tag(Bond::slot_in_store(slot)));
+        b->release(slot);
       }
       for (int s = 0; s < 2; ++s) {
         if (!(gone >> s & 1)) continue;
@@ -210,7 +221,7 @@ std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const L
 }
 
 std::vector<int> Departures::carry_out(const Leaving& leaving) {
-  const bool moved = std::any_of(scene_.bonds().begin(), scene_.bonds().end(), [](const Bond& b) { return b.points.changed(); });
+  const bool moved = std::any_of(scene_.bonds().begin(), scene_.bonds().end(), [](const Bond& b) { return b.changed(); });
   throw_if_any(scene_.comm, moved ? "cement leaves of which points went to other ranks since the last run; use 'run 0' after write_restart, before grains or points are deleted" : "");
   const std::vector<Share> of_rows = shares(leaving);
   EnergyBooks::Left left;

@@ -26,15 +26,16 @@ Vector3 axis_at(const Vector3& X, const Body& body, const CementOptions& options
   return radial_axis(X, centre, body.radius, body.spacing);
 }
 
-// Sets the frame of each new point. The third axis is the axis of the elasticity.
-void set_frames(PointStore& points, const Body& body, const CementOptions& options, const Law& law) {
+// Sets the frame of each new point. The third axis is the axis of the elasticity. axis(X): a vector along it.
+template <class Axis>
+void set_frames(PointStore& points, const Law& law, Axis axis) {
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     BlockMeta& m = points.meta[b];
     if (m.framed == m.occupied) continue;
     for (int l = 0; l < kLanes; ++l) {
       if (!(m.occupied >> l & 1) || (m.framed >> l & 1)) continue;
       const PointBlock& p = points.blocks[b];
-      const Eigen::Quaterniond q = frame_along(axis_at(Vector3(p.X[0][l], p.X[1][l], p.X[2][l]), body, options).normalized());
+      const Eigen::Quaterniond q = frame_along(axis(Vector3(p.X[0][l], p.X[1][l], p.X[2][l])).normalized());
       Frame& f = points.blocks[b].q;
       f.w[l] = q.w();
       f.x[l] = q.x();
@@ -133,8 +134,9 @@ class LayoutMaker {
     l.points.set_law(rules_.law);
     if (rules_.arrange) {
       l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot, !o.updated);
-      set_frames(l.points, body, o, *rules_.law);
+      set_frames(l.points, *rules_.law, [&](const Vector3& X) { return axis_at(X, body, o); });
     }
+    find_softening(l.points, body);
     if (rules_.penalty) l.links = PenaltyLinks(l.points, body, *rules_.penalty, o.cell, rules_.density, o.basis);
   }
 
@@ -234,6 +236,15 @@ class LayoutMaker {
 };
 
 }  // namespace
+
+// Columns are along the line of centres, so that is their axis with `axis radial`, too: it lies between the normals of their ends.
+void lay_out_film(Film& film, const Body& body, const CementOptions& options, const std::shared_ptr<const Law>& law) {
+  if (film.empty()) return;
+  film.lay_out(body, law);
+  CementOptions of_film(options);
+  if (options.axis == AxisRule::radial) of_film.axis = AxisRule::bond;
+  set_frames(film.points, *law, [&](const Vector3& X) { return axis_at(X, body, of_film); });
+}
 
 std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests) {
   return LayoutMaker(rules, rows, requests).make();

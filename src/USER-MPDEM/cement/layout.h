@@ -46,6 +46,7 @@ struct LayoutRules {
 struct BondLayout {
   int body = 0;
   PointStore points;
+  Film film;  // of copies alone; make_layout() leaves it empty
   Grid grid;
   PenaltyLinks links;
   std::vector<char> fresh;    // of each node: 1 if no rank had it before
@@ -56,6 +57,9 @@ struct BondLayout {
 // bonds of which this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they
 // may.
 std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests);
+
+// Lays out the film of a bond. It has no nodes, so no other rank need know.
+void lay_out_film(Film& film, const Body& body, const CementOptions& options, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem
 

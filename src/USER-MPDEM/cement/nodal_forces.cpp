@@ -55,6 +55,18 @@ void NodalForces::follow_links(Bond& b) {
   cracks_.watch_links(b);
 }
 
+// Columns of a film follow the grains, which are where they will be at the end of the step.
+void NodalForces::advance_film(Bond& b) {
+  if (b.film.empty()) return;
+  AdvanceResult of_film;
+  b.film.advance(scene_.grains.side_of(b), *scene_.law, scene_.penalty ? scene_.penalty->law.get() : nullptr, scene_.now.dt, scene_.options.advance, of_film);
+  scene_.books.dissipate(of_film.dissipated);
+  scene_.books.release(of_film.released);
+  if (b.film.failed.empty() && b.film.debonded.empty()) return;
+  scene_.host().film_failed(b);
+  if (scene_.penalty) cracks_.watch_film(b);
+}
+
 // Adds everything but the internal force, which is on the nodes already.
 void NodalForces::add_link_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
@@ -63,6 +75,7 @@ void NodalForces::add_link_forces(Bond& b) {
   const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
   scene_.books.release(closing.released);
   scene_.books.rub(closing.rubbed);
+  advance_film(b);
   b.grid.ties.pull_back(b.grid.force.data());
 }
 
@@ -167,6 +180,7 @@ void NodalForces::find_at_start() {
   for (Bond& b : scene_.bonds().awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
+    if (!b.film.empty()) b.film.add_force(scene_.grains.side_of(b), *scene_.law);
     b.places.add_force(b.grid, scene_.grains.side_of(b));
     b.closing.add_force(b.points, b.grid, 0.0);  // nothing moves
     b.grid.ties.pull_back(b.grid.force.data());

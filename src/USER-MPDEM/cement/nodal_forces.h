@@ -50,6 +50,7 @@ class NodalForces {
 
  private:
   void follow_links(Bond& b);
+  void advance_film(Bond& b);
   void complete(Bond& b, double kick);
   bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
   void find_grain_accelerations();

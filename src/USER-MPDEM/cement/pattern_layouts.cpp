@@ -22,8 +22,10 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
   std::vector<LayoutRequest> requests;
   std::vector<int> rows;
   for (Bond& b : alone) {
-    const std::string trouble = mpdem::take_up_states(b.points, scene.law);
-    if (!trouble.empty()) throw BadState(trouble);
+    for (PointStore* store : {&b.points, &b.film.points}) {
+      const std::string trouble = mpdem::take_up_states(*store, scene.law);
+      if (!trouble.empty()) throw BadState(trouble);
+    }
     requests.emplace_back();
     requests.back().body = b.body;
     requests.back().points = std::move(b.points);
@@ -38,6 +40,8 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
     b.points = std::move(l.points);
     b.grid = std::move(l.grid);
     b.links = std::move(l.links);
+    b.film = std::move(alone.find(l.body)->film);
+    lay_out_film(b.film, found.back().body, options, scene.law);
   }
   return found;
 }

@@ -55,7 +55,7 @@ std::vector<int> move_places(Scene& scene) {
   for (Bond& b : scene.bonds().awake()) {
     if (!b.places_may_move) continue;
     b.places_may_move = false;
-    const bool whole = b.points.size() == scene.bonds().body(b).points;
+    const bool whole = b.size() == scene.bonds().body(b).points;
     for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds().body(b))) {
       if (!whole) {
         abroad.push_back(m);

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <string>
+#include <unordered_map>
 
 #include "../mpm/block_nodes.h"
 #include "../mpm/gather.h"
@@ -86,6 +87,19 @@ double rounded_energy(double stiffness, double reach) {
   return 100.0 * stiffness * strain * strain;
 }
 
+// Kinetic energy of what is free of a grain.
+double kinetic_energy(const Grain& g) {
+  double sum = 0.0;
+  for (int d = 0; d < 6; ++d) sum += g.free[d] ? 0.5 * (d < 3 ? g.mass : g.inertia) * g.velocity[d] * g.velocity[d] : 0.0;
+  return sum;
+}
+
+// See Report::EnergyShares. put_in: into the cement. Rounding and what the books do not know may take it below the kinetic energy.
+double kinetic_share_of(double of_cement, double of_grains, double put_in) {
+  const double all = of_grains + std::max(put_in, of_cement);
+  return all > 0.0 ? (of_grains + of_cement) / all : 0.0;
+}
+
 void count_bonds(const Cracks& cracks, int awake, CementTotals& t) {
   t.awake = awake;
   for (std::size_t r = 0; r < cracks.size(); ++r) {
@@ -106,7 +120,7 @@ CementTotals Report::totals(double reach_of_box) const {
   // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
   // accumulates
   enum { kPoints, kFailed, kVolume, kDamaged, kElastic, kCoupling, kKinetic, kDiscreteKinetic, kP, kL = kP + 3, kDissipated = kL + 3,
-         kReleased, kDamped, kRubbed, kWork, kLeft, kCount = kLeft + kMostNumbers<EnergyBooks::Left> };
+         kReleased, kDamped, kRubbed, kWork, kGrains, kLeft, kCount = kLeft + kMostNumbers<EnergyBooks::Left> };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes(scene_.grains.grains);
@@ -121,14 +135,14 @@ CementTotals Report::totals(double reach_of_box) const {
       add_condensed(bond.body);
       continue;
     }
-    of_points.add(bond.points, *scene_.law, true);
+    for (const PointStore* store : {&bond.points, &bond.film.points}) of_points.add(*store, *scene_.law, true);
     of_nodes.add(bond.grid, scene_.bonds().body(bond), 0.5 * scene_.dt_last);
     const GrainSide* side = scene_.grains.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
     bond.places.add_energy(bond.grid, side, sum[kCoupling]);
     sum[kElastic] += bond.closing.energy(bond.points, bond.grid);
-    sum[kCoupling] += inertial;
+    sum[kCoupling] += inertial + bond.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
     sum[kDiscreteKinetic] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
   }
   for (int row : condensed_.rows_without_points(scene_.bonds())) add_condensed(row);
@@ -138,20 +152,17 @@ CementTotals Report::totals(double reach_of_box) const {
   sum[kDiscreteKinetic] += of_nodes.discrete_kinetic;
   std::copy(of_nodes.momentum, of_nodes.momentum + 3, &sum[kP]);
   std::copy(of_nodes.angular_momentum, of_nodes.angular_momentum + 3, &sum[kL]);
-  sum[kPoints] = of_points.points;
-  sum[kFailed] = of_points.failed;
-  sum[kVolume] = of_points.volume;
-  sum[kDamaged] = of_points.damaged_volume;
+  const double of_stores[] = {of_points.points, of_points.failed, of_points.volume, of_points.damaged_volume};
+  std::copy(std::begin(of_stores), std::end(of_stores), &sum[kPoints]);
   sum[kElastic] += of_points.elastic;
   most[0] = of_points.largest_damage;
   const EnergyBooks::Sums& books = scene_.books.sums();
   const double of_books[] = {books.dissipated, books.released, books.damped - books.damped_ahead, books.rubbed - books.rubbed_ahead,
                              books.work - books.work_ahead};
   std::copy(std::begin(of_books), std::end(of_books), &sum[kDissipated]);
+  for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
   pack(books.left, &sum[kLeft]);
-  const double inertial = books.inertial_work - books.inertial_work_ahead;
-  sum[kKinetic] -= inertial;
-  sum[kDiscreteKinetic] -= inertial;
+  for (int k : {kKinetic, kDiscreteKinetic}) sum[k] -= books.inertial_work - books.inertial_work_ahead;
   global_sum(sum, scene_.comm);
   global_max(most, scene_.comm);
 
@@ -174,10 +185,66 @@ CementTotals Report::totals(double reach_of_box) const {
   const double kept = spent - t.kinetic + sum[kDiscreteKinetic];
   const double stiffest = std::max(scene_.law->elasticity().C33, scene_.penalty ? scene_.penalty->law->stiffness().kn * scene_.options.cell : 0.0);
   const double rounding = rounded_energy(stiffest * sum[kVolume], reach_of_box / scene_.options.cell);
-  t.imbalance = scale > rounding ? (t.external_work + scene_.books.start_energy() - kept) / scale : 0.0;
+  const double put_in = t.external_work + scene_.books.start_energy();
+  t.imbalance = scale > rounding ? (put_in - kept) / scale : 0.0;
+  t.kinetic_share = scale > rounding ? kinetic_share_of(t.kinetic, sum[kGrains], put_in) : 0.0;
   std::copy(&sum[kP], &sum[kP] + 3, t.momentum);
   std::copy(&sum[kL], &sum[kL] + 3, t.angular_momentum);
   return t;
+}
+
+Report::EnergyShares Report::energy_shares() const {
+  if (!scene_.laid_out) return {};
+  enum { kCement, kGrains, kWork, kDissipated, kCount };
+  NodeSums of_nodes(std::vector<Grain>{});
+  of_nodes.add(condensed_.energies(scene_.bonds(), 0.5 * scene_.dt_last));
+  for (const Bond& bond : scene_.bonds().awake()) of_nodes.add(bond.grid, scene_.bonds().body(bond), 0.5 * scene_.dt_last);
+  const EnergyBooks::Sums& books = scene_.books.sums();
+  std::vector<double> sum(kCount, 0.0);
+  sum[kCement] = of_nodes.kinetic - (books.inertial_work - books.inertial_work_ahead);
+  sum[kWork] = books.work - books.work_ahead;
+  for (const Grain& g : scene_.grains.grains) sum[kGrains] += scene_.options.mass_scale * kinetic_energy(g);
+  sum[kDissipated] = books.dissipated;
+  global_sum(sum, scene_.comm);
+  const double put_in = sum[kWork] + scene_.books.start_energy();
+  return {kinetic_share_of(sum[kCement], sum[kGrains], put_in), sum[kDissipated] > 0.0 ? sum[kDissipated] / std::max(put_in, sum[kDissipated]) : 0.0};
+}
+
+double Report::unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const {
+  if (!scene_.laid_out) return 0.0;
+  const std::vector<Body>& table = scene_.bonds().table;
+  std::unordered_map<int, std::array<double, 3>> of_cement;  // force that accelerates the cement of a grain, by its tag
+  for (const Grain& g : scene_.grains.grains) of_cement[g.tag] = {};
+  Magnitudes of_bonds;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const BondState& b = loads[i];
+    double square = 0.0;
+    for (int d = 0; d < 3; ++d) square += 0.25 * (b.force[0][d] - b.force[1][d]) * (b.force[0][d] - b.force[1][d]);
+    if (b.broken == 0.0) of_bonds.sum += std::sqrt(square), of_bonds.number += 1.0;
+    for (int s = 0; s < 2; ++s) {
+      const auto at = table[i].has_grain(s) ? of_cement.find(table[i].grain[s]) : of_cement.end();
+      if (at == of_cement.end()) continue;
+      for (int d = 0; d < 3; ++d) {
+        const double on_grain = b.separated == 0.0 ? 0.5 * (b.force[0][d] + b.force[1][d]) : b.force[s][d];
+        at->second[d] += 0.5 * scene_.density() * table[i].volume * scene_.now.gravity[d] - on_grain;
+      }
+    }
+  }
+  enum { kSquares, kGrains, kContacts, kSum, kCount };
+  std::vector<double> sum(kCount, 0.0);
+  for (const Grain& g : scene_.grains.grains) {
+    if (!(g.free[0] || g.free[1] || g.free[2])) continue;
+    sum[kGrains] += 1.0;
+    for (int d = 0; d < 3; ++d) sum[kSquares] += g.free[d] ? (g.force[d] + of_cement[g.tag][d]) * (g.force[d] + of_cement[g.tag][d]) : 0.0;
+  }
+  sum[kContacts] = of_contacts.number;
+  sum[kSum] = of_contacts.sum;
+  global_sum(sum, scene_.comm);
+  if (sum[kSquares] == 0.0) return 0.0;
+  constexpr double kMost = 1e9;
+  const double resultant = std::sqrt(sum[kSquares] / sum[kGrains]);
+  const double mean = (of_bonds.sum + sum[kSum]) / std::max(1.0, of_bonds.number + sum[kContacts]);
+  return resultant < kMost * mean ? resultant / mean : kMost;
 }
 
 const std::vector<BondState>& Report::bond_loads() {
@@ -244,8 +311,12 @@ const std::vector<BondState>& Report::bond_states() {
   };
   for (const Bond& b : scene_.bonds()) {
     PointSums of_bond;
-    if (scene_.bonds().is_awake(b)) of_bond.add(b.points, *scene_.law, false);
-    else of_bond = condensed_.sums_of_points(b.body);
+    if (scene_.bonds().is_awake(b)) {
+      of_bond.add(b.points, *scene_.law, false);
+      of_bond.add(b.film.points, *scene_.law, false);
+    } else {
+      of_bond = condensed_.sums_of_points(b.body);
+    }
     add(b.body, b, scene_.bonds().body(b), of_bond);
   }
   for (int row : condensed_.rows_without_points(scene_.bonds())) {
@@ -275,7 +346,8 @@ std::vector<double> Report::added_mass_of_sides() const {
 double Report::cement_mass() const {
   double sum = 0.0;
   for (const Bond& bond : scene_.bonds())
-    for (const PointBlock& b : bond.points.blocks) sum += scene_.inertia * sum_lanes(b.volume);
+    for (const PointStore* store : {&bond.points, &bond.film.points})
+      for (const PointBlock& b : store->blocks) sum += scene_.inertia * sum_lanes(b.volume);
   for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.inertia * scene_.bonds().table[row].volume;
   return sum;
 }
@@ -304,6 +376,18 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
       });
     }
   });
+}
+
+void Report::motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const {
+  motion.resize(bond.film.points.blocks.size());
+  const double half = 0.5 * scene_.dt_last;
+  const bool asleep = condensed_.has(bond.body);
+  const std::array<GrainSide, 2> of_condensed = asleep && !motion.empty() ? condensed_.sides_of(bond.body, scene_.bonds()) : std::array<GrainSide, 2>{};
+  const GrainSide* side = asleep ? of_condensed.data() : scene_.grains.side_of(bond);
+  for (std::size_t b = 0; b < motion.size(); ++b) {
+    bond.film.motion(static_cast<int>(b), side, half, motion[b].u, motion[b].v);
+    for (int d = 0; d < 3; ++d) motion[b].u[d] -= bond.film.points.blocks[b].X[d];
+  }
 }
 
 void Report::note_peaks() {

@@ -25,6 +25,25 @@ class Report {
   const std::vector<BondState>& bond_states();
   // Does the same, but columns that need points (needs_points()) are 0. Cheap enough for every step.
   const std::vector<BondState>& bond_loads();
+  // Shares of the energy that was put into cement and free grains and not taken back, 1 at most; 0 if there is none.
+  // kinetic: energy of motion of both. That of the grains counts as often as the inertia of the cement is scaled: cement with S times
+  // its inertia is as late in what a grain does as cement in a motion that is sqrt(S) times as fast. dissipated: by damage, of what
+  // was put into the cement.
+  struct EnergyShares {
+    double kinetic = 0.0, dissipated = 0.0;
+  };
+  // Collective. Only nodes are summed up, so it is cheap enough for checks.
+  EnergyShares energy_shares() const;
+  // Magnitudes of forces, their sum and number.
+  struct Magnitudes {
+    double sum = 0.0, number = 0.0;
+  };
+  // Collective. Root mean square of the resultants of grains over the mean magnitude of the forces of bonds and contacts. It is the
+  // ratio of Yade (doc/bibliography.md) with that mean of the resultants. A resultant is the force that accelerates a grain with half
+  // of the cement of each of its bonds, or with its own cement of one that is separated. Grains that are not free have none. The force
+  // of a bond is half of the difference of its forces on both grains; bonds that are broken have none.
+  // loads: bond_loads() or bond_states(). of_contacts: forces of contacts of grains that have bonds, each on one rank. Without any force the value is 0; it is 1e9 at most.
+  double unbalanced_force(const std::vector<BondState>& loads, const Magnitudes& of_contacts) const;
   // Collective. Added mass at either side of each bond, over all ranks.
   std::vector<double> added_mass_of_sides() const;
   double cement_mass() const;  // mass on this rank, with the mass scale
@@ -39,6 +58,7 @@ class Report {
     vd u[3], v[3];
   };
   void motion_of_points(const Bond& bond, std::vector<PointMotionNow>& motion) const;
+  void motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const;
 
   // Call at the end of each step.
   void note_peaks();

@@ -36,6 +36,8 @@ class CementHost {
   virtual std::array<double, 3> initial_velocity(int tag) = 0;
   // Points of a bond failed in this step, see Bond::failed. Called before they get other slots.
   virtual void points_failed(const Bond& bond) = 0;
+  // Columns of the film of a bond failed in this step, see Film::failed.
+  virtual void film_failed(const Bond& /* bond */) {}
   // Links of a bond let go of points that did not fail, see Bond::link_step.
   virtual void links_let_go(const Bond& bond) = 0;
   // Slots of points of a bond changed.

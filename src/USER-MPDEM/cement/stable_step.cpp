@@ -31,11 +31,20 @@ double StableStep::largest_mass_ratio() const {
 double StableStep::relaxation_rate(double share) const {
   if (share == 0.0) return 0.0;
   double thinnest = std::numeric_limits<double>::infinity();
-  for (const Body& b : scene_.bonds().table) thinnest = std::min(thinnest, b.thickness);
+  for (const Body& b : scene_.bonds().table)
+    if (b.thickness > 0.0) thinnest = std::min(thinnest, b.thickness);  // what is all film has no nodes
   return Relaxation::rate(thinnest, share, scene_.shear_speed()) * (1.0 + largest_mass_ratio());
 }
 
-double StableStep::step_for(double eigenvalue, double relax) const {
+void StableStep::find_film() {
+  const std::vector<StiffnessOfBond> found = stiffness_of_films(scene_);
+  const double step = found.empty() ? std::numeric_limits<double>::infinity() : of_grains(found);
+  of_film_ = 4.0 / (step * step);
+}
+
+// The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
+double StableStep::step_for(double of_cement, double relax) const {
+  const double eigenvalue = of_cement + of_film_;
   // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
   const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.options.stability_bound();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);

@@ -29,9 +29,11 @@ class StableStep {
   // True with `updated` kinematics: points come to other places in the cells, so only the bound holds for the steps to
   // come. The functions above and below give the bound then.
   bool bound_alone() const;
-  // Largest stable step for a known eigenvalue, with the damping `relax` of critical. Throws BadState if no step is
-  // stable.
+  // Largest stable step for a known eigenvalue, with the damping `relax` of critical. The stiffness of films between the
+  // grains counts, too. Throws BadState if no step is stable.
   double step_for(double eigenvalue, double relax) const;
+  // Collective. Call before, when bonds, grains or what is free of them changed.
+  void find_film();
   // Largest step with which grains on massless bonds of this static stiffness would be stable.
   double of_grains(const std::vector<StiffnessOfBond>& found) const;
   // Effect of the damping of `quasistatic` on the step. step: with damping. undamped: without it. admitted: damping
@@ -68,6 +70,7 @@ class StableStep {
   const Scene& scene_;
   const CondensedBonds& condensed_;
   double known_ = 0.0;
+  double of_film_ = 0.0;  // bound of the largest eigenvalue of the grains on their films
 };
 
 }  // namespace mpdem

@@ -179,7 +179,8 @@ int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r
 std::size_t StaticBond::memory_usage() const {
   std::size_t bytes = 0;
   for (const auto& u : displacement) bytes += u.capacity() * sizeof(double);
-  for (const auto& e : strain) bytes += e.capacity() * sizeof(Sym3<vd>);
+  for (const auto* strains : {&strain, &strain_of_film})
+    for (const auto& e : *strains) bytes += e.capacity() * sizeof(Sym3<vd>);
   return bytes;
 }
 
@@ -225,6 +226,12 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   }
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) bond.stiffness(i, j) = bond.stiffness(j, i) = energy(i, j);
+  if (parts && parts->film && !parts->film->empty()) {
+    bond.strain_of_film = parts->film->strains(parts->side, bond.frame.middle);
+    bond.stiffness_of_film = parts->film->stiffness(bond.strain_of_film, parts->law);
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) bond.stiffness(i, j) += equations.all(bond.stiffness_of_film(i, j));
   return bond;
 }
 

@@ -23,6 +23,7 @@
 #include <array>
 #include <vector>
 
+#include "../coupling/film.h"
 #include "../coupling/penalty_links.h"
 #include "../material/law.h"
 #include "../mpm/grid.h"
@@ -52,6 +53,7 @@ struct StaticParts {
   const GrainSide* side;
   const Body& body;
   const Law& law;
+  const Film* film = nullptr;  // it adds its stiffness and moves no node
 };
 
 struct StaticBond {
@@ -59,6 +61,8 @@ struct StaticBond {
   Matrix6 stiffness = Matrix6::Zero();
   std::array<std::vector<double>, 6> displacement;   // three numbers a node, of tied nodes too
   std::array<std::vector<Sym3<vd>>, 6> strain;       // strain of each block, in the material frames
+  Film::Strains strain_of_film;
+  Matrix6 stiffness_of_film = Matrix6::Zero();       // part of `stiffness`, of the columns of this rank
   int products = 0;       // products with the operator, for all fields
   std::size_t memory_usage() const;
 };

@@ -7,6 +7,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "../mpm/field_drive.h"
 #include "../numerics/cross_matrix.h"
 #include "../parallel/agree.h"
 #include "../parallel/ranks.h"
@@ -47,7 +48,7 @@ class StiffnessFinder {
   void solve_whole() {
     std::unordered_multimap<std::size_t, int> solved;  // layouts by the hash of their description
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
-      if (layouts_[n].grid.halo.shares_any()) continue;
+      if (is_cut(layouts_[n])) continue;
       const BondDescription mine = description(n);
       const std::size_t hash = mine.hash();
       const auto range = solved.equal_range(hash);
@@ -69,7 +70,7 @@ class StiffnessFinder {
     std::vector<int> at(table_.size(), -1);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       at[layouts_[n].body] = static_cast<int>(n);
-      cut[layouts_[n].body] = layouts_[n].grid.halo.shares_any();
+      cut[layouts_[n].body] = is_cut(layouts_[n]);
     }
     MPI_Allreduce(MPI_IN_PLACE, cut.data(), static_cast<int>(cut.size()), MPI_SIGNED_CHAR, MPI_MAX, comm);
     for (std::size_t row = 0; row < cut.size(); ++row)
@@ -81,7 +82,7 @@ class StiffnessFinder {
     std::map<int, StiffnessOfBond> solved;
     for (CondensedBonds::OfPattern& o : laid_out) {
       const SidesAtCreation at(o.body);
-      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_}), solved[o.pattern]);
+      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_, &o.bond.film}), solved[o.pattern]);
     }
     for (const BondedGrains::OwnedSide& o : grains_.owned) {
       const int pattern = table_[o.body].pattern;
@@ -132,13 +133,15 @@ class StiffnessFinder {
   }
 
  private:
+  // Ranks may share a bond and no node: a film has none.
+  bool is_cut(const BondLayout& l) const { return l.grid.halo.shares_any() || (!l.film.empty() && l.points.size() + l.film.points.size() != table_[l.body].points); }
   const GrainSide* side_of(int body) const {
     if (table_[body].condensed) return creation_.emplace(body, SidesAtCreation(table_[body])).first->second.side;
     return &grains_.sides.sides[grains_.sides.find(body, 0)];
   }
   BondDescription description(int layout) const {
     const BondLayout& l = layouts_[layout];
-    return BondDescription(l.points, l.grid, table_[l.body], side_of(l.body));
+    return BondDescription(l.points, l.film.points, l.grid, table_[l.body], side_of(l.body));
   }
   // layout: -1 if this rank has nothing of the bond.
   void solve_one(MPI_Comm comm, int row, int layout) {
@@ -147,7 +150,7 @@ class StiffnessFinder {
       return;
     }
     BondLayout& l = layouts_[layout];
-    const StaticParts parts{l.points, l.grid, l.links, side_of(row), table_[row], law_};
+    const StaticParts parts{l.points, l.grid, l.links, side_of(row), table_[row], law_, &l.film};
     write(solve_static(comm, &parts), found_[row]);
   }
 
@@ -183,6 +186,67 @@ std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<
   finder.turn_condensed();
   finder.into_box();
   return finder.of_all(scene.comm);
+}
+
+namespace {
+
+StiffnessOfBond stiffness_of_film(Film film, const Body& body, const Scene& scene) {
+  lay_out_film(film, body, scene.options, scene.law);
+  go_back_to_creation(film.points);
+  for (BlockMeta& m : film.points.meta) {
+    m.failed = 0;
+    m.damaged = false;
+  }
+  const SidesAtCreation at(body);
+  StaticBond found;
+  found.frame = frame_of(body, at.side);
+  found.stiffness = film.stiffness(film.strains(at.side, found.frame.middle), *scene.law);
+  StiffnessOfBond s{};
+  write(found, s);
+  turn(matrix_of(axes_of(body)), s);
+  return s;
+}
+
+}  // namespace
+
+std::vector<StiffnessOfBond> stiffness_of_films(const Scene& scene) {
+  const std::vector<Body>& table = scene.bonds().table;
+  const std::vector<PointPattern>& patterns = scene.bonds().patterns;
+  const auto has_film = [](const PointPattern& p) { return std::any_of(p.points.begin(), p.points.end(), [](const PatternPoint& point) { return point.film; }); };
+  int mine = std::any_of(patterns.begin(), patterns.end(), has_film), any;
+  for (const Bond& b : scene.bonds()) mine = mine || !b.film.empty();
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, scene.comm);
+  if (!any) return {};
+  std::vector<StiffnessOfBond> found(table.size(), StiffnessOfBond{});
+  for (const Bond& b : scene.bonds())
+    if (!b.film.empty()) found[b.body] = stiffness_of_film(b.film, scene.bonds().body(b), scene);
+  std::map<int, StiffnessOfBond> of_pattern;
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    const Body& body = table[row];
+    if (body.pattern == 0 || !scene.grains.find(body.grain[0])) continue;
+    const auto known = of_pattern.find(body.pattern);
+    if (known != of_pattern.end()) {
+      found[row] = known->second;
+      continue;
+    }
+    Film film;
+    const PointPattern& p = patterns[body.pattern - 1];
+    for (std::size_t n = 0; n < p.points.size(); ++n)
+      if (p.points[n].film) film.points.add(p.record(n, static_cast<int>(row), body), static_cast<int>(n) + 1);
+    if (!film.empty()) found[row] = of_pattern[body.pattern] = stiffness_of_film(std::move(film), body, scene);
+  }
+  constexpr int kNumbers = sizeof(StiffnessOfBond) / sizeof(double);
+  std::vector<double> axes;  // ranks that share a bond have the same axis, and add up its stiffness
+  for (StiffnessOfBond& s : found) {
+    axes.insert(axes.end(), s.axis, s.axis + 3);
+    std::fill(s.axis, s.axis + 3, 0.0);
+  }
+  std::vector<double> most(axes), least(axes);
+  MPI_Allreduce(MPI_IN_PLACE, most.data(), static_cast<int>(axes.size()), MPI_DOUBLE, MPI_MAX, scene.comm);
+  MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(axes.size()), MPI_DOUBLE, MPI_MIN, scene.comm);
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), kNumbers * static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, scene.comm);
+  for (std::size_t k = 0; k < axes.size(); ++k) found[k / 3].axis[k % 3] = most[k] > -least[k] ? most[k] : least[k];
+  return found;
 }
 
 }  // namespace mpdem

@@ -24,6 +24,9 @@ struct StiffnessOfBond {
 // have points. The scene needs links and has its grains. Throws BadState if a grain is gone or a solution is not found.
 std::vector<StiffnessOfBond> stiffness_of_bonds(const Scene& scene, std::vector<BondLayout> layouts);
 
+// Collective. The stiffness of the films alone, as if nothing were damaged. Empty if no bond has a film.
+std::vector<StiffnessOfBond> stiffness_of_films(const Scene& scene);
+
 }  // namespace mpdem
 
 #endif

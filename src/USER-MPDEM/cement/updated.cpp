@@ -82,7 +82,7 @@ class Updated : public Kinematics {
     if (stale.empty()) return;
     for (int row : stale) {
       const Bond* b = scene_.bonds().find(row);
-      if (b && b->points.blocks.size() > b->blocks_when_arranged + b->blocks_when_arranged / 3) sparse.push_back(row);
+      if (b && b->points.blocks.size() > b->updated.blocks_when_arranged + b->updated.blocks_when_arranged / 3) sparse.push_back(row);
     }
     sparse = scene_.agreed_rows(sparse);
     std::vector<int> dense;

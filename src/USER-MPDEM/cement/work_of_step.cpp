@@ -11,10 +11,11 @@ namespace mpdem {
 double WorkOfStep::energy_of(const Bond& b) const {
   PointSums points;
   points.add(b.points, *scene_.law, true);
+  points.add(b.film.points, *scene_.law, true);
   double energy = points.elastic + b.added.energy(b.grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
   b.links.add_spring_energy(b.grid, scene_.grains.side_of(b), energy);
   b.places.add_energy(b.grid, scene_.grains.side_of(b), energy);
-  energy += b.closing.energy(b.points, b.grid);
+  energy += b.closing.energy(b.points, b.grid) + b.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
   for (int i = 0; i < b.grid.size(); ++i) {
     if (!b.grid.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) {

@@ -42,7 +42,7 @@ Coating::Coating(const GrainPair& pair, double thickness, double cap, double inn
   const double smaller = std::min(pair.R1, pair.R2);
   if (why.str().empty() && !(this->inner() < std::min(ring(), smaller)))
     why << "inner radius " << this->inner() << " must lie in [0, " << std::min(ring(), smaller) << "), inside "
-        << (ring() < smaller ? "the ring in which the coatings meet; use a smaller spacing or a thicker coating" : "the smaller grain; use a smaller 'inner'");
+        << (ring() < smaller ? "the ring in which the coatings meet; use a thicker coating or a smaller 'inner', with 'inner auto' a smaller spacing" : "the smaller grain; use a smaller 'inner'");
   if (!why.str().empty()) throw ShapeError(why.str());
 }
 

@@ -8,6 +8,8 @@
 #ifndef MPDEM_COATING_H
 #define MPDEM_COATING_H
 
+#include <algorithm>
+
 #include "shape.h"
 
 namespace mpdem {
@@ -33,6 +35,9 @@ class Coating : public Shape {
   double covered_angle(int) const override { return cap_; }
   double largest_thickness() const override { return t_; }
   std::string describe() const override;
+  double spans() const override { return std::min({ring(), pair().R1, pair().R2}); }
+  bool ends_where_it_spans() const override { return false; }
+  std::unique_ptr<Shape> with_inner(double inner) const override { return std::make_unique<Coating>(pair(), t_, cap_, inner); }
   void add_breaks(std::vector<double>& at) const override;
 
  private:

@@ -48,6 +48,19 @@ void Composite::add_breaks(std::vector<double>& at) const {
   for (const auto& p : parts_) p->add_breaks(at);
 }
 
+// All parts reach from grain to grain there, so each of them has an outline with any smaller inner radius.
+double Composite::spans() const {
+  return -largest_of(parts_, [](const Shape& s) { return -s.spans(); });
+}
+bool Composite::ends_where_it_spans() const {
+  return std::all_of(parts_.begin(), parts_.end(), [](const auto& p) { return p->ends_where_it_spans(); });
+}
+std::unique_ptr<Shape> Composite::with_inner(double inner) const {
+  std::vector<std::unique_ptr<Shape>> parts;
+  for (const auto& p : parts_) parts.push_back(p->with_inner(inner));
+  return std::make_unique<Composite>(std::move(parts));
+}
+
 std::string Composite::describe() const {
   std::string text;
   for (const auto& p : parts_) text += (text.empty() ? "" : " and ") + p->describe();

@@ -26,6 +26,9 @@ class Composite : public Shape {
   double covered_angle(int side) const override;
   double largest_thickness() const override;
   std::string describe() const override;
+  double spans() const override;
+  bool ends_where_it_spans() const override;
+  std::unique_ptr<Shape> with_inner(double inner) const override;
   void add_breaks(std::vector<double>& at) const override;
 
  private:

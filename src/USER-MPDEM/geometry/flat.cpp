@@ -19,7 +19,7 @@ Flat::Flat(const GrainPair& pair, double outer, double inner) : EqualRims(pair, 
     why << "outer radius " << outer << " is inside the overlap of the grains; use more than " << pair.contact_radius();
   } else if (!(inner < outer)) {
     why << "inner radius " << inner << " must lie in [0, " << outer << "), below the outer radius"
-        << "; use more cement or a smaller inner radius, with 'inner auto' a smaller spacing";
+        << "; use more cement or a smaller 'inner', with 'inner auto' a smaller spacing";
   }
   if (!why.str().empty()) throw ShapeError(why.str());
 }

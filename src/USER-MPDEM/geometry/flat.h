@@ -23,6 +23,9 @@ class Flat : public EqualRims {
   double top_clearance(double r, double z) const override;
   double largest_thickness() const override { return pair().thickness(outer_); }
   std::string describe() const override;
+  double spans() const override { return outer_; }
+  bool ends_where_it_spans() const override { return true; }
+  std::unique_ptr<Shape> with_inner(double inner) const override { return std::make_unique<Flat>(pair(), outer_, inner); }
 };
 
 }  // namespace mpdem

@@ -49,7 +49,7 @@ Hourglass::Hourglass(const GrainPair& pair, double outer, double waist, double i
         << std::sqrt(std::max(1.0 - room(pair, outer), 0.0)) << (pair.gap > 0.0 ? " or a wider gap" : "");
   } else if (!(inner < neck_)) {
     why << "inner radius " << inner << " must lie in [0, " << neck_ << "), below the neck radius"
-        << "; use more cement or a smaller inner radius, with 'inner auto' a smaller spacing";
+        << "; use more cement or a smaller 'inner', with 'inner auto' a smaller spacing";
   }
   if (!why.str().empty()) throw ShapeError(why.str());
   const double half = 0.5 * pair.thickness(outer);

@@ -29,6 +29,9 @@ class Hourglass : public EqualRims {
   // This is the thickness at the neck. Further out the surfaces of the grains face the outline, not each other.
   double largest_thickness() const override { return pair().thickness(neck_); }
   std::string describe() const override;
+  double spans() const override { return neck_; }
+  bool ends_where_it_spans() const override { return false; }
+  std::unique_ptr<Shape> with_inner(double inner) const override { return std::make_unique<Hourglass>(pair(), outer_, neck_ / outer_, inner); }
 
  private:
   double neck_;

@@ -28,19 +28,6 @@ Cell cell_of(const Vector3& x, double spacing) {
   return c;
 }
 
-// Share of the shape in the material at x, which must be inside the shape.
-double share(const std::vector<Neighbour>& neighbours, const Vector3& x) {
-  const double own = x.squaredNorm();
-  int ties = 1;
-  for (const Neighbour& n : neighbours) {
-    const double other = (x - n.middle).squaredNorm(), tolerance = 1e-9 * (own + other);
-    if (other > own + tolerance || !n.shape->inside(n.own(x))) continue;
-    if (other < own - tolerance) return 0.0;
-    ++ties;
-  }
-  return 1.0 / ties;
-}
-
 enum class Owner { shape, neighbour, several };
 
 // Finds the owner of the material inside the shape within `reach` of x.
@@ -120,7 +107,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
       const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
       const Vector3 x = pair.centre(side) + R * out;
       // Tested above the surface, where shapes begin.
-      const double part = neighbours.empty() ? 1.0 : share(neighbours, x + 1e-3 * spacing * out);
+      const double part = neighbours.empty() ? 1.0 : share_of_place(neighbours, x + 1e-3 * spacing * out);
       const double area = part * ring_area / around;
       all += ring_area / around;
       own += area;
@@ -219,7 +206,7 @@ bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>&
   double whole, own;
   Vector3 centroid;
   const auto inside = [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; };
-  const auto mine = [&](const Vector3& x) { return shape.inside(x) ? share(neighbours, x) : 0.0; };
+  const auto mine = [&](const Vector3& x) { return shape.inside(x) ? share_of_place(neighbours, x) : 0.0; };
   if (!sample_cell(spacing, cell, kSharedSamples, mine, own, centroid)) return false;
   Vector3 unused;
   sample_cell(spacing, cell, kSharedSamples, inside, whole, unused);
@@ -230,6 +217,18 @@ bool leave_own(const Shape& shape, double spacing, const std::vector<Neighbour>&
 }
 
 }  // namespace
+
+double share_of_place(const std::vector<Neighbour>& neighbours, const Vector3& x) {
+  const double own = x.squaredNorm();
+  int ties = 1;
+  for (const Neighbour& n : neighbours) {
+    const double other = (x - n.middle).squaredNorm(), tolerance = 1e-9 * (own + other);
+    if (other > own + tolerance || !n.shape->inside(n.own(x))) continue;
+    if (other < own - tolerance) return 0.0;
+    ++ties;
+  }
+  return 1.0 / ties;
+}
 
 std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, double most, const std::vector<Neighbour>& neighbours) {
   const Vector3 extent = shape.half_extent();

@@ -25,6 +25,7 @@ struct FillPoint {
   Vector3 X = Vector3::Zero();
   double volume = 0;
   int links = 0;
+  bool film = false;  // a column of a film, see film_fill.h
   struct Attachment {
     int side = 0;
     Vector3 foot = Vector3::Zero();
@@ -44,6 +45,9 @@ struct Neighbour {
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to its axes
   Vector3 own(const Vector3& x) const { return turn * (x - middle); }
 };
+
+// Share of a shape in the material at x, which must be inside the shape, in its coordinates.
+double share_of_place(const std::vector<Neighbour>& neighbours, const Vector3& x);
 
 // Throws ShapeError if there would be `most` points or more, if the shape is too wide for the numbers of cells (1e9
 // along an axis), if no cell of the lattice is inside, if neighbours take all of the cement at the surface of a grain,

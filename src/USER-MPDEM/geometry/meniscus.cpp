@@ -49,7 +49,7 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
   z0_ += shift;
   if (!(this->inner() < neck())) {
     why << "inner radius " << this->inner() << " must lie in [0, " << neck() << "), inside the neck"
-        << "; use more cement or a smaller inner radius, with 'inner auto' a smaller spacing";
+        << "; use more cement or a smaller 'inner', with 'inner auto' a smaller spacing";
     throw ShapeError(why.str());
   }
 }

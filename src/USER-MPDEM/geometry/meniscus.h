@@ -37,6 +37,9 @@ class Meniscus : public Shape {
   double covered_angle(int side) const override { return b_[side]; }
   double largest_thickness() const override;
   std::string describe() const override;
+  double spans() const override { return neck(); }
+  bool ends_where_it_spans() const override { return true; }
+  std::unique_ptr<Shape> with_inner(double inner) const override { return std::make_unique<Meniscus>(pair(), b_[0], contact_, inner); }
 
  private:
   double profile_integral(double from, double to) const;

@@ -49,6 +49,11 @@ double GrainPair::radius_of_thickness(double t) const {
   return bisect_rising([&](double r) { return thickness(r) - t; }, 0.0, largest);
 }
 
+double GrainPair::usual_inner(double share) const {
+  const double r = share * std::min(R1, R2);
+  return gap == 0.0 ? r : radius_of_thickness(sag(R1, r) + sag(R2, r));
+}
+
 Shape::Shape(const GrainPair& pair, double inner) : pair_(pair), inner_(std::max(inner, pair.contact_radius())) {
   if (inner < 0.0) {
     std::ostringstream why;

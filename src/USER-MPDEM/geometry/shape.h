@@ -8,6 +8,7 @@
 #define MPDEM_SHAPE_H
 
 #include <Eigen/Dense>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -35,6 +36,11 @@ struct GrainPair {
   double volume_within(double a) const;
   // Radius at which thickness(r) = t; 0 if it is larger everywhere.
   double radius_of_thickness(double t) const;
+  // Radius within which cement is left out unless a script says otherwise: where the spheres are as far apart as touching
+  // ones are at a share of the smaller radius. It is that radius where they touch, less across a gap, more where they
+  // overlap. So it scales with the grains, and the cement is nowhere thinner.
+  static constexpr double kLeftOut = 0.2;
+  double usual_inner(double share = kLeftOut) const;
 };
 
 // Pair of grains whose centres are `between` apart. Not inline: gap and direction are the same to the bit for all callers.
@@ -85,6 +91,12 @@ class Shape {
   virtual double largest_thickness() const = 0;
   double smallest_thickness() const;
   virtual std::string describe() const = 0;
+  // Radius up to which the cement reaches from grain to grain.
+  virtual double spans() const = 0;
+  // Has it next to nothing beyond that radius? Then a film (film_fill.h) can stand for all of it.
+  virtual bool ends_where_it_spans() const = 0;
+  // The same outline with another inner radius, which must be below spans().
+  virtual std::unique_ptr<Shape> with_inner(double inner) const = 0;
 
   bool between_centres(double z) const;
   // Heights at which the profile has a corner.

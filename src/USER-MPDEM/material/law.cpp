@@ -30,7 +30,8 @@ std::string Law::report_of_band(double cell) const {
   if (!band) return text + "; the band of a crack is not known for these parameters\n";
   const ImpliedStrength s = implied_strength(elasticity_.constants.Ez);
   return text + text_of("; a crack takes ", band->energy * s.tensile_strength * s.onset_strain * length_, " per area in a band of ",
-                        band->width * length_, ", ", band->width * length_ / cell, " cells\n");
+                        band->width * length_, ", ", band->width * length_ / cell, " cells",
+                        softens_by_place() ? "\n" : "; along a grain half of it\n");
 }
 
 }  // namespace mpdem

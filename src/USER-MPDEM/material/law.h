@@ -17,18 +17,19 @@
 //   threshold()           B of undamaged points that touch no grain
 //   interface()           factor on B of points that touch a grain
 //   growth(dt)            share of the growth that a step allows, 1 without viscosity
-//   drive(strain, state)  driving force Yeq and its threshold B: damage grows where Yeq is above B
+//   softening()           a number of the curve by which points soften, for points whose place does not matter
+//   drive(strain, state, softening)    driving force Yeq and its threshold B: damage grows where Yeq is above B
 //   stress(strain, state)
 //   undamaged_drive(strain)            Yeq of the material without damage in that strain
 //   kDegree               Yeq of a strain c times as large is c^kDegree times as large, 1 or 2
 //   lowest_threshold()    the least B that a point can have
-//   trial(strain, state)  stress, and bounds of drive and threshold
-//   update(strain_start, strain, state, active, strength, growth)    the step, see LawUpdate
+//   trial(strain, state, softening)    stress, and bounds of drive and threshold
+//   update(strain_start, strain, state, active, strength, growth, softening)    the step, see LawUpdate
 //   largest_damage(state), damage(state)      from 0 to 1; as a tensor, for output
 //   opening(strain, state)    tensor whose first principal axis is the normal of the crack, for output
 //   column(k, strain, state)  column k of columns()
 //
-// `strength` is the factor on B of each lane. A law without fields does no damage. It needs only words() and the members that output uses.
+// `strength` is the factor on B of each lane, `softening` its softening(). A law without fields does no damage. It needs only words() and the members that output uses.
 #ifndef MPDEM_LAW_H
 #define MPDEM_LAW_H
 
@@ -102,14 +103,19 @@ class Law {
 
   // Length over which its strain is averaged, see mpm/drive_average.h; 0: none.
   double length() const { return length_; }
-  void set_length(double length) { length_ = length; }
+  // Sets that length. G_f: energy per area for which the softening is chosen, for laws with has_crack_energy(); 0: the
+  // softening stays. Throws as set_crack_energy() does.
+  virtual void set_nonlocal(double length, double /* G_f */) { length_ = length; }
+  // Softening of a point at these distances from the surfaces of its grains, a number that the law alone understands. Asked for
+  // where softens_by_place().
+  virtual double softening_at(double /* d0 */, double /* d1 */) const { return 0.0; }
+  virtual bool softens_by_place() const { return false; }
+  // Softening of a layer of this thickness between two grains that is strained evenly.
+  virtual double softening_of_layer(double /* thickness */) const { return 0.0; }
   // Its curve in uniaxial tension, for the band that a length implies. Empty if the law has no curve.
   virtual std::optional<SofteningCurve> softening_curve() const { return std::nullopt; }
   // Band in which the material breaks, for a law with a length. Empty if it is not known.
   std::optional<Localisation> crack_band() const;
-  // Chooses its softening so that a crack takes the energy G_f with the present length. For laws with
-  // has_crack_energy(). Throws as set_crack_energy() does.
-  virtual void set_nonlocal_energy(double /* G_f */) {}
 
   // Names of its own columns of compute mpm/atom.
   virtual std::vector<std::string> columns() const { return {}; }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <vector>
 
 namespace mpdem {
 
@@ -35,7 +36,9 @@ struct State {
 
 class Bar {
  public:
-  explicit Bar(const SofteningCurve& curve) : curve_(curve), K_(kernel()) {}
+  explicit Bar(const std::function<SofteningCurve(double)>& curve_at) : K_(kernel()) {
+    for (int i = 0; i < kPoints; ++i) curves_.push_back(curve_at((i + 0.5) / kPerLength));
+  }
 
   // Finds the state with x = `middle` in the middle in which damage grows at the first `growing` points alone. Returns
   // false if Newton's method finds none.
@@ -45,7 +48,7 @@ class Bar {
     Eigen::VectorXd root(kPoints), slope(kPoints);
     for (int k = 0; k < kMostIterations; ++k) {
       for (int i = 0; i < kPoints; ++i) {
-        const SofteningCurve::Value c = curve_.compliance(s.x[i]);
+        const SofteningCurve::Value c = curves_[i].compliance(s.x[i]);
         root[i] = std::exp(0.5 * (s.log_stress + c.value));
         slope[i] = 0.5 * root[i] * c.slope;
       }
@@ -54,7 +57,7 @@ class Bar {
       J.col(0) = 0.5 * rest;
       for (int j = 1; j < growing; ++j) J.col(j) = K_.col(j).head(growing) * slope[j];
       for (int i = 0; i < growing; ++i) {
-        const SofteningCurve::Value t = curve_.threshold(s.x[i]);
+        const SofteningCurve::Value t = curves_[i].threshold(s.x[i]);
         const double limit = std::exp(0.5 * t.value);
         rest[i] -= limit;
         if (i > 0) J(i, i) -= 0.5 * limit * t.slope;
@@ -74,16 +77,22 @@ class Bar {
   double work(const State& from, const State& to) const {
     double sum = 0.0;
     for (int i = 0; i < kPoints; ++i) {
-      const double c0 = curve_.compliance(from.x[i]).value, c1 = curve_.compliance(to.x[i]).value;
+      const double c0 = curves_[i].compliance(from.x[i]).value, c1 = curves_[i].compliance(to.x[i]).value;
       if (c0 == c1) continue;
       const auto square_strain = [](const State& s, double c) { return std::exp(2.0 * (s.log_stress + c)); };
       sum += 0.25 * (square_strain(from, c0) + square_strain(to, c1)) * (std::exp(-c0) - std::exp(-c1));
     }
     return 2.0 / kPerLength * sum;
   }
+  // What the band stores beyond the bar around it.
+  double stored(const State& s) const {
+    double sum = 0.0;
+    for (int i = 0; i < kPoints; ++i) sum += 0.5 * std::exp(2.0 * s.log_stress) * std::expm1(curves_[i].compliance(s.x[i]).value);
+    return 2.0 / kPerLength * sum;
+  }
 
  private:
-  const SofteningCurve& curve_;
+  std::vector<SofteningCurve> curves_;
   Eigen::MatrixXd K_;
 };
 
@@ -94,7 +103,11 @@ bool falls(const State& s, const State& before, int growing) {
 }  // namespace
 
 std::optional<Localisation> localise(const SofteningCurve& curve, double cutoff) {
-  const Bar bar(curve);
+  return localise([&curve](double) { return curve; }, cutoff);
+}
+
+std::optional<Localisation> localise(const std::function<SofteningCurve(double)>& curve_at, double cutoff) {
+  const Bar bar(curve_at);
   const double end = -std::log(1.0 - cutoff);
   State before;
   int growing = 0, widest = 0;
@@ -128,7 +141,7 @@ std::optional<Localisation> localise(const SofteningCurve& curve, double cutoff)
     widest = std::max(widest, growing);
     before = found;
   }
-  return Localisation{2.0 * widest / kPerLength, energy};
+  return Localisation{2.0 * widest / kPerLength, energy + bar.stored(before), energy};
 }
 
 }  // namespace mpdem

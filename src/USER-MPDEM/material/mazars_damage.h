@@ -47,6 +47,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
 
   std::vector<double> values() const override { return {kappa0_, At_, Bt_, cutoff_, interface_}; }
   double threshold() const { return kappa0_; }
+  double softening() const { return 0.0; }  // one curve for all points
   double lowest_threshold() const { return kappa0_; }
   double interface() const { return interface_; }
   double growth(double) const { return 1.0; }
@@ -101,7 +102,7 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   static vd rough_bound(const Sym3<vd>& stress, const Sym3<vd>& strain) { return square_bound(stress, strain); }
 
   static vd undamaged_drive(const Sym3<vd>& strain) { return equivalent(strain); }
-  LawDrive drive(const Sym3<vd>& strain, State s) const { return {equivalent(strain), max(s.kappa, splat(kappa0_))}; }
+  LawDrive drive(const Sym3<vd>& strain, State s, vd = vd{}) const { return {equivalent(strain), max(s.kappa, splat(kappa0_))}; }
   Sym3<vd> stress(const Sym3<vd>& strain, State s) const { return (1.0 - largest_damage(s)) * elasticity().stress(strain); }
   vd largest_damage(State s) const {
     return map_lanes(s.kappa, [this](double k) { return damage_at(k); });
@@ -112,12 +113,12 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   }
   Sym3<vd> opening(const Sym3<vd>& strain, State) const { return strain; }
 
-  LawTrial trial(const Sym3<vd>& strain, State s) const {
+  LawTrial trial(const Sym3<vd>& strain, State s, vd = vd{}) const {
     return {stress(strain, s), contract(strain, strain), max(s.kappa, splat(kappa0_))};
   }
 
   // Step of the damage, in closed form. The energies are those of TensorDamage::update. Their sum balances to second order of the step.
-  LawUpdate update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, State& s, vmask active, vd strength, double) const {
+  LawUpdate update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, State& s, vmask active, vd strength, double, vd = vd{}) const {
     LawUpdate u;
     const vd kappa = equivalent(strain) / strength;
     u.grown = active & (kappa > max(s.kappa, splat(kappa0_)));

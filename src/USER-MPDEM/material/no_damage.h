@@ -32,8 +32,9 @@ class NoDamage final : public LawOf<NoDamage> {
   }
 
   Sym3<vd> stress(const Sym3<vd>& strain, State) const { return elasticity().stress(strain); }
-  LawDrive drive(const Sym3<vd>&, State) const { return {vd{}, splat(1.0)}; }
+  LawDrive drive(const Sym3<vd>&, State, vd = vd{}) const { return {vd{}, splat(1.0)}; }
   double interface() const { return 1.0; }
+  double softening() const { return 0.0; }
   vd largest_damage(State) const { return vd{}; }
   Sym3<vd> damage(State) const { return Sym3<vd>{}; }
   Sym3<vd> opening(const Sym3<vd>& strain, State) const { return strain; }

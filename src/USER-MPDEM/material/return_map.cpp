@@ -49,7 +49,7 @@ Sym3<vd> unit(const Sym3<vd>& Y) { return (1.0 / max(sqrt(contract(Y, Y)), splat
 // The start of the search for the new D.
 struct TensorDamage::Search {
   Sym3<vd> strain, damage;  // strain at the end of the step, damage at its start
-  vd B_scale;
+  vd B_scale, softening;
   int evaluations = 0;
 };
 
@@ -76,7 +76,7 @@ struct TensorDamage::Found {
 TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
   ++s.evaluations;
   Place x(*this, s.strain, D);
-  x.excess = x.Yeq - s.B_scale * threshold(D);
+  x.excess = x.Yeq - s.B_scale * threshold(D, s.softening);
   return x;
 }
 
@@ -85,9 +85,9 @@ TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
 Sym3<vd> TensorDamage::gradient(Search& s, const Place& x) const {
   ++s.evaluations;
   const Sym3<vd> G = splat(std::sqrt(0.5)) * slope(x.state, unit(x.drive));
-  if (p_.exponent == 0.0) return G;
+  if (!any(s.softening != 0.0)) return G;
   const LargestEigenvalue top = largest_eigenvalue_and_slope(x.D);
-  return G - ((x.Yeq - x.excess) * p_.exponent / (1.0 - top.value)) * top.slope;
+  return G - ((x.Yeq - x.excess) * s.softening / (1.0 - top.value)) * top.slope;
 }
 
 // Largest Delta with max eig(D + Delta N) <= Dcut. With A = Dcut 1 - D positive definite, A - Delta N stays positive
@@ -224,10 +224,10 @@ vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
 
 TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
                                           Sym3<vd>& damage, vmask active, vd strength,
-                                          double growth) const {
+                                          double growth, vd softening) const {
   Place x(*this, strain, damage);
-  Search s{strain, damage, strength / max(tension_weight(x.state.stress_e), splat(1e-300)), 1};
-  const vd B = s.B_scale * threshold(damage);
+  Search s{strain, damage, strength / max(tension_weight(x.state.stress_e), splat(1e-300)), softening, 1};
+  const vd B = s.B_scale * threshold(damage, softening);
   x.excess = x.Yeq - B;
 
   Update u;

@@ -40,7 +40,7 @@ bool find_exponent(F work, double wanted, double& least, double& most, double& m
 }
 
 // a^y for a > 0 with a relative error of 1e-4, for bounds. The logarithm is a series about sqrt(2), and 2^f has its own series.
-vd rough_power(vd a, double y) {
+vd rough_power(vd a, vd y) {
   const vmask bits = reinterpret_cast<vmask>(a), one = splat_mask(false) + 0x3ff0000000000000;
   const vd mantissa = reinterpret_cast<vd>((bits & 0x000fffffffffffff) | one);
   const vd whole = __builtin_convertvector((bits >> 52) - 1023, vd);
@@ -144,6 +144,7 @@ TensorDamage::TensorDamage(const VtiElasticity& elasticity, const LawValues& val
   p_.zeta = values.get("zeta", p_.zeta);
   p_.interface = values.get("interface", p_.interface);
   p_.viscosity = values.get("viscosity", p_.viscosity);
+  surface_band_ = SurfaceBand(p_.exponent);
 }
 
 std::string TensorDamage::advice_on_strain() const {
@@ -163,14 +164,18 @@ std::string TensorDamage::report(double cell) const {
                                                                 : " cells wide: without regularization it is proportional to the cell\n");
 }
 
-void TensorDamage::set_nonlocal_energy(double G_f) {
-  p_.exponent = nonlocal_exponent(p_, G_f, length());
+void TensorDamage::set_nonlocal(double length, double G_f) {
+  Law::set_nonlocal(length, G_f);
+  if (G_f > 0.0) p_.exponent = nonlocal_exponent(p_, G_f, length);
   crack_energy_ = G_f;
+  // without an energy to keep, the law stays as it was given
+  surface_band_ = length > 0.0 && G_f > 0.0 ? SurfaceBand(p_, length) : SurfaceBand(p_.exponent);
 }
 
 void TensorDamage::set_crack_energy(double G_f, double cell) {
   p_.exponent = crack_cell_exponent(p_, G_f, cell);
   crack_energy_ = G_f;
+  surface_band_ = SurfaceBand(p_.exponent);
 }
 
 void TensorDamage::state_from_tensor(const double* D, double* state) const {
@@ -206,10 +211,12 @@ vd TensorDamage::tension_weight(const Sym3<vd>& stress_e) const {
   return r + (1.0 - r) * (p_.zeta * p_.zeta);
 }
 
-vd TensorDamage::threshold(const Sym3<vd>& damage) const {
-  if (p_.exponent == 0.0) return splat(p_.B0);
-  const double m = p_.exponent;
-  return p_.B0 * map_lanes(1.0 - largest_eigenvalue(damage), [m](double a) { return std::pow(a, -m); });
+vd TensorDamage::threshold(const Sym3<vd>& damage, vd m) const {
+  if (!any(m != 0.0)) return splat(p_.B0);
+  const vd keep = 1.0 - largest_eigenvalue(damage);
+  vd power;
+  for (int l = 0; l < kLanes; ++l) power[l] = std::pow(keep[l], -m[l]);
+  return p_.B0 * power;
 }
 
 Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
@@ -217,20 +224,19 @@ Sym3<vd> TensorDamage::stress(const Sym3<vd>& strain, const Sym3<vd>& damage) co
   return evaluate(strain, damage).stress;
 }
 
-TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
+TensorDamage::Trial TensorDamage::trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const {
   const Evaluation s = evaluate(strain, damage);
   // Cutting the negative part of Y only shortens it, and the tension weight is at most one. So the bounds need no eigenvalues.
-  return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage)};
+  return {s.stress, 0.5 * contract(s.Y, s.Y), least_threshold(damage, softening)};
 }
 
 // Lower bound of B without eigenvalues. It is exact to a thousandth if D has one principal value.
-vd TensorDamage::least_threshold(const Sym3<vd>& D) const {
-  const double m = p_.exponent;
-  if (m == 0.0) return splat(p_.B0);
+vd TensorDamage::least_threshold(const Sym3<vd>& D, vd m) const {
+  if (!any(m != 0.0)) return splat(p_.B0);
   const vd square = contract(D, D), sum = max(trace(D), splat(1e-300));
   // sum d_i^2 / sum d_i is at most the largest d_i >= 0, and that is at most the norm.
   const vd some = p_.monotone ? square / sum : max(max(D.xx, D.yy), D.zz);
-  const vd keep = 1.0 - (m > 0.0 ? max(some, vd{}) : sqrt(square));
+  const vd keep = 1.0 - select(m > 0.0, max(some, vd{}), sqrt(square));
   return (0.999 * p_.B0) * rough_power(max(keep, splat(1e-6)), -m);
 }
 
@@ -240,9 +246,9 @@ vd TensorDamage::undamaged_drive(const Sym3<vd>& strain) const {
   return tension_weight(stress) * sqrt(0.5 * (p_.monotone ? square_of_positive_part(Y) : contract(Y, Y)));
 }
 
-TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const {
+TensorDamage::Drive TensorDamage::drive(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const {
   Evaluation s = evaluate(strain, damage);
-  return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage)};
+  return {tension_weight(s.stress_e) * drive_by(s.Y), threshold(damage, softening)};
 }
 
 }  // namespace mpdem

@@ -24,6 +24,7 @@
 #include "../numerics/tensor3.h"
 #include "effective_strain.h"
 #include "law.h"
+#include "surface_band.h"
 #include "vti_elasticity.h"
 
 namespace mpdem {
@@ -68,11 +69,19 @@ class TensorDamage final : public LawOf<TensorDamage> {
   static constexpr int kFields = 6, kDegree = 2;
   using State = Sym3<vd>;  // D
 
-  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters) : LawOf(elasticity), p_(parameters) {}
+  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters) : LawOf(elasticity), p_(parameters), surface_band_(parameters.exponent) {}
   TensorDamage(const VtiElasticity& elasticity, const LawValues& values);
   static std::vector<LawWord> words();
 
   const DamageParameters& parameters() const { return p_; }
+  // Exponent of points without a place, and of points at these distances from the surfaces of their grains.
+  double softening() const { return p_.exponent; }
+  double softening_at(double d0, double d1) const override { return surface_band_.exponent(d0, d1); }
+  bool softens_by_place() const override { return surface_band_.depends_on_place(); }
+  double softening_of_layer(double thickness) const override {
+    const double energy = crack_energy_ > 0.0 ? crack_energy_ : surface_band_.energy();
+    return energy > 0.0 ? exponent_of_layer(p_, energy, thickness) : p_.exponent;
+  }
   double threshold() const { return p_.B0; }
   double lowest_threshold() const { return p_.exponent < 0.0 ? p_.B0 * std::pow(1.0 - p_.Dcut, -p_.exponent) : p_.B0; }
   double interface() const { return p_.interface; }
@@ -87,7 +96,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
   double crack_energy() const override { return crack_energy_; }
   void set_crack_energy(double G_f, double cell) override;
   std::optional<SofteningCurve> softening_curve() const override { return mpdem::softening_curve(p_); }
-  void set_nonlocal_energy(double G_f) override;
+  void set_nonlocal(double length, double G_f) override;
   bool state_is_tensor() const override { return true; }
   void state_from_tensor(const double* D, double* state) const override;
 
@@ -114,7 +123,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   // Finds the stress, a bound of Yeq and one of B. Points keep their damage if the first bound is below the second.
   using Trial = LawTrial;
-  Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  Trial trial(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const;
 
   using Update = LawUpdate;
 
@@ -124,12 +133,18 @@ class TensorDamage final : public LawOf<TensorDamage> {
   // The energies are the trapezoidal work of the step less the change of stored energy, eps_n : (C(D_n) - C(D_n+1)) :
   // eps_n+1 / 2. So a sum over the steps balances to second order of the step.
   // strength: factor on B0 of each lane. growth: share of the growth that the step allows, dt/(viscosity + dt), 1 without viscosity.
-  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active,
-                vd strength = splat(1.0), double growth = 1.0) const;
+  // softening: exponent of each lane, softening() where it is not given.
+  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active, vd strength, double growth,
+                vd softening) const;
+  Update update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active, vd strength = splat(1.0),
+                double growth = 1.0) const {
+    return update(strain_start, strain, damage, active, strength, growth, splat(p_.exponent));
+  }
 
   // Driving force s Yeq at the given state, and B(D). For output and tests.
   using Drive = LawDrive;
-  Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const;
+  Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage, vd softening) const;
+  Drive drive(const Sym3<vd>& strain, const Sym3<vd>& damage) const { return drive(strain, damage, splat(p_.exponent)); }
 
  private:
   struct Evaluation {
@@ -143,8 +158,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
   // Replaces Y by the part that drives (its positive part if monotone) and returns its Yeq.
   vd drive_by(Sym3<vd>& Y) const;
   vd tension_weight(const Sym3<vd>& stress_e) const;
-  vd threshold(const Sym3<vd>& damage) const;
-  vd least_threshold(const Sym3<vd>& damage) const;
+  vd threshold(const Sym3<vd>& damage, vd softening) const;
+  vd least_threshold(const Sym3<vd>& damage, vd softening) const;
   vmask at_cutoff(const Sym3<vd>& damage, double share = 1.0) const;
   vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
 
@@ -161,6 +176,7 @@ class TensorDamage final : public LawOf<TensorDamage> {
 
   DamageParameters p_;
   double crack_energy_ = 0.0;
+  SurfaceBand surface_band_;  // of p_.exponent alone without a length
 };
 
 }  // namespace mpdem

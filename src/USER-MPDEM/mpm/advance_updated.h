@@ -42,6 +42,7 @@ class UpdatedPass {
   struct Move {
     int from, to;
   };
+  std::size_t blocks_when_arranged = 0;  // number of point blocks that the last layout made, which the host of the pass notes
   int crossings() const { return crossings_; }
   // True if a point is near the end of the margin. The grid must then be laid out anew before the next step.
   bool layout_is_stale() const { return stale_; }

@@ -41,7 +41,7 @@ struct Body {
   double spacing = 0;                                 // spacing of the lattice of points
   double lattice[3] = {0, 0, 0};                      // a corner of the lattice, reference coordinates
   bool regular = true;                                // points of full cells lie in the middle of their cells
-  double thickness = 0;  // largest thickness of the cement between the grains
+  double thickness = 0;  // largest thickness of the cement between the grains; 0: all of it is film
   int points = 0;
   int pattern = 0;       // number of its pattern, from 1, while its points are not made yet (point_pattern.h); else 0
   bool wants_points = false;  // its points must be made before the next step

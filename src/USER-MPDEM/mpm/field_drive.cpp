@@ -107,19 +107,21 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
         if (m.failed == m.occupied) continue;
         const vmask active = lanes(m.occupied & ~m.failed);
         const Sym3<vd>& strain = points.blocks[b].strain;
-        vd share;
+        vd Yeq, B = splat(l.lowest_threshold());
+        if (m.damaged) {
+          const LawDrive drive = l.drive(strain, state_of<L>(points, static_cast<int>(b)), softening_of(points, static_cast<int>(b), l));
+          Yeq = drive.Yeq, B = drive.B;
+        } else {
+          Yeq = l.undamaged_drive(strain);
+        }
         if (averages) {
           vd average{};
           with_basis(averages->basis, [&](auto type) {
             with_weights<decltype(type)>(points.blocks[b], m, 1.0 / averages->h, [&](const auto& s) { average = average_at(*averages, m, s); });
           });
-          share = drive_factor<L>(average) / (l.lowest_threshold() * strength_of(m, l));
-        } else if (m.damaged) {
-          const LawDrive drive = l.drive(strain, state_of<L>(points, static_cast<int>(b)));
-          share = drive.Yeq / (drive.B * strength_of(m, l));
-        } else {
-          share = l.undamaged_drive(strain) / (l.lowest_threshold() * strength_of(m, l));
+          Yeq = drive_factor<L>(average);
         }
+        const vd share = Yeq / (B * strength_of(m, l));
         most = std::max(most, largest(active, share));
       }
       most = root<L>(most);

@@ -102,6 +102,7 @@ void PointStore::append_copy(const PointStore& from, int b) {
   if (!from.motion.empty()) motion.push_back(from.motion[b]);
   if (!from.slip.empty()) slip.push_back(from.slip[b]);
   if (!from.root_of_norm.empty()) root_of_norm.push_back(from.root_of_norm[b]);
+  if (!from.softening.empty()) softening.push_back(from.softening[b]);
   if (!from.state_.empty()) state_.insert(state_.end(), from.state(b), from.state(b) + state_fields_);
 }
 

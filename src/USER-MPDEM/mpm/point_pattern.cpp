@@ -15,6 +15,7 @@ PointRecord PointPattern::record(std::size_t n, int row, const Body& body) const
   std::copy(p.X, p.X + 3, r.X);
   r.volume = p.volume;
   r.links = p.links;
+  r.film = p.film;
   for (int k = 0; k < p.links; ++k) {
     r.link[k].grain = body.grain[p.link[k].side];
     std::copy(p.link[k].foot, p.link[k].foot + 3, r.link[k].foot);

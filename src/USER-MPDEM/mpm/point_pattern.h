@@ -28,12 +28,14 @@ struct PatternPoint {
   };
   double X[3] = {0, 0, 0}, volume = 0;
   int links = 0;
+  bool film = false;
   Attachment link[kMaxLinks];
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
     visit("its place", p.X, kFinite);
     visit("its volume", p.volume, kPositive);
+    visit("'is film'", p.film);
     const int n = visit.length("its number of links", p.links, kMaxLinks);
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
   }

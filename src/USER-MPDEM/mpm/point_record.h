@@ -82,6 +82,7 @@ struct PointRecord {
   bool failed = false;
   bool looked_at = false;  // the nodes were split for it, see fracture/node_copies.h
   int holds = kHoldsBoth;  // bits of the grains it holds to, see BlockMeta
+  bool film = false;       // a column of a film with a link to either grain, see coupling/film.h
   bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
   double volume = 0;
@@ -110,6 +111,7 @@ struct PointRecord {
     visit("'failed'", p.failed);
     visit("'was looked at'", p.looked_at);
     visit("'holds to'", p.holds, from(0, kHoldsBoth));
+    visit("'is film'", p.film);
     visit("'has a frame'", p.has_frame);
     visit("its place", p.X, kFinite);
     visit("its volume", p.volume, kPositive);

@@ -116,6 +116,20 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
   return {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
 }
 
+void find_softening(PointStore& points, const Body& body) {
+  points.softening.clear();
+  const Law& law = *points.law();
+  if (!law.softens_by_place()) return;
+  points.softening.resize(points.blocks.size());
+  for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+    const vd* at = points.created_at(static_cast<int>(b));
+    for (int l = 0; l < kLanes; ++l) {
+      const double X[3] = {at[0][l], at[1][l], at[2][l]};
+      points.softening[b][l] = law.softening_at(above_grain(body, 0, X), above_grain(body, 1, X));
+    }
+  }
+}
+
 std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
   const Law& law = *shared;
   const int number = points.law_number();

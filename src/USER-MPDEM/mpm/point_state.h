@@ -28,6 +28,14 @@ typename L::State state_of(const PointStore& points, int b) {
   return s;
 }
 
+// Softening of the points of a block, for its law.
+template <class L>
+vd softening_of(const PointStore& points, int b, const L& law) {
+  return points.softening.empty() ? splat(law.softening()) : points.softening[b];
+}
+// Finds the softening of all points between the grains of this body. The store must know its law.
+void find_softening(PointStore& points, const Body& body);
+
 // Stress of a block in its present state, zero in failed lanes.
 template <class L>
 Sym3<vd> stress_of(const PointStore& points, int b, const L& law) {

@@ -200,6 +200,7 @@ void PointStore::reserve_like(const PointStore& other, std::size_t n) {
   if (!other.motion.empty()) motion.reserve(n);
   if (!other.slip.empty()) slip.reserve(n);
   if (!other.root_of_norm.empty()) root_of_norm.reserve(n);
+  if (!other.softening.empty()) softening.reserve(n);
 }
 
 // Adds a record with its links and places. Slots must ascend from call to call.
@@ -232,6 +233,7 @@ void PointStore::append_block() {
   if (!motion.empty()) motion.emplace_back(PointMotion{});
   if (!slip.empty()) slip.emplace_back(PointSlip{});
   if (!root_of_norm.empty()) root_of_norm.push_back(splat(kUnknown));
+  if (!softening.empty()) softening.emplace_back(vd{});
   meta.emplace_back();
   tags.emplace_back();
   tags.back().fill(0);
@@ -262,6 +264,10 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   };
   copy(blocks[to], from.blocks[b]);
   forget_root_of_norm(to);
+  if (!from.softening.empty()) {
+    if (softening.empty()) softening.resize(blocks.size());
+    softening[to][new_lane] = from.softening[b][l];
+  }
   double numbers[kMostStateFields] = {};
   for (int i = 0; i < from.state_fields_; ++i) numbers[i] = from.state(b)[i][l];
   set_state(new_slot, numbers);

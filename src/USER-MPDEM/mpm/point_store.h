@@ -132,6 +132,8 @@ class PointStore {
   // it. kUnknown elsewhere. Empty without nonlocal damage. Not part of a record, since it follows from the strain.
   std::vector<vd> root_of_norm;
   static constexpr double kUnknown = -1.0;
+  // Softening of the points (material/law.h), by their places of creation. Empty if the law has one for all. A layout sets it.
+  std::vector<vd> softening;
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
   std::vector<Link> links;  // ascending in slot
@@ -244,6 +246,7 @@ class PointStore {
     f(s.motion);
     f(s.slip);
     f(s.root_of_norm);
+    f(s.softening);
     f(s.meta);
     f(s.tags);
     f(s.links);
@@ -257,6 +260,7 @@ class PointStore {
     if (!s.motion.empty()) f(s.motion, 1);
     if (!s.slip.empty()) f(s.slip, 1);
     if (!s.root_of_norm.empty()) f(s.root_of_norm, 1);
+    if (!s.softening.empty()) f(s.softening, 1);
     f(s.meta, 1);
     f(s.tags, 1);
   }

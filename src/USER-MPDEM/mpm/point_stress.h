@@ -114,7 +114,7 @@ class PointStress {
     const BlockMeta& m = points_.meta[b];
     const vmask active = lanes(m.occupied & ~m.failed);
     vd strength = select(lanes(m.linked), splat(law_.interface()), splat(1.0));
-    const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b));
+    const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b), softening_of(points_, b, law_));
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
       if (!result_.near_threshold) look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
@@ -155,6 +155,7 @@ class PointStress {
     copy(&v.strain, to, &points_.blocks[b].strain, l, 6);
     copy(&v.state, to, points_.state(b), l, L::kFields);
     v.strength[to] = strength[l];
+    v.softening[to] = softening_of(points_, b, law_)[l];
     place_[points_waiting_++] = place;
   }
 
@@ -162,7 +163,7 @@ class PointStress {
     const int count = std::min(kLanes, points_waiting_ - first);
     Points& v = vectors_[first / kLanes];
     const LawUpdate u =
-        law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_);
+        law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_, v.softening);
     for (int k = 0; k < count; ++k) {
       if (!u.grown[k]) continue;
       Waiting& w = waiting_[place_[first + k] / kLanes];
@@ -195,7 +196,7 @@ class PointStress {
   struct Points {
     Sym3<vd> strain_start, strain;
     State state;
-    vd strength;
+    vd strength, softening;
   };
   int blocks_waiting_ = 0, points_waiting_ = 0;
   Waiting waiting_[kMost];

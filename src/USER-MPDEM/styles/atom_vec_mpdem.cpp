@@ -130,7 +130,7 @@ int AtomVecMpdem::pack_state(int i, double* buf) const {
   int m = 0;
   if (slot[i] >= 0) {
     buf[m++] = kPoint;
-    m = static_cast<int>(mpdem::pack(points_of(i).record(slot[i]), &buf[m]) - buf);
+    m = static_cast<int>(mpdem::pack(record_of(i), &buf[m]) - buf);
   } else if (slot[i] <= -2) {
     buf[m++] = kGrain;
     m = static_cast<int>(mpdem::pack(grains[-2 - slot[i]], &buf[m]) - buf);
@@ -159,7 +159,7 @@ int AtomVecMpdem::pack_exchange(int i, double* buf) {
   int m = AtomVecSphere::pack_exchange(i, buf);
   m += pack_state(i, &buf[m]);
   buf[0] = m;
-  if (is_point(i)) bonds.find(bond[i])->points.release(slot[i]);
+  if (is_point(i)) bonds.find(bond[i])->release(slot[i]);
   return m;
 }
 
@@ -170,7 +170,7 @@ int AtomVecMpdem::unpack_exchange(double* buf) {
 }
 
 int AtomVecMpdem::size_of_state(int i) const {
-  if (slot[i] >= 0) return 1 + mpdem::numbers_of(points_of(i).record(slot[i]));
+  if (slot[i] >= 0) return 1 + mpdem::numbers_of(record_of(i));
   return slot[i] <= -2 ? 1 + mpdem::numbers_of(grains[-2 - slot[i]]) : 1;
 }
 
@@ -180,8 +180,7 @@ void AtomVecMpdem::send_rows_to_points(std::map<int, std::vector<double>>& of_bo
   std::vector<int> lost;
   for (const auto& b : of_bonds) {
     const mpdem::Bond* here = bonds.find(b.first);
-    const auto has_points = [](const mpdem::BlockMeta& m) { return m.occupied != 0; };
-    if (!b.second.empty() && !(here && std::any_of(here->points.meta.begin(), here->points.meta.end(), has_points))) lost.push_back(b.first);
+    if (!b.second.empty() && !(here && here->has_points())) lost.push_back(b.first);
   }
   const std::vector<int> of_all = mpdem::gather_all(world, lost);
   if (of_all.empty()) return;

@@ -33,8 +33,8 @@ class AtomVecMpdem : public AtomVecSphere {
   explicit AtomVecMpdem(LAMMPS* lmp);
   ~AtomVecMpdem() override;
 
-  // slot[i] of atom i is the place of a point in the points of bond[i]. It is -2 - index into `grains` for a bonded
-  // grain, and kPlain for any other atom.
+  // slot[i] of atom i is the place of a point in the points of bond[i]; of a point of its film it is that place in the
+  // film and Bond::kFilm. It is -2 - index into `grains` for a bonded grain, and kPlain for any other atom.
   static constexpr int kPlain = -1;
   int *slot = nullptr, *bond = nullptr;
   mpdem::Bonds bonds;
@@ -49,7 +49,11 @@ class AtomVecMpdem : public AtomVecSphere {
   PreparedFixes prepared_fixes;
 
   bool is_point(int i) const { return slot[i] >= 0; }
-  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->points; }  // atom i has to be one of them
+  bool is_film(int i) const { return slot[i] >= mpdem::Bond::kFilm; }
+  // The store of atom i, which has to be a point, and its slot there.
+  const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->store_of(slot[i]); }
+  mpdem::PointRecord record_of(int i) const { return bonds.find(bond[i])->record(slot[i]); }
+  int slot_of(int i) const { return mpdem::Bond::slot_in_store(slot[i]); }
   void add_point(int i, const mpdem::PointRecord& r, int tag) {
     bond[i] = r.body;
     slot[i] = bonds.add(r, tag);
@@ -67,7 +71,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Behind the head come the bodies, the bytes again, the number of numbers of the patterns, these numbers, and the
   // bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 25, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
+  static constexpr int kRestartVersion = 26, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
   static inline bool restart_is_sealed = false;
 
   // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow for each row. They are

@@ -57,7 +57,7 @@ std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
     for (int s = 0; s < 2; ++s)
       if (b.has_grain(s)) bonded.insert(b.grain[s]);
   for (int i = 0; i < lmp->atom->nlocal; ++i) {
-    const int tag = lmp->atom->tag[i], slot = avec.slot[i];
+    const int tag = lmp->atom->tag[i], slot = avec.is_point(i) ? avec.slot_of(i) : 0;
     const GrainState* grain = avec.grain(i);
     if (avec.is_point(i) && avec.points_of(i).tag(slot) != tag)
       return text_of("the IDs of atoms were changed (material point ", tag, ")", cure);
@@ -68,7 +68,7 @@ std::string trouble_with_ids(LAMMPS* lmp, const AtomVecMpdem& avec) {
 }
 
 std::string trouble_with_diameter(const std::string& who, const Atom& atom, const AtomVecMpdem& avec, int i) {
-  const double r = atom.radius[i], volume = avec.points_of(i).blocks[avec.slot[i] / kLanes].volume[avec.slot[i] % kLanes];
+  const double r = atom.radius[i], volume = avec.points_of(i).blocks[avec.slot_of(i) / kLanes].volume[avec.slot_of(i) % kLanes];
   if (std::fabs(4.0 / 3.0 * M_PI * r * r * r - volume) <= 1e-9 * volume) return "";
   return who + text_of("a command changed the diameter of material point ", atom.tag[i], " to ", 2.0 * r, "; its volume is ", volume,
                        " by create_cement, and stays so; for other volumes create the cement with another spacing or content");
@@ -162,6 +162,7 @@ void check_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& tab
 void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table, double cell) {
   double widest = 0.0, finest = 1e300;
   for (const Body& b : table) {
+    if (b.thickness == 0.0) continue;  // all film
     if (b.thickness < cell)
       stop_all(lmp, who + text_of("'cell ", cell, "' is larger than the cement between grains ", b.grain[0], " and ",
                                          b.grain[1], " is thick (", b.thickness, "); use a smaller cell and spacing"));
@@ -233,7 +234,7 @@ void check_created_positions(LAMMPS* lmp, const std::string& who, const AtomVecM
   std::string trouble;
   for (int i = 0; i < lmp->atom->nlocal && trouble.empty(); ++i) {
     if (!avec.is_point(i)) continue;
-    const int b = avec.slot[i] / kLanes, l = avec.slot[i] % kLanes;
+    const int b = avec.slot_of(i) / kLanes, l = avec.slot_of(i) % kLanes;
     if (avec.bond[i] < started) continue;
     const Body& body = avec.bonds.table[avec.bond[i]];
     if (body.in_motion)

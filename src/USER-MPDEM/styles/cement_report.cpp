@@ -59,6 +59,17 @@ const CementTotals& CementReport::totals(Cement& c) {
   return totals_;
 }
 
+const CementTotals& CementReport::totals_with_contacts(Cement& c) {
+  if (in_run_ && c.built() && unbalanced_at_ != lmp_->update->ntimestep) {
+    if (!contacts_) contacts_ = std::make_unique<ContactForces>(lmp_);
+    unbalanced_ = c.report().unbalanced_force(loads(c), contacts_->of_bonded(c.bonds().table));
+    unbalanced_at_ = lmp_->update->ntimestep;
+  }
+  totals(c);
+  totals_.unbalanced_force = unbalanced_;
+  return totals_;
+}
+
 const std::vector<BondState>& CementReport::bonds(Cement& c) {
   if (bonds_ && bonds_at_ == lmp_->update->ntimestep) return *bonds_;
   bonds_ = &c.report().bond_states();
@@ -190,7 +201,7 @@ void CementReport::warn(Cement& c) const {
   int thin = 0;
   double thinnest = band;
   for (const Body& b : c.bonds().table)
-    if (b.thickness < band) {
+    if (b.thickness > 0.0 && b.thickness < band) {
       ++thin;
       thinnest = std::min(thinnest, b.thickness);
     }
@@ -280,7 +291,7 @@ void CementReport::times(Cement& c, bigint points) {
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
-  const CementTotals& now = totals(c);
+  const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
   const char* names[] = {"scatter", "node update", "halo", "gather", "material", "coupling", "layout", "output"};
@@ -292,10 +303,7 @@ void CementReport::times(Cement& c, bigint points) {
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
   if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");
-  if (o.mass_scale > 1.0 || o.relax > 0.0) {
-    const double energy = now.kinetic + now.elastic + now.coupling;
-    text += text_of("\n  quasistatic: kinetic share of the energy ", energy > 0.0 ? now.kinetic / energy : 0.0);
-  }
+  if (o.mass_scale > 1.0 || o.relax > 0.0) text += text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force);
   say(text + "\n");
   constexpr double kMostImbalance = 0.02;
   if (c.penalty() && std::fabs(now.imbalance) > kMostImbalance)
@@ -418,9 +426,15 @@ void CementReport::jump(Cement& c) {
 }
 
 void CementReport::start_run(Cement& c) {
+  in_run_ = true;
   jump_told_ = false;
   c.grains().watch_jumps(limit_of_jumps(c));
   forget();
+}
+
+void CementReport::end_run(Cement& c) {
+  totals_with_contacts(c);
+  in_run_ = false;
 }
 
 // The steps are timed alone. What is done before them may take as long as hundreds of steps.

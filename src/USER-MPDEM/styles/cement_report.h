@@ -5,11 +5,13 @@
 #ifndef MPDEM_CEMENT_REPORT_H
 #define MPDEM_CEMENT_REPORT_H
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "../cement/cement.h"
 #include "atom_vec_mpdem.h"
+#include "contact_forces.h"
 #include "lammps.h"
 
 namespace mpdem {
@@ -23,12 +25,17 @@ class CementReport {
   // Collective. Return totals and states of bonds at the present step. They are found once a step, unless forgotten
   // since.
   const CementTotals& totals(Cement& c);
+  // Does the same, with the unbalanced force. It is found within a run alone, see ContactForces. Between runs it is that of the end of
+  // the last one.
+  const CementTotals& totals_with_contacts(Cement& c);
   const std::vector<BondState>& bonds(Cement& c);
   const std::vector<BondState>& loads(Cement& c);  // leaves out columns that need points
-  void forget() { totals_at_ = bonds_at_ = loads_at_ = -1; }
+  void forget() { totals_at_ = bonds_at_ = loads_at_ = unbalanced_at_ = -1; }
 
   // All functions below are collective.
   void start_run(Cement& c);
+  void enter_steps() { in_run_ = true; }  // not collective; a run that was not prepared has no other start
+  void end_run(Cement& c);
   void start_timing(Cement& c);  // call at the end of the set-up of a run
   // Tells what the parameters imply, once. Stops if the time step is not stable.
   void parameters(Cement& c, bigint points);
@@ -62,7 +69,10 @@ class CementReport {
   bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
   CementTotals totals_{};
   const std::vector<BondState>* bonds_ = nullptr;
-  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1;
+  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1, unbalanced_at_ = -1;
+  std::unique_ptr<ContactForces> contacts_;  // made when they are asked for
+  double unbalanced_ = 0.0;
+  bool in_run_ = false;
 };
 
 }  // namespace mpdem

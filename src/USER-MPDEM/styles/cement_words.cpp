@@ -13,7 +13,7 @@ namespace mpdem {
 
 namespace {
 const std::vector<std::string> kKeywords = {"cell", "basis", "mass_order", "edge", "kinematics", "transfer", "reproject", "elastic", "axis", "damage",
-                                            "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "balance", "skip", "check", "events"};
+                                            "regularization", "cracks", "unilateral", "condense", "timestep", "subcycle", "quasistatic", "kinetic_share", "balance", "skip", "check", "events"};
 
 constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
 constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
@@ -146,8 +146,10 @@ std::shared_ptr<const Law> make_law(const Arguments& args, const LawChoice& dama
   if (o.length > kMostCells * o.cell)
     args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at most ", kMostCells, " cells, which are ", kMostCells * o.cell,
                           ", in the units of the box; take a length of one to four cells"));
-  law->set_length(o.length);
-  if (energy.nonlocal > 0.0) soften(args, "'regularization nonlocal ... energy'", *law, [&] { law->set_nonlocal_energy(energy.nonlocal); });
+  if (energy.nonlocal > 0.0)
+    soften(args, "'regularization nonlocal ... energy'", *law, [&] { law->set_nonlocal(o.length, energy.nonlocal); });
+  else
+    law->set_nonlocal(o.length, 0.0);
   return law;
 }
 
@@ -217,6 +219,20 @@ void check_together(Arguments& args, CementWords& w) {
     args.complain("'transfer flip' needs the velocity of each point, which 'reproject auto' has not; use 'transfer apic'");
 }
 
+double take_kinetic_share(Arguments& args) {
+  const double share = args.accept("no") ? 0.0 : args.positive("kinetic_share", " or 'no'");
+  if (share > 1.0)
+    args.complain(text_of("'kinetic_share ", share, "': share of the energy above which cement should not begin to fail, must lie in (0, 1], or be 'no'; 0.003 for instance"));
+  return share;
+}
+
+void take_condense(Arguments& args, CementOptions& o) {
+  o.condense = args.yes_no("condense");
+  if (!args.accept("wake")) return;
+  o.wake = args.number("condense ... wake");
+  if (!(o.wake > 0.0 && o.wake <= 1.0)) args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
+}
+
 }  // namespace
 
 CementWords take_cement_words(Arguments& args) {
@@ -267,6 +283,8 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "quasistatic") {
       o.mass_scale = args.between("quasistatic", 1.0, kMostInertia, "factor on the inertia");
       o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
+    } else if (key == "kinetic_share") {
+      w.kinetic_share = take_kinetic_share(args);
     } else if (key == "events") {
       w.events = args.word("a file name for 'events'");
     } else if (key == "cracks") {
@@ -275,11 +293,7 @@ CementWords take_cement_words(Arguments& args) {
     } else if (key == "unilateral") {
       o.unilateral = args.choice(key, {"yes", "no"}) == "yes";
     } else if (key == "condense") {
-      o.condense = args.yes_no(key);
-      if (args.accept("wake")) {
-        o.wake = args.number("condense ... wake");
-        if (!(o.wake > 0.0 && o.wake <= 1.0)) args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
-      }
+      take_condense(args, o);
     } else if (key == "balance") {
       o.balance = args.yes_no(key);
     } else if (key == "check") {

@@ -16,6 +16,7 @@ namespace mpdem {
 
 class Arguments;
 
+constexpr double kUsualKineticShare = 3e-3;
 constexpr double kMostDamping = 100.0;  // most damping that a script may ask for, over the critical one
 
 struct CementWords {
@@ -23,6 +24,7 @@ struct CementWords {
   std::shared_ptr<const Law> law;
   double step_fraction = 0.0;    // share of the limit; 0: the script sets the time step
   std::string events;            // name of the file of events, or empty
+  double kinetic_share = kUsualKineticShare;  // above which fix mpm warns, 0: never
   bool tied_given = false, transfer_given = false, cracks_given = false;
   std::vector<std::string> notes;  // words that have no effect any more
 };

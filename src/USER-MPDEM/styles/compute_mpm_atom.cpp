@@ -93,7 +93,7 @@ vd ComputeMpmAtom::value_of(const mpdem::PointStore& points, int b, const L& law
   if (quantity_ == kDamage) return law.largest_damage(state);
   if (quantity_ < kDrive) return component(mpdem::rotate(R, law.damage(state)), quantity_ - kDamageXX);
   if (quantity_ == kDrive) {
-    const mpdem::LawDrive d = law.drive(p.strain, state);
+    const mpdem::LawDrive d = law.drive(p.strain, state, mpdem::softening_of(points, b, law));
     const vd strength = mpdem::select(mpdem::lanes(m.linked), mpdem::splat(law.interface()), mpdem::splat(1.0));
     return mpdem::select(mpdem::lanes(m.failed), vd{}, d.Yeq / (strength * d.B));
   }
@@ -125,19 +125,20 @@ void ComputeMpmAtom::compute_peratom() {
   const AtomVecMpdem* avec = cement_->cement();
   for (int i = 0; i < atom->nlocal; ++i) vector_atom[i] = 0.0;
   for (const mpdem::Bond& bond : avec->bonds) {
-    find_values(bond, avec->bonds.body(bond));
-    for (std::size_t b = 0; b < bond.points.blocks.size(); ++b)
-      for (int l = 0; l < kLanes; ++l) {
-        if (!(bond.points.meta[b].occupied >> l & 1)) continue;
-        const int i = mpdem::local_atom(*atom, bond.points.tags[b][l]);
-        if (i >= 0 && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
-      }
+    for (const mpdem::PointStore* points : {&bond.points, &bond.film.points}) {
+      find_values(*points, avec->bonds.body(bond));
+      for (std::size_t b = 0; b < points->blocks.size(); ++b)
+        for (int l = 0; l < kLanes; ++l) {
+          if (!(points->meta[b].occupied >> l & 1)) continue;
+          const int i = mpdem::local_atom(*atom, points->tags[b][l]);
+          if (i >= 0 && (atom->mask[i] & groupbit)) vector_atom[i] = value_[b].v[l];
+        }
+    }
   }
 }
 
-// Finds the values of the points of a bond, by blocks.
-void ComputeMpmAtom::find_values(const mpdem::Bond& bond, const mpdem::Body& body) {
-  const mpdem::PointStore& points = bond.points;
+// Finds the values of the points of a store of a bond, by blocks.
+void ComputeMpmAtom::find_values(const mpdem::PointStore& points, const mpdem::Body& body) {
   value_.resize(points.blocks.size());
   const mpdem::Mat3<double> axes = mpdem::axes_of(body);
   for (int i = 0; i < 3; ++i)

@@ -31,7 +31,7 @@ class ComputeMpmAtom : public Compute {
 
  private:
   FixMpm* find_cement() const;
-  void find_values(const mpdem::Bond& bond, const mpdem::Body& body);
+  void find_values(const mpdem::PointStore& points, const mpdem::Body& body);
 
   template <class L>
   mpdem::vd value_of(const mpdem::PointStore& points, int block, const L& law) const;

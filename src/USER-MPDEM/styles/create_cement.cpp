@@ -40,6 +40,7 @@ using mpdem::text_of;
 using mpdem::Vector3;
 
 namespace {
+constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner share'
 constexpr double kMostShift = 1000.0;  // of the origin of the grid, in spacings
 
 // All keywords. Those of shapes come once each.
@@ -48,7 +49,7 @@ std::vector<std::string> keywords() {
   for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
     for (const mpdem::ShapeWord& w : s.words)
       if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
-  all.insert(all.end(), {"content", "file", "attach", "inner", "spacing", "density", "type", "grid", "overlap", "points"});
+  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "density", "type", "grid", "overlap", "points"});
   return all;
 }
 
@@ -166,7 +167,7 @@ void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, C
 // Reads words up to the end of the command: shapes, each with its own words, and what holds for all. Returns what is
 // wrong with the type, or an empty text.
 std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
-  bool has_inner = false;
+  bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
     const bool of_shape = key == "content" || !shapes_with(key).empty();
@@ -182,8 +183,14 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
     } else if (key == "attach") {
       wish.attach = args.positive(key);
     } else if (key == "inner") {
-      wish.inner = args.accept("auto") ? -1.0 : args.not_negative(key, " or 'auto'");
+      const bool share = args.accept("share");
+      wish.inner_rule = share ? CementWish::usual : args.accept("auto") ? CementWish::two_spacings : CementWish::given;
+      if (share) wish.share = args.between("inner share", kLeastLeftOut, kMostLeftOut, "of the smaller radius");
+      else if (wish.inner_rule == CementWish::given) wish.inner = args.not_negative(key, ", 'share' or 'auto'");
       has_inner = true;
+    } else if (key == "film") {
+      wish.film = args.choice(key, {"joined", "grid"}) == "joined";
+      has_film = true;
     } else if (key == "grid") {
       for (double& g : wish.grid) g = args.number(key);
     } else if (key == "overlap") {
@@ -201,7 +208,7 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
       args.unknown(key, keywords());
     }
   }
-  check_words(args, wish, has_inner);
+  check_words(args, wish, has_inner, has_film);
   if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp);
   if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
   density_ = wish.density;
@@ -211,14 +218,14 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
   return mpdem::trouble_with_types(lmp, *AtomVecMpdem::of(lmp), type_);
 }
 
-void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner) const {
+void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner, bool has_film) const {
   if (wish.spacing <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
   if (!wish.file.empty()) {
     if (wish.later) args.complain(text_of("'points later' belongs to shapes; those of 'file ", wish.file, "' are made now"));
     if (wish.grid[0] != 0.0 || wish.grid[1] != 0.0 || wish.grid[2] != 0.0)
       args.complain("'grid' belongs to shapes; a file says itself where its points lie");
-    if (!wish.shapes.empty() || has_inner)
-      args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : "shape", "': points are either read or made, use one of them"));
+    if (!wish.shapes.empty() || has_inner || has_film)
+      args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : has_film ? "film" : "shape", "': points are either read or made, use one of them"));
     return;
   }
   for (double g : wish.grid)
@@ -359,6 +366,7 @@ int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
     std::copy(p.X.data(), p.X.data() + 3, to.X);
     to.volume = p.volume;
     to.links = p.links;
+    to.film = p.film;
     for (int k = 0; k < p.links; ++k) {
       to.link[k].side = p.link[k].side;
       std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
@@ -389,19 +397,26 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   std::vector<mpdem::FullPoint> found;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
-    const int b = avec->slot[i] / mpdem::kLanes, l = avec->slot[i] % mpdem::kLanes;
+    const int b = avec->slot_of(i) / mpdem::kLanes, l = avec->slot_of(i) % mpdem::kLanes;
     const int body = avec->bond[i];
-    if (body >= bodies || avec->points_of(i).blocks[b].volume[l] < full[body]) continue;
-    found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), body});
+    const bool film = avec->is_film(i);
+    if (body >= bodies || (!film && avec->points_of(i).blocks[b].volume[l] < full[body])) continue;
+    double width = table[body].spacing;
+    if (film) {
+      const mpdem::PointRecord r = avec->record_of(i);
+      width = mpdem::kWidthInColumn * (Vector3(r.link[1].foot) - Vector3(r.link[0].foot)).norm();
+    }
+    found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), body, width});
   }
   for (int row = 0; row < bodies; ++row) {
     const Body& body = table[row];
     if (body.pattern == 0) continue;
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (const mpdem::PatternPoint& p : avec->bonds.patterns[body.pattern - 1].points) {
-      if (p.volume < full[row]) continue;
+      if (!p.film && p.volume < full[row]) continue;
+      const double width = p.film ? mpdem::kWidthInColumn * (Vector3(p.link[1].foot) - Vector3(p.link[0].foot)).norm() : body.spacing;
       const Vector3 x(mpdem::place_in_box(body, axes, p.X).data());
-      if (box_.owns(x)) found.push_back({x, row});
+      if (box_.owns(x)) found.push_back({x, row, width});
     }
   }
   return found;
@@ -452,6 +467,7 @@ int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, do
   r.body = bond.row;
   for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
   r.volume = p.volume;
+  r.film = p.film;
   r.links = p.links;
   for (int k = 0; k < p.links; ++k) {
     r.link[k].grain = bond.body.grain[p.link[k].side];

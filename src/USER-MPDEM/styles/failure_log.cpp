@@ -17,11 +17,10 @@ const char* const kHeader =
     "step,time,point,bond,grain,r,theta,z,damage1,damage2,damage3,direction_x,direction_y,direction_z,mode";
 }
 
-FailureLog::Event FailureLog::event_at(const Bond& bond, const Body& body, int slot) {
-  const PointStore& points = bond.points;
+FailureLog::Event FailureLog::event_at(const PointStore& points, int row, const Body& body, int slot) {
   Event e{};
   e.point = points.tag(slot);
-  e.bond = bond.body + 1;
+  e.bond = row + 1;
 
   // Coordinates are polar about the line of centres, from the middle of the gap. The angle counts from the axis of the box that is most across that
   // line.
@@ -54,7 +53,7 @@ void FailureLog::add(const Bond& bond, const Body& body, long step, double time)
   const PointStore& points = bond.points;
   const std::vector<int>& gone = bond.let_go_of_failed;
   for (int slot : bond.failed) {
-    Event e = event_at(bond, body, slot);
+    Event e = event_at(points, bond.body, body, slot);
     e.step = step;
     e.time = time;
     // of two links, that of the nearer grain counts
@@ -68,11 +67,29 @@ void FailureLog::add(const Bond& bond, const Body& body, long step, double time)
   }
 }
 
+void FailureLog::add_film(const Bond& bond, const Body& body, long step, double time) {
+  if (name_.empty()) return;
+  for (int slot : bond.film.failed) {
+    Event e = event_at(bond.film.points, bond.body, body, slot);
+    e.step = step;
+    e.time = time;
+    events_.push_back(e);
+  }
+  for (int link : bond.film.debonded) {
+    const Link& k = bond.film.points.links[link];
+    Event e = event_at(bond.film.points, bond.body, body, k.slot);
+    e.step = step;
+    e.time = time;
+    e.grain = k.grain;
+    events_.push_back(e);
+  }
+}
+
 void FailureLog::add_links(const Bond& bond, const Body& body, long step, double time) {
   if (name_.empty()) return;
   for (int link : bond.link_step.let_go) {
     const Link& k = bond.points.links[link];
-    Event e = event_at(bond, body, k.slot);
+    Event e = event_at(bond.points, bond.body, body, k.slot);
     e.step = step;
     e.time = time;
     e.grain = k.grain;

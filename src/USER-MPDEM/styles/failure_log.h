@@ -24,8 +24,10 @@ class FailureLog {
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
-  // Note points that fail, with the links that let go with them, and links that let go of points that hold.
+  // Note points that fail, with the links that let go with them, columns of a film that fail, and links that let go of
+  // points that hold. A column that fails breaks inside.
   void add(const Bond& bond, const Body& body, long step, double time);
+  void add_film(const Bond& bond, const Body& body, long step, double time);
   void add_links(const Bond& bond, const Body& body, long step, double time);
   // Collective. Opens the file as TableFile::open() does. Returns what went wrong, or an empty text.
   std::string open(MPI_Comm comm, double last_kept);
@@ -40,7 +42,7 @@ class FailureLog {
     double r, theta, z, damage[3], direction[3];
   };
   // Event of the point at this slot, without step, time and grain.
-  static Event event_at(const Bond& bond, const Body& body, int slot);
+  static Event event_at(const PointStore& points, int row, const Body& body, int slot);
   std::vector<Event> events_;
   std::string name_;
   TableFile file_;

@@ -41,7 +41,7 @@ using mpdem::text_of;
 using namespace FixConst;
 
 namespace {
-constexpr int kVectorSize = 32;
+constexpr int kVectorSize = 34;
 constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, for `subcycle auto`
 constexpr int kReportEvery = 5;  // steps between reports of grains that are lost or jump
 }  // namespace
@@ -67,6 +67,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
   report_ = std::make_unique<mpdem::CementReport>(lmp, who());
+  watch_ = std::make_unique<mpdem::QuasistaticWatch>(lmp, who(), words.kinetic_share);
 }
 
 // A restart file that is written after this has no nodes of the cement.
@@ -120,6 +121,7 @@ void FixMpm::init() {
   gravities_ = mpdem::gravities(lmp, who(), this, *avec_);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
+  if (o.unilateral) refuse_film(who(), "'unilateral yes'");
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -195,8 +197,23 @@ void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p
   if (cement_->options().condense && p.friction >= 0.0)
     mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): 'friction ", p.friction, "' is not for 'condense yes' of fix mpm (id ", id,
                                  "): contact where the cement let go is not linear; leave 'friction' out, or use 'condense no'"));
+  if (p.friction >= 0.0) refuse_film(text_of("fix mpm/couple (id ", coupling->id, "): "), text_of("'friction ", p.friction, "'"));
   cement_->couple(&p);
   set_time_step(coupling);
+}
+
+// Collective. Stops if some bond has a film.
+void FixMpm::refuse_film(const std::string& who, const std::string& word) {
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  int mine = INT_MAX, first;
+  for (const mpdem::Bond& b : avec_->bonds)
+    if (!b.film.empty()) mine = std::min(mine, b.body);
+  for (std::size_t row = 0; row < table.size(); ++row)
+    if (table[row].pattern > 0 && avec_->bonds.patterns[table[row].pattern - 1].points.back().film) mine = std::min(mine, static_cast<int>(row));
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
+  if (first == INT_MAX) return;
+  mpdem::stop_all(lmp, text_of(who, word, " is not for cement with a film, whose columns hold or fail as a whole, and the bond of grains ", table[first].grain[0], " and ", table[first].grain[1],
+                               " has one; use 'inner auto' or 'film grid' in create_cement, or leave ", word, " out"));
 }
 
 int FixMpm::substeps() const {
@@ -214,6 +231,7 @@ void FixMpm::set_time_step(const Fix* running) {
   mpdem::EigenvalueEstimate e{};
   double limit = 0.0;
   guarded([&] {
+    cement_->stable_step().find_film();
     e = cement_->eigenvalue_of_new_layout();
     limit = cement_->stable_step().step_for(e.most, cement_->options().relax);
     if (subcycle > 0) limit *= subcycle;
@@ -349,6 +367,7 @@ void FixMpm::setup(int) {
   fill_atoms();
   watch_outside();
   mpdem::gather_into_huge_pages();
+  watch_->start_run(*cement_, totals().failed > 0.0);
   report_->start_timing(*cement_);
 }
 
@@ -357,6 +376,7 @@ void FixMpm::pre_initial_integrate() {
   const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
   if (first && !prepared_) check_unprepared();
   if (first) prepared_ = false;
+  if (first) report_->enter_steps();
   if (first || divided) {
     atoms_.read(cement_->grains());
     guarded([&] {
@@ -431,6 +451,7 @@ void FixMpm::end_of_step() {
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
+  if (check_due) watch_->look(*cement_);
   if (check_due || output_due) check_state();
   const bool shown = output_due || (check_due && leaving_.may_be_outside(*avec_));
   if (shown) {
@@ -453,8 +474,10 @@ void FixMpm::post_run() {
   fill_atoms();
   watch_outside();
   write_events();
+  watch_->look(*cement_);
   report_->modes(*cement_);
   report_->times(*cement_, points_expected_);
+  report_->end_run(*cement_);
   ranks_.tell(who(), *avec_);
 }
 
@@ -511,20 +534,25 @@ std::array<double, 3> FixMpm::initial_velocity(int tag) {
 }
 
 void FixMpm::points_failed(const mpdem::Bond& bond) {
+  watch_->note_failure();
   failures_.add(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
 }
 
+void FixMpm::film_failed(const mpdem::Bond& bond) {
+  watch_->note_failure();
+  failures_.add_film(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
+}
+
 void FixMpm::links_let_go(const mpdem::Bond& bond) {
+  watch_->note_failure();
   failures_.add_links(bond, avec_->bonds.body(bond), static_cast<long>(update->ntimestep), update->get_cur_time());
 }
 
 void FixMpm::slots_changed(const mpdem::Bond& bond) {
-  for (std::size_t b = 0; b < bond.points.meta.size(); ++b)
-    for (int l = 0; l < kLanes; ++l) {
-      if (!(bond.points.meta[b].occupied >> l & 1)) continue;
-      const int i = mpdem::local_atom(*atom, bond.points.tags[b][l]);
-      if (i >= 0) avec_->slot[i] = kLanes * static_cast<int>(b) + l;
-    }
+  bond.for_each_slot([&](int slot) {
+    const int i = mpdem::local_atom(*atom, bond.store_of(slot).tag(mpdem::Bond::slot_in_store(slot)));
+    if (i >= 0) avec_->slot[i] = slot;
+  });
 }
 
 // Collective. Writes the events that wait, and opens the file first if need be.
@@ -549,18 +577,17 @@ void FixMpm::fill_atoms() {
   leaving_.begin();
   std::string trouble;
   std::vector<mpdem::Report::PointMotionNow> motion;
-  for (const mpdem::Bond& bond : avec_->bonds) {
-    cement_->report().motion_of_points(bond, motion);
+  const auto fill = [&](const mpdem::Bond& bond, const mpdem::PointStore& points, int first_slot) {
     const mpdem::Body& body = avec_->bonds.body(bond);
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
     for (std::size_t b = 0; b < motion.size(); ++b)
       for (int l = 0; l < kLanes; ++l) {
-        const int i = bond.points.meta[b].occupied >> l & 1 ? mpdem::local_atom(*atom, bond.points.tags[b][l]) : -1;
+        const int i = points.meta[b].occupied >> l & 1 ? mpdem::local_atom(*atom, points.tags[b][l]) : -1;
         if (i < 0) continue;
         double* x = atom->x[i];
         double place[3], velocity[3];
         for (int d = 0; d < 3; ++d) {
-          place[d] = bond.points.blocks[b].X[d][l] + motion[b].u[d][l];
+          place[d] = points.blocks[b].X[d][l] + motion[b].u[d][l];
           velocity[d] = motion[b].v[d][l];
         }
         const std::array<double, 3> in_box = mpdem::place_in_box(body, axes, place), v = mpdem::turned(axes, velocity);
@@ -573,8 +600,14 @@ void FixMpm::fill_atoms() {
           if (!std::isfinite(x[d]) && trouble.empty())
             trouble = text_of(who(), "the position of material point ", atom->tag[i], " is not finite at step ", update->ntimestep,
                               "; check the motion of the grains, the time step and the contact model");
-        leaving_.show(i, bond.body, kLanes * static_cast<int>(b) + l, x);
+        leaving_.show(i, bond.body, first_slot + kLanes * static_cast<int>(b) + l, x);
       }
+  };
+  for (const mpdem::Bond& bond : avec_->bonds) {
+    cement_->report().motion_of_points(bond, motion);
+    fill(bond, bond.points, 0);
+    cement_->report().motion_of_film(bond, motion);
+    fill(bond, bond.film.points, mpdem::Bond::kFilm);
   }
   ranks_.true_places_shown();
   mpdem::stop_if_any(lmp, trouble);
@@ -608,14 +641,15 @@ double FixMpm::compute_scalar() {
 }
 
 double FixMpm::compute_vector(int n) {
-  const mpdem::CementTotals& t = totals();
+  constexpr int kUnbalanced = 33;
+  const mpdem::CementTotals& t = n == kUnbalanced ? totals_with_contacts() : totals();
   const double v[] = {t.points,     t.failed,      t.largest_damage, t.mean_damage, t.kinetic,         t.elastic,
                       t.coupling,   t.dissipated,  t.released,       t.damped,      t.external_work,   t.imbalance,
                       t.momentum[0], t.momentum[1], t.momentum[2],
                       t.angular_momentum[0], t.angular_momentum[1], t.angular_momentum[2],
                       t.separated, t.debonding, t.internal, t.mixed, t.rubbed,
                       t.awake, static_cast<double>(substeps()), t.broken,
-                      t.left.points, t.left.mass, t.left.momentum[0], t.left.momentum[1], t.left.momentum[2], t.left.energy};
+                      t.left.points, t.left.mass, t.left.momentum[0], t.left.momentum[1], t.left.momentum[2], t.left.energy, t.kinetic_share, t.unbalanced_force};
   return v[n];
 }
 

@@ -29,6 +29,7 @@ FixStyle(mpm,FixMpm)
 #include "hidden_points.h"
 #include "leaving_atoms.h"
 #include "point_ranks.h"
+#include "quasistatic_watch.h"
 
 namespace LAMMPS_NS {
 
@@ -70,6 +71,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
 
   // Collective. Sums and states of the bonds at the present step.
   const mpdem::CementTotals& totals() { return report_->totals(*cement_); }
+  const mpdem::CementTotals& totals_with_contacts() { return report_->totals_with_contacts(*cement_); }
   const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
   const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
   // Returns `intact`, `debonding`, `internal` or `mixed`.
@@ -98,6 +100,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
  private:
   std::array<double, 3> initial_velocity(int tag) override;
   void points_failed(const mpdem::Bond& bond) override;
+  void film_failed(const mpdem::Bond& bond) override;
+  void refuse_film(const std::string& who, const std::string& word);
   void links_let_go(const mpdem::Bond& bond) override;
   void slots_changed(const mpdem::Bond& bond) override;
 
@@ -124,6 +128,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   AtomVecMpdem* avec_ = nullptr;
   std::unique_ptr<mpdem::Cement> cement_;
   std::unique_ptr<mpdem::CementReport> report_;
+  std::unique_ptr<mpdem::QuasistaticWatch> watch_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
   mpdem::CouplingHistory coupling_;

@@ -255,7 +255,7 @@ void FixMpmCouple::write_table() {
   if (table_last_ == update->ntimestep) return;
   table_last_ = update->ntimestep;
   const int bonds = static_cast<int>(cement_->bonds().size());
-  cement_->totals();
+  cement_->totals_with_contacts();
   std::string trouble;
   if (comm->me == 0) {
     std::string rows;
@@ -273,7 +273,7 @@ void FixMpmCouple::write_table() {
 // Collective, unless the value was found at this step already.
 double FixMpmCouple::value(int body, int column) {
   const mpdem::BondColumn& c = mpdem::bond_columns()[column];
-  if (c.of_all()) return c.value(cement_->totals());
+  if (c.of_all()) return c.value(c.needs_contacts() ? cement_->totals_with_contacts() : cement_->totals());
   return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[body]);
 }
 

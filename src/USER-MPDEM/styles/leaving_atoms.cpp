@@ -80,7 +80,7 @@ std::optional<Departing> LeavingAtoms::find(const AtomVecMpdem& avec, bool point
   enum { kGrains, kDeleted, kOutside, kSums };
   bigint mine[kSums] = {0, 0, points_too ? static_cast<bigint>(outside_.size()) : 0}, all[kSums];
   std::string trouble;
-  for (const Bond& b : avec.bonds) mine[kDeleted] += b.points.size();
+  for (const Bond& b : avec.bonds) mine[kDeleted] += b.size();
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec.is_point(i)) {
       --mine[kDeleted];
@@ -110,10 +110,9 @@ std::optional<Departing> LeavingAtoms::find(const AtomVecMpdem& avec, bool point
   }
   if (all[kDeleted] == 0) return found;
   for (const Bond& b : avec.bonds)
-    for (int slot = 0; slot < kLanes * static_cast<int>(b.points.meta.size()); ++slot) {
-      if (!(b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)) continue;
-      if (local_atom(*atom, b.points.tag(slot)) < 0) found.deleted[b.body].push_back(slot);
-    }
+    b.for_each_slot([&](int slot) {
+      if (local_atom(*atom, b.store_of(slot).tag(Bond::slot_in_store(slot))) < 0) found.deleted[b.body].push_back(slot);
+    });
   return found;
 }
 

@@ -155,22 +155,23 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
   AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
   std::vector<GrainNow> grains;
   std::vector<PointNow> points;
-  double unframed[2] = {0, 0}, all[2];
+  double unframed[3] = {0, 0, 0}, all[3];  // points without an axis, with one, and columns of a film
   std::string unknown_law;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (avec->is_point(i)) {
       PointNow p;
       p.tag = atom->tag[i];
       std::copy(atom->x[i], atom->x[i] + 3, p.x);
-      p.record = avec->points_of(i).record(avec->slot[i]);
+      p.record = avec->record_of(i);
       try {
-        const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points_of(i), avec->slot[i]);
+        const std::array<double, 6> damage = mpdem::damage_tensor_of(avec->points_of(i), avec->slot_of(i));
         std::copy(damage.begin(), damage.end(), p.record.damage);
       } catch (const std::domain_error& e) {
         unknown_law = text_of("write_cement: the damage of the points cannot be told, since ", e.what());
       }
       if (!chosen[p.record.body]) continue;
       ++unframed[p.record.has_frame];
+      unframed[2] += p.record.film;
       points.push_back(p);
     } else if (avec->orientation(i)) {
       GrainNow g;
@@ -181,7 +182,9 @@ WriteCement::Now WriteCement::gather(const std::vector<char>& chosen, const Argu
     }
   }
   mpdem::stop_if_any(lmp, unknown_law);
-  MPI_Allreduce(unframed, all, 2, MPI_DOUBLE, MPI_SUM, world);
+  MPI_Allreduce(unframed, all, 3, MPI_DOUBLE, MPI_SUM, world);
+  if (all[2] > 0.0)
+    args.complain(text_of(all[2], " of ", all[0] + all[1], " points are columns of a film, and a file has points of cells alone; use 'inner auto' or 'film grid' of create_cement for cement that is to be written"));
   if (all[0] > 0.0 && all[1] > 0.0)
     args.complain(text_of(all[0], " of ", all[0] + all[1], " points have no axis of elasticity yet; use 'run 0' before"));
   Now now;

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "film_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "flat.h"
+
+namespace mpdem {
+
+namespace {
+
+constexpr int kSectors = 16;                 // a multiple of eight keeps the mirror planes of the lattice
+constexpr int kLeastRings = 4, kMostRings = 8;
+constexpr double kRingsOfRatio = 3.0;        // rings for a thickness e times that at the inner rim
+constexpr double kThinnest = 1e-3;           // of the smaller radius
+constexpr double kNoFilm = 1e-9;             // a film narrower than this share of its radius is none
+
+// Points and weights of the Gauss-Legendre rule with n points on (0, 1), by Newton's method.
+void gauss_rule(int n, std::vector<double>& at, std::vector<double>& weight) {
+  at.resize(n);
+  weight.resize(n);
+  for (int i = 0; i < n; ++i) {
+    double x = std::cos(M_PI * (i + 0.75) / (n + 0.5)), slope = 1.0;
+    for (int k = 0; k < 50; ++k) {
+      double p = 1.0, before = 0.0;
+      for (int j = 0; j < n; ++j) {
+        const double next = ((2.0 * j + 1.0) * x * p - j * before) / (j + 1.0);
+        before = p;
+        p = next;
+      }
+      slope = n * (x * p - before) / (x * x - 1.0);
+      x -= p / slope;
+      if (std::fabs(p / slope) < 1e-15) break;
+    }
+    at[n - 1 - i] = 0.5 * (1.0 + x);
+    weight[n - 1 - i] = 1.0 / ((1.0 - x * x) * slope * slope);
+  }
+}
+
+double between_rims(const GrainPair& pair, int side, double from, double to) {
+  const double R = pair.radius(side);
+  return 2.0 * M_PI * R * (sag(R, to) - sag(R, from));
+}
+
+// Directions across the line of centres, along axes of the coordinates where the line is.
+void across(const Vector3& n, Vector3& e1, Vector3& e2) {
+  int least = 0;
+  for (int d = 1; d < 3; ++d)
+    if (std::fabs(n[d]) < std::fabs(n[least]) - 1e-12) least = d;
+  e1 = (Vector3::Unit(least) - n[least] * n).normalized();
+  e2 = n.cross(e1);
+}
+
+struct Column {
+  Vector3 end[2];
+  Vector3 middle() const { return 0.5 * (end[0] + end[1]); }
+};
+
+class FilmFiller {
+ public:
+  explicit FilmFiller(const GrainPair& pair) : pair_(pair) { across(pair.n, e1_, e2_); }
+
+  Column column(double r, double angle) const {
+    const Vector3 out = r * (std::cos(angle) * e1_ + std::sin(angle) * e2_);
+    const double middle = 0.5 * (sag(pair_.R2, r) - sag(pair_.R1, r)), half = 0.5 * pair_.thickness(r);
+    return {{out + (middle - half) * pair_.n, out + (middle + half) * pair_.n}};
+  }
+
+  // Share of the shape in a sector of a ring between these radii.
+  double share_of_sector(const std::vector<Neighbour>& neighbours, double from, double to, double angle) const {
+    constexpr int kAlong = 2, kAround = 4, kUp = 3;
+    double sum = 0.0;
+    for (int i = 0; i < kAlong; ++i)
+      for (int j = 0; j < kAround; ++j) {
+        const Column c = column(from + (to - from) * (i + 0.5) / kAlong, angle + 2.0 * M_PI / kSectors * ((j + 0.5) / kAround - 0.5));
+        for (int k = 0; k < kUp; ++k) sum += share_of_place(neighbours, c.end[0] + (k + 0.5) / kUp * (c.end[1] - c.end[0]));
+      }
+    return sum / (kAlong * kAround * kUp);
+  }
+
+ private:
+  const GrainPair& pair_;
+  Vector3 e1_, e2_;
+};
+
+}  // namespace
+
+FilmPart film_part(const Shape& shape, double spacing) {
+  FilmPart film;
+  const GrainPair& pair = shape.pair();
+  const double cell = kCellOfPoints * spacing, smaller = std::min(pair.R1, pair.R2);
+  film.from = film.to = shape.inner();
+  const double thin = pair.radius_of_thickness(cell);
+  if (!(thin > film.from + kNoFilm * smaller)) return film;
+  std::ostringstream why;
+  const double rim = shape.spans() - thin;
+  film.all = rim < cell;
+  if (film.all && !shape.ends_where_it_spans())
+    why << "spacing " << spacing << " leaves a rim of " << std::max(rim, 0.0) << " where the grains are two spacings apart, less than a cell of two points, and this shape ("
+        << shape.describe() << ") cannot be film as a whole; use a smaller spacing, or 'film grid'";
+  else if (!(pair.thickness(film.from) >= kThinnest * smaller))
+    why << "inner radius " << film.from << ": the grains are " << std::max(pair.thickness(film.from), 0.0)
+        << " apart there, and the stiffness of a film between rigid grains grows without bound where they come together; use a larger 'inner', where they are at least "
+        << kThinnest * smaller << " apart (a radius of " << pair.radius_of_thickness(kThinnest * smaller) << "), or 'film grid'";
+  if (!why.str().empty()) throw ShapeError(why.str());
+  film.to = film.all ? Flat::outer_for_volume(pair, shape.volume(), film.from) : thin;
+  film.volume = film.all ? shape.volume() : pair.volume_within(film.to) - pair.volume_within(film.from);
+  for (int s = 0; s < 2; ++s) film.area[s] = film.all ? shape.attached_area(s) : between_rims(pair, s, film.from, film.to);
+  return film;
+}
+
+std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmPart& film, const std::vector<Neighbour>& neighbours) {
+  std::vector<FillPoint> points;
+  if (film.empty()) return points;
+  const FilmFiller filler(pair);
+  const double low = std::log(pair.thickness(film.from)), high = std::log(pair.thickness(film.to));
+  const int rings = std::clamp(static_cast<int>(std::ceil(kRingsOfRatio * (high - low))), kLeastRings, kMostRings);
+  std::vector<double> at, weight;
+  gauss_rule(rings, at, weight);
+  const auto radius_at = [&](double share) { return share <= 0.0 ? film.from : share >= 1.0 ? film.to : pair.radius_of_thickness(std::exp(low + share * (high - low))); };
+  double volume = 0.0, area[2] = {0.0, 0.0}, passed = 0.0;
+  for (int i = 0; i < rings; ++i) {
+    const double r = radius_at(at[i]), t = pair.thickness(r), inside = radius_at(passed), outside = radius_at(passed + weight[i]);
+    passed += weight[i];
+    // heights of the surfaces rise by r/c, so dA = 2 pi r dr = 2 pi t/(1/c1 + 1/c2) d ln t
+    double c[2], slopes = 0.0;
+    for (int s = 0; s < 2; ++s) {
+      const double R = pair.radius(s);
+      c[s] = std::sqrt((R - r) * (R + r));
+      slopes += 1.0 / c[s];
+    }
+    const double across_line = 2.0 * M_PI * t / slopes * weight[i] / kSectors;
+    for (int j = 0; j < kSectors; ++j) {
+      const double angle = 2.0 * M_PI * (j + 0.5) / kSectors;
+      const Column column = filler.column(r, angle);
+      FillPoint p;
+      p.film = true;
+      p.X = column.middle();
+      p.volume = across_line * t;
+      p.links = 2;
+      for (int s = 0; s < 2; ++s) {
+        p.link[s].side = s;
+        p.link[s].foot = column.end[s];
+        p.link[s].area = across_line * pair.radius(s) / c[s];
+        area[s] += p.link[s].area;
+      }
+      volume += p.volume;
+      const double share = neighbours.empty() ? 1.0 : filler.share_of_sector(neighbours, inside, outside, angle);
+      if (share == 0.0) continue;
+      p.volume *= share;
+      for (auto& k : p.link) k.area *= share;
+      points.push_back(p);
+    }
+  }
+  for (FillPoint& p : points) {
+    p.volume *= film.volume / volume;
+    for (auto& k : p.link) k.area *= film.area[k.side] / area[k.side];
+  }
+  return points;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "geometry/film_fill.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "geometry/coating.h"
+#include "geometry/flat.h"
+#include "geometry/meniscus.h"
+
+namespace mpdem {
+namespace {
+
+constexpr double kRadius = 5e-3;
+const Vector3 kAlong(0, 0, 1);
+
+GrainPair touching(double R2 = kRadius, double gap = 0.0) { return {kRadius, R2, gap, kAlong}; }
+
+struct Sums {
+  double volume = 0, over_t = 0, area[2] = {0, 0};
+};
+Sums sums(const std::vector<FillPoint>& points) {
+  Sums s;
+  for (const FillPoint& p : points) {
+    const double t = (p.link[1].foot - p.link[0].foot).norm();
+    s.volume += p.volume;
+    s.over_t += p.volume / (t * t);
+    for (const auto& k : p.link) s.area[k.side] += k.area;
+  }
+  return s;
+}
+
+// Integral of 2 pi r/t between equal touching spheres, t = 2 (R - sqrt(R^2 - r^2)).
+double sum_of_a_over_t(double from, double to) {
+  const double a = std::sqrt(kRadius * kRadius - from * from), b = std::sqrt(kRadius * kRadius - to * to);
+  return M_PI * (kRadius * std::log((kRadius - b) / (kRadius - a)) - (a - b));
+}
+
+TEST(FilmFill, InnerRadiusScalesWithTheGrainsAndNotWithTheSpacing) {
+  EXPECT_DOUBLE_EQ(touching().usual_inner(), 0.2 * kRadius);
+  EXPECT_DOUBLE_EQ(touching(2 * kRadius).usual_inner(), 0.2 * kRadius);
+  const GrainPair apart = touching(kRadius, 1e-5), wide = touching(kRadius, 0.05 * kRadius), pressed = touching(kRadius, -1e-4);
+  const double thickness = touching().thickness(0.2 * kRadius);
+  EXPECT_NEAR(apart.thickness(apart.usual_inner()), thickness, 1e-12 * kRadius);
+  EXPECT_LT(apart.usual_inner(), 0.2 * kRadius);
+  EXPECT_EQ(wide.usual_inner(), 0.0);
+  EXPECT_NEAR(pressed.thickness(pressed.usual_inner()), thickness, 1e-12 * kRadius);
+  EXPECT_GT(pressed.usual_inner(), pressed.contact_radius());
+}
+
+TEST(FilmFill, FilmEndsWhereACellFits) {
+  const Flat flat(touching(), 3e-3, 1e-3);
+  const FilmPart film = film_part(flat, 2e-4);
+  EXPECT_FALSE(film.all);
+  EXPECT_NEAR(flat.pair().thickness(film.to), 4e-4, 1e-15);
+  EXPECT_TRUE(film_part(flat, 1e-4).empty());  // 0.202 mm at 1 mm
+  const FilmPart all = film_part(Flat(touching(), 1.6e-3, 1e-3), 2e-4);
+  EXPECT_TRUE(all.all);
+  EXPECT_NEAR(all.to, 1.6e-3, 1e-12);
+}
+
+TEST(FilmFill, SumsAreThoseOfVolumeAreaAndStiffness) {
+  const Flat flat(touching(), 1.6e-3, 1e-3);
+  const Sums s = sums(fill_film(flat.pair(), film_part(flat, 2e-4)));
+  EXPECT_NEAR(s.volume / flat.volume(), 1.0, 1e-12);
+  for (int g = 0; g < 2; ++g) EXPECT_NEAR(s.area[g] / flat.attached_area(g), 1.0, 1e-12);
+  EXPECT_NEAR(s.over_t / sum_of_a_over_t(1e-3, 1.6e-3), 1.0, 3e-7);
+  const Flat wide(touching(), 3e-3, 1e-3);
+  const FilmPart part = film_part(wide, 3.5e-4);
+  EXPECT_NEAR(sums(fill_film(wide.pair(), part)).over_t / sum_of_a_over_t(1e-3, part.to), 1.0, 3e-7);
+}
+
+TEST(FilmFill, ColumnsDoNotDependOnTheSpacingWhereAllIsFilm) {
+  const Meniscus meniscus(touching(), 0.25, 0.3, 1e-3);
+  const FilmPart one = film_part(meniscus, 2e-4), other = film_part(meniscus, 1.5e-4);
+  ASSERT_TRUE(one.all && other.all);
+  const std::vector<FillPoint> a = fill_film(meniscus.pair(), one), b = fill_film(meniscus.pair(), other);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    EXPECT_EQ(a[n].X, b[n].X);
+    EXPECT_EQ(a[n].volume, b[n].volume);
+  }
+  const Sums s = sums(a);
+  EXPECT_NEAR(s.volume / meniscus.volume(), 1.0, 1e-12);
+  for (int g = 0; g < 2; ++g) EXPECT_NEAR(s.area[g] / meniscus.attached_area(g), 1.0, 1e-12);
+}
+
+TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
+  const Meniscus meniscus(touching(3.5e-3), 0.6, 0.3, 7e-4);
+  const FilmPart film = film_part(meniscus, 1e-4);
+  ASSERT_FALSE(film.all || film.empty());
+  const std::unique_ptr<Shape> cells = meniscus.with_inner(film.to);
+  EXPECT_NEAR((film.volume + cells->volume()) / meniscus.volume(), 1.0, 1e-12);
+  for (int s = 0; s < 2; ++s) EXPECT_NEAR((film.area[s] + cells->attached_area(s)) / meniscus.attached_area(s), 1.0, 1e-12);
+}
+
+TEST(FilmFill, NeighboursTakeTheirShare) {
+  // the same bond again, a little beside: each keeps the half that is nearer to its own middle
+  const Flat flat(touching(), 1.6e-3, 1e-3);
+  const FilmPart film = film_part(flat, 2e-4);
+  const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
+  const double kept = sums(fill_film(flat.pair(), film, neighbours)).volume / flat.volume();
+  EXPECT_GT(kept, 0.45);
+  EXPECT_LT(kept, 0.55);
+}
+
+TEST(FilmFill, RefusesWhatCannotBeFilm) {
+  EXPECT_THROW(film_part(Coating(touching(), 3e-4, M_PI, 1e-3), 4e-4), ShapeError);  // its shells go on
+  EXPECT_THROW(film_part(Flat(touching(), 1.6e-3, 1e-5), 2e-4), ShapeError);         // no bound of the stiffness
+}
+
+}  // namespace
+}  // namespace mpdem
