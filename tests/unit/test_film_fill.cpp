@@ -38,6 +38,12 @@ double sum_of_a_over_t(double from, double to) {
   return M_PI * (kRadius * std::log((kRadius - b) / (kRadius - a)) - (a - b));
 }
 
+// Where the gap is two spacings rounding may have it less, and radii there have the root of that.
+TEST(FilmFill, CementAsThickAsACellIsNoFilm) {
+  for (const double spacing : {2e-4, 1.7e-4, 1e-4 / 3})
+    for (const double rounded : {1.0 - 4e-16, 1.0, 1.0 + 4e-16}) EXPECT_TRUE(film_part(Flat(touching(kRadius, 2.0 * spacing * rounded), 1.5e-3, 0.0), spacing).empty());
+}
+
 TEST(FilmFill, InnerRadiusScalesWithTheGrainsAndNotWithTheSpacing) {
   EXPECT_DOUBLE_EQ(touching().usual_inner(), 0.2 * kRadius);
   EXPECT_DOUBLE_EQ(touching(2 * kRadius).usual_inner(), 0.2 * kRadius);

@@ -16,7 +16,7 @@ constexpr int kSectors = 16;                 // a multiple of eight keeps the mi
 constexpr int kLeastRings = 4, kMostRings = 8;
 constexpr double kRingsOfRatio = 3.0;        // rings for a thickness e times that at the inner rim
 constexpr double kThinnest = 1e-3;           // of the smaller radius
-constexpr double kNoFilm = 1e-9;             // a film narrower than this share of its radius is none
+constexpr double kNoFilm = 1e-9;             // cement thinner than a cell by less than this share is no film
 
 // Points and weights of the Gauss-Legendre rule with n points on (0, 1), by Newton's method.
 void gauss_rule(int n, std::vector<double>& at, std::vector<double>& weight) {
@@ -93,8 +93,8 @@ FilmPart film_part(const Shape& shape, double spacing) {
   const GrainPair& pair = shape.pair();
   const double cell = kCellOfPoints * spacing, smaller = std::min(pair.R1, pair.R2);
   film.from = film.to = shape.inner();
+  if (!(pair.thickness(film.from) < (1.0 - kNoFilm) * cell)) return film;  // radii have the root of its rounding where the grains are parallel
   const double thin = pair.radius_of_thickness(cell);
-  if (!(thin > film.from + kNoFilm * smaller)) return film;
   std::ostringstream why;
   const double rim = shape.spans() - thin;
   film.all = rim < cell;
