@@ -136,6 +136,17 @@ def test_restart_to_the_bit(words, tmp_path):
         assert (whole[c][-n:] == part[c][-n:]).all(), c
 
 
+def test_restart_of_a_free_pair_on_ranks(tmp_path):
+    """Columns go to the ranks of their places for the file, and are shown before they are laid out there."""
+    columns = ["f_bond[14]", "f_cem[5]", "f_cem[6]", "f_cem[7]"]
+    fixes = CONTACT + cement(4e-4, 1e-8, CALCITE, "radial") + "fix motion grains nve/sphere\n"
+    script = pair(2e-4, gap=2e-5, cement="content 0.002 film joined", half_box=(0.02, 0.02, 0.02)) + CONTACT + cement(4e-4, 1e-8, CALCITE, "radial") + SPINNING
+    whole = run(script + thermo(10, columns) + "run 110\nwrite_restart r.bin\nrun 200\n", tmp_path, 2).table()
+    part = run(restarted("r.bin") + fixes + thermo(10, columns) + "run 200\n", tmp_path, 2, name="in.again").table()
+    for c in columns[:3]:
+        assert (whole[c][-len(part["step"]):] == part[c]).all(), c
+
+
 @pytest.mark.parametrize("words", [ALL_FILM, "content 0.02 film joined"])
 def test_two_ranks(words, tmp_path, figures):
     """Ranks cut the film."""

@@ -378,8 +378,9 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
   });
 }
 
+// As for points, those that came since stay where they are.
 void Report::motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const {
-  motion.resize(bond.film.points.blocks.size());
+  motion.resize(bond.film.laid_out_blocks());
   const double half = 0.5 * scene_.dt_last;
   const bool asleep = condensed_.has(bond.body);
   const std::array<GrainSide, 2> of_condensed = asleep && !motion.empty() ? condensed_.sides_of(bond.body, scene_.bonds()) : std::array<GrainSide, 2>{};

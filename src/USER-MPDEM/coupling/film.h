@@ -80,7 +80,9 @@ class Film {
   // The stiffness against them, with the present damage.
   Matrix6 stiffness(const Strains& strains, const Law& law) const;
 
-  // Place and velocity of the columns of block b: means of those of both grains.
+  // Blocks whose columns lay_out() has seen. Columns that came since are in later ones.
+  std::size_t laid_out_blocks() const { return columns_.size(); }
+  // Place and velocity of the columns of block b, which must be laid out: means of those of both grains.
   void motion(int b, const GrainSide* side, double later, vd* x, vd* v) const;
 
   std::size_t memory_usage() const { return points.memory_usage() + columns_.capacity() * sizeof(Column) + faces_.capacity() * sizeof(Faces); }
