@@ -158,7 +158,7 @@ def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
     error = attempt(tmp_path, f.with_number(f.fix, float(version)))
-    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 20", "go on with the USER-MPDEM that wrote the file", "write_cement"):
+    for words in ("fix mpm (id cem)", f"version {version}, this program reads version 21", "go on with the USER-MPDEM that wrote the file", "write_cement"):
         assert words in error
 
 

@@ -40,7 +40,7 @@ class Cement {
   // All points have one volume. The material frame is turned by q.
   Cement(double h, const std::vector<Vector>& X, double volume,
          const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0,
-         const std::vector<int>& sheet = {}, bool join = false) {
+         const std::vector<int>& part = {}, bool join = false) {
     std::vector<int> tags(X.size());
     std::iota(tags.begin(), tags.end(), 1);
     for (std::size_t i = 0; i < X.size(); ++i) {
@@ -48,7 +48,7 @@ class Cement {
       r.has_frame = true;
       for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
       r.volume = volume;
-      if (!sheet.empty()) r.part = part_of(0, sheet[i]);
+      if (!part.empty()) r.part = part[i];
       r.q[0] = q.w();
       r.q[1] = q.x();
       r.q[2] = q.y();
@@ -61,7 +61,7 @@ class Cement {
     for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
     std::vector<char> fresh;
     grid.basis = basis;
-    grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh, {}, margin);
+    grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh, margin);
   }
 
   Vector place(int node) const {
@@ -92,11 +92,8 @@ class Cement {
   }
 };
 
-// Nodes of a grid for the search of ties, all of one body and in one sheet.
-inline TiedNodes edges_of(const Grid& grid) {
-  const std::size_t n = grid.keys.size();
-  return {grid.keys, {grid.mass.begin(), grid.mass.end()}, std::vector<char>(n, kNoSheets), std::vector<char>(n, 1), {}};
-}
+// Nodes of a grid for the search of ties, all of one body and in one part.
+inline TiedNodes edges_of(const Grid& grid) { return {grid.keys, {grid.mass.begin(), grid.mass.end()}, {}}; }
 
 // Points at random in [0, n h]^3. Every node between has points all over its support.
 inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {

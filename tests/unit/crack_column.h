@@ -61,19 +61,14 @@ inline std::vector<CrackPoint> swapped(std::vector<CrackPoint> points) {
 
 inline int level(const CrackPoint& p, int height = kHeight) { return p.cell[2] + height / 2; }
 
-// Nodes at which the sheets of a column are joined, a few of them, and what random() takes for supports.
-constexpr int kRandomSupport = 3;
-inline JoinedNodes random_joined() { return {{-3, 1, -1}, {0, 0, -1}, {1, -2, -1}}; }
-
-// Sets failed points, points that let go and damage of this many values at random. Sets parts (kind 1) or sheets (kind 2).
-inline void make_random(std::vector<CrackPoint>& points, Random& random, double share, int values, int kind, int height = kHeight) {
+// Sets failed points, points that let go and damage of this many values at random. Sets parts (kind 1), or empty space in half of the cells (kind 2).
+inline void make_random(std::vector<CrackPoint>& points, Random& random, double share, int values, int kind) {
   for (CrackPoint& p : points) {
     p.damage = static_cast<float>(0.9 * random.index(values) / values);
     if (random.uniform(0.0, 1.0) < share) fail(p);
     for (bool& a : p.attached) a = a && random.index(3) > 0;
     if (kind == 1) p.part = p.cell[0] < 0 ? 0 : 2;
-    if (kind == 2) p.sheet = level(p, height) >= height / 2;
-    for (int d = 0; d < 3; ++d) p.base[d] = p.cell[d] - 1;
+    for (float& s : p.space) s = kind == 2 && random.index(2) > 0 ? 0.2f : 0.0f;
   }
 }
 

@@ -60,7 +60,7 @@ struct Lump {
     std::vector<Grid::Cell> cells;
     for (BlockMeta& m : c.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
     std::vector<char> fresh;
-    c.grid.build(MPI_COMM_SELF, kCell, cells, NodeKinematics(), fresh, {}, UpdatedPass::kMargin);
+    c.grid.build(MPI_COMM_SELF, kCell, cells, NodeKinematics(), fresh, UpdatedPass::kMargin);
     c.grid.lump_mass(c.points, kCalcite);
     pass.bind(c.points, c.grid);
     ++layouts;

@@ -179,7 +179,7 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   options.split = true;
   Cracks cracks;
   cracks.take_up(1);
-  const auto look = [&] { cracks.look(MPI_COMM_SELF, host.bonds, Sheets(), options, true, false); };
+  const auto look = [&] { cracks.look(MPI_COMM_SELF, host.bonds, options, true, false); };
   look();
   EXPECT_TRUE(cracks.has_seen(bond));
   Link& link = bond.points.links.front();

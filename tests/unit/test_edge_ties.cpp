@@ -308,149 +308,38 @@ TEST(EdgeTies, BoundOfTheEigenvalueHolds) {
     }
 }
 
-// A ball in two halves, with a slit from one side to the middle.
-struct SlitBall {
-  std::vector<Vector> X;
-  std::vector<int> sheet;
-
-  SlitBall() {
-    const auto inside = [](const Vector& x) { return x.norm() < 3.3; };
-    X = lattice(2, Vector(0.1, 0.3, -0.2), 4, inside);
-    for (const Vector& x : X) sheet.push_back(x[2] > 0.05 * kH);
-  }
-  static TiedNodes nodes(const Grid& grid) {
-    TiedNodes n = edges_of(grid);
-    for (std::size_t i = 0; i < n.keys.size(); ++i) n.sheets[i] = n.keys[i].at(0) > 0 ? kApart : kJoined;
-    return n;
-  }
-};
-
-// Where sheets are joined, nodes are tied like those of the whole. Nodes of the second sheet are tied like those of the first.
-TEST(EdgeTies, JoinedSheetsAreAsOne) {
-  const SlitBall ball;
-  Cement whole(kH, ball.X, 0.7), halves(kH, ball.X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, ball.sheet);
-  std::map<Key, EdgeTie> wanted;
-  for (const EdgeTie& t : ties_of(whole)) wanted[t.slave] = t;
-  halves.grid.lump_mass(halves.points, 1.0);
-  const auto as_of_whole = [](std::vector<std::pair<Key, double>> v) {
-    for (auto& m : v) m.first = m.first.with_field(0);
-    std::sort(v.begin(), v.end());
-    return v;
-  };
-  TiedNodes nodes = SlitBall::nodes(halves.grid);
-  int joined = 0, copies = 0, apart = 0;
-  for (bool slit : {false, true}) {
-    if (!slit) nodes.sheets.assign(nodes.keys.size(), kJoined);
-    else nodes = SlitBall::nodes(halves.grid);
-    std::map<Key, EdgeTie> ties;
-    for (const EdgeTie& t : find_edge_ties(MPI_COMM_SELF, Basis::quadratic, nodes)) ties[t.slave] = t;
-    for (const Key& k : nodes.keys) {
-      Key of_whole = k, other = k;
-      of_whole = k.with_field(0);
-      other = k.with_field(other_sheet(k.field()));
-      const bool doubled = std::binary_search(nodes.keys.begin(), nodes.keys.end(), other);
-      const auto tie = ties.find(k);
-      if (slit && k.at(0) > -3) {  // out of reach of the slit nothing changes
-        if (k.at(0) > 0 && tie != ties.end()) {
-          for (const auto& m : tie->second.masters) EXPECT_TRUE(m.first.field() == k.field() || m.first.at(0) <= 0 || !doubled);
-        }
-        apart += k.at(0) > 0 && doubled && tie == ties.end();
-        continue;
-      }
-      const auto w = wanted.find(of_whole);
-      if (w != wanted.end()) {
-        ASSERT_TRUE(tie != ties.end());
-        EXPECT_EQ(as_of_whole(tie->second.masters).size(), w->second.masters.size());
-        const auto found = as_of_whole(tie->second.masters);
-        for (std::size_t n = 0; n < found.size(); ++n) {
-          EXPECT_EQ(found[n].first, w->second.masters[n].first);
-          EXPECT_NEAR(found[n].second, w->second.masters[n].second, 1e-12);
-        }
-        ++joined;
-      } else if (doubled && is_second_sheet(k.field())) {
-        ASSERT_TRUE(tie != ties.end());
-        EXPECT_EQ(tie->second.masters, (std::vector<std::pair<Key, double>>{{other, 1.0}}));
-        EXPECT_EQ(tie->second.heirs, tie->second.masters);
-        ++copies;
-      } else {
-        EXPECT_TRUE(tie == ties.end());
-      }
-    }
-  }
-  EXPECT_GT(joined, 50);
-  EXPECT_GT(copies, 50);
-  EXPECT_GT(apart, 20);
-}
-
-// The two halves move as one where they are joined, and mass and force are kept.
-TEST(EdgeTies, SheetsKeepSums) {
-  const SlitBall ball;
-  Cement c(kH, ball.X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, ball.sheet);
-  c.grid.lump_mass(c.points, 1.0);
-  double before = 0.0, after = 0.0;
-  for (double m : c.grid.mass) before += m;
-  const std::vector<EdgeTie> ties = find_edge_ties(MPI_COMM_SELF, Basis::quadratic, SlitBall::nodes(c.grid));
-  c.grid.tie(ties, true);
-  c.grid.lump_mass(c.points, 1.0);
-  for (double m : c.grid.mass) {
-    EXPECT_GE(m, 0.0);
-    after += m;
-  }
-  EXPECT_NEAR(after, before, 1e-12 * before);
-  test::Worst error;
-  for (const EdgeTie& t : ties) {
-    double sum[4] = {-1.0, 0, 0, 0};
-    for (const auto& m : t.masters) {
-      EXPECT_LT(c.grid.ties.row(c.grid.node_at(m.first)), 0);
-      sum[0] += m.second;
-      for (int d = 0; d < 3; ++d) sum[1 + d] += m.second * (m.first.at(d) - t.slave.at(d));
-    }
-    for (double s : sum) error.add(std::fabs(s));
-  }
-  EXPECT_LT(error.value(), 1e-11);
-}
-
 TEST(EdgeTies, SameOnAnyNumberOfRanks) {
-  const SlitBall ball;
-  for (bool sheets : {false, true}) {
-    const auto ties_on = [&](MPI_Comm comm, const Grid& grid) {
-      return find_edge_ties(comm, Basis::quadratic, sheets ? SlitBall::nodes(grid) : edges_of(grid));
-    };
-    const auto cement = [&](const std::vector<int>& which) {
-      std::vector<Vector> X;
-      std::vector<int> sheet;
-      for (int i : which) {
-        X.push_back(ball.X[i]);
-        if (sheets) sheet.push_back(ball.sheet[i]);
-      }
-      return Cement(kH, X, 0.7, Eigen::Quaterniond::Identity(), Basis::quadratic, 0, sheet);
-    };
-    std::vector<int> all(ball.X.size()), mine;
-    std::iota(all.begin(), all.end(), 0);
-    Cement whole = cement(all);
-    whole.grid.lump_mass(whole.points, 1.0);
-    std::map<Key, EdgeTie> wanted;
-    for (const EdgeTie& t : ties_on(MPI_COMM_SELF, whole.grid)) wanted[t.slave] = t;
+  const std::vector<Vector> ball = lattice(2, Vector(0.1, 0.3, -0.2), 4, [](const Vector& x) { return x.norm() < 3.3; });
+  const auto cement = [&](const std::vector<int>& which) {
+    std::vector<Vector> X;
+    for (int i : which) X.push_back(ball[i]);
+    return Cement(kH, X, 0.7);
+  };
+  std::vector<int> all(ball.size()), mine;
+  std::iota(all.begin(), all.end(), 0);
+  Cement whole = cement(all);
+  whole.grid.lump_mass(whole.points, 1.0);
+  std::map<Key, EdgeTie> wanted;
+  for (const EdgeTie& t : find_edge_ties(MPI_COMM_SELF, Basis::quadratic, edges_of(whole.grid))) wanted[t.slave] = t;
 
-    test::Random same(119);
-    for (int i : all) {
-      const int owner = static_cast<int>((ball.X[i][2] / (8 * kH) + 0.5 + 0.05 * same.uniform(-1, 1)) * ranks());
-      if (std::max(0, std::min(ranks() - 1, owner)) == rank()) mine.push_back(i);
-    }
-    Cement part = cement(mine);
-    HaloSum halo;
-    halo.build(MPI_COMM_WORLD, part.grid.keys);
-    part.grid.lump_mass(part.points, 1.0);
-    halo.sum(part.grid.mass.own().data(), 1);
-    std::set<Key> found;
-    for (const EdgeTie& t : ties_on(MPI_COMM_WORLD, part.grid)) {
-      found.insert(t.slave);
-      ASSERT_TRUE(wanted.count(t.slave));
-      EXPECT_EQ(wanted[t.slave].heirs, t.heirs);
-      EXPECT_EQ(wanted[t.slave].masters, t.masters);
-    }
-    for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
+  test::Random same(119);
+  for (int i : all) {
+    const int owner = static_cast<int>((ball[i][2] / (8 * kH) + 0.5 + 0.05 * same.uniform(-1, 1)) * ranks());
+    if (std::max(0, std::min(ranks() - 1, owner)) == rank()) mine.push_back(i);
   }
+  Cement part = cement(mine);
+  HaloSum halo;
+  halo.build(MPI_COMM_WORLD, part.grid.keys);
+  part.grid.lump_mass(part.points, 1.0);
+  halo.sum(part.grid.mass.own().data(), 1);
+  std::set<Key> found;
+  for (const EdgeTie& t : find_edge_ties(MPI_COMM_WORLD, Basis::quadratic, edges_of(part.grid))) {
+    found.insert(t.slave);
+    ASSERT_TRUE(wanted.count(t.slave));
+    EXPECT_EQ(wanted[t.slave].heirs, t.heirs);
+    EXPECT_EQ(wanted[t.slave].masters, t.masters);
+  }
+  for (const Key& k : part.grid.keys) EXPECT_EQ(found.count(k), wanted.count(k));
 }
 
 }  // namespace

@@ -173,8 +173,8 @@ TEST(Grid, NodesAreAdded) {
   }
 }
 
-// A field that split off takes the motion of the one it came from, where that had nodes.
-TEST(Grid, NewFieldsInheritTheMotion) {
+// Nodes that have a source take its motion, if there is such a node.
+TEST(Grid, NodesTakeTheMotionOfTheirSource) {
   test::Random random(117);
   const Field part = field_of(0, 1);
   EXPECT_EQ(body_of(field_of(7, 3)), 7);
@@ -186,7 +186,16 @@ TEST(Grid, NewFieldsInheritTheMotion) {
   for (std::vector<double>* field : {&grid.velocity, &grid.displacement, &grid.acceleration})
     for (double& v : *field) v = random.uniform(1, 2);
   const Grid before = grid;
-  grid.build(MPI_COMM_SELF, kH, second.list(), NodeKinematics(), fresh, {{part, 0}});
+  std::vector<GridRequest> requests(1);
+  GridRequest& request = requests.front();
+  request.grid = &grid;
+  request.cells = second.list();
+  request.before = before.kinematics();
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) request.source[{part, i, j, k}] = {0, i, j, k};
+  build_grids(MPI_COMM_SELF, kH, 0, std::numeric_limits<double>::infinity(), requests);
+  fresh.swap(request.fresh);
   expect_columns(grid, second);
   int inherited = 0;
   for (int i = 0; i < grid.size(); ++i) {

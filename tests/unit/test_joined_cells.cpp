@@ -66,7 +66,7 @@ TEST_P(JoinedCells, FullerBlocks) {
   for (std::size_t i = 0; i < X.size(); ++i) {
     const int b = joined.slots[i] / kLanes, l = joined.slots[i] % kLanes;
     EXPECT_EQ(p.tags[b][l], static_cast<int>(i) + 1);
-    EXPECT_EQ(p.meta[b].part, part_of(0, part[i]));
+    EXPECT_EQ(p.meta[b].part, part[i]);
     const std::array<int, 3> cell = cell_of(p, b, l);
     for (int d = 0; d < 3; ++d) {
       EXPECT_EQ(double(p.blocks[b].X[d][l]), X[i][d]);

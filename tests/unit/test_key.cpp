@@ -27,8 +27,6 @@ TEST(Key, SaysWhatItWasMadeOf) {
         EXPECT_EQ(body_of(field), body);
         EXPECT_EQ(part_of_field(field), part);
         EXPECT_EQ(k.place(), (std::array<int, 3>{x, -x, x / 2}));
-        EXPECT_EQ(part_of_field(other_sheet(field)), part ^ 1);
-        EXPECT_EQ(body_of(other_sheet(field)), body);
         EXPECT_EQ(k.with_field(5), Key(5, x, -x, x / 2));
         EXPECT_TRUE(Key::before(field) < k && k < Key::before(field + 1));
         EXPECT_TRUE(kNoNode < k);

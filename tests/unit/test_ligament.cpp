@@ -145,9 +145,8 @@ TEST(Ligament, WhichGrainIsTheFirstDoesNotMatter) {
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
     test::make_random(points, random, random.uniform(0.0, 0.5), n % 2 == 0 ? 1 : 100, n % 4);
-    const JoinedNodes joined = test::random_joined();
-    const Ligament one = find_ligament(points, joined, test::kRandomSupport);
-    const Ligament other = find_ligament(test::swapped(points), joined, test::kRandomSupport);
+    const Ligament one = find_ligament(points);
+    const Ligament other = find_ligament(test::swapped(points));
     EXPECT_EQ(other.whole, one.whole);
     EXPECT_EQ(std::vector<std::vector<int>>(other.cuts.rbegin(), other.cuts.rend()), one.cuts);
     two += one.cuts.size() == 2;
@@ -163,7 +162,7 @@ TEST(Ligament, IsTheLeastOfAllCutsOfSmallBonds) {
   for (int n = 0; n < 40; ++n) {
     std::vector<CrackPoint> points = column(kSmall, kThick);
     ASSERT_EQ(points.size(), static_cast<std::size_t>(kAll));
-    test::make_random(points, random, 0.2, 4, 0, kThick);
+    test::make_random(points, random, 0.2, 4, 0);
     random.shuffle(points);
     const Ligament l = find_ligament(points);
     std::size_t least = kAll;
@@ -230,13 +229,12 @@ std::vector<std::vector<int>> disjoint_paths(const std::vector<CrackPoint>& poin
 // them once; it separates the bond.
 TEST(Ligament, IsAsManyPointsAsThereArePathsWithNoneInCommon) {
   test::Random random(41);
-  const JoinedNodes joined = test::random_joined();
   std::set<std::size_t> sizes;
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
     test::make_random(points, random, random.uniform(0.0, 0.7), 100, n % 4);
-    const Neighbours near(points, joined, test::kRandomSupport);
-    const Ligament l = find_ligament(points, joined, test::kRandomSupport);
+    const Neighbours near(points);
+    const Ligament l = find_ligament(points);
     const std::set<int> cut(cut_of(l).begin(), cut_of(l).end());
     const std::vector<std::vector<int>> paths = disjoint_paths(points, near);
     std::set<int> met;
@@ -250,8 +248,8 @@ TEST(Ligament, IsAsManyPointsAsThereArePathsWithNoneInCommon) {
     }
     EXPECT_EQ(met.size(), steps);
     EXPECT_EQ(static_cast<int>(paths.size()), l.left());
-    EXPECT_TRUE(separate(cut_through(cut_of(l), points), kFace, joined, test::kRandomSupport).separated);
-    EXPECT_EQ(l.left() == 0, separate(points, kFace, joined, test::kRandomSupport).separated);
+    EXPECT_TRUE(separate(cut_through(cut_of(l), points), kFace).separated);
+    EXPECT_EQ(l.left() == 0, separate(points, kFace).separated);
     for (CrackPoint& p : points) {  // the unbroken bond
       p.failed = false;
       for (int g = 0; g < 2; ++g) p.attached[g] = p.link_area[g] > 0.0;
@@ -285,13 +283,12 @@ TEST(Ligament, OrderOfThePointsDoesNotMatter) {
   for (int n = 0; n < 20; ++n) {
     std::vector<CrackPoint> points = column();
     test::make_random(points, random, random.uniform(0.0, 0.5), n % 2 == 0 ? 1 : 100, n % 4);
-    const JoinedNodes joined = test::random_joined();
-    const Ligament one = find_ligament(points, joined, test::kRandomSupport);
+    const Ligament one = find_ligament(points);
     std::vector<std::set<int>> tags;
     for (const std::vector<int>& cut : one.cuts) tags.push_back(tags_of(cut, points));
     for (int again = 0; again < 3; ++again) {
       random.shuffle(points);
-      const Ligament other = find_ligament(points, joined, test::kRandomSupport);
+      const Ligament other = find_ligament(points);
       ASSERT_EQ(other.cuts.size(), tags.size());
       for (std::size_t c = 0; c < tags.size(); ++c) EXPECT_EQ(tags_of(other.cuts[c], points), tags[c]);
       EXPECT_EQ(other.whole, one.whole);
@@ -349,15 +346,14 @@ TEST(Ligament, WithSkinsPointsThatLeadOnFail) {
 
 TEST(Ligament, WithSkinsSeparatesRandomBonds) {
   test::Random random(73);
-  const JoinedNodes joined = test::random_joined();
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
     test::make_random(points, random, random.uniform(0.0, 0.6), 100, n % 4);
     for (CrackPoint& p : points)
       for (float& damage : p.link_damage) damage = static_cast<float>(random.uniform(0.0, 1.0));
-    const Ligament l = find_ligament(points, joined, test::kRandomSupport);
+    const Ligament l = find_ligament(points);
     for (const std::vector<int>& cut : l.cuts)
-      EXPECT_TRUE(separate(cut_through(cut, points, true, joined, test::kRandomSupport), kFace, joined, test::kRandomSupport).separated) << n;
+      EXPECT_TRUE(separate(cut_through(cut, points, true), kFace).separated) << n;
   }
 }
 

@@ -34,7 +34,7 @@ std::vector<CrackPoint> turned(std::vector<CrackPoint> points, int by) {
 
 // Number of faces of the level that are bridged, on either side of it.
 std::array<int, 2> bridged_faces(const std::vector<CrackPoint>& points, int by, int at, int across) {
-  const Neighbours near(points, {}, 0, across);
+  const Neighbours near(points, across);
   const int along = (2 - by + 3) % 3;
   std::array<int, 2> count{};
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -68,7 +68,7 @@ TEST(Neighbours, WholeSectionIsABridgeToItsRim) {
 // The points of the square that makes a face one of a bridge: as many faces as that has, with a point on either side.
 TEST(Neighbours, PointsOfABridge) {
   const std::vector<CrackPoint> points = with_bridge(5, -2, -1, 2, 2);
-  const Neighbours near(points, {}, 0, 2);
+  const Neighbours near(points, 2);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (level(points[i]) != 5 || points[i].failed) continue;
     std::vector<int> beside = near.bridge(static_cast<int>(i), 5);

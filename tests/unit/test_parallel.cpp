@@ -219,7 +219,6 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
     };
     std::vector<std::vector<Key>> bases(kBonds);
     std::vector<NodeKinematics> before(kBonds);
-    std::vector<std::map<Field, Field>> parent(kBonds);
     std::vector<std::vector<Key>> extra(kBonds);
     test::Random same(77);
     for (int b = 0; b < kBonds; ++b) {
@@ -227,7 +226,6 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
       const int cells = b == 1 && rank() == 0 ? 0 : 12;
       for (int i = 0; i < cells; ++i)
         bases[b].push_back({field_of(b, apart ? random_.index(2) : 0), random_.index(5), random_.index(5), random_.index(5)});
-      if (apart) parent[b][field_of(b, 1)] = field_of(b, 0);
       // a value belongs to its node, whoever knows it
       for (int i = -1; i < 5; ++i)
         for (int j = 0; j < 6; ++j)
@@ -248,7 +246,7 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
     };
     std::vector<Made> one(kBonds), together(kBonds);
     for (int b = 0; b < kBonds; ++b)
-      one[b].grid.build(MPI_COMM_WORLD, kSize, cells_of(b, one[b]), before[b], one[b].fresh, parent[b], margin, extra[b]);
+      one[b].grid.build(MPI_COMM_WORLD, kSize, cells_of(b, one[b]), before[b], one[b].fresh, margin, extra[b]);
     std::vector<GridRequest> requests;
     std::vector<int> asked;
     for (int b = 0; b < kBonds; ++b) {
@@ -257,7 +255,6 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
       r.grid = &together[b].grid;
       r.cells = cells_of(b, together[b]);
       r.before = before[b];
-      r.parent_field = parent[b];
       r.extra = extra[b];
       requests.push_back(r);
       asked.push_back(b);

@@ -12,17 +12,17 @@ using test::Scene;
 using test::Vector;
 
 constexpr double kShare = 0.3, kSpeed = 2.0;
-constexpr int kPieces = 4;  // of the second body, each with two sheets
+constexpr int kPieces = 4;  // of the second body
 
 struct Damped : Scene {
   explicit Damped(std::uint64_t seed, const std::vector<char>& apart = {0, 0})
-      : Scene(seed, test::penalty(true, 0.0), Basis::quadratic, 2 * kPieces) {
+      : Scene(seed, test::penalty(true, 0.0), Basis::quadratic, kPieces) {
     bodies[0].thickness = 0.1;
     bodies[1].thickness = 0.2;
     place_grains(0.1, 1.0);
     for (Bond& b : bonds) {
       for (BlockMeta& m : b.points.meta)
-        for (int g = 0; g < 2; ++g) m.holds[g] = apart[b.body] && piece_of(m.part) != g ? 0 : 0xff;
+        for (int g = 0; g < 2; ++g) m.holds[g] = apart[b.body] && m.part != g ? 0 : 0xff;
       b.relaxation = Relaxation(b.grid, bodies[b.body], apart[b.body] ? nodes_held(b.points, b.grid) : std::vector<char>(), kShare, kSpeed);
     }
   }
@@ -127,7 +127,7 @@ TEST(Relaxation, PartsFollowTheirOwnGrain) {
   const Bond& b = s.bonds[1];
   for (int n = 0; n < b.grid.size(); ++n) {
     if (b.grid.mass[n] == 0.0) continue;
-    const int piece = piece_of(part_of_field(b.grid.keys[n].field()));
+    const int piece = part_of_field(b.grid.keys[n].field());
     ++nodes[piece];
     if (piece > 1) {
       EXPECT_EQ(s.at(force[1], n), Vector::Zero());

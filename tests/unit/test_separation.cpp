@@ -70,7 +70,7 @@ Separation crack_at(int height, double reach) {
   std::vector<CrackPoint> points = column();
   for (CrackPoint& p : points)
     if (level(p) == height) fail(p);
-  return separate(points, kFace, {}, 0, false, 1, reach);
+  return separate(points, kFace, false, 1, reach);
 }
 
 // The failed points of a level are as near to both sides. So half of the surface is at their lower face and half at the upper one.
@@ -124,11 +124,10 @@ TEST(Separation, PathOfIntactPoints) {
   EXPECT_TRUE(separate(points, kFace).path.empty());
 }
 
-// The fields are random, of few values of damage and of many, with parts or sheets. No path over points and links has less damage
+// The fields are random, of few values of damage and of many, with parts or empty space. No path over points and links has less damage
 // than the one that is named. There is no path where the bond is separated.
 TEST(Separation, ThePathIsThatOfTheLeastDamage) {
   test::Random random(977);
-  const JoinedNodes joined = test::random_joined();
   int separated = 0, held = 0;
   for (int n = 0; n < 60; ++n) {
     std::vector<CrackPoint> points = column();
@@ -136,7 +135,7 @@ TEST(Separation, ThePathIsThatOfTheLeastDamage) {
     test::make_random(points, random, random.uniform(0.0, 0.75), values, n % 4);
     for (CrackPoint& p : points)
       for (float& d : p.link_damage) d = static_cast<float>(0.9 * random.index(values) / values);
-    const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace, joined, test::kRandomSupport); };
+    const auto look = [&](const std::vector<CrackPoint>& p) { return separate(p, kFace); };
     const Separation s = look(points);
     EXPECT_EQ(s.path.empty(), s.separated);
     ++(s.separated ? separated : held);
@@ -328,34 +327,28 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   EXPECT_LE(*std::max_element(s.part.begin(), s.part.end()), 1);
 }
 
-// The upper half is a second sheet: it is held where the sheets are joined and their material touches.
+// The upper half is a second sheet. It is held where its material touches that of the first.
 TEST(Separation, Sheets) {
   std::vector<CrackPoint> points = column();
-  for (CrackPoint& p : points) {
-    p.sheet = level(p) >= 5;
-    for (int d = 0; d < 3; ++d) p.base[d] = p.cell[d] - 1;  // a point a cell
-  }
-  constexpr int kSupport = 3;
-  EXPECT_TRUE(separate(points, kFace, {}, kSupport).separated);
-  EXPECT_TRUE(separate(points, kFace, {{-4, -4, -7}, {0, 0, 3}}, kSupport).separated);  // in no support of both
-  // in the supports of the cells 0 and 1 next to it on each side of the middle
-  const JoinedNodes joined{{-1, -1, -1}};
-  EXPECT_FALSE(separate(points, kFace, joined, kSupport).separated);
   const auto beside = [](const CrackPoint& p) { return std::abs(p.cell[0] + 1) <= 1 && std::abs(p.cell[1] + 1) <= 1; };
+  const auto leave_space = [&](float first, float second) {
+    for (CrackPoint& p : points) {
+      if (level(p) == 4) p.space[5] = beside(p) ? first : 0.2f;
+      if (level(p) == 5) p.space[4] = beside(p) ? second : 0.0f;
+    }
+  };
+  leave_space(0.0f, 0.0f);
+  EXPECT_FALSE(separate(points, kFace).separated);
   std::vector<CrackPoint> cut = points;
   for (CrackPoint& p : cut)
     if (beside(p) && level(p) == 5) fail(p);
-  const Separation s = separate(cut, kFace, joined, kSupport);
+  const Separation s = separate(cut, kFace);
   EXPECT_TRUE(s.separated);
   EXPECT_EQ(s.inside, 9.0);  // nothing comes apart where nothing held
-  for (CrackPoint& p : points) {
-    if (beside(p) && level(p) == 4) p.space[5] = 0.06f;
-    if (beside(p) && level(p) == 5) p.space[4] = 0.03f;
-  }
-  EXPECT_FALSE(separate(points, kFace, joined, kSupport).separated);
-  for (CrackPoint& p : points)
-    if (beside(p) && level(p) == 5) p.space[4] = 0.05f;
-  EXPECT_TRUE(separate(points, kFace, joined, kSupport).separated);
+  leave_space(0.06f, 0.03f);
+  EXPECT_FALSE(separate(points, kFace).separated);
+  leave_space(0.06f, 0.05f);
+  EXPECT_TRUE(separate(points, kFace).separated);
 }
 
 // A part that breaks again splits, and never takes in points of another part.
@@ -428,14 +421,13 @@ TEST(Separation, PointsThatCannotBeReached) {
   for (int at : {0, 1}) EXPECT_EQ(s.part[points.size() - 2 + at], at);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].part = s.part[i];
   for (CrackPoint& p : points) fail(p);
-  s = separate(points, kFace, {}, 0, true);
+  s = separate(points, kFace, true);
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.part[i], points[i].part);
 }
 
 // If the first grain and the second are swapped, areas and parts of the grains swap and the rest stays.
 TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
   test::Random random(183);
-  const JoinedNodes joined = test::random_joined();
   int separated = 0, pieces = 0;
   for (int n = 0; n < 100; ++n) {
     std::vector<CrackPoint> points = column();
@@ -444,8 +436,8 @@ TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
       for (CrackPoint& p : points)
         if (level(p) == 2 || level(p) == 8) fail(p);
     const double reach = n % 3;
-    const Separation a = separate(points, kFace, joined, test::kRandomSupport, false, 1, reach);
-    const Separation b = separate(test::swapped(points), kFace, joined, test::kRandomSupport, false, 1, reach);
+    const Separation a = separate(points, kFace, false, 1, reach);
+    const Separation b = separate(test::swapped(points), kFace, false, 1, reach);
     EXPECT_EQ(b.separated, a.separated);
     EXPECT_EQ(b.inside, a.inside);
     EXPECT_NEAR(b.debonded_share(), a.debonded_share(), 1e-14);

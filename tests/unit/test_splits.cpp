@@ -74,7 +74,7 @@ TEST(BorrowedNodes, PlaceAndMassAreThoseOfOwnNodes) {
         for (BlockMeta& m : p.meta)
           if (own || m.part == 0) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
         std::vector<char> fresh;
-        grid.build(MPI_COMM_SELF, kCell, cells, {}, fresh, {}, 0, splits.nodes_beside(p, 0, support(basis)));
+        grid.build(MPI_COMM_SELF, kCell, cells, {}, fresh, 0, splits.nodes_beside(p, 0, support(basis)));
         for (int i = 0; i < grid.size(); ++i)
           for (int d = 0; d < 3; ++d) grid.displacement[3 * i + d] = std::sin(1.0 + grid.keys[i].at(0) + 2.0 * grid.keys[i].at(1) * (1 + d) + 3.0 * grid.keys[i].at(2));
         grid.tie(splits.ties(grid.keys), true);

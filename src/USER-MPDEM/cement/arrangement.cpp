@@ -34,10 +34,9 @@ void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<B
   for (std::size_t n = 0; n < rows.size() && me == 0; ++n) scene.books.release(before[n].kinetic - after[n].kinetic);
 }
 
-// Finds the parts that get nodes of their own before a layout.
-NewPartsOfBonds parts_before_layout(const Scene& scene, Bonds& bonds, const std::vector<int>& fresh, Splits& splits, Sheets& sheets) {
-  if (!scene.options.split) return sheets.divide(scene.comm, bonds, scene.options, fresh);
-  NewPartsOfBonds parts = splits.start(scene.comm, bonds, scene.options);
+NewPartsOfBonds parts_before_layout(const Scene& scene, Bonds& bonds, const std::vector<int>& fresh, Splits& splits) {
+  if (scene.options.reprojects()) return {};
+  NewPartsOfBonds parts = splits.start(scene.comm, bonds, scene.options, fresh);
   splits.bring(scene.comm, bonds);
   return parts;
 }
@@ -51,9 +50,8 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& d
   for (const Bond& b : scene.bonds()) copies.make(b.body).points = b.points;
   RestoredNodes restored(of_file);
   restored.bring();
-  Sheets sheets(divisions.sheets);
   Splits splits(divisions.splits);
-  NewPartsOfBonds parts = parts_before_layout(scene, copies, fresh, splits, sheets);
+  NewPartsOfBonds parts = parts_before_layout(scene, copies, fresh, splits);
   std::vector<LayoutRequest> requests;
   for (Bond& b : copies) {
     requests.emplace_back();
@@ -66,7 +64,7 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& d
   }
   CementOptions options(scene.options);
   options.updated = false;  // without the margin that updated kinematics need
-  const LayoutRules rules{scene.comm, copies.table, options, scene.law, sheets, divisions.cracks, scene.inertia, penalty, scene.options.split ? &splits : nullptr};
+  const LayoutRules rules{scene.comm, copies.table, options, scene.law, scene.inertia, penalty, scene.options.reprojects() ? nullptr : &splits};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
   for (BondLayout& l : layouts) {
     l.film = scene.bonds().find(l.body)->film;
@@ -86,23 +84,22 @@ LayoutRequest Arrangement::request_of(Bond& b, NewPartsOfBonds& parts) {
   return r;
 }
 
-// Mass goes back from the heirs of tied nodes to these nodes where a bond came apart, or where its nodes split. Its
+// Mass goes back from the heirs of tied nodes to these nodes where nodes split. Its
 // momentum and angular momentum are kept by a rigid motion.
 void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how) {
   restored_.bring();
-  const std::vector<int> untied = how.splits ? rows : scene_.options.split ? std::vector<int>() : divisions_.cracks.untie(scene_.options);
-  const bool moves = scene_.laid_out && !untied.empty();
-  const std::vector<BondMotion> motion = moves ? sums_of_motion(scene_, untied) : std::vector<BondMotion>();
+  const bool moves = scene_.laid_out && how.splits;
+  const std::vector<BondMotion> motion = moves ? sums_of_motion(scene_, rows) : std::vector<BondMotion>();
   std::vector<LayoutRequest> requests;
   for (int row : rows)
     if (Bond* b = scene_.bonds().find(row)) requests.push_back(request_of(*b, parts));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
-  const LayoutRules rules{scene_.comm, scene_.bonds().table, scene_.options, scene_.law, divisions_.sheets, divisions_.cracks, scene_.inertia, penalty,
-                          scene_.options.split ? &divisions_.splits : nullptr, how.arrange};
+  const LayoutRules rules{scene_.comm, scene_.bonds().table, scene_.options, scene_.law, scene_.inertia, penalty,
+                          scene_.options.reprojects() ? nullptr : &divisions_.splits, how.arrange};
   std::vector<BondLayout> layouts = make_layout(rules, rows, std::move(requests));
   restored_.clear();
   adopt(layouts);
-  if (moves) keep_motion(scene_, untied, motion);
+  if (moves) keep_motion(scene_, rows, motion);
   start_velocities(scene_, layouts);
   scene_.bonds().drop_empty(rows);
   if (scene_.options.updated)
@@ -117,20 +114,13 @@ void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds pa
 }
 
 NewPartsOfBonds Arrangement::parts_at_start() {
-  NewPartsOfBonds parts = parts_before_layout(scene_, scene_.bonds(), fresh_points_, divisions_.splits, divisions_.sheets);
-  fresh_points_.clear();
-  return parts;
-}
-
-NewPartsOfBonds Arrangement::parts_of_fresh_points() {
-  NewPartsOfBonds parts;
-  if (!fresh_points_.empty()) parts = divisions_.sheets.divide(scene_.comm, scene_.bonds(), scene_.options, fresh_points_);
+  NewPartsOfBonds parts = parts_before_layout(scene_, scene_.bonds(), fresh_points_, divisions_.splits);
   fresh_points_.clear();
   return parts;
 }
 
 void Arrangement::bring_copies() {
-  if (scene_.options.split) divisions_.splits.bring(scene_.comm, scene_.bonds());
+  if (!scene_.options.reprojects()) divisions_.splits.bring(scene_.comm, scene_.bonds());
 }
 
 void Arrangement::remember_axis() {

@@ -24,20 +24,19 @@ class Arrangement {
   Arrangement(Scene& scene, Divisions& divisions, RestoredNodes& restored, SharedNodes& shared, AddedMasses& added)
       : scene_(scene), divisions_(divisions), restored_(restored), shared_(shared), added_(added) {}
 
-  // Find the parts that get nodes of their own. The first function is for bonds that are new in a run. The second is
-  // for bonds whose points were made between two steps.
+  // Finds the parts that get nodes of their own at the start, in bonds that are new or whose points were made. Copies
+  // of nodes come to other ranks with the points of their bond.
   NewPartsOfBonds parts_at_start();
-  NewPartsOfBonds parts_of_fresh_points();
+  // Call when copies of the nodes of bonds came to other ranks with their points.
+  void bring_copies();
   // Call when the host has made points of these rows of the table.
   void points_were_made(const std::vector<int>& rows) { fresh_points_.insert(fresh_points_.end(), rows.begin(), rows.end()); }
   // Stores the axis of the elasticity of bodies that have points without a frame, or points yet to be made.
   void remember_axis();
-  // Call when copies of the nodes of bonds came to other ranks with their points (`cracks split`).
-  void bring_copies();
 
   struct How {
     bool arrange = true;  // false: blocks stay as they are
-    bool splits = false;  // true: the layout is made because nodes split
+    bool splits = false;  // true: the layout is made because nodes split, or parts came apart
   };
   // Lays out these rows of the table, ascending. Bonds that change their parts do so with `parts`. The added mass of
   // these rows is cleared, and the sides of grains are still those of before: find both anew.

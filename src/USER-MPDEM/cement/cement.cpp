@@ -26,7 +26,6 @@ Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::s
 
 // Clears the marks of parts, so that another fix starts from whole bonds.
 Cement::~Cement() {
-  if (!scene_.options.split) return;
   for (Bond& b : scene_.bonds())
     for (BlockMeta& m : b.points.meta) {
       m.part = m.looked_at = 0;
@@ -78,8 +77,7 @@ void Cement::lay_out_exchanged() {
   // Slots of points were brought up to date for the exchange, with `updated` kinematics.
   const std::vector<int> rows = scene_.options.updated ? scene_.all_rows() : scene_.agreed_rows(mine);
   if (!any && rows.empty()) return;
-  arrangement_.bring_copies();
-  arrangement_.lay_out(rows, arrangement_.parts_of_fresh_points(), {});
+  arrangement_.lay_out(rows, arrangement_.parts_at_start(), {});
   condensing_.bind();
   scene_.grains.distribute_as_before(scene_.bonds(), scene_.now.dt);  // places go on before the cement follows its grains
   added_.refresh(rows);

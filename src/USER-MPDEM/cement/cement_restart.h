@@ -58,7 +58,7 @@ struct LawSoFar {
 };
 
 struct CementHead {
-  static constexpr int kVersion = 20;
+  static constexpr int kVersion = 21;
   double cell = 0.0;
   Basis basis = Basis::quadratic;
   bool updated = false, tied = false;

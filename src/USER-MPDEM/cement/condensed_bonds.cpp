@@ -115,11 +115,11 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
 }
 
 // Nothing holds the pieces back, and nothing strains them.
-std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split) {
+std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law) {
   auto s = std::make_shared<Solution>();
   const Eigen::Vector3d middle = frame_of(body, SidesAtCreation(body).side).middle;
   if (b) {
-    s->grain_of_node = grains_of_nodes(*b, body, split);
+    s->grain_of_node = grains_of_nodes(*b, body);
     s->models = models_of_pieces(*b, s->grain_of_node, middle);
     for (const PointStore* store : {&b->points, &b->film.points}) s->sums.add(*store, law, false);
   } else {
@@ -130,12 +130,12 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
   return s;
 }
 
-bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split) {
+bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law) {
   const Body& body = bonds.table[row];
   Bond* b = bonds.find(row);
   std::shared_ptr<const Solution> s;
   if (is_in_pieces(row)) {
-    s = of_pieces(comm, b, body, law, split);
+    s = of_pieces(comm, b, body, law);
   } else {
     Rim rim(b);
     for (int* of_any : {&rim.failed, &rim.tied}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
@@ -152,7 +152,7 @@ bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& 
 }
 
 std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links,
-                                       double inertia, bool split) {
+                                       double inertia) {
   struct Known {
     const Bond* bond;
     const Body* body;
@@ -181,7 +181,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
     described_[row] = hash;
     if (cut[n] || solved_already[n]) continue;
     if (is_in_pieces(row)) {
-      solutions_[row] = of_pieces(MPI_COMM_SELF, b, bonds.table[row], law, split);
+      solutions_[row] = of_pieces(MPI_COMM_SELF, b, bonds.table[row], law);
       continue;
     }
     const auto range = known.equal_range(hash);
@@ -206,7 +206,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
   for (std::size_t n = 0; n < rows.size(); ++n) {
     if (cut[n]) cut_.insert(rows[n]);
     else cut_.erase(rows[n]);
-    if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law, split)) without.push_back(rows[n]);
+    if (cut[n] && !solved_already[n] && !solve_cut(comm, bonds, rows[n], law)) without.push_back(rows[n]);
   }
   without = union_of_ranks(comm, without);
   without_field_last_ = without;

@@ -41,10 +41,10 @@ class CondensedBonds {
  public:
   // Collective. Solves those of the rows that the table marks as condensed. They were laid out at rest. Rows that are
   // solved already and did not change are left out. Solved bonds have no loads before bind(). links, inertia: what the
-  // solutions depend on besides the bonds. split: CementOptions::split. Fields of a bond that holds by next to nothing
+  // solutions depend on besides the bonds. Fields of a bond that holds by next to nothing
   // may not be found. If no step has moved it yet, it is no longer condensed. Returns the rows of such bonds, the same
   // on all ranks. Throws BadState if the fields of other bonds are not found.
-  std::vector<int> solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia, bool split);
+  std::vector<int> solve(MPI_Comm comm, Bonds& bonds, const std::vector<int>& rows, const Law& law, const PenaltyParameters& links, double inertia);
   // Tells whether a condensed row came apart, and is condensed as pieces. The same on all ranks. Call before solve().
   void set_in_pieces(int row, bool yes) {
     if (yes) in_pieces_.insert(row);
@@ -140,7 +140,7 @@ class CondensedBonds {
   // Asks the same of a bond that came apart: does what holds move with its grains? The limits are kChange of the
   // largest load that the bond had, and of the energy with that load.
   bool pieces_rest(Bond& awake, const Body& body, const GrainSide* side, double energy, const LoadWatch::Largest& largest, const double* gravity,
-                   double dt_last, const Law& law, bool split);
+                   double dt_last, const Law& law);
   // Momentum of both sides of a bond that fits, half a step behind, as loads. momentum_of_nodes() is the momentum that
   // its nodes have. momentum_as_condensed() is the momentum of the condensed bond with the motion of these sides. Call
   // it once the bond is solved. half: half a step.
@@ -177,9 +177,9 @@ class CondensedBonds {
   // Returns the body of a part of the pack: the row of the table, or `piece`, which becomes the body of a piece.
   const Body& body_of(std::size_t part, const Bonds& bonds, Body& piece) const;
   const Member* find(int body) const;
-  static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law, bool split);
+  static std::shared_ptr<const Solution> of_pieces(MPI_Comm comm, Bond* b, const Body& body, const Law& law);
   static std::shared_ptr<const Solution> solved(MPI_Comm comm, Bond* b, const Body& body, const Law& law, int most = kMostStaticSteps);
-  bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law, bool split);  // collective; false: no field was found
+  bool solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& law);  // collective; false: no field was found
   double largest_root(Bond& b, const Body& body, int part, const CementOptions& options, const Law& law) const;
   bool note_look(std::size_t part, double root, const CementOptions& options, const Law& law);
   void show_strain(Bond& bond, int part) const;

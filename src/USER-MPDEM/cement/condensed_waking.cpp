@@ -198,7 +198,7 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
 }
 
 bool CondensedBonds::pieces_rest(Bond& awake, const Body& body, const GrainSide* side, double energy, const LoadWatch::Largest& largest, const double* gravity,
-                                 double dt_last, const Law& law, bool split) {
+                                 double dt_last, const Law& law) {
   if (loose_points(awake.points) >= kLeastLoose) return false;
   // Dust bears no load, and may be in flight.
   const std::vector<signed char> holding = grains_that_hold_nodes(awake);
@@ -223,7 +223,7 @@ bool CondensedBonds::pieces_rest(Bond& awake, const Body& body, const GrainSide*
     force = std::max(force, std::hypot(f.head<3>().norm(), f.tail<3>().norm() / radius));
   }
   if (std::fabs(energy) > kChange * 0.5 * largest.load * largest.motion || force > kChange * largest.load) return false;
-  candidates_[awake.body].solution = of_pieces(MPI_COMM_SELF, &awake, body, law, split);
+  candidates_[awake.body].solution = of_pieces(MPI_COMM_SELF, &awake, body, law);
   return true;
 }
 

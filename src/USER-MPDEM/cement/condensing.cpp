@@ -43,7 +43,7 @@ void Condensing::condense(const std::vector<int>& rows, bool at_start) {
   for (int row : resolved) scene_.bonds().table[row].condensed = false;
   scene_.bonds().awake_changed();
   take_patterns(at_start);
-  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
   resolved.insert(resolved.end(), without.begin(), without.end());
   if (!resolved.empty()) {
     scene_.bonds().awake_changed();
@@ -177,8 +177,7 @@ bool Condensing::rests(Bond& b) {
   if (cracks_.separated(b.body) && !cracks_.has_seen(b)) return false;
   const GrainSide* side = scene_.grains.side_of(b);
   if (cracks_.separated(b.body))
-    return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law,
-                                  scene_.options.split);
+    return condensed_.pieces_rest(b, body, side, work_.energy_of(b), load_watch_.largest(b.body), scene_.weight().data(), scene_.dt_last, *scene_.law);
   const double root = std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
   if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
   return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
@@ -232,7 +231,7 @@ void Condensing::condense_again() {
   arrangement_.lay_out(rows, {}, {});
   grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, {});
   added_.refresh(rows);
-  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia, scene_.options.split);
+  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
   for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.side, half), -1.0);
   sides.sum(rest.data(), 6);
   std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});

@@ -20,9 +20,6 @@ struct Sent {
   int body, slot;
   CrackPoint point;
 };
-struct Returned {
-  int body, slot, part;
-};
 struct Held {
   int body, slot, holds;
 };
@@ -43,24 +40,19 @@ void direction_of_centres(const Body& body, double* n) {
 
 // Point l of block b. first_link: for each slot, its first link in the store.
 CrackPoint crack_point(const PointStore& points, const Body& body, int b, int l, double damage, const std::vector<int>& first_link,
-                       const double* axis, bool split) {
+                       const double* axis, bool parts_are_pieces) {
   const BlockMeta& m = points.meta[b];
   const int slot = kLanes * b + l;
   CrackPoint p;
   p.tag = points.tags[b][l];
-  p.part = split ? 0 : piece_of(m.part);
+  p.part = parts_are_pieces ? m.part : 0;
   p.failed = m.failed >> l & 1;
   p.holds = points.holds(slot);
   p.damage = static_cast<float>(std::max(damage, 0.0));
   const SheetPoint place = sheet_point(points, body, b, l);
-  for (int d = 0; d < 3; ++d) {
-    p.cell[d] = place.cell[d];
-    p.base[d] = cell_of(m, l, d);
-  }
-  const double nearer = nearer_to_first(body, place.X);
-  p.nearer = nearer_side(body, nearer);
-  p.sheet = split ? p.nearer : sheet_of(m.part);
-  p.middle = in_the_middle(body, nearer);
+  std::copy(place.cell, place.cell + 3, p.cell);
+  p.nearer = place.sheet;
+  p.middle = place.middle;
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
   for (int g = 0; g < 2; ++g) {
     p.attached[g] = false;
@@ -90,8 +82,11 @@ double count_broken(const PointStore& points) {
 
 double count_broken(const Bond& b) { return count_broken(b.points) + count_broken(b.film.points); }
 
-// With nodes that split: how many cells of the lattice a cell of the grid is wide.
-int cells_across(const Body& body, const CementOptions& options) { return std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))); }
+// Least width of a bridge, see Neighbours. Where nodes split as points fail, a narrower one than a cell of the grid
+// carries next to nothing.
+int cells_across(const Body& body, const CementOptions& options) {
+  return options.split ? std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))) : 1;
+}
 
 // Bonds as a whole, each on one rank.
 struct WholeBonds {
@@ -105,7 +100,7 @@ struct WholeBonds {
 
 // Calls f(slot, point) for the points of a bond on this rank.
 template <class F>
-void for_each_crack_point(const Bond& bond, const Body& body, bool split, F f) {
+void for_each_crack_point(const Bond& bond, const Body& body, bool parts_are_pieces, F f) {
   const PointStore& points = bond.points;
   double axis[3];
   direction_of_centres(body, axis);
@@ -115,13 +110,14 @@ void for_each_crack_point(const Bond& bond, const Body& body, bool split, F f) {
   const std::vector<vd> damage = largest_damages(points);
   for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
     for (int l = 0; l < kLanes; ++l)
-      if (points.meta[b].occupied >> l & 1) f(kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, split));
+      if (points.meta[b].occupied >> l & 1) f(kLanes * b + l, crack_point(points, body, b, l, damage[b][l], first_link, axis, parts_are_pieces));
 }
 
 // Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent. Copies of
 // them would cost as much as the look at the bond, since a big scene does not have that memory in the cache.
-WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, bool split) {
+WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const CementOptions& options) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
+  const bool parts_are_pieces = options.reprojects();
   std::vector<std::vector<Sent>> out(ranks);
   WholeBonds whole;
   whole.points.resize(rows.size());
@@ -133,12 +129,12 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
     if (to == me && !bond->cut_by_ranks()) {
       whole.points[n].reserve(kLanes * bond->points.blocks.size());
       whole.sources[n].reserve(kLanes * bond->points.blocks.size());
-      for_each_crack_point(*bond, bonds.body(*bond), split, [&](int slot, const CrackPoint& p) {
+      for_each_crack_point(*bond, bonds.body(*bond), parts_are_pieces, [&](int slot, const CrackPoint& p) {
         whole.points[n].push_back(p);
         whole.sources[n].push_back({me, slot});
       });
     } else {
-      for_each_crack_point(*bond, bonds.body(*bond), split, [&](int slot, const CrackPoint& p) { out[to].push_back({bond->body, slot, p}); });
+      for_each_crack_point(*bond, bonds.body(*bond), parts_are_pieces, [&](int slot, const CrackPoint& p) { out[to].push_back({bond->body, slot, p}); });
     }
   }
   const Received<Sent> sent = all_to_all(comm, out);
@@ -195,15 +191,12 @@ bool Cracks::some_path_is_cut(MPI_Comm comm) const {
   return any != 0;
 }
 
-Separation Cracks::look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
-                           const std::vector<CrackPoint>& points, bool skins) const {
+Separation Cracks::look_at(const Body& body, int row, const CementOptions& options, const std::vector<CrackPoint>& points, bool skins) const {
   double face[3];
   direction_of_centres(body, face);
   for (double& f : face) f = std::fabs(f) * body.spacing * body.spacing;
   const double reach = skins ? 0.0 : options.half_band;
-  const bool again = states_[row].separation.separated;
-  if (options.split) return separate(points, face, {}, 0, again, cells_across(body, options), reach);
-  return separate(points, face, sheets.joined_nodes(row), support(options.basis), again, 1, reach);
+  return separate(points, face, states_[row].separation.separated, cells_across(body, options), reach);
 }
 
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.body].broken_seen; }
@@ -246,18 +239,17 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   return looked_at;
 }
 
-Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris, int from) {
+Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool skins, bool debris, int from) {
   Found found;
   const std::vector<int> looked_at = rows_to_look_at(comm, bonds, debris, from);
   if (looked_at.empty()) return found;
   const int ranks = ranks_of(comm);
 
   // The bonds that come to this rank are whole.
-  const WholeBonds whole = collect(comm, bonds, looked_at, options.split);
-  std::vector<std::vector<Returned>> back(ranks);
+  const WholeBonds whole = collect(comm, bonds, looked_at, options);
   std::vector<std::vector<Held>> held(ranks);
   std::vector<std::vector<OfPath>> paths(ranks);
-  constexpr int kRow = 10;  // separated, areas, has other parts, holds to other grains, points, areas of the film
+  constexpr int kRow = 9;  // separated, areas, holds to other grains, points, areas of the film
   std::vector<double> result(kRow * looked_at.size(), 0.0);
   std::vector<Separation> separations(looked_at.size());
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
@@ -265,36 +257,36 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
     if (const Bond* b = bonds.find(r)) {
       const Film::Areas film = b->film.areas();
       const double areas[3] = {film.at_grain[0], film.at_grain[1], film.inside};
-      std::copy(areas, areas + 3, &result[kRow * n + 7]);
+      std::copy(areas, areas + 3, &result[kRow * n + 6]);
     }
     if (whole.points[n].empty()) continue;
-    result[kRow * n + 6] = 1.0;
-    Separation& s = separations[n] = look_at(bonds.table[r], r, sheets, options, whole.points[n], skins);
+    result[kRow * n + 5] = 1.0;
+    Separation& s = separations[n] = look_at(bonds.table[r], r, options, whole.points[n], skins);
     for (int tag : s.path)
       for (auto& to : paths) to.push_back({r, tag});
     const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
     std::copy(row, row + 4, &result[kRow * n]);
   }
-  if (options.split)
-    for (std::size_t k = 0; k < looked_at.size(); ++k)
-      if (!whole.points[k].empty() && separations[k].separated && !states_[looked_at[k]].separation.separated)
-        for (std::size_t i = 0; i < whole.points[k].size(); ++i)
-          found.pieces[looked_at[k]].push_back({whole.points[k][i].tag, separations[k].between[i] ? kBetween : separations[k].part[i]});
+  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+    const std::vector<CrackPoint>& points = whole.points[n];
+    if (points.empty() || !separations[n].separated) continue;
+    if (options.updated) continue;  // fragments may meet again, so they share their nodes
+    if (options.split && separated(looked_at[n])) continue;  // nodes of debris split as points fail
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const int part = separations[n].part[i];
+      if (!options.reprojects()) found.pieces[looked_at[n]].push_back({points[i].tag, separations[n].between[i] ? kBetween : part});
+      else if (part != points[i].part) found.pieces[looked_at[n]].push_back({points[i].tag, part});
+    }
+  }
   for (std::size_t n = 0; n < looked_at.size(); ++n)
     for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
       const CrackPoint& point = whole.points[n][k];
       const WholeBonds::Source& at = whole.sources[n][k];
-      const int part = separations[n].part[k], holds = separations[n].separated ? separations[n].holds[k] : point.holds;
-      double* row = &result[kRow * n];
-      if (holds != point.holds) {
-        held[at.rank].push_back({looked_at[n], at.slot, holds});
-        row[5] = 1.0;
-      }
-      if (part == point.part || options.updated || options.split) continue;  // `updated` fragments may meet again, so they share their nodes
-      back[at.rank].push_back({looked_at[n], at.slot, part});
-      row[4] = 1.0;
+      const int holds = separations[n].separated ? separations[n].holds[k] : point.holds;
+      if (holds == point.holds) continue;
+      held[at.rank].push_back({looked_at[n], at.slot, holds});
+      result[kRow * n + 4] = 1.0;
     }
-  const std::vector<Returned> changed = all_to_all(comm, back).data;
   for (const Held& h : all_to_all(comm, held).data) bonds.find(h.body)->points.set_holds(h.slot, h.holds);
   for (int r : looked_at) states_[r].path.clear();
   for (const OfPath& p : all_to_all(comm, paths).data) states_[p.body].path.push_back(p.tag);
@@ -302,43 +294,22 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, co
   for (std::size_t k = 0; k < looked_at.size(); ++k) {
     const double* row = &result[kRow * k];
     State& s = states_[looked_at[k]];
-    bool lay_out = row[4] != 0.0;
     // The surface is that of the separation; what breaks later is debris.
     // A bond that is all film has nothing else.
-    if (!s.separation.separated && (row[0] != 0.0 || row[6] == 0.0)) {
+    if (!s.separation.separated && (row[0] != 0.0 || row[5] == 0.0)) {
       s.separation.separated = true;
-      for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[7 + g];
-      s.separation.inside = row[3] + row[9];
-      lay_out = lay_out || (options.tied && !options.split) || options.relax > 0.0;
+      for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[6 + g];
+      s.separation.inside = row[3] + row[8];
+      if (!options.updated && row[5] != 0.0) found.lay_out.push_back(looked_at[k]);
     }
-    if (row[5] != 0.0) found.held.push_back(looked_at[k]);
-    if (lay_out) found.lay_out.push_back(looked_at[k]);
-  }
-  for (const Returned& r : changed) {
-    if (r.part >= kMaxPieces) throw OnOneRank(text_of("a bond broke into more than ", kMaxPieces, " parts"));
-    const BlockMeta& m = bonds.find(r.body)->points.meta[r.slot / kLanes];
-    NewParts& parts = found.parts[r.body];
-    parts.part_of_slot[r.slot] = part_of(r.part, sheet_of(m.part));
-    // fields of both sheets: nodes of the other sheet may come to this rank as masters of those of its own
-    for (int sheet = 0; sheet < 2; ++sheet)
-      parts.parent_field[field_of(r.body, part_of(r.part, sheet))] = field_of(r.body, part_of(piece_of(m.part), sheet));
+    if (row[4] != 0.0) found.held.push_back(looked_at[k]);
   }
   return found;
 }
 
-std::vector<int> Cracks::untie(const CementOptions& options) {
-  std::vector<int> released;
-  for (std::size_t r = 0; r < states_.size() && options.tied; ++r) {
-    if (!states_[r].separation.separated || states_[r].untied) continue;
-    states_[r].untied = true;
-    released.push_back(static_cast<int>(r));
-  }
-  return released;
-}
-
-std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                                         const std::vector<int>& rows, bool skins) const {
-  const WholeBonds whole = collect(comm, bonds, rows, options.split);
+std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
+                                         bool skins) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options);
   constexpr int kWords = 5;
   std::vector<double> found(kWords * rows.size(), 0.0);
   for (std::size_t b = 0; b < rows.size(); ++b) {
@@ -353,14 +324,12 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
       found[kWords * b + 4] += film.inside + film.holding;
     }
     if (points.empty()) continue;
-    const JoinedNodes joined = options.split ? JoinedNodes() : sheets.joined_nodes(row);
-    const int nodes = options.split ? 0 : support(options.basis);
-    const Ligament ligament = find_ligament(points, joined, nodes);
+    const Ligament ligament = find_ligament(points);
     double* of_bond = &found[kWords * b];
     of_bond[0] += ligament.left();
     of_bond[1] += ligament.whole;
     for (const std::vector<int>& cut : ligament.cuts) {
-      const Separation s = look_at(bonds.table[row], row, sheets, options, cut_through(cut, points, skins, joined, nodes), skins);
+      const Separation s = look_at(bonds.table[row], row, options, cut_through(cut, points, skins), skins);
       const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
       for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
     }
@@ -377,15 +346,13 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
   return all;
 }
 
-std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                                                     const std::vector<int>& rows) const {
-  const WholeBonds whole = collect(comm, bonds, rows, options.split);
+std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options);
   std::vector<std::vector<Held>> back(ranks_of(comm));
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty()) continue;
-    const std::vector<char> held = options.split ? mpdem::grains_held(points, {}, 0, cells_across(bonds.table[rows[n]], options))
-                                                 : mpdem::grains_held(points, sheets.joined_nodes(rows[n]), support(options.basis), 1);
+    const std::vector<char> held = mpdem::grains_held(points, cells_across(bonds.table[rows[n]], options));
     for (std::size_t k = 0; k < points.size(); ++k) back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, held[k]});
   }
   std::map<int, std::vector<char>> found;
@@ -395,12 +362,11 @@ std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds&
   return found;
 }
 
-void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
-                      std::int64_t step) {
+void Cracks::give_way(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool skins, std::int64_t step) {
   std::vector<int> holding;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(holding), [&](int row) { return !broken(row); });
   if (holding.empty()) return;
-  const std::vector<Ahead> found = ahead(comm, bonds, sheets, options, holding, skins);
+  const std::vector<Ahead> found = ahead(comm, bonds, options, holding, skins);
   for (std::size_t n = 0; n < holding.size(); ++n) {
     if (found[n].left >= found[n].whole) continue;
     State& state = states_[holding[n]];

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Finds bonds that come apart. Bonds in which points failed are looked at as a whole, each by one rank, and their parts
-// get nodes of their own (fracture/separation.h). What is left of a shared node across a crack still pulls. So a path
+// get nodes of their own (fracture/separation.h, splits.h). What is left of a shared node across a crack still pulls. So a path
 // of intact points from grain to grain is remembered. Its bond is looked at as soon as one of these points fails. Bonds
 // that have come apart are looked at again at the checks. For bonds that hold, the end of a run tells how much of them
 // is left (fracture/ligament.h).
@@ -17,7 +17,7 @@
 #include "../fracture/node_copies.h"
 #include "../fracture/separation.h"
 #include "bond.h"
-#include "sheets.h"
+#include "options.h"
 
 namespace mpdem {
 
@@ -29,7 +29,6 @@ class Cracks {
     double broken_seen = 0;  // number of failed points and of links that let go, at the last look
     std::vector<int> path;   // tags of the points of the path, ascending, see separation.h; empty: not known
     bool path_cut = false;   // true: the path is cut on this rank
-    bool untied = false;     // true: the bond came apart, and has no ties in the present layout
     std::int64_t broken_at = 0;  // step at which it was found to carry nothing any more though it is not separated (load_watch.h); 0: not yet
   };
   const State& operator[](std::size_t row) const { return states_[row]; }
@@ -56,17 +55,13 @@ class Cracks {
 
   // Collective. Looks at bonds in which points failed or links let go: those whose path is cut, and those that have
   // come apart already if `debris`. skins: TractionLaw::keeps_skins(). Skins tell what let go from what broke beside
-  // it, so the band of a crack does not count there. Returns the bonds that need a new layout, the same on all ranks,
-  // and their new parts on this one. Rows before `from` wait.
+  // it, so the band of a crack does not count there. Rows before `from` wait.
   struct Found {
-    std::vector<int> lay_out;  // ascending
-    NewPartsOfBonds parts;
+    std::vector<int> lay_out;  // bonds that came apart, ascending
     std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
-    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // with nodes that split: pieces of bonds that came apart, on the ranks that looked
+    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // what Splits::come_apart() is to part, on the ranks that looked
   };
-  Found look(MPI_Comm comm, Bonds& bonds, const Sheets& sheets, const CementOptions& options, bool skins, bool debris, int from = 0);
-  // Returns bonds that came apart and have ties until now. Their next layout is without ties.
-  std::vector<int> untie(const CementOptions& options);
+  Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool skins, bool debris, int from = 0);
 
   // Collective. The ligament of each of these rows of bonds that hold, ascending, and the separating surface if the
   // ligament failed.
@@ -74,18 +69,15 @@ class Cracks {
     double left = 0.0, whole = 0.0;  // points of the ligament that hold; points of the ligament of the unbroken bond
     Separation surface;              // separating surface if the ligament failed
   };
-  std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                           const std::vector<int>& rows, bool skins) const;
+  std::vector<Ahead> ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool skins) const;
 
   // Collective. For each slot of these bonds of which this rank has points, by row: the bits of the grains to which its piece is
   // attached now, see grains_held() of fracture/separation.h. rows: ascending, the same on all ranks.
-  std::map<int, std::vector<char>> grains_held(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options,
-                                               const std::vector<int>& rows) const;
+  std::map<int, std::vector<char>> grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) const;
 
   // Collective. Notes that these bonds, ascending, carry nothing any more since this step. Those of them that are not
   // whole count as broken.
-  void give_way(MPI_Comm comm, const Bonds& bonds, const Sheets& sheets, const CementOptions& options, const std::vector<int>& rows, bool skins,
-                std::int64_t step);
+  void give_way(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool skins, std::int64_t step);
 
   // Returns `debonding`, `internal` or `mixed`.
   static const char* mode_of(const SeparatingSurface& s);
@@ -95,8 +87,7 @@ class Cracks {
  private:
   void note(const Bond& bond, int slot);
   std::vector<int> rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool debris, int from);
-  Separation look_at(const Body& body, int row, const Sheets& sheets, const CementOptions& options,
-                     const std::vector<CrackPoint>& points, bool skins) const;
+  Separation look_at(const Body& body, int row, const CementOptions& options, const std::vector<CrackPoint>& points, bool skins) const;
 
   std::vector<State> states_;
   std::size_t with_path_ = 0;  // number of rows that this object has taken up

@@ -64,7 +64,7 @@ Leaving Departures::choose(const Departing& departing) {
       return leaving;
     }
   }
-  std::map<int, std::vector<char>> held = divisions_.cracks.grains_held(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, rows);
+  std::map<int, std::vector<char>> held = divisions_.cracks.grains_held(scene_.comm, scene_.bonds(), scene_.options, rows);
   for (std::size_t n = 0; n < rows.size(); ++n)
     if (Bond* b = scene_.bonds().find(rows[n])) choose_points(*b, held[rows[n]], departing, as_a_whole[n], leaving);
   for (const auto& of_row : leaving.slots) leaving.rows.push_back(of_row.first);
@@ -91,8 +91,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
       const int lane = slot % kLanes;
       double X[3];
       for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
-      const int piece = piece_of(m.part);
-      return (gone >> (!scene_.options.split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X))) & 1) != 0;
+      return (gone >> nearer_side(body, nearer_to_first(body, X)) & 1) != 0;
     }
     bool goes = false;
     if (!grain_of_node.empty()) for_each_node_of_lane(b.grid, m, slot % kLanes, [&](int i) { goes = goes || (grain_of_node[i] >= 0 && (gone >> grain_of_node[i] & 1)); });
@@ -239,7 +238,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   }
   for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
   const std::vector<int> tags = take_out(of_rows, leaving);
-  if (scene_.options.split) divisions_.splits.leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
+  if (!scene_.options.reprojects()) divisions_.splits.leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
   arrangement_.bring_copies();
   arrangement_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds().awake())

@@ -59,34 +59,6 @@ std::vector<Grid::Cell> cells_of(BondLayout& l, const BorrowedNodes& borrowed) {
   return cells;
 }
 
-// Collective. Finds ties of each layout, from the masses on these grids.
-std::vector<std::vector<EdgeTie>> find_ties(const LayoutRules& rules, const std::vector<int>& rows, const std::vector<const Grid*>& grids) {
-  struct Node {
-    Key key;
-    double mass;
-    int grid;
-  };
-  std::vector<Node> all;
-  for (std::size_t n = 0; n < grids.size(); ++n)
-    for (int i = 0; i < grids[n]->size(); ++i) all.push_back({grids[n]->keys[i], grids[n]->mass[i], static_cast<int>(n)});
-  // keys of different bonds mix where there are parts
-  if (grids.size() > 1) std::sort(all.begin(), all.end(), [](const Node& a, const Node& b) { return a.key < b.key; });
-  TiedNodes nodes;
-  for (const Node& n : all) {
-    nodes.keys.push_back(n.key);
-    nodes.mass.push_back(n.mass);
-    nodes.edge.push_back(!rules.cracks.separated(body_of(n.key.field())));
-  }
-  nodes.sheets = rules.sheets.at(rules.comm, rows, nodes.keys);
-  std::vector<std::vector<EdgeTie>> ties(grids.size());
-  std::size_t at = 0;
-  for (EdgeTie& t : find_edge_ties(rules.comm, rules.options.basis, nodes)) {
-    while (all[at].key != t.slave) ++at;
-    ties[all[at].grid].push_back(std::move(t));
-  }
-  return ties;
-}
-
 class LayoutMaker {
  public:
   LayoutMaker(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest>& requests)
@@ -95,33 +67,29 @@ class LayoutMaker {
   std::vector<BondLayout> make() {
     const int ranks = ranks_of(rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
-    std::vector<std::vector<EdgeTie>> ties;
+    Splits* const splits = rules_.splits;
+    const bool finds_edges = splits && rules_.options.tied && !splits->edges_known(rows_);
     // A slave of this rank may have its masters on others. These then come here as nodes of no cell. A plan of the
     // grids tells which.
-    const bool edges_known = rules_.splits && (!rules_.options.tied || rules_.splits->edges_known(rows_));
-    if (rules_.options.tied && ranks > 1 && !edges_known) {
+    if (finds_edges && ranks > 1) {
       std::vector<Grid> plans(layouts_.size());
-      build(plans, {}, false);
-      if (rules_.splits) rules_.splits->keep_edges(rows_, edges_at_start(plans));
-      else ties = find(plans);
+      build(plans, false);
+      keep_edges(plans);
     }
     std::vector<Grid> grids(layouts_.size());
-    build(grids, ties, true);
-    if (rules_.splits) {
-      if (ranks == 1 && !edges_known) rules_.splits->keep_edges(rows_, edges_at_start(grids));
-      for (const Grid& g : grids) ties.push_back(rules_.splits->ties(g.keys));
-    } else if (rules_.options.tied && ranks == 1) {
-      ties = find(grids);
-    }
-    ties.resize(layouts_.size());
+    build(grids, true);
+    if (finds_edges && ranks == 1) keep_edges(grids);
+    std::vector<std::vector<EdgeTie>> ties(layouts_.size());
+    for (std::size_t n = 0; n < ties.size() && splits; ++n) ties[n] = splits->ties(grids[n].keys);
     const std::vector<char> any = tied_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
-      if (rules_.options.tied || rules_.splits) l.grid.tie(ties[n], any[n]);
-      if (rules_.options.shares_failed_mass()) l.grid.given_volume = rules_.splits->volumes(l.grid.keys);
+      if (splits) l.grid.tie(ties[n], any[n], !rules_.options.split);
+      if (splits && rules_.options.shares_failed_mass()) l.grid.given_volume = splits->volumes(l.grid.keys);
       l.grid.lump_mass(l.points, rules_.density);
     }
+    if (splits && !rules_.options.split) splits->drop_edges(rows_);
     return std::move(layouts_);
   }
 
@@ -141,7 +109,7 @@ class LayoutMaker {
   }
 
   // Builds grids with nodes for all cells and masters, with the motion before or at rest.
-  void build(std::vector<Grid>& grids, const std::vector<std::vector<EdgeTie>>& ties, bool with_motion) {
+  void build(std::vector<Grid>& grids, bool with_motion) {
     const BorrowedNodes borrowed(rules_.options, rules_.penalty);
     std::vector<GridRequest> wanted(grids.size());
     for (std::size_t n = 0; n < grids.size(); ++n) {
@@ -149,24 +117,18 @@ class LayoutMaker {
       grids[n].basis = rules_.options.basis;
       w.grid = &grids[n];
       w.cells = cells_of(layouts_[n], borrowed);
-      if (n < ties.size())
-        for (const EdgeTie& t : ties[n]) {
-          for (const auto& h : t.heirs) w.extra.push_back(h.first);
-          for (const auto& m : t.masters) w.extra.push_back(m.first);
-        }
       if (rules_.splits) {
         const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
         w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
         // Copies are needed where faces touch, see crack_faces.h. A rank whose last point has left has no bond any
         // more, and shares none of its nodes.
-        if (rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
+        if (rules_.options.split && rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
           const std::vector<Key> copies = rules_.splits->copies_of(layouts_[n].body);
           w.extra.insert(w.extra.end(), copies.begin(), copies.end());
         }
       }
       if (!with_motion) continue;
       w.before = std::move(requests_[n].before);
-      w.parent_field = std::move(requests_[n].parts.parent_field);
       w.source = std::move(requests_[n].parts.source);
     }
     const int margin = with_motion && rules_.options.updated ? UpdatedPass::kMargin : 0;
@@ -184,17 +146,8 @@ class LayoutMaker {
     }
   }
 
-  std::vector<std::vector<EdgeTie>> find(std::vector<Grid>& grids) const {
-    std::vector<const Grid*> all;
-    for (std::size_t n = 0; n < grids.size(); ++n) {
-      grids[n].lump_mass(layouts_[n].points, rules_.density);
-      all.push_back(&grids[n]);
-    }
-    return find_ties(rules_, rows_, all);
-  }
-
-  // Collective. Ties that nodes at the edge had at the start, for bonds whose nodes split.
-  std::vector<EdgeTie> edges_at_start(std::vector<Grid>& grids) const {
+  // Collective. Keeps the ties that nodes at the edge had at the start.
+  void keep_edges(std::vector<Grid>& grids) const {
     const Splits& splits = *rules_.splits;
     std::vector<std::pair<Key, double>> all;
     for (std::size_t n = 0; n < grids.size(); ++n) {
@@ -213,10 +166,11 @@ class LayoutMaker {
     HaloSum halo;
     halo.build(rules_.comm, nodes.keys);
     halo.sum(nodes.mass.data(), 1);
-    nodes.sheets.assign(nodes.keys.size(), kNoSheets);
-    nodes.edge.assign(nodes.keys.size(), 1);
     nodes.next = [&splits](const Key& k, int direction) { return splits.next(k, direction); };
-    return find_edge_ties(rules_.comm, rules_.options.basis, nodes);
+    std::vector<EdgeTie> edges = find_edge_ties(rules_.comm, rules_.options.basis, nodes);
+    for (EdgeTie& t : edges)
+      if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // these grids have no chain, and keep the edges
+    rules_.splits->keep_edges(rows_, std::move(edges));
   }
 
   // Returns for each layout whether some rank has ties in it.

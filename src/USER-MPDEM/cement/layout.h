@@ -5,8 +5,7 @@
 // mass. It is a function of the points and of what moved before. It changes nothing but what it is given. So a layout
 // may be made to ask something of it, and be dropped.
 //
-// Bonds that came apart have no ties except those between sheets: free nodes are needed for what their parts share and
-// what their debris holds. With `cracks split` ties stay where nodes do not split, see splits.h.
+// Nodes stay tied in bonds that came apart, too, where they are not split, see splits.h.
 #ifndef MPDEM_CEMENT_LAYOUT_H
 #define MPDEM_CEMENT_LAYOUT_H
 
@@ -16,9 +15,7 @@
 #include <vector>
 
 #include "bond.h"
-#include "cracks.h"
 #include "options.h"
-#include "sheets.h"
 #include "splits.h"
 
 namespace mpdem {
@@ -35,11 +32,9 @@ struct LayoutRules {
   const std::vector<Body>& table;
   const CementOptions& options;
   const std::shared_ptr<const Law>& law;  // law of all points, also of those from other ranks
-  const Sheets& sheets;
-  const Cracks& cracks;
   double density = 0;                          // density of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
-  Splits* splits = nullptr;                    // null: nodes do not split
+  Splits* splits = nullptr;                    // null: no node has copies, and none is tied
   bool arrange = true;                         // false: blocks stay as they are
 };
 

@@ -33,7 +33,7 @@ struct CementOptions {
   double imperfection = 0.0;             // nonlocal damage alone: by how much more strain one side of a bond bears, see mpm/imperfection.h
   double half_band = 0.0;                // half of the band of a crack with this length, Law::crack_band(); 0: no band, or not known
   int mass_order = 1;                    // 1 or 2 terms of the inverse of the consistent mass, see mpm/consistent_mass.h
-  bool split = false;                    // do nodes split where material parts, see fracture/node_copies.h
+  bool split = false;                    // do nodes split as points fail, and not only when the bond comes apart, see cement/splits.h
   bool unilateral = false;               // are failed points stiff while their crack is closed, see mpm/closing_points.h
   bool condense = false;                 // are bonds condensed while their damage is far from its threshold, see cement/condensed_bonds.h
   double wake = 0.8;                     // share of the threshold at which a condensed bond wakes
@@ -44,7 +44,7 @@ struct CementOptions {
 
   // Do the nodes beside a crack share the mass of what failed there, see fracture/node_copies.h? Points that may be
   // stiff again keep their mass at their own nodes. The bound of the step rests on that.
-  bool shares_failed_mass() const { return split && !unilateral; }
+  bool shares_failed_mass() const { return !reprojects() && !unilateral; }
   // Do points give their velocity to the nodes, in every step or every so many?
   bool transfers() const { return updated || reproject_every > 0; }
   // Do they ever? With `reproject auto` they do where they get a new reference.

@@ -4,7 +4,7 @@
 // Nodes that split (splits.h) change a bond in place. Points that go to other parts get blocks of their own. New nodes
 // come into the grid. Ties of nodes that are touched are found anew, and the masses of all nodes of the bond. All else
 // stays where it is. The result is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a
-// whole.
+// whole. So is any bond with `cracks bonds`, whose edges are not kept.
 #include "parting.h"
 
 #include <algorithm>
@@ -41,13 +41,12 @@ void Parting::take_up() {
   load_watch_.take_up(scene_.bonds().table.size());
   const int from = static_cast<int>(divisions_.cracks.size());
   if (!divisions_.cracks.take_up(scene_.bonds().table.size()) || !scene_.penalty) return;
-  const bool split = scene_.options.split;
-  if (split) {
+  if (scene_.options.split) {
     Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options, from);
     if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
   }
-  Cracks::Found found = look_at_bonds(true, from);
-  if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, split});
+  Found found = look_at_bonds(true, from);
+  if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
   find_relaxation(found.held);
 }
 
@@ -59,14 +58,13 @@ void Parting::look() {
   Cracks& cracks = divisions_.cracks;
   if (scene_.options.split) split_nodes();
   if (after_check)
-    cracks.give_way(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
+    cracks.give_way(scene_.comm, scene_.bonds(), scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
                     scene_.keeps_skins(), scene_.now.number - 1);
   if (!after_check && !cracks.some_path_is_cut(scene_.comm)) return;
   scene_.timer.start(StepTimer::kLayout);
   if (after_check) added_.drop_inert();
-  Cracks::Found found = look_at_bonds(after_check);
-  if (scene_.options.split) part_bonds(found.lay_out, std::move(found.parts));
-  else lay_out_parts(found.lay_out, std::move(found.parts));
+  Found found = look_at_bonds(after_check);
+  part_bonds(found.lay_out, std::move(found.parts), "parts came apart");
   find_relaxation(found.held);
 }
 
@@ -78,16 +76,13 @@ void Parting::sort_links() {
 
 std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
   sort_links();
-  return divisions_.cracks.ahead(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, rows, scene_.keeps_skins());
+  return divisions_.cracks.ahead(scene_.comm, scene_.bonds(), scene_.options, rows, scene_.keeps_skins());
 }
 
-// Bonds that hold only by bridges narrower than a cell come apart there.
-Cracks::Found Parting::look_at_bonds(bool debris, int from) {
-  Cracks::Found found = divisions_.cracks.look(scene_.comm, scene_.bonds(), divisions_.sheets, scene_.options, scene_.keeps_skins(), debris, from);
-  if (!scene_.options.split) return found;
-  Splits::Found split = divisions_.splits.come_apart(scene_.comm, scene_.bonds(), scene_.options, found.pieces);
-  found.parts = std::move(split.parts);
-  found.lay_out.insert(found.lay_out.end(), split.lay_out.begin(), split.lay_out.end());
+Parting::Found Parting::look_at_bonds(bool debris, int from) {
+  Cracks::Found cracked = divisions_.cracks.look(scene_.comm, scene_.bonds(), scene_.options, scene_.keeps_skins(), debris, from);
+  Found found{divisions_.splits.come_apart(scene_.comm, scene_.bonds(), scene_.options, cracked.pieces), std::move(cracked.held)};
+  found.lay_out.insert(found.lay_out.end(), cracked.lay_out.begin(), cracked.lay_out.end());
   sort_unique(found.lay_out);
   return found;
 }
@@ -98,20 +93,10 @@ void Parting::find_relaxation(const std::vector<int>& rows) {
     if (Bond* b = scene_.bonds().find(row)) arrangement_.find_relaxation(*b);
 }
 
-// Lays out bonds where parts came apart. Links have other nodes then, and their added mass has another energy.
-void Parting::lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts) {
-  if (rows.empty()) return;
-  scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); },
-                          [&] {
-                            arrangement_.lay_out_again(rows, std::move(parts), {});
-                            added_.follow(rows, "parts came apart");
-                          });
-}
-
 void Parting::split_nodes() {
   scene_.timer.start(StepTimer::kLayout);
   Splits::Found split = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options);
-  part_bonds(split.lay_out, std::move(split.parts));
+  part_bonds(split.lay_out, std::move(split.parts), "nodes split");
 }
 
 // Mass stays with its copy, and copies move as the node did. So momentum and energy are what they were. Edges that are
@@ -150,7 +135,8 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
   borrowed.find_anew(b.points, b.grid, divisions_.splits, nodes);
   const std::vector<double> volumes = divisions_.splits.volumes(keys);
-  for (std::size_t n = 0; n < nodes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  if (scene_.options.shares_failed_mass()) b.grid.given_volume.resize(b.grid.size(), -1.0);
+  for (std::size_t n = 0; n < volumes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));
   b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
@@ -161,30 +147,30 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
 }
 
 // Links have other nodes then, and their added mass has another energy. Links that let go give theirs up.
-void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts) {
+void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts, const char* event) {
   if (rows.empty()) return;
   std::vector<int> mine;
   for (int row : rows) {
     const Bond* b = scene_.bonds().find(row);
-    if (b && b->cut_by_ranks()) mine.push_back(row);
+    if (b && (b->cut_by_ranks() || !scene_.options.split)) mine.push_back(row);
   }
-  const std::vector<int> cut = scene_.agreed_rows(mine);
+  const std::vector<int> whole = scene_.agreed_rows(mine);
   StableStep::Patches patches;
   scene_.books.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); }, [&] {
     for (int row : rows) {
       Bond* b = scene_.bonds().find(row);
       if (!b) continue;
       added_.drop_inert(*b);
-      if (std::binary_search(cut.begin(), cut.end(), row)) continue;
+      if (std::binary_search(whole.begin(), whole.end(), row)) continue;
       const std::vector<int> nodes = part_nodes(*b, parts[row]);
       if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
       arrangement_.start_anew(*b);
       b->laid_out_blocks = b->points.blocks.size();
       scene_.host().slots_changed(*b);
     }
-    if (!cut.empty()) arrangement_.lay_out(cut, std::move(parts), {true, true});
+    if (!whole.empty()) arrangement_.lay_out(whole, std::move(parts), {true, true});
     added_.refresh(rows);
-    added_.follow(rows, "nodes split", &patches);
+    added_.follow(rows, event, &patches);
   });
 }
 

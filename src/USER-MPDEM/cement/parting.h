@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Parts bonds that come apart in a run: when they are looked at, and what follows. Parts get nodes of their own by a
-// new layout, or with `cracks split` by nodes that split in place. What added mass gives up is booked as released. All
-// functions are collective, except those of one line here.
+// Parts bonds that come apart in a run, and nodes that split: when bonds are looked at, and what follows. Nodes split in
+// place, or by a new layout of the bond. What added mass gives up is booked as released. All functions are collective,
+// except those of one line here.
 #ifndef MPDEM_CEMENT_PARTING_H
 #define MPDEM_CEMENT_PARTING_H
 
@@ -39,11 +39,13 @@ class Parting {
   LoadWatch& load_watch() { return load_watch_; }  // for restart files
 
  private:
-  Cracks::Found look_at_bonds(bool debris, int from = 0);  // from: the first row
+  struct Found : Splits::Found {
+    std::vector<int> held;  // see Cracks::Found
+  };
+  Found look_at_bonds(bool debris, int from = 0);  // from: the first row
   void sort_links();
   void split_nodes();
-  void lay_out_parts(const std::vector<int>& rows, NewPartsOfBonds parts);
-  void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts);
+  void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts, const char* event);
   std::vector<int> part_nodes(Bond& b, const NewParts& parts);
   void find_relaxation(const std::vector<int>& rows);
 

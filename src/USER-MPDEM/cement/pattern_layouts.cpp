@@ -14,11 +14,9 @@ namespace {
 
 // Lays out bonds that this rank has as a whole, at their creation.
 std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
-  CementOptions options(scene.options);
-  options.split = false;
-  Sheets sheets;
-  const Cracks intact;
-  NewPartsOfBonds parts = sheets.divide(MPI_COMM_SELF, alone, options);
+  const CementOptions& options = scene.options;
+  Splits splits;
+  NewPartsOfBonds parts = splits.start(MPI_COMM_SELF, alone, options);
   std::vector<LayoutRequest> requests;
   std::vector<int> rows;
   for (Bond& b : alone) {
@@ -32,7 +30,7 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
     requests.back().parts = std::move(parts[b.body]);
     rows.push_back(b.body);
   }
-  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, sheets, intact, scene.inertia, penalty, nullptr};
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, &splits};
   std::vector<CondensedBonds::OfPattern> found;
   for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
     found.push_back({l.body + 1, Bond(), alone.table[l.body], true});

@@ -55,15 +55,12 @@ std::vector<signed char> grains_that_hold_nodes(Bond& bond) {
   return grain;
 }
 
-// Dust goes by its part: piece 0 stays with the first grain, piece 1 with the second (mpm/body.h). Dust of other parts
-// goes with the nearer grain. So does dust of nodes that split, whose parts are other ones.
-std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split) {
+std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body) {
   std::vector<signed char> grain = grains_that_hold_nodes(bond);
   for (std::size_t i = 0; i < grain.size(); ++i) {
     if (grain[i] >= 0) continue;
-    const int piece = piece_of(part_of_field(bond.grid.keys[i].field()));
     const Eigen::Vector3d X = place_of(bond.grid, static_cast<int>(i));
-    grain[i] = static_cast<signed char>(!split && piece < 2 ? piece : nearer_side(body, nearer_to_first(body, X.data())));
+    grain[i] = static_cast<signed char>(nearer_side(body, nearer_to_first(body, X.data())));
     if (!body.has_grain(grain[i])) grain[i] = static_cast<signed char>(1 - grain[i]);
   }
   return grain;

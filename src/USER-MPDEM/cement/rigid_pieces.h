@@ -10,7 +10,7 @@
 // So loads, masses, energy and ranks are handled as for the other condensed bonds.
 //
 // Dust is points that failed and points that hold to no grain. It goes with the piece whose nodes it has, or with the
-// nearer one. A bond with kLeastLoose (fracture/separation.h) or more points that hold to no grain stays as it is,
+// nearer grain. A bond with kLeastLoose (fracture/separation.h) or more points that hold to no grain stays as it is,
 // since a loose piece follows no grain.
 #ifndef MPDEM_RIGID_PIECES_H
 #define MPDEM_RIGID_PIECES_H
@@ -39,9 +39,8 @@ double energy_of_dust(const Bond& bond, const std::vector<signed char>& holding,
 
 // The grain, 0 or 1, that each node holds to; -1 for dust. Collective for the ranks that share the nodes.
 std::vector<signed char> grains_that_hold_nodes(Bond& bond);
-// The grain, 0 or 1, that each node of a bond that came apart goes with. split: nodes split where material parts,
-// CementOptions::split. Collective for the ranks that share the nodes.
-std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body, bool split);
+// The grain, 0 or 1, that each node of a bond that came apart goes with. Collective for the ranks that share the nodes.
+std::vector<signed char> grains_of_nodes(Bond& bond, const Body& body);
 
 // The models of both pieces, from the nodes that count on this rank and have a grain. middle: middle of the contact at
 // the creation.

@@ -23,31 +23,36 @@ void for_each_node(const BlockMeta& m, int S, F f) {
 }  // namespace
 
 bool Splits::edges_known(const std::vector<int>& rows) const {
-  return std::all_of(rows.begin(), rows.end(), [&](int r) { return rows_[r].edges_known; });
+  return std::all_of(rows.begin(), rows.end(), [&](int r) { return known_[r].edges; });
 }
 
 void Splits::keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges) {
+  drop_edges(rows);
+  for (int r : rows) known_[r].edges = true;
+  for (EdgeTie& t : edges) rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
+}
+
+void Splits::drop_edges(const std::vector<int>& rows) {
   for (int r : rows) {
-    rows_[r].edges.clear();
-    rows_[r].users.clear();
-    rows_[r].edges_known = true;
-  }
-  for (EdgeTie& t : edges) {
-    std::vector<std::pair<Key, double>>().swap(t.behind);  // only the grid of a layout asks for these
-    rows_[body_of(t.slave.field())].edges.push_back(std::move(t));
+    known_[r].edges = false;
+    const auto row = rows_.find(r);
+    if (row == rows_.end()) continue;
+    std::vector<EdgeTie>().swap(row->second.edges);
+    std::vector<std::pair<Key, int>>().swap(row->second.users);
+    if (row->second.copies.empty() && !row->second.lattice) rows_.erase(row);
   }
 }
 
 // Returns the node that stands now for a node of the start, or none if that node has been split.
 Key Splits::now(const Key& at_start) const {
   const int body = body_of(at_start.field());
-  const int part = rows_[body].copies.canonical_of_first(part_of_field(at_start.field()), place_of(at_start));
+  const int part = copies(body).canonical_of_first(part_of_field(at_start.field()), place_of(at_start));
   return part < 0 ? kNoNode : key_at(body, part, place_of(at_start));
 }
 
 std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S) const {
   std::vector<Key> nodes;
-  const NodeCopies& copies = rows_[body].copies;
+  const NodeCopies& copies = this->copies(body);
   const BlockMeta* last = nullptr;
   for (const BlockMeta& m : points.meta) {
     if (m.part == 0) continue;
@@ -56,7 +61,7 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
     for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(body, copies.canonical(m.part, p), p)); });
   }
   // Edges of nodes that have split since need no masters. Which of these edges a rank knows depends on when it found them.
-  for (const EdgeTie& t : rows_[body].edges) {
+  for (const EdgeTie& t : row(body).edges) {
     if (now(t.slave) == kNoNode) continue;
     for (const auto* of_tie : {&t.masters, &t.heirs})
       for (const auto& m : *of_tie) nodes.push_back(now(m.first));
@@ -68,9 +73,10 @@ std::vector<Key> Splits::nodes_beside(const PointStore& points, int body, int S)
 
 std::vector<Key> Splits::copies_of(int body) const {
   std::vector<Key> nodes;
-  for (const auto& row : rows_[body].copies.rows())
+  const NodeCopies& copies = this->copies(body);
+  for (const auto& row : copies.rows())
     for (const NodeCopies::Entry& e : row.second)
-      if (e.volume > 0.0 && rows_[body].copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
+      if (e.volume > 0.0 && copies.canonical(e.part, row.first) == e.part) nodes.push_back(key_at(body, e.part, row.first));
   return nodes;
 }
 
@@ -82,19 +88,19 @@ std::vector<Key> Splits::nodes_of(const BlockMeta& m, int S) {
 
 Key Splits::standing_for(const Key& k) const {
   const int body = body_of(k.field());
-  return key_at(body, rows_[body].copies.canonical(part_of_field(k.field()), place_of(k)), place_of(k));
+  return key_at(body, copies(body).canonical(part_of_field(k.field()), place_of(k)), place_of(k));
 }
 
 std::vector<Key> Splits::standing_for(const BlockMeta& m, int S) const {
   std::vector<Key> nodes;
-  const NodeCopies& copies = rows_[m.body].copies;
+  const NodeCopies& copies = this->copies(m.body);
   for_each_node(m, S, [&](const Place& p) { nodes.push_back(key_at(m.body, copies.canonical(m.part, p), p)); });
   return nodes;
 }
 
 std::vector<Key> Splits::standing_at(int body, const std::vector<Key>& split) const {
   std::vector<Key> nodes;
-  const NodeCopies& copies = rows_[body].copies;
+  const NodeCopies& copies = this->copies(body);
   for (const Key& k : split)
     for (const NodeCopies::Entry& e : *copies.row(place_of(k))) nodes.push_back(key_at(body, copies.canonical(e.part, place_of(k)), place_of(k)));
   return nodes;
@@ -150,12 +156,12 @@ std::vector<int> Splits::nodes_touched(const Grid& grid, int body, const std::ve
 
 Key Splits::at_start(const Key& k) const {
   const int body = body_of(k.field());
-  const NodeCopies& copies = rows_[body].copies;
+  const NodeCopies& copies = this->copies(body);
   return copies.empty() ? key_at(body, 0, place_of(k)) : key_at(body, copies.at(part_of_field(k.field()), place_of(k)).first, place_of(k));
 }
 
 Key Splits::next(const Key& k, int direction) const {
-  const int body = body_of(k.field()), first = rows_[body].copies.toward(place_of(k), part_of_field(k.field()), direction);
+  const int body = body_of(k.field()), first = copies(body).toward(place_of(k), part_of_field(k.field()), direction);
   if (first < 0) return kNoNode;
   Place p = place_of(k);
   p[direction / 2] += direction % 2 == 0 ? -1 : 1;
@@ -169,20 +175,21 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
     EdgeTie t;
     t.slave = k;
     const Key start = at_start(k);
-    const std::vector<EdgeTie>& edges = rows_[body_of(k.field())].edges;
+    const std::vector<EdgeTie>& edges = row(body_of(k.field())).edges;
     const auto edge = std::lower_bound(edges.begin(), edges.end(), start, [](const EdgeTie& a, const Key& b) { return a.slave < b; });
     if (edge != edges.end() && edge->slave == start && now(start) != kNoNode) {
       for (const auto& m : edge->masters) t.masters.emplace_back(now(m.first), m.second);
       for (const auto& h : edge->heirs) t.heirs.emplace_back(now(h.first), h.second);
+      for (const auto& b : edge->behind) t.behind.emplace_back(now(b.first), b.second);
     }
     const bool whole = !t.masters.empty() && std::none_of(t.masters.begin(), t.masters.end(), [](const auto& m) { return m.first == kNoNode; }) &&
                        std::none_of(t.heirs.begin(), t.heirs.end(), [](const auto& h) { return h.first == kNoNode; });
     if (!whole) {
-      const int part = part_of_field(k.field()), stands = rows_[body_of(k.field())].copies.canonical(part, place_of(k));
+      const int part = part_of_field(k.field()), stands = copies(body_of(k.field())).canonical(part, place_of(k));
       if (stands == part) continue;
       const Key master = key_at(body_of(k.field()), stands, place_of(k));
       t.masters.assign(1, {master, 1.0});
-      t.heirs = t.masters;
+      t.heirs = t.behind = t.masters;
     }
     std::sort(t.masters.begin(), t.masters.end());
     ties.push_back(std::move(t));
@@ -191,11 +198,12 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
 }
 
 std::vector<double> Splits::volumes(const std::vector<Key>& keys) const {
+  if (keys.empty() || copies(body_of(keys.front().field())).empty()) return {};
+  const NodeCopies& copies = this->copies(body_of(keys.front().field()));
   std::vector<double> given(keys.size(), -1.0);
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    const NodeCopies& copies = rows_[body_of(keys[i].field())].copies;
     const Place place = place_of(keys[i]);
-    if (copies.empty() || !copies.row(place)) continue;
+    if (!copies.row(place)) continue;
     const int part = part_of_field(keys[i].field());
     given[i] = copies.canonical(part, place) == part ? copies.at(part, place).volume : 0.0;
   }

@@ -19,7 +19,10 @@ namespace {
 struct SentPoint {
   int body;
   CopyPoint point;
-  SheetPoint place;
+};
+struct SentSheetPoint {
+  int body;
+  SheetPoint point;
 };
 constexpr char kLookedAt = 1, kToCome = 2;
 
@@ -45,9 +48,9 @@ struct SentToward {
 };
 
 SentPoint sent_point(const PointStore& points, int row, const Body& body, const CementOptions& options, int b, int l) {
-  SentPoint s{row, {}, sheet_point(points, body, b, l)};
+  SentPoint s{row, {}};
   CopyPoint& p = s.point;
-  SheetPoint& place = s.place;
+  const SheetPoint place = sheet_point(points, body, b, l);
   p.tag = points.tags[b][l];
   for (int d = 0; d < 3; ++d) {
     p.cell[d] = place.cell[d];
@@ -58,19 +61,10 @@ SentPoint sent_point(const PointStore& points, int row, const Body& body, const 
   p.volume = points.blocks[b].volume[l];
   p.part = points.meta[b].part;
   p.failed = points.meta[b].looked_at >> l & 1;
-  const double nearer = nearer_to_first(body, place.X);
-  p.nearer = nearer_side(body, nearer);
-  p.middle = in_the_middle(body, nearer);
-  place.sheet = p.nearer;
-  place.middle = p.middle;
+  p.nearer = place.sheet;
+  p.middle = place.middle;
   for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(place, body, n / 2, n % 2 == 0 ? -1 : 1));
   return s;
-}
-
-std::vector<CopyPoint> copy_points(const std::vector<SentPoint>& points) {
-  std::vector<CopyPoint> copies;
-  for (const SentPoint& s : points) copies.push_back(s.point);
-  return copies;
 }
 
 CopyLattice::Line line_of(const Body& body, double cell) {
@@ -88,15 +82,6 @@ CopyLattice::Line line_of(const Body& body, double cell) {
   return line;
 }
 
-// Finds where the sides of a bond come close without touching.
-Crevice crevice_of(const std::vector<SentPoint>& points, const Body& body, const CementOptions& options) {
-  const double reach = sheet_reach(options.basis, options.cell);
-  std::vector<SheetPoint> near;
-  for (const SentPoint& s : points)
-    if (std::fabs(nearer_to_first(body, s.place.X)) <= reach) near.push_back(s.place);
-  return find_crevice(near, body, options.basis, options.cell);
-}
-
 template <class F>
 void for_each_point(const PointStore& points, F f) {
   for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
@@ -105,7 +90,7 @@ void for_each_point(const PointStore& points, F f) {
 }
 
 // Brings the points of the bonds asked for to the ranks that look at these bonds. Collective.
-std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+std::vector<std::vector<CopyPoint>> collect(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   const int ranks = ranks_of(comm);
   std::vector<std::vector<SentPoint>> out(ranks);
   for (const Bond& bond : bonds)
@@ -113,12 +98,55 @@ std::vector<std::vector<SentPoint>> collect(MPI_Comm comm, const Bonds& bonds, c
       for_each_point(bond.points, [&](int b, int l) {
         out[bond.body % ranks].push_back(sent_point(bond.points, bond.body, bonds.body(bond), options, b, l));
       });
-  std::vector<std::vector<SentPoint>> whole(wanted.size());
-  for (const SentPoint& s : all_to_all(comm, out).data) whole[s.body].push_back(s);
+  std::vector<std::vector<CopyPoint>> whole(wanted.size());
+  for (const SentPoint& s : all_to_all(comm, out).data) whole[s.body].push_back(s.point);
   return whole;
 }
 
+// Finds where the sides of these bonds come close without touching, on the ranks that look at them. Collective.
+std::map<int, Crevice> find_crevices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
+  const int ranks = ranks_of(comm);
+  const double reach = sheet_reach(options.basis, options.cell);
+  std::vector<std::vector<SentSheetPoint>> out(ranks);
+  for (const Bond& bond : bonds)
+    if (wanted[bond.body])
+      for_each_point(bond.points, [&](int b, int l) {
+        const SheetPoint p = sheet_point(bond.points, bonds.body(bond), b, l);
+        if (std::fabs(nearer_to_first(bonds.body(bond), p.X)) <= reach) out[bond.body % ranks].push_back({bond.body, p});
+      });
+  std::vector<std::vector<SheetPoint>> near(wanted.size());
+  for (const SentSheetPoint& s : all_to_all(comm, out).data) near[s.body].push_back(s.point);
+  std::map<int, Crevice> found;
+  for (std::size_t r = 0; r < near.size(); ++r) {
+    if (near[r].empty()) continue;
+    Crevice c = find_crevice(near[r], bonds.table[r], options.basis, options.cell);
+    if (c.found) found.emplace_hint(found.end(), static_cast<int>(r), std::move(c));
+    std::vector<SheetPoint>().swap(near[r]);
+  }
+  return found;
+}
+
+// Nodes of points that go to a part of their own take over the motion of the nodes that these points had.
+void add_sources(const Bond& bond, int support, NewParts& parts) {
+  int block = -1, part = -1;  // points of a block mostly go together
+  for (const auto& p : parts.part_of_slot) {
+    if (p.first / kLanes == block && p.second == part) continue;
+    block = p.first / kLanes;
+    part = p.second;
+    for (const Key& k : Splits::nodes_of(bond.points.meta[block], support)) parts.source[k.with_field(field_of(bond.body, part))] = k;
+  }
+}
+
+// Gives points whose part another fix made to part 0, except those that have a new part.
+void leave_parts_of_before(const Bond& bond, NewPartsOfBonds& found) {
+  for_each_point(bond.points, [&](int b, int l) {
+    if (bond.points.meta[b].part != 0) found[bond.body].part_of_slot.emplace(kLanes * b + l, 0);
+  });
+}
+
 }  // namespace
+
+const Splits::Row Splits::kWhole{};
 
 // Sends what changed from the ranks that looked to those that have points of the bonds.
 NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes) {
@@ -138,7 +166,7 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
       for (const CopyChange::Moved& m : c.moved) parts[rank].push_back({r, m.tag, m.part});
       for (const CopyChange::Source& s : c.sources) sources[rank].push_back({r, s.part, s.from, s.node});
       for (const Place& p : c.rows)
-        for (const NodeCopies::Entry& e : *rows_[r].copies.row(p)) entries[rank].push_back({r, p, e});
+        for (const NodeCopies::Entry& e : *copies(r).row(p)) entries[rank].push_back({r, p, e});
     }
   NewPartsOfBonds found;
   std::vector<SentPart> moved = all_to_all(comm, parts).data;
@@ -175,57 +203,62 @@ NewPartsOfBonds Splits::apply(MPI_Comm comm, const Bonds& bonds, const std::vect
   return found;
 }
 
-NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options) {
-  const int from = first(), to = static_cast<int>(bonds.table.size());
-  if (from >= to && !is_restored_) return {};
-  rows_.resize(to);
-  const int ranks = ranks_of(comm), me = rank_in(comm), begin = is_restored_ ? 0 : from;
+NewPartsOfBonds Splits::start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others) {
+  const int to = static_cast<int>(bonds.table.size()), ranks = ranks_of(comm), me = rank_in(comm);
+  std::vector<char> is_new(to, 0);
+  std::fill(is_new.begin() + first(), is_new.end(), 1);
+  for (int r : others) is_new[r] = 1;
+  std::vector<char> wanted(is_restored_ ? std::vector<char>(to, 1) : is_new);
+  if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return {};
+  known_.resize(to);
+  for (int r = 0; r < to; ++r)
+    if (wanted[r]) known_[r].copies = r % ranks == me;
   for (Bond& b : bonds)
     for (BlockMeta& m : b.points.meta)
-      if (b.body >= from) m.looked_at = 0;
-  std::vector<char> wanted(to, 0);
-  std::fill(wanted.begin() + begin, wanted.end(), 1);
-  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, wanted);
+      if (is_new[b.body]) m.looked_at = 0;
+  std::map<int, Crevice> crevices;
+  if (options.tied || options.split) crevices = find_crevices(comm, bonds, options, wanted);
+  if (!options.split) {
+    std::fill(wanted.begin(), wanted.end(), 0);
+    for (const auto& c : crevices) wanted[c.first] = 1;
+    MPI_Allreduce(MPI_IN_PLACE, wanted.data(), to, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  }
+  std::vector<std::vector<CopyPoint>> whole = collect(comm, bonds, options, wanted);
   std::vector<int> rows;
   std::vector<CopyChange> changes;
-  for (int r = begin; r < to; ++r) {
+  for (int r = 0; r < to; ++r) {
+    if (!wanted[r]) continue;
     rows.push_back(r);
     changes.emplace_back();
     if (r % ranks != me) continue;
-    Row& row = rows_[r];
-    row.known = true;
-    std::vector<CopyPoint> points = copy_points(whole[r]);
-    std::map<int, int> parts;  // parts that another fix made before this one
-    for (CopyPoint& p : points) {
-      if (p.part != 0) parts[p.tag] = p.part;
+    for (CopyPoint& p : whole[r]) {
       p.part = 0;
       p.failed = false;
     }
-    const Crevice crevice = crevice_of(whole[r], bonds.table[r], options);
-    std::vector<SentPoint>().swap(whole[r]);
-    CopyLattice lattice(std::move(points), options.basis, line_of(bonds.table[r], options.cell));
-    changes.back() = lattice.start(row.copies, crevice);
-    if (r >= from) {
-      for (const CopyChange::Moved& m : changes.back().moved) parts.erase(m.tag);
-      for (const auto& p : parts) changes.back().moved.push_back({p.first, 0});
-      continue;
-    }
+    CopyLattice lattice(std::move(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
+    Row& row = rows_[r];
+    changes.back() = lattice.start(row.copies, crevices[r]);
+    if (is_new[r]) continue;
     // a bond of a file has its copies from the file
     changes.back() = CopyChange();
     row.copies.forget_rows();
   }
-  for (const auto& e : restored_)
-    if (body_of(e.first.field()) % ranks == me) rows_[body_of(e.first.field())].copies.set(place_of(e.first), e.second);
+  for (auto& e : restored_)
+    if (body_of(e.first.field()) % ranks == me) rows_[body_of(e.first.field())].copies.set(place_of(e.first), std::move(e.second));
   restored_.clear();
   is_restored_ = false;
-  return apply(comm, bonds, rows, changes);
+  NewPartsOfBonds found = apply(comm, bonds, rows, changes);
+  for (const Bond& bond : bonds)
+    if (is_new[bond.body]) leave_parts_of_before(bond, found);
+  return found;
 }
 
 std::map<Key, NodeCopies::Row> Splits::rows_to_keep(MPI_Comm comm) const {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   std::map<Key, NodeCopies::Row> kept;
-  for (int r = me; r < first(); r += ranks)
-    for (const auto& row : rows_[r].copies.rows()) kept[key_at(r, 0, row.first)] = row.second;
+  for (const auto& r : rows_)
+    for (const auto& row : r.second.copies.rows())
+      if (r.first % ranks == me) kept[key_at(r.first, 0, row.first)] = row.second;
   return kept;
 }
 
@@ -234,10 +267,10 @@ void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOption
   std::vector<char> to_come(wanted.size(), 0);
   for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
   if (std::find(to_come.begin(), to_come.end(), 1) == to_come.end()) return;
-  std::vector<std::vector<SentPoint>> whole = collect(comm, bonds, options, to_come);
+  std::vector<std::vector<CopyPoint>> whole = collect(comm, bonds, options, to_come);
   const int ranks = ranks_of(comm);
   for (int r = rank_in(comm); r < static_cast<int>(wanted.size()); r += ranks)
-    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(copy_points(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
+    if (to_come[r]) rows_[r].lattice = std::make_shared<CopyLattice>(std::move(whole[r]), options.basis, line_of(bonds.table[r], options.cell));
 }
 
 Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from) {
@@ -261,7 +294,7 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   std::map<int, std::vector<int>> failed;
   for (const SentTag& s : all_to_all(comm, out).data) failed[s.body].push_back(s.tag);
   std::vector<char> wanted(n, 0);
-  for (const auto& f : failed) wanted[f.first] = rows_[f.first].lattice ? kLookedAt : kToCome;
+  for (const auto& f : failed) wanted[f.first] = row(f.first).lattice ? kLookedAt : kToCome;
   if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   find_lattices(comm, bonds, options, wanted);
   for (Bond& bond : bonds)
@@ -285,28 +318,45 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   return found;
 }
 
-Splits::Found Splits::come_apart(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+Splits::Found Splits::come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
                                  const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces) {
   Found found;
   const int n = static_cast<int>(bonds.table.size());
-  std::vector<char> wanted(n, 0);
-  for (const auto& p : pieces) wanted[p.first] = rows_[p.first].lattice ? kLookedAt : kToCome;
+  std::vector<char> wanted(n, 0), changed(n, 0);
+  for (const auto& p : pieces) wanted[p.first] = row(p.first).lattice ? kLookedAt : kToCome;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
-  find_lattices(comm, bonds, options, wanted);
+  for (Bond& bond : bonds)
+    if (wanted[bond.body])
+      for (BlockMeta& m : bond.points.meta) m.looked_at = m.failed;
+  if (!options.reprojects()) find_lattices(comm, bonds, options, wanted);
+  std::vector<int> rows;
   std::vector<CopyChange> changes;
   for (int r = 0; r < n; ++r) {
     if (!wanted[r]) continue;
-    found.lay_out.push_back(r);
+    rows.push_back(r);
     changes.emplace_back();
     const auto p = pieces.find(r);
-    if (p != pieces.end()) changes.back() = rows_[r].lattice->come_apart(p->second, rows_[r].copies);
+    if (p == pieces.end()) continue;
+    if (options.reprojects()) {
+      for (const CopyLattice::OfPiece& o : p->second) changes.back().moved.push_back({o.tag, o.piece});
+    } else {
+      changes.back() = rows_[r].lattice->come_apart(p->second, rows_[r].copies);
+      if (!options.split) rows_[r].lattice.reset();
+    }
+    changed[r] = !changes.back().moved.empty() || !changes.back().rows.empty();
   }
-  if (!found.lay_out.empty()) found.parts = apply(comm, bonds, found.lay_out, changes);
+  if (rows.empty()) return found;
+  found.parts = apply(comm, bonds, rows, changes);
+  if (options.reprojects())
+    for (auto& p : found.parts) add_sources(*bonds.find(p.first), support(options.basis), p.second);
+  MPI_Allreduce(MPI_IN_PLACE, changed.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  for (int r : rows)
+    if (changed[r]) found.lay_out.push_back(r);
   return found;
 }
 
 void Splits::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows) {
-  std::vector<char> wanted(rows_.size(), 0);
+  std::vector<char> wanted(known_.size(), 0);
   for (int r : rows) wanted[r] = kToCome;
   find_lattices(comm, bonds, options, wanted);
   std::vector<CopyChange> changes(rows.size());
@@ -320,23 +370,21 @@ void Splits::leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& optio
 
 void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
-  std::vector<char> moved(rows_.size(), 0);
+  std::vector<char> moved(known_.size(), 0);
   for (const Bond& b : bonds)
     if (b.points.changed() && b.body < first()) moved[b.body] = 1;
   if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, moved.data(), first(), MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (int r = 0; r < first(); ++r)
-    if (moved[r]) rows_[r].edges_known = false;
+    if (moved[r]) known_[r].edges = false;
   if (ranks == 1) return;
   std::vector<std::vector<int>> ask(ranks);
   for (int r = 0; r < first(); ++r) {
-    Row& row = rows_[r];
     if (r % ranks == me) continue;
     const Bond* bond = bonds.find(r);
     if (!bond || !bond->has_points()) {  // what is known of the bond grows old, except what all ranks have to agree on
-      const bool edges_known = row.edges_known;
-      row = Row();
-      row.edges_known = edges_known;
-    } else if (!row.known) {
+      rows_.erase(r);
+      known_[r].copies = false;
+    } else if (!known_[r].copies) {
       ask[r % ranks].push_back(r);
     }
   }
@@ -347,17 +395,17 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   for (int rank = 0; rank < ranks; ++rank)
     for (int i = 0; i < asked.count[rank]; ++i, ++n) {
       const int r = asked.data[n];
-      for (const auto& row : rows_[r].copies.rows())
+      for (const auto& row : copies(r).rows())
         for (const NodeCopies::Entry& e : row.second) entries[rank].push_back({r, row.first, e});
-      for (const auto& t : rows_[r].copies.towards())
+      for (const auto& t : copies(r).towards())
         for (const NodeCopies::Toward& to : t.second) towards[rank].push_back({r, t.first, to});
     }
   std::map<Key, NodeCopies::Row> rows;
   for (const SentEntry& e : all_to_all(comm, entries).data) rows[key_at(e.body, 0, e.node)].push_back(e.entry);
   for (const auto& to : ask)
     for (int r : to) {
-      rows_[r].copies.clear();
-      rows_[r].known = true;
+      if (const auto row = rows_.find(r); row != rows_.end()) row->second.copies.clear();
+      known_[r].copies = true;
     }
   for (auto& r : rows) rows_[body_of(r.first.field())].copies.set(place_of(r.first), std::move(r.second));
   for (const SentToward& t : all_to_all(comm, towards).data) rows_[t.body].copies.towards()[t.node].push_back(t.toward);

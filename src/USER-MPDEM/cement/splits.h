@@ -5,29 +5,45 @@
 // one copy move as one. A node at the edge stays tied (mpm/edge_ties.h) as it was at the start, until it splits itself, or one
 // of its masters or heirs does.
 //
+// Nodes split at a crevice (fracture/crevice.h) when a bond is new, and between its pieces when it comes apart. With
+// `cracks split` they also split wherever material is not connected, when a bond is new and as its points fail.
+//
+// Where points meet other nodes as they move (CementOptions::reprojects()) no node has copies. A piece of a bond that
+// came apart is then a part, and a part has all its nodes for itself.
+//
 // Each bond has a rank that looks at it as a whole, when it is new and from its first failure on. That rank keeps its
-// copies. The ranks that have points of the bond know them too.
+// copies. The ranks that have points of the bond know them too. Nothing is kept of a bond without copies, except with
+// `cracks split` its edges.
 #ifndef MPDEM_CEMENT_SPLITS_H
 #define MPDEM_CEMENT_SPLITS_H
 
 #include <map>
 #include <memory>
+#include <unordered_map>
 #include <vector>
 
+#include "../fracture/crevice.h"
 #include "../fracture/node_copies.h"
 #include "../mpm/edge_ties.h"
 #include "bond.h"
 #include "options.h"
-#include "sheets.h"
 
 namespace mpdem {
 
+// Points that go to another part, and nodes that take over the motion of another node.
+struct NewParts {
+  std::map<int, int> part_of_slot;
+  std::map<Key, Key> source;
+  std::vector<Key> split;  // nodes whose copies changed, with the keys of part 0
+};
+using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
+
 class Splits {
  public:
-  // Collective. Finds what comes apart at the start in bonds that are new, from row `first()` of the table on. Points
-  // that failed in a file are looked at by look().
-  NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options);
-  int first() const { return static_cast<int>(rows_.size()); }
+  // Collective. Finds what comes apart at the start in bonds that are new: those from row `first()` of the table on, and
+  // others that had no points before. Points that failed in a file are looked at by look().
+  NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {});
+  int first() const { return static_cast<int>(known_.size()); }
   // Collective. Looks at bonds in which points failed since the last look: those that are not condensed, or new ones from
   // row `from` on.
   static constexpr int kAwake = -1;
@@ -36,8 +52,9 @@ class Splits {
     NewPartsOfBonds parts;
   };
   Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from = kAwake);
-  // Collective. Parts bonds that came apart. pieces: pieces of their points, on the ranks that look at these bonds.
-  Found come_apart(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+  // Collective. Parts bonds that came apart. pieces: pieces of their points, on the ranks that look at these bonds. With
+  // CementOptions::reprojects() the points that change their part, and their new parts.
+  Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
                    const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces);
   // Collective. Brings copies of bonds whose points came to this rank.
   void bring(MPI_Comm comm, const Bonds& bonds);
@@ -49,15 +66,16 @@ class Splits {
   std::map<Key, NodeCopies::Row> rows_to_keep(MPI_Comm comm) const;
   void restore(std::size_t bonds, std::map<Key, NodeCopies::Row> rows) {
     rows_.clear();
-    rows_.resize(bonds);
+    known_.assign(bonds, {});
     restored_ = std::move(rows);
     is_restored_ = true;
   }
 
   // Ties that nodes at the edge have at the start, of these rows of the table on this rank, ascending in slave. They
-  // are kept until bring() finds that points went to other ranks.
+  // are kept until they are dropped, or until bring() finds that points went to other ranks.
   bool edges_known(const std::vector<int>& rows) const;
   void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
+  void drop_edges(const std::vector<int>& rows);
   // Nodes that stand for those of the blocks of a bond, and masters and heirs at the edge.
   std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes of a bond that are copies with a volume.
@@ -76,25 +94,36 @@ class Splits {
   Key at_start(const Key& node) const;
   // Returns the next node of the start in a direction, see TiedNodes.
   Key next(const Key& at_start, int direction) const;
-  // Volumes of the copies that these nodes stand for. 0: another node stands for the copy. -1: the node is whole.
+  // Volumes of the copies that these nodes of one bond stand for. 0: another node stands for the copy. -1: the node is
+  // whole. Returns an empty list if all are.
   std::vector<double> volumes(const std::vector<Key>& keys) const;
   // Ties of a grid that has these keys.
   std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
 
  private:
-  Key now(const Key& at_start) const;
   struct Row {
     NodeCopies copies;
-    bool known = false;                    // true if this rank knows the copies
     std::vector<EdgeTie> edges;
-    bool edges_known = false;              // the same on all ranks
     std::vector<std::pair<Key, int>> users;  // master or heir, and place of its tie in `edges`; ascending, empty until they are asked for
     std::shared_ptr<CopyLattice> lattice;  // set on the rank that looks at the bond
   };
+  struct Known {
+    bool copies = false;  // true if this rank knows the copies
+    bool edges = false;   // the same on all ranks
+  };
+  static const Row kWhole;
+  const Row& row(int body) const {
+    const auto at = rows_.find(body);
+    return at == rows_.end() ? kWhole : at->second;
+  }
+  const NodeCopies& copies(int body) const { return row(body).copies; }
+  Key now(const Key& at_start) const;
   void find_users(Row& row) const;
   void find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted);
   NewPartsOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes);
-  std::vector<Row> rows_;
+
+  std::unordered_map<int, Row> rows_;  // of bonds of which something is kept
+  std::vector<Known> known_;           // of all bonds
   std::map<Key, NodeCopies::Row> restored_;  // rows of a restart file, until the start; by body and place
   bool is_restored_ = false;
 };

@@ -169,7 +169,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     copies[{field_of(row.body, 0), row.place}].push_back({row.part, row.copy, row.first, row.volume});
   }
   if (!in.trouble().empty()) return;
-  if (scene_.options.split) divisions_.splits.restore(head.bodies_started, std::move(copies));
+  divisions_.splits.restore(head.bodies_started, std::move(copies));
   restored_nodes_.keep(std::move(rows), head.nodes);
 }
 

@@ -4,6 +4,7 @@
 // Splits nodes, see node_copies.h.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "node_copies.h"
@@ -141,13 +142,22 @@ CopyChange CopyLattice::come_apart(const std::vector<OfPiece>& pieces, NodeCopie
   const auto by_tag = [](const OfPiece& a, const OfPiece& b) { return a.tag < b.tag; };
   std::sort(sorted.begin(), sorted.end(), by_tag);
   for (CopyPoint& p : points_) p.piece = sorted[place_in(sorted, p.tag, [](const OfPiece& o) { return o.tag; }, "piece of point")].piece;
-  std::vector<int> border;
-  for (int i = 0; i < static_cast<int>(points_.size()); ++i) {
-    bool meets = false;
-    for_each_neighbour(i, [&](int j) { meets = meets || points_[j].piece != points_[i].piece; });
-    if (meets) border.push_back(i);
+  constexpr int kSeveral = std::numeric_limits<int>::min();
+  std::unordered_map<Place, int, PlaceHash, SamePlace> piece_at;  // of the points in the support of a node
+  for (const auto& b : base_) {
+    const int piece = points_[by_base_[b.second.first]].piece;
+    bool one = true;
+    for (int n = b.second.first; n < b.second.second; ++n) one = one && points_[by_base_[n]].piece == piece;
+    for_each_node(b.first.data(), [&](const Place& node, int) {
+      int& at = piece_at.emplace(node, piece).first->second;
+      if (!one || at != piece) at = kSeveral;
+    });
   }
-  return split(nodes_of(border), copies);
+  std::vector<Place> between;
+  for (const auto& n : piece_at)
+    if (n.second == kSeveral) between.push_back(n.first);
+  std::sort(between.begin(), between.end());
+  return split(between, copies);
 }
 
 CopyChange CopyLattice::split(const std::vector<Place>& nodes, NodeCopies& copies) {

@@ -11,6 +11,19 @@
 
 namespace mpdem {
 
+SheetPoint sheet_point(const PointStore& points, const Body& body, int block, int lane) {
+  SheetPoint p;
+  for (int d = 0; d < 3; ++d) {
+    p.X[d] = points.created_at(block)[d][lane];
+    p.cell[d] = lattice_cell(body, d, p.X[d]);
+  }
+  p.share = points.blocks[block].volume[lane] / (body.spacing * body.spacing * body.spacing);
+  const double nearer = nearer_to_first(body, p.X);
+  p.sheet = nearer_side(body, nearer);
+  p.middle = in_the_middle(body, nearer);
+  return p;
+}
+
 double space_ahead(const SheetPoint& p, const Body& body, int d, int side) {
   if (!body.regular) return 0.0;
   double box = 1.0, ahead = 0.0;

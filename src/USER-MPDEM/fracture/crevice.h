@@ -3,10 +3,8 @@
 //
 // The cement of one grain may run close to that of the other without touching it. Coatings do so beyond the ring in
 // which they meet. Shared nodes would bridge this gap: the bond behaves as if the ring were wider, 8 % too stiff with
-// cells of 0.2 mm. A body with such a crevice has two sheets with their own nodes: the material nearer to the one
-// grain, and that nearer to the other. The sheets are joined again (edge_ties.h) where the material is. So nodes double
-// by material, not by place, as for cracks in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl.
-// Mech. Engrg. 193, 2004, 3523-3540).
+// cells of 0.2 mm. A body with such a crevice has two sheets: the material nearer to the one grain, and that nearer to the other. Nodes
+// are split between the sheets (node_copies.h), except where these are joined.
 //
 // Rows of lattice points cross from sheet to sheet either from a point to its neighbour, over a bridge, or over a gap.
 // A body has a crevice if for some node half of all rows in its support cross over gaps. Each row has the weight of the
@@ -30,13 +28,14 @@
 
 #include "../mpm/basis.h"
 #include "../mpm/body.h"
+#include "../mpm/point_store.h"
 
 namespace mpdem {
 
 struct SheetPoint {
   double X[3];   // centroid of the material
   int cell[3];   // cell of the lattice
-  int sheet;     // 0 or 1
+  int sheet;     // nearer_side() of body.h
   double share;  // share of the cell that is filled
   bool middle = false;  // in_the_middle() of body.h
 };
@@ -45,6 +44,9 @@ struct Crevice {
   bool found = false;
   std::vector<std::array<int, 3>> joined;  // nodes, ascending
 };
+
+// A point of the store.
+SheetPoint sheet_point(const PointStore& points, const Body& body, int block, int lane);
 
 // The search needs only points with |nearer_to_first()| (body.h) of at most this reach.
 inline double sheet_reach(Basis basis, double cell) { return 2.0 * support(basis) * cell; }

@@ -219,8 +219,8 @@ double mean_damage(const std::vector<int>& cut, const std::vector<CrackPoint>& p
 
 }  // namespace
 
-Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support) {
-  const Neighbours near(points, joined, support);
+Ligament find_ligament(const std::vector<CrackPoint>& points) {
+  const Neighbours near(points);
   Ligament result;
   {
     Bond whole = bond_of(points, near, [](const CrackPoint&) { return true; },
@@ -241,8 +241,8 @@ Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes&
   return result;
 }
 
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins, const JoinedNodes& joined, int support) {
-  const std::vector<char> leads_on = skins ? leading_on(cut, points, Neighbours(points, joined, support)) : std::vector<char>(points.size(), 1);
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins) {
+  const std::vector<char> leads_on = skins ? leading_on(cut, points, Neighbours(points)) : std::vector<char>(points.size(), 1);
   for (int i : cut) {
     CrackPoint& p = points[i];
     bool let_go = false;

@@ -33,14 +33,12 @@ struct Ligament {
 // Far above the differences between numbers of ranks and compilers. So bonds that are equal on both sides have the same ligaments everywhere.
 constexpr double kSameDamage = 1e-3;
 
-// joined, support: see Neighbours.
-Ligament find_ligament(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0);
+Ligament find_ligament(const std::vector<CrackPoint>& points);
 
 // Returns the points as if those of the cut had failed and so let go of their grains. With skins
 // (coupling/traction_law.h) the more damaged of link and point breaks. If the link breaks, the point holds, unless it
-// leads to others that hold to that grain. If the point breaks, it stays on the grain. joined, support: see Neighbours.
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins = false, const JoinedNodes& joined = {},
-                                    int support = 0);
+// leads to others that hold to that grain. If the point breaks, it stays on the grain.
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins = false);
 
 }  // namespace mpdem
 

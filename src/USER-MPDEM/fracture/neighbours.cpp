@@ -9,25 +9,6 @@
 
 namespace mpdem {
 
-namespace {
-
-bool meet(const CrackPoint& a, const CrackPoint& b, const JoinedNodes& joined, int support) {
-  if (support == 0) return true;
-  int low[3], high[3];
-  for (int d = 0; d < 3; ++d) {
-    low[d] = std::max(a.base[d], b.base[d]);
-    high[d] = std::min(a.base[d], b.base[d]) + support;
-  }
-  for (int i = low[0]; i < high[0]; ++i)
-    for (int j = low[1]; j < high[1]; ++j) {
-      const auto at = std::lower_bound(joined.begin(), joined.end(), std::array<int, 3>{i, j, low[2]});
-      if (at != joined.end() && *at < std::array<int, 3>{i, j, high[2]}) return true;
-    }
-  return false;
-}
-
-}  // namespace
-
 int Neighbours::at(const std::array<int, 3>& cell) const {
   const int x = cell[0] - least_x_;
   if (x < 0 || x + 1 >= static_cast<int>(first_.size())) return -1;
@@ -91,7 +72,7 @@ std::vector<int> Neighbours::bridge(int i, int face) const {
   return beside;
 }
 
-Neighbours::Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& joined, int support, int across)
+Neighbours::Neighbours(const std::vector<CrackPoint>& p, int across)
     : order_(p.size()), face_(p.size()), points_(p), across_(across), cells_(p.size()) {
   std::vector<std::pair<std::array<int, 3>, int>>& cells = cells_;
   for (std::size_t i = 0; i < p.size(); ++i) cells[i] = {{p[i].cell[0], p[i].cell[1], p[i].cell[2]}, static_cast<int>(i)};
@@ -112,9 +93,7 @@ Neighbours::Neighbours(const std::vector<CrackPoint>& p, const JoinedNodes& join
       while (at < cells.size() && cells[at].first < across) ++at;
       if (at == cells.size() || cells[at].first != across) continue;
       const int j = cells[at].second;
-      if (p[i].sheet == p[j].sheet || p[i].middle || p[j].middle ||
-          (touches(p[i].space[f] + p[j].space[f ^ 1]) && meet(p[i], p[j], joined, support)))
-        face_[i][f] = j;
+      if (p[i].nearer == p[j].nearer || p[i].middle || p[j].middle || touches(p[i].space[f] + p[j].space[f ^ 1])) face_[i][f] = j;
     }
   }
 }

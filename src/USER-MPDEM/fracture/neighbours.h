@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Finds which points of a bond hold together if they are intact: those whose lattice cells share a face. Points of
-// different sheets (crevice.h), none of them in the middle, need more: their material must touch there, and there must
-// be a node in both supports at which the sheets are joined. Separation (separation.h) and ligament (ligament.h) of a bond use these neighbours.
+// different sheets (crevice.h), none of them in the middle, need more: their material must touch there. Separation
+// (separation.h) and ligament (ligament.h) of a bond use these neighbours.
 #ifndef MPDEM_NEIGHBOURS_H
 #define MPDEM_NEIGHBOURS_H
 
@@ -16,35 +16,29 @@ namespace mpdem {
 struct CrackPoint {
   int tag;
   int cell[3];              // cell of the lattice
-  int part;                 // present piece, piece_of() of body.h
-  int sheet;
-  int base[3];              // first node of its support
+  int part;                 // present piece, where parts are pieces (body.h), else 0
   float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
   float damage;             // largest eigenvalue
   bool failed;
   bool attached[2];         // holds to this grain; if the point failed, it is a skin on the grain
   double link_area[2];      // projected area of its links, let go or not
   float link_damage[2];     // damage of its link to this grain, if the traction law knows damage
-  int nearer;               // grain, by nearer_side() of body.h
+  int nearer;               // its sheet: the grain, by nearer_side() of body.h
   bool middle;              // belongs to both sheets, in_the_middle() of body.h
   float above[2];           // distance from the surface of each grain
   int holds = 3;            // PointRecord::holds
 };
-
-// Nodes at which sheets are joined, ascending.
-using JoinedNodes = std::vector<std::array<int, 3>>;
 
 // Most points that a cell may have in one direction, and so the largest value of `across`.
 constexpr int kMostAcross = 16;
 
 class Neighbours {
  public:
-  // joined: needed if there are sheets. support: nodes in each direction.
   // across: least width of a bridge in points, in both directions, up to kMostAcross. A face between points that hold
   // belongs to a bridge if there is a square of so many faces around it without a failed point beside it. At a rim the
   // square must be one of those that hold most faces. A grid whose cells are as wide does not resolve a narrower
   // bridge: the bridge has fewer strains than its nodes have ways to move, and carries next to nothing.
-  explicit Neighbours(const std::vector<CrackPoint>& points, const JoinedNodes& joined = {}, int support = 0, int across = 1);
+  explicit Neighbours(const std::vector<CrackPoint>& points, int across = 1);
   // Points across the faces -x, +x, -y, +y, -z, +z, whether they failed or not. -1 if there is none, or if the two
   // points are of different sheets that are not connected there.
   const std::array<int, 6>& of(int i) const { return face_[i]; }

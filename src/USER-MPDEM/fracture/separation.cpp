@@ -223,10 +223,9 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
 
 }  // namespace
 
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined, int support, bool again,
-                    int across, double reach) {
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, bool again, int across, double reach) {
   const int n = static_cast<int>(points.size());
-  const Neighbours near(points, joined, support, across);
+  const Neighbours near(points, across);
   Separation result;
   result.part.resize(n);
   result.between.assign(n, 0);
@@ -264,9 +263,9 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   return result;
 }
 
-std::vector<char> grains_held(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support, int across) {
+std::vector<char> grains_held(const std::vector<CrackPoint>& points, int across) {
   std::vector<int> piece_of;
-  const std::vector<Piece> pieces = find_pieces(Neighbours(points, joined, support, across), points, piece_of);
+  const std::vector<Piece> pieces = find_pieces(Neighbours(points, across), points, piece_of);
   std::vector<char> held(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Piece* p = piece_of[i] < 0 ? nullptr : &pieces[piece_of[i]];

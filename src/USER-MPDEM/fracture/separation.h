@@ -61,14 +61,13 @@ struct Separation : SeparatingSurface {
 
 constexpr int kLeastLoose = 64;
 
-// face_area[d]: projected area of a lattice face across direction d. joined, support, across: see Neighbours. again:
-// the bond was separated before, so points have the parts of a separation. reach: see above, 0 for a crack without a band.
-Separation separate(const std::vector<CrackPoint>& points, const double* face_area, const JoinedNodes& joined = {}, int support = 0,
-                    bool again = false, int across = 1, double reach = 0.0);
+// face_area[d]: projected area of a lattice face across direction d. again: the bond was separated
+// before, so points have the parts of a separation. across: see Neighbours. reach: see above, 0 for a crack without a band.
+Separation separate(const std::vector<CrackPoint>& points, const double* face_area, bool again = false, int across = 1, double reach = 0.0);
 
 // For each point the bits of the grains to which its piece is attached now, whether the bond is separated or not. For a failed point
-// those of the grains on which it stays as a skin. joined, support, across: as in separate().
-std::vector<char> grains_held(const std::vector<CrackPoint>& points, const JoinedNodes& joined, int support, int across);
+// those of the grains on which it stays as a skin. across: see Neighbours.
+std::vector<char> grains_held(const std::vector<CrackPoint>& points, int across);
 
 }  // namespace mpdem
 

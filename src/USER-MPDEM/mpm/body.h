@@ -133,20 +133,13 @@ inline int nearer_side(const Body& body, double nearer_to_first) {
   return in_the_middle(body, nearer_to_first) ? side_behind(body) : nearer_to_first < 0.0;
 }
 
-// A body has parts. Each part has its own nodes, which are a field of the grid. A body that came apart has pieces:
-// piece 0 stays with the first grain, piece 1 with the second, and others are loose. A body that holds is piece 0. A
-// piece is one part. If the body has a crevice (fracture/crevice.h), a piece is two parts, which are called sheets. With `cracks split`
-// parts say no more than which copies of nodes their points have (fracture/node_copies.h).
+// A body has parts. Each part has its own nodes, which are a field of the grid. Parts say which copies of nodes their
+// points have (fracture/node_copies.h). Where nodes have no copies (cement/splits.h), they are the pieces of a body that
+// came apart: part 0 stays with the first grain, part 1 with the second, and others are loose.
 // There may be as many bonds as an int counts. A part with 27 nodes takes some 10 kB. So memory ends before a bond runs out of parts.
 constexpr int kMaxParts = 1 << kPartBits;
-constexpr int kMaxPieces = kMaxParts / 2;
-inline int part_of(int piece, int sheet) { return 2 * piece + sheet; }
-inline int piece_of(int part) { return part >> 1; }
-inline int sheet_of(int part) { return part & 1; }
 inline Field field_of(int body, int part) { return body | static_cast<Field>(part) << kBodyBits; }
 inline int part_of_field(Field field) { return static_cast<int>(field >> kBodyBits); }
-inline Field other_sheet(Field field) { return field ^ (Field{1} << kBodyBits); }
-inline bool is_second_sheet(Field field) { return (field >> kBodyBits & 1) != 0; }
 inline int body_of(Field field) { return static_cast<int>(field & ((Field{1} << kBodyBits) - 1)); }
 
 }  // namespace mpdem

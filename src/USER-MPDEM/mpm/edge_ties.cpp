@@ -25,44 +25,31 @@ constexpr double kSecond = 2.0;   // a node is tied only if the second node has 
 constexpr double kAlike = 1e-6;
 
 constexpr int kDirections = 6;  // -x +x -y +y -z +z
-// Code of a node. Bit n: it is tied along direction n. Bit kNextOther + n: the next node in direction n is one of the
-// other sheet. Bit kSecondOther + n: so is the second. kCopy: it is a copy of the node of the first sheet.
-using Code = int;
-constexpr int kNextOther = kDirections, kSecondOther = 2 * kDirections;
-constexpr Code kCopy = 1 << 3 * kDirections;
+using Code = int;                // bit n: the node is tied along direction n
 
 using Next = std::function<Key(const Key&, int)>;
 
-Key neighbour(const Next& next, Key k, int direction, int steps, bool other = false) {
-  if (next) {
-    for (int n = 0; n < steps && k != kNoNode; ++n) k = next(k, direction);
-    return k;
-  }
-  k = k.moved(direction / 2, direction % 2 == 0 ? -steps : steps);
-  return other ? k.with_field(other_sheet(k.field())) : k;
+Key neighbour(const Next& next, Key k, int direction, int steps) {
+  if (!next) return k.moved(direction / 2, direction % 2 == 0 ? -steps : steps);
+  for (int n = 0; n < steps && k != kNoNode; ++n) k = next(k, direction);
+  return k;
 }
-
-Key on_other_sheet(const Key& k) { return k.with_field(other_sheet(k.field())); }
 
 int index_of(const std::vector<Key>& keys, const Key& k) {
   const auto it = std::lower_bound(keys.begin(), keys.end(), k);
   return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
 }
 
-int directions_of(Code code) { return (code & kCopy) ? 1 : __builtin_popcount(code & ((1 << kDirections) - 1)); }
+int directions_of(Code code) { return __builtin_popcount(code); }
 
 // Calls f(master, weight, whether it takes mass) for each master that a code names.
 template <class F>
 void for_each_term(const Next& next, const Key& k, Code code, F f) {
-  if (code & kCopy) {
-    f(on_other_sheet(k), 1.0, true);
-    return;
-  }
   const double share = 1.0 / directions_of(code);
   for (int n = 0; n < kDirections; ++n) {
     if (!(code >> n & 1)) continue;
-    f(neighbour(next, k, n, 1, code >> (kNextOther + n) & 1), 2.0 * share, true);
-    f(neighbour(next, k, n, 2, code >> (kSecondOther + n) & 1), -share, false);
+    f(neighbour(next, k, n, 1), 2.0 * share, true);
+    f(neighbour(next, k, n, 2), -share, false);
   }
 }
 
@@ -102,99 +89,43 @@ class Resolver {
   std::map<Key, EdgeTie> done_;
 };
 
-// Masses around a node: those of nodes of its own sheet, or of both sheets where they are joined.
-class Surroundings {
- public:
-  static constexpr int kWidth = 2;  // mass, and whether the node is joined
-
-  // Collective. Looks up the wanted nodes. keys and values: nodes of this rank that are not copies, kWidth values each.
-  Surroundings(MPI_Comm comm, const Next& next, const std::vector<Key>& keys, const std::vector<double>& values, std::vector<Key> wanted)
-      : next_(next), wanted_(std::move(wanted)) {
-    sort_unique(wanted_);
-    values_ = fetch_values(comm, kWidth, keys, values, wanted_, found_);
-  }
-
-  // Mass of the node `steps` away in a direction, 0 if there is none. Sets `other` if it is a node of the other sheet.
-  double mass(const Key& k, bool has_sheets, bool joined, int direction, int steps, bool& other) const {
-    const int same = at(neighbour(next_, k, direction, steps));
-    other = false;
-    if (!has_sheets) return same < 0 ? 0.0 : values_[kWidth * same];
-    const int beside = at(neighbour(next_, k, direction, steps, true));
-    if (joined && same >= 0 && beside >= 0) return 0.0;  // here the crevice begins, and either is as good
-    if (same >= 0) return values_[kWidth * same];
-    if (beside < 0 || !(joined || values_[kWidth * beside + 1] != 0.0)) return 0.0;
-    other = true;
-    return values_[kWidth * beside];
-  }
-
- private:
-  int at(const Key& k) const {
-    const int n = index_of(wanted_, k);
-    return n >= 0 && found_[n] ? n : -1;
-  }
-  const Next& next_;
-  std::vector<Key> wanted_;
-  std::vector<char> found_;
-  std::vector<double> values_;
-};
-
 // Codes of the nodes of this rank. All ranks that hold a node find the same code, since sums over ranks are equal on them (halo_sum.h).
 std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
   const std::vector<Key>& keys = nodes.keys;
-  std::vector<Key> copies;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (nodes.sheets[i] == kJoined) copies.push_back(on_other_sheet(keys[i]));
-  sort_unique(copies);
-  std::vector<char> found;
-  const std::vector<double> of_copies = fetch_values(comm, 1, keys, nodes.mass, copies, found);
-  std::vector<double> mass = nodes.mass, codes(keys.size(), 0.0);
-  std::vector<char> joined(keys.size(), 0);
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (nodes.sheets[i] != kJoined) continue;
-    const int c = index_of(copies, on_other_sheet(keys[i]));
-    if (!found[c]) continue;
-    joined[i] = 1;
-    mass[i] += of_copies[c];
-    if (is_second_sheet(keys[i].field())) codes[i] = kCopy;
-  }
-
+  const std::vector<double>& mass = nodes.mass;
   double mine = 0.0, most;
   for (double m : mass) mine = std::max(mine, m);
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   const double below = tied_below(basis);
-  std::vector<Key> wanted, present;
-  std::vector<double> values;
+  std::vector<Key> wanted;
   std::vector<int> candidates;
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (codes[i] != 0.0) continue;
-    present.push_back(keys[i]);
-    values.push_back(mass[i]);
-    values.push_back(joined[i]);
-    if (!nodes.edge[i] || !(mass[i] < below * most)) continue;
+    if (!(mass[i] < below * most)) continue;
     candidates.push_back(static_cast<int>(i));
     for (int n = 0; n < kDirections; ++n)
-      for (int s = 1; s <= 2; ++s)
-        for (bool other : {false, true})
-          if (!other || nodes.sheets[i] != kNoSheets) wanted.push_back(neighbour(nodes.next, keys[i], n, s, other));
+      for (int s = 1; s <= 2; ++s) wanted.push_back(neighbour(nodes.next, keys[i], n, s));
   }
-  const Surroundings near(comm, nodes.next, present, values, std::move(wanted));
+  sort_unique(wanted);
+  std::vector<char> found;
+  const std::vector<double> near = fetch_values(comm, 1, keys, mass, wanted, found);
+  const auto mass_of = [&](const Key& k, int direction, int steps) {
+    const int at = index_of(wanted, neighbour(nodes.next, k, direction, steps));
+    return found[at] ? near[at] : 0.0;
+  };
+  std::vector<double> codes(keys.size(), 0.0);
   for (int i : candidates) {
     double share[kDirections], least = below;
-    Code code = 0, others = 0;
     for (int n = 0; n < kDirections; ++n) {
       share[n] = below;
-      bool other[2];
-      const double first = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 1, other[0]);
-      const double second = near.mass(keys[i], nodes.sheets[i] != kNoSheets, joined[i], n, 2, other[1]);
-      if (!(first > 0.0) || second < kSecond * mass[i]) continue;
+      const double first = mass_of(keys[i], n, 1);
+      if (!(first > 0.0) || mass_of(keys[i], n, 2) < kSecond * mass[i]) continue;
       share[n] = mass[i] / first;
       least = std::min(least, share[n]);
-      others |= other[0] << (kNextOther + n) | other[1] << (kSecondOther + n);
     }
+    Code code = 0;
     for (int n = 0; n < kDirections; ++n)
-      if (share[n] < below && share[n] <= least * (1.0 + kAlike))
-        code |= 1 << n;
-    codes[i] = code == 0 ? 0 : code | others;
+      if (share[n] < below && share[n] <= least * (1.0 + kAlike)) code |= 1 << n;
+    codes[i] = code;
   }
   return codes;
 }
@@ -306,7 +237,7 @@ std::size_t EdgeTies::Rows::memory_usage() const {
   return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + weight_.memory_usage();
 }
 
-void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool whole) {
+void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool chained) {
   clear();
   const auto node = [&keys](const Key& k) {
     const int n = index_of(keys, k);
@@ -324,7 +255,7 @@ void EdgeTies::bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& ke
   slave_.shrink_to_fit();
   heirs_.shrink_to_fit();
   masters_.shrink_to_fit();
-  if (whole) bind_chain(ties, keys);
+  if (chained) bind_chain(ties, keys);
 }
 
 // Makes the chain. Does nothing if some node behind is not known or not on this rank.

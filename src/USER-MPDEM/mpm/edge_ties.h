@@ -17,9 +17,6 @@
 // of a slave sum to one and keep linear fields, so forces and moments are kept. Extrapolation is linear although the
 // splines are parabolas. Errors are no larger. Also, the weights 3, -3, 1 would couple bonded nodes to nodes deep
 // inside, and the added mass of stiff links would burden these (coupling/added_mass.h).
-//
-// Joined sheets of a body (fracture/crevice.h) move as one: the node of the second sheet is tied to that of the first
-// by weight 1. The search for the edge uses the mass of both.
 #ifndef MPDEM_EDGE_TIES_H
 #define MPDEM_EDGE_TIES_H
 
@@ -47,13 +44,10 @@ struct EdgeTie {
 struct TiedNodes {
   std::vector<Key> keys;     // ascending, each once
   std::vector<double> mass;  // summed over ranks
-  std::vector<char> sheets;  // of each node: kNoSheets, kApart, or kJoined with the node of the other sheet, if there is one
-  std::vector<char> edge;    // of each node: true if it may be tied as an edge
   // Gives the next node in direction 0 to 5, which are -x +x -y +y -z +z; kNoNode if there is none. If the function is
   // empty, the next node is that of the same field. See fracture/node_copies.h.
   std::function<Key(const Key&, int direction)> next;
 };
-constexpr char kNoSheets = 0, kApart = 1, kJoined = 2;
 
 // Finds the ties of the nodes of this rank. Collective.
 std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes& nodes);
@@ -61,8 +55,8 @@ std::vector<EdgeTie> find_edge_ties(MPI_Comm comm, Basis basis, const TiedNodes&
 // Ties with places of nodes instead of keys. Slaves, heirs and masters are all on this rank.
 class EdgeTies {
  public:
-  // The slaves must ascend. Throws std::logic_error if they do not, or if a node is not among the keys. whole: no other rank has nodes of the grid.
-  void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool whole = false);
+  // The slaves must ascend. Throws std::logic_error if they do not, or if a node is not among the keys. chained: make the chain, see below. No other rank may have nodes of the grid then.
+  void bind(const std::vector<EdgeTie>& ties, const std::vector<Key>& keys, bool chained = false);
   void clear();
   // Follows nodes that went to other places, in the same order.
   void renumber(const std::vector<int>& place);

@@ -140,12 +140,10 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
 
 namespace {
 
-// Node whose motion node k takes over: k itself if it is not a new one.
+// Node whose motion node k takes over.
 Key source_of(const Key& k, const GridRequest& r) {
-  const auto own = r.source.find(k);
-  if (own != r.source.end()) return own->second;
-  const auto it = r.parent_field.find(k.field());
-  return it != r.parent_field.end() ? k.with_field(it->second) : k;
+  const auto other = r.source.find(k);
+  return other != r.source.end() ? other->second : k;
 }
 
 }  // namespace
@@ -158,7 +156,7 @@ void Grid::set_motion(GridRequest& r, const std::vector<Key>& wanted, const std:
   displacement.resize(3 * n);
   acceleration.resize(3 * n);
   r.fresh.resize(n);
-  const bool as_they_are = r.parent_field.empty() && r.source.empty();
+  const bool as_they_are = r.source.empty();
   std::size_t w = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Key k = as_they_are ? keys[i] : source_of(keys[i], r);
@@ -196,7 +194,7 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   if (ranks == 1) {
     for (GridRequest& r : requests) {
       std::vector<Key> wanted(r.grid->keys);
-      if (!r.parent_field.empty() || !r.source.empty()) {
+      if (!r.source.empty()) {
         for (Key& k : wanted) k = source_of(k, r);
         sort_unique(wanted);
       }
@@ -256,13 +254,12 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
 }
 
 void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-                 std::vector<char>& fresh, const std::map<Field, Field>& parent_field, int margin, const std::vector<Key>& extra) {
+                 std::vector<char>& fresh, int margin, const std::vector<Key>& extra) {
   std::vector<GridRequest> one(1);
   GridRequest& r = one.front();
   r.grid = this;
   r.cells = cells;
   r.before = restored.keys.empty() ? kinematics() : restored;
-  r.parent_field = parent_field;
   r.extra = extra;
   build_grids(comm, cell_size, margin, std::numeric_limits<double>::infinity(), one);
   fresh.swap(r.fresh);
@@ -357,8 +354,8 @@ bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& w
   return freed;
 }
 
-void Grid::tie(const std::vector<EdgeTie>& wanted, bool any) {
-  ties.bind(wanted, keys, !halo.shares_any());
+void Grid::tie(const std::vector<EdgeTie>& wanted, bool any, bool chained) {
+  ties.bind(wanted, keys, chained && !halo.shares_any());
   forget_averages();
   any_ties_ = any;
 }

@@ -80,11 +80,10 @@ class Grid {
   };
 
   // Collective. Lays out the nodes of `cells`, takes over the motion of the nodes that any rank had before, and finds
-  // the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. The nodes
-  // of a new field take the motion of the field it came from. margin: number of cells around the wanted ones that get
+  // the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. margin: number of cells around the wanted ones that get
   // nodes, too. extra: nodes that belong to no cell.
   void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh, const std::map<Field, Field>& parent_field = {}, int margin = 0, const std::vector<Key>& extra = {});
+             std::vector<char>& fresh, int margin = 0, const std::vector<Key>& extra = {});
 
   // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() finds only the first node, or -1.
   bool find_columns(Field field, const int* base, int* column) const;
@@ -104,8 +103,8 @@ class Grid {
   bool tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted);
 
   // Ties nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank that
-  // shares the grid has ties.
-  void tie(const std::vector<EdgeTie>& wanted, bool any);
+  // shares the grid has ties. chained: see EdgeTies; false if tie_anew() is to give what tie() would.
+  void tie(const std::vector<EdgeTie>& wanted, bool any, bool chained = true);
 
   // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
   // of tied nodes goes to their heirs. Collective among the ranks that share nodes.
@@ -169,7 +168,6 @@ struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
   NodeKinematics before;            // motion of the body that this rank knows; may be that of all ranks
-  std::map<Field, Field> parent_field;  // for each new field the field that it came from
   std::map<Key, Key> source;  // for each node that takes over the motion of another node, that node
   std::vector<Key> extra;
   std::vector<char> fresh;          // result: 1 for nodes that no rank had before
