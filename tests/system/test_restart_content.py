@@ -153,7 +153,7 @@ def test_named(tmp_path, files, part, name, value, needed):
     assert "use another restart file" in error or "truncated" in error, error
 
 
-@pytest.mark.parametrize("version", [19, 21])
+@pytest.mark.parametrize("version", [20, 22])
 def test_other_version(tmp_path, files, version):
     """Of the data of fix mpm: named, with the cure."""
     f = files["total"]
