@@ -146,7 +146,8 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   return nodes;
 }
 
-// Links have other nodes then, and their added mass has another energy. Links that let go give theirs up.
+// Links have other nodes then, and their added mass has another energy. Where nodes split as points fail, links that let
+// go give theirs up. Else they do so at the checks.
 void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts, const char* event) {
   if (rows.empty()) return;
   std::vector<int> mine;
@@ -160,7 +161,7 @@ void Parting::part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts, co
     for (int row : rows) {
       Bond* b = scene_.bonds().find(row);
       if (!b) continue;
-      added_.drop_inert(*b);
+      if (scene_.options.split) added_.drop_inert(*b);
       if (std::binary_search(whole.begin(), whole.end(), row)) continue;
       const std::vector<int> nodes = part_nodes(*b, parts[row]);
       if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
