@@ -177,7 +177,7 @@ void Arrangement::start_anew(Bond& b) {
   b.faces = scene_.faces_touch() ? CrackFaces(b.points, b.grid, divisions_.splits, scene_.penalty->friction) : CrackFaces();
   b.closing = scene_.options.unilateral ? ClosingPoints(b.points, scene_.law->elasticity(), scene_.touches() ? scene_.penalty->friction : 0.0) : ClosingPoints();
   b.added = AddedMass();
-  b.resting = Resting();
+  b.unmoved = scene_.options.advance.skip_resting && b.points.unstrained();
   find_relaxation(b);
   b.jump.clear();
 }

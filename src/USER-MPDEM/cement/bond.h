@@ -27,7 +27,6 @@
 #include "../mpm/point_pattern.h"
 #include "../mpm/point_store.h"
 #include "crack_faces.h"
-#include "resting.h"
 
 namespace mpdem {
 
@@ -43,11 +42,11 @@ struct Bond {
   AddedMass added;
   Relaxation relaxation;
   SharedImpulse impulse;  // with sub-steps only
-  Resting resting;
   UpdatedPass updated;  // used by `updated` kinematics only
   int side = 0;         // place of the first side of the bond, see GrainSides
   int layout = 0;       // number of its layout among those of this rank; 0: none yet
   std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
+  bool unmoved = false;                   // no point is strained and no node has moved since the layout: a step changes no point
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
   ConsistentMass mass;                    // `mass_order 2` only
@@ -105,7 +104,7 @@ struct Bond {
   std::size_t memory_usage() const {
     return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
            mass.memory_usage() + faces.memory_usage() + closing.memory_usage() + relaxation.memory_usage() + impulse.memory_usage() +
-           resting.memory_usage() + updated.memory_usage() + sizeof(double) * (jump.capacity() + filtered.capacity());
+           updated.memory_usage() + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
 };
 

@@ -13,7 +13,7 @@ namespace mpdem {
 void NodalForces::take_failed(Bond& b) {
   b.failed.clear();
   b.failed.swap(pass_.failed);
-  if (!b.resting.asleep()) b.near_threshold = pass_.near_threshold;
+  b.near_threshold = pass_.near_threshold;
   pass_.near_threshold = false;
 }
 
@@ -37,16 +37,9 @@ void NodalForces::let_go(Bond& b) {
   if (scene_.penalty) cracks_.watch(b);
 }
 
-// Traction laws may dissipate, and let go of points that hold. In sleep they change nothing.
+// Traction laws may dissipate, and let go of points that hold.
 void NodalForces::follow_links(Bond& b) {
-  GrainSide* side = scene_.grains.side_of(b);
-  const bool may_sleep = !scene_.options.updated;
-  if (may_sleep && b.resting.hand_out_links(b.grid, side)) {
-    b.link_step = LinkStep();
-    return;
-  }
-  b.links.follow_and_add_force(b.points, b.grid, side, scene_.now.dt, b.link_step);
-  if (may_sleep) b.resting.keep_links(b.grid, side);
+  b.links.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;

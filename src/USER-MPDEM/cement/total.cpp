@@ -39,7 +39,8 @@ class Total : public Kinematics {
       scene_.timer.start(StepTimer::kPoints);
       if (may_be_distorted) b.grid.clear_force();
       else b.grid.begin_forces();
-      b.resting.advance(b.points, b.grid, *scene_.law, dt, o.advance, forces_.pass());
+      b.unmoved = b.unmoved && b.grid.stands_still();
+      if (!b.unmoved) advance_points(b.points, 0, static_cast<int>(b.points.blocks.size()), b.grid, *scene_.law, dt, o.advance, forces_.pass());
       scene_.timer.start(StepTimer::kCoupling);
       forces_.take_failed(b);
       forces_.let_go(b);

@@ -283,14 +283,14 @@ void CementReport::times(Cement& c, bigint points) {
   std::vector<double> s = {mine[StepTimer::kPoints] * t.scatter / ticks, mine[StepTimer::kNodes], mine[StepTimer::kHalo],
                            mine[StepTimer::kPoints] * t.gather / ticks, mine[StepTimer::kPoints] * t.material / ticks,
                            mine[StepTimer::kCoupling], mine[StepTimer::kLayout], mine[StepTimer::kOutput]};
-  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
-  for (const Bond& b : c.bonds()) asleep[0] += b.resting.asleep();
+  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), unmoved[2] = {0.0, 1.0 * c.bonds().size()};
+  for (const Bond& b : c.bonds()) unmoved[0] += b.unmoved;
   for (double x : mine) total += x;
   s.push_back(c.timer().cpu_seconds());
   s.push_back(total);
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
-  MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  MPI_Allreduce(MPI_IN_PLACE, unmoved, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
   const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
@@ -302,7 +302,7 @@ void CementReport::times(Cement& c, bigint points) {
                      : text_of(bytes / static_cast<double>(c.bonds().table.size()), " bytes a bond\n ");
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
-  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");
+  if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");
   if (o.mass_scale > 1.0 || o.relax > 0.0) text += text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force);
   say(text + "\n");
   constexpr double kMostImbalance = 0.02;
