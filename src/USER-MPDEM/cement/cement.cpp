@@ -245,12 +245,12 @@ void Cement::advance() {
   // bonds that come apart
   parting_.look();
   // nodes, points, links
-  forces_.begin_pass();
+  forces_.begin(scene_.now.dt);
   kinematics_->advance();
   forces_.end_pass();
   // accelerations of nodes and grains
   if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
-  forces_.complete();
+  forces_.find_accelerations();
   scene_.books.end_step_of_dampers(work_.over_step(work_.of_dampers(0)), work_.over_step(work_.of_rubbing()));
   kinematics_->account_for_accelerations();
   // loads on the grains

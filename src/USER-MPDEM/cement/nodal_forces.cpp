@@ -60,8 +60,8 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.watch_film(b);
 }
 
-// Adds everything but the internal force, which is on the nodes already.
-void NodalForces::add_link_forces(Bond& b) {
+// Small bonds that ranks do not cut are complete at once, while they are in cache.
+void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
   scene_.books.rub(b.places.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b)));
@@ -70,41 +70,33 @@ void NodalForces::add_link_forces(Bond& b) {
   scene_.books.rub(closing.rubbed);
   advance_film(b);
   b.grid.ties.pull_back(b.grid.force.data());
+  if (!b.cut_by_ranks()) complete(b);
 }
 
 // Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
-void NodalForces::complete(Bond& b, double kick) {
+void NodalForces::complete(Bond& b) {
   if (scene_.penalty && scene_.options.relax > 0.0) b.relaxation.add_force(b.grid, scene_.grains.side_of(b));
   const std::array<double, 3> weight = scene_.weight_of(b);
   if (weight != std::array<double, 3>{})
     for (int i = 0; i < b.grid.size(); ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
   scene_.host().add_node_forces(b);
-  if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
+  if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick_, scene_.now.dt);
+  if (!b.cut_by_ranks()) scene_.grains.sum_up(b);
 }
 
-// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over
-// them takes time to bring them there.
-void NodalForces::begin_completing() {
-  completes_early_ = true;
+void NodalForces::begin(double kick) {
+  kick_ = kick;
+  pass_.dissipated = pass_.released = 0.0;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
 }
 
-// Completes a bond that ranks do not cut right after the forces of its links.
-void NodalForces::complete_early(Bond& b) {
-  if (!completes_early_ || b.cut_by_ranks()) return;
-  complete(b, scene_.now.dt);
-  scene_.grains.sum_up(b);
-}
-
-// Finds the forces of nodes from those of points and links, and the accelerations.
-void NodalForces::complete() {
+void NodalForces::find_accelerations() {
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Grid& g) { return g.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
   for (Bond& b : scene_.bonds().awake())
-    if (!completes_early_ || b.cut_by_ranks()) complete(b, scene_.kick());
-  completes_early_ = false;
+    if (b.cut_by_ranks()) complete(b);
   if (scene_.options.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
@@ -170,6 +162,7 @@ void NodalForces::end_pass() {
 void NodalForces::find_at_start() {
   scene_.grains.sides.clear_forces();
   scene_.grains.clear_sudden_forces();
+  begin(scene_.kick());
   for (Bond& b : scene_.bonds().awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
@@ -177,8 +170,9 @@ void NodalForces::find_at_start() {
     b.places.add_force(b.grid, scene_.grains.side_of(b));
     b.closing.add_force(b.points, b.grid, 0.0);  // nothing moves
     b.grid.ties.pull_back(b.grid.force.data());
+    if (!b.cut_by_ranks()) complete(b);
   }
-  complete();
+  find_accelerations();
 }
 
 }  // namespace mpdem

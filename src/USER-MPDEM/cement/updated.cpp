@@ -56,7 +56,7 @@ class Updated : public Kinematics {
       b.filtered.clear();
     }
     scene_.dt_last = dt;
-    for (Bond& b : scene_.bonds()) forces_.add_link_forces(b);
+    for (Bond& b : scene_.bonds()) forces_.add_forces(b);
   }
 
   void account_for_accelerations() override {

@@ -25,7 +25,8 @@ void take_transfer(Arguments& args, CementWords& w) {
   const std::string name = args.choice("transfer", {"pic", "flip", "apic", "xpic"});
   w.transfer_given = true;
   if (name == "pic") {
-    o.transfer.method = Transfer::pic;
+    o.transfer.method = Transfer::xpic;
+    o.transfer.order = 1;
   } else if (name == "apic") {
     o.transfer.method = Transfer::apic;
   } else if (name == "flip") {
