@@ -6,9 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "places.h"
-
 namespace mpdem {
+
+BondAtWork NodalForces::at_work(Bond& b) {
+  return {b.points, b.grid, scene_.grains.side_of(b), scene_.bonds().body(b), b.added.of_nodes(), scene_.now.dt, kick_};
+}
 
 void NodalForces::take_failed(Bond& b) {
   b.failed.clear();
@@ -23,16 +25,11 @@ void NodalForces::let_go(Bond& b) {
   b.impulse.forget();
   b.sort_links();
   std::vector<int> links = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
-  if (scene_.touches()) {
-    pass_.released += b.places.end(b.points, b.grid, scene_.grains.side_of(b), b.failed, scene_.now.dt);
-    open_places(scene_, b, links);
-  }
+  Losses losses;
+  for (const auto& p : b.parts) p->points_failed(at_work(b), b.failed, links, losses);
+  pass_.released += losses.released;
   b.let_go_of_failed.clear();
   if (!scene_.keeps_skins()) b.let_go_of_failed = std::move(links);
-  if (scene_.options.unilateral) {
-    b.closing.add(b.points, scene_.law->elasticity(), b.failed);
-    pass_.released -= b.closing.energy_at_beginning(b.points, b.grid, b.failed, scene_.now.dt);
-  }
   scene_.host().points_failed(b);
   if (scene_.penalty) cracks_.watch(b);
 }
@@ -43,7 +40,9 @@ void NodalForces::follow_links(Bond& b) {
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
-  if (scene_.touches()) open_places(scene_, b, b.link_step.let_go);
+  Losses losses;
+  for (const auto& p : b.parts) p->links_let_go(at_work(b), b.link_step.let_go, losses);
+  scene_.books.release(losses.released);
   scene_.host().links_let_go(b);
   cracks_.watch_links(b);
 }
@@ -64,10 +63,10 @@ void NodalForces::advance_film(Bond& b) {
 void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
-  scene_.books.rub(b.places.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b)));
-  const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
-  scene_.books.release(closing.released);
-  scene_.books.rub(closing.rubbed);
+  Losses losses;
+  for (const auto& p : b.parts) p->add_force(at_work(b), losses);
+  scene_.books.release(losses.released);
+  scene_.books.rub(losses.rubbed);
   advance_film(b);
   b.grid.ties.pull_back(b.grid.force.data());
   if (!b.cut_by_ranks()) complete(b);
@@ -75,13 +74,13 @@ void NodalForces::add_forces(Bond& b) {
 
 // Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
 void NodalForces::complete(Bond& b) {
-  if (scene_.penalty && scene_.options.relax > 0.0) b.relaxation.add_force(b.grid, scene_.grains.side_of(b));
+  for (const auto& p : b.parts) p->add_damping(at_work(b));
   const std::array<double, 3> weight = scene_.weight_of(b);
   if (weight != std::array<double, 3>{})
     for (int i = 0; i < b.grid.size(); ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
   scene_.host().add_node_forces(b);
-  if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick_, scene_.now.dt);
+  for (const auto& p : b.parts) p->add_contact(at_work(b));
   if (!b.cut_by_ranks()) scene_.grains.sum_up(b);
 }
 
@@ -167,8 +166,10 @@ void NodalForces::find_at_start() {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
     if (!b.film.empty()) b.film.add_force(scene_.grains.side_of(b), *scene_.law);
-    b.places.add_force(b.grid, scene_.grains.side_of(b));
-    b.closing.add_force(b.points, b.grid, 0.0);  // nothing moves
+    BondAtWork as_it_is = at_work(b);
+    as_it_is.dt = 0.0;
+    Losses none;
+    for (const auto& p : b.parts) p->add_force(as_it_is, none);
     b.grid.ties.pull_back(b.grid.force.data());
     if (!b.cut_by_ranks()) complete(b);
   }

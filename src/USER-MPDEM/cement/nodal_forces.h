@@ -46,6 +46,7 @@ class NodalForces {
   void react();
 
  private:
+  BondAtWork at_work(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
   void complete(Bond& b);
