@@ -163,16 +163,13 @@ void Arrangement::sync_slots() {
 
 // Each side of a bond that came apart follows the grain that it holds to.
 void Arrangement::follow_grains(Bond& b) const {
-  b.impulse = SharedImpulse();
-  if (!scene_.penalty || (b.parts.empty() && scene_.options.subcycle == 1)) return;
+  if (b.parts.empty()) return;
   const std::vector<char> held = divisions_.cracks.separated(b.body) ? nodes_held(b.points, b.grid) : std::vector<char>();
   for (const auto& p : b.parts) p->follow_grains(b.grid, scene_.bonds().body(b), held);
-  if (scene_.options.subcycle != 1) b.impulse = SharedImpulse(b.grid, scene_.bonds().body(b), held);
 }
 
 void Arrangement::start_anew(Bond& b) {
   b.layout = ++layouts_;
-  b.mass.forget();
   b.parts = parts_of(scene_, b, divisions_.splits);
   b.added = AddedMass();
   b.unmoved = scene_.options.advance.skip_resting && b.points.unstrained();

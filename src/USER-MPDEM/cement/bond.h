@@ -16,10 +16,8 @@
 #include "../coupling/added_mass.h"
 #include "../coupling/film.h"
 #include "../coupling/penalty_links.h"
-#include "../coupling/shared_impulse.h"
 #include "../mpm/advance_updated.h"
 #include "../mpm/bond_part.h"
-#include "../mpm/consistent_mass.h"
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_pattern.h"
@@ -36,7 +34,6 @@ struct Bond {
   AddedMass added;
   using Parts = std::vector<std::unique_ptr<BondPart>>;
   Parts parts;  // of the mechanisms that act in the scene, see cement/mechanisms.h
-  SharedImpulse impulse;  // with sub-steps only
   UpdatedPass updated;  // used by `updated` kinematics only
   int side = 0;         // place of the first side of the bond, see GrainSides
   int layout = 0;       // number of its layout among those of this rank; 0: none yet
@@ -44,7 +41,6 @@ struct Bond {
   bool unmoved = false;                   // no point is strained and no node has moved since the layout: a step changes no point
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
-  ConsistentMass mass;                    // `mass_order 2` only
   std::vector<int> failed;                // slots that failed in this step, ascending
   std::vector<int> let_go_of_failed;      // links of the point store that let go with failed points, ascending
   LinkStep link_step;                     // result of the traction law in this step
@@ -106,7 +102,7 @@ struct Bond {
     std::size_t of_parts = parts.capacity() * sizeof(Parts::value_type);
     for (const std::unique_ptr<BondPart>& p : parts) of_parts += p->memory_usage();
     return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage() +
-           mass.memory_usage() + impulse.memory_usage() + updated.memory_usage() + of_parts + sizeof(double) * (jump.capacity() + filtered.capacity());
+           updated.memory_usage() + of_parts + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
 };
 

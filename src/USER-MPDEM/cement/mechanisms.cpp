@@ -4,7 +4,9 @@
 
 #include "../coupling/freed_places.h"
 #include "../coupling/relaxation.h"
+#include "../coupling/shared_impulse.h"
 #include "../mpm/closing_points.h"
+#include "../mpm/consistent_mass.h"
 #include "crack_faces.h"
 
 namespace mpdem {
@@ -18,6 +20,8 @@ Bond::Parts parts_of(const Scene& scene, const Bond& b, const Splits& splits) {
   if (o.unilateral) parts.push_back(std::make_unique<ClosingPoints>(b.points, scene.law->elasticity(), friction));
   if (scene.penalty && o.relax > 0.0) parts.push_back(std::make_unique<Relaxation>(body, o.relax, scene.shear_speed()));
   if (scene.faces_touch()) parts.push_back(std::make_unique<CrackFaces>(b.points, b.grid, splits, friction));
+  if (scene.penalty && o.subcycle != 1) parts.push_back(std::make_unique<SharedImpulse>());
+  if (o.mass_order > 1) parts.push_back(std::make_unique<ConsistentMass>());
   return parts;
 }
 

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "../coupling/shared_impulse.h"
+#include "../mpm/consistent_mass.h"
+
 namespace mpdem {
 
 BondAtWork NodalForces::at_work(Bond& b) {
@@ -21,8 +24,6 @@ void NodalForces::take_failed(Bond& b) {
 
 void NodalForces::let_go(Bond& b) {
   if (b.failed.empty()) return;
-  b.mass.forget();
-  b.impulse.forget();
   b.sort_links();
   std::vector<int> links = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
   Losses losses;
@@ -126,7 +127,7 @@ void NodalForces::add_inertial_forces() {
     grid.update_acceleration(b.added.of_nodes());
     grid.force.swap(grid.inertial_force);
     scene_.timer.start(StepTimer::kPoints);
-    b.mass.find_inertial_force(b.points, grid, scene_.inertia);
+    b.part<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.inertia);
     scene_.timer.start(StepTimer::kNodes);
   }
   scene_.timer.start(StepTimer::kHalo);
@@ -138,10 +139,12 @@ void NodalForces::add_inertial_forces() {
 
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
-  std::vector<double*> of_bonds;  // all bonds have impulses where there is a penalty
+  std::vector<double*> of_bonds;
   for (Bond& b : scene_.bonds().awake()) {
-    b.impulse.weigh(b.points, b.grid, scene_.inertia);
-    if (b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
+    SharedImpulse* shared = b.part<SharedImpulse>();
+    if (!shared) continue;
+    shared->weigh(b.points, b.grid, scene_.inertia);
+    if (b.cut_by_ranks()) of_bonds.push_back(shared->holding().data());
   }
   if (scene_.penalty) shared_.sum(of_bonds, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "../coupling/shared_impulse.h"
 #include "point_sums.h"
 
 namespace mpdem {
@@ -84,8 +85,8 @@ double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& veloc
 }
 
 double WorkOfStep::load_power(const Bond& b, const std::vector<double>& velocity) const {
-  const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
-  return gravity_power(b, velocity) + (pushed ? b.impulse.power(b.grid, velocity) : 0.0);
+  const SharedImpulse* pushed = scene_.now.substeps > 1 && scene_.ends_step() ? b.part<SharedImpulse>() : nullptr;
+  return gravity_power(b, velocity) + (pushed ? pushed->power(b.grid, velocity) : 0.0);
 }
 
 double WorkOfStep::inertial_power(const Bond& b, const std::vector<double>& velocity) const {
