@@ -24,14 +24,13 @@
 #include "files_in_use.h"
 #include "fix_gravity.h"
 #include "force.h"
-#include "host_recipe.h"
+#include "host_guards.h"
 #include "local_atom.h"
 #include "modify.h"
 #include "output.h"
 #include "point_atoms.h"
 #include "pair.h"
 #include "private_access.h"
-#include "scene_checks.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -107,18 +106,17 @@ void FixMpm::init() {
   const mpdem::CementOptions& o = cement_->options();
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   make_points_of_run();
-  const mpdem::CementPoints points = mpdem::check_scene(lmp, who(), this, *avec_, cement_->built());
-  points_expected_ = points.expected;
-  if (points.density > 0.0) guarded([&] { cement_->set_density(points.density); });
-  mpdem::check_box(lmp, who(), table);
+  mpdem::HostView view = host();
+  view.may_leave = cement_->built();
+  mpdem::check_host(mpdem::kInit, view);
+  take_density(view);
   mpdem::check_axis(lmp, who(), table, o);
   guarded([this] { cement_->take_up_states(); });  // cement from a file may come damaged
   mpdem::check_cell(lmp, who(), table, o.cell);
-  check_host_recipe(lmp, who(), *avec_);
   avec_->apart = true;
   const std::string trouble = ranks_.take(o.balance);
   if (!trouble.empty()) mpdem::stop_all(lmp, who() + trouble);
-  gravities_ = mpdem::gravities(lmp, who(), this, *avec_);
+  gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
   if (o.unilateral) refuse_film(who(), "'unilateral yes'");
@@ -156,20 +154,14 @@ void FixMpm::make_points_of_run() {
 }
 
 void FixMpm::make_points(const std::vector<int>& rows) {
-  guarded([&] { points_expected_ += static_cast<bigint>(mpdem::make_points(lmp, rows)); });
+  guarded([&] { mpdem::make_points(lmp, rows); });
   cement_->points_were_made(rows);
 }
 
 // Is there a fix mpm/couple? It speaks up in its own init, after this one's.
 bool FixMpm::coupling_follows() {
-  bool comes_later = false;
-  for (int i = 0; i < modify->nfix; ++i) {
-    comes_later = comes_later || modify->fix[i] == this;
-    if (std::string(modify->fix[i]->style) != "mpm/couple") continue;
-    if (!comes_later)
-      mpdem::stop_all(lmp, text_of(who(), "fix mpm/couple (id ", modify->fix[i]->id, ") was defined before this fix and has to come after it; unfix it and define it again"));
-    return true;
-  }
+  for (int i = 0; i < modify->nfix; ++i)
+    if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
   const mpdem::CementOptions& o = cement_->options();
   if (o.relax > 0.0)
     mpdem::stop_all(lmp, who() + text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' damps relative to the grains, "
@@ -186,6 +178,11 @@ bool FixMpm::coupling_follows() {
 bool FixMpm::in_motion() const {
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   return std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.in_motion; });
+}
+
+bool FixMpm::wants_points() const {
+  const std::vector<mpdem::Body>& table = avec_->bonds.table;
+  return all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; });
 }
 
 void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
@@ -302,33 +299,27 @@ void FixMpm::setup_pre_exchange() {
 
 // Commands must not move grains that have cement, nor its points.
 void FixMpm::check_positions() {
-  atoms_.check_stayed(*avec_, cell());
-  mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
+  mpdem::HostView view = host();
+  mpdem::check_host(mpdem::kStart, view);
   if (!cement_->built()) return;
-  const std::vector<double> shown = mpdem::motion_shown(lmp, *avec_);
+  const std::vector<double> shown = mpdem::motion_shown(*atom);
   fill_atoms();
-  mpdem::check_points_left_alone(lmp, who(), *avec_, shown, 1e-9 * cell(), 1e-9 * law().elasticity().fastest_wave(cement_->density()));
+  view.shown = &shown;
+  mpdem::check_host(mpdem::kShown, view);
 }
 
 // With `run ... pre no` LIGGGHTS goes on as the last run ended. Nothing may have changed since.
 void FixMpm::check_unprepared() {
-  if (update->first_update == 0)
-    mpdem::stop_all(lmp, "run ... pre no every: a command within the run initialised LIGGGHTS, as 'write_restart' does, and what grains and contacts have of the last "
-                         "step is lost; leave 'pre no' out");
-  avec_->prepared_fixes.check_same(lmp);  // for a LIGGGHTS with the package compiled in
-  const std::size_t bonds = avec_->bonds.table.size();
-  if (bonds != prepared_bonds_)
-    mpdem::stop_all(lmp, text_of("run ... pre no: there are ", bonds, " bonds of cement and were ", prepared_bonds_, " in the last run; leave 'pre no' out after create_cement"));
-  if (update->dt != dt_at_end_)
-    mpdem::stop_all(lmp, text_of("run ... pre no: the time step is ", update->dt, " and was ", dt_at_end_, " in the last run; leave 'pre no' out after timestep"));
-  const std::vector<mpdem::Body>& table = avec_->bonds.table;
-  if (all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; }))
-    mpdem::stop_all(lmp, "run ... pre no: fix_modify 'points all' asks for points that are yet to be made; leave 'pre no' out");
-  const mpdem::CementPoints points = mpdem::check_scene(lmp, "run ... pre no: ", this, *avec_, false);
-  if (points.density > 0.0) guarded([&] { cement_->set_density(points.density); });
-  if (atom->natoms != atoms_at_end_)
-    mpdem::stop_all(lmp, text_of("run ... pre no: there are ", atom->natoms, " atoms and were ", atoms_at_end_, " at the end of the last run; leave 'pre no' out after commands that make or delete atoms"));
+  mpdem::HostView view = host();
+  view.who = "run ... pre no: ";
+  mpdem::check_host(mpdem::kUnprepared, view);
+  take_density(view);
   check_positions();
+}
+
+void FixMpm::take_density(const mpdem::HostView& view) {
+  const mpdem::Densities density = mpdem::densities(view);
+  if (density.low <= density.high) guarded([&] { cement_->set_density(density.low); });
 }
 
 // Call before LIGGGHTS exchanges atoms, when it has their true places. for_run: the exchange is for a run, and not for
@@ -338,21 +329,20 @@ void FixMpm::show_homes(bool for_run) {
 }
 
 void FixMpm::setup_pre_neighbor() {
-  mpdem::count_points(lmp, who(), *avec_, points_expected_);
+  mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   guarded([this] { cement_->lay_out_run(); });
   prepared_ = true;
-  prepared_bonds_ = avec_->bonds.table.size();
 }
 
 void FixMpm::setup(int) {
   update->first_update = 1;
-  avec_->prepared_fixes.note(lmp);
+  avec_->last_run.begin(*modify, avec_->bonds.table.size());
   hidden_.start(this);
   mpdem::exchange_last(modify, this);  // fixes before it may delete grains, or insert some
   ranks_.start_run(this);
   report_->start_run(*cement_);
-  guarded([this] { report_->parameters(*cement_, points_expected_); });
+  guarded([this] { report_->parameters(*cement_, mpdem::points_made(*avec_)); });
   write_events();
   check_state();
   atoms_.read(cement_->grains());
@@ -421,7 +411,7 @@ void FixMpm::pre_exchange() {
 void FixMpm::pre_neighbor() {
   cement_->timer().start(mpdem::StepTimer::kLayout);
   avec_->clear_loads_of_points();  // points are at other places of LIGGGHTS' lists now
-  mpdem::count_points(lmp, who(), *avec_, points_expected_);
+  mpdem::check_host(mpdem::kExchanged, host());
   atoms_.find(*avec_, cement_->grains());
   atoms_.read(cement_->grains());
   guarded([this] { cement_->lay_out_exchanged(); });
@@ -431,7 +421,7 @@ void FixMpm::pre_neighbor() {
 
 void FixMpm::post_force(int) {
   report_->forget();  // reports that were asked for earlier in this step are those of the last step
-  atoms_.follow(cement_->grains(), *avec_, cell(), step_input().dt);
+  atoms_.follow(cement_->grains(), cell(), step_input().dt);
   atoms_.read(cement_->grains());
   guarded([this] { cement_->step(); });
   if (!cement_->rows_that_want_points().empty()) next_reneighbor = update->ntimestep + 1;
@@ -452,7 +442,7 @@ void FixMpm::end_of_step() {
   report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
   if (check_due) watch_->look(*cement_);
-  if (check_due || output_due) check_state();
+  if (check_due || output_due || first) check_state();
   const bool shown = output_due || (check_due && leaving_.may_be_outside(*avec_));
   if (shown) {
     fill_atoms();
@@ -468,15 +458,15 @@ void FixMpm::end_of_step() {
 
 void FixMpm::post_run() {
   prepared_ = false;
-  atoms_at_end_ = atom->natoms;
-  dt_at_end_ = update->dt;
+  avec_->last_run.atoms = atom->natoms;
+  avec_->last_run.dt = update->dt;
   report_->jump(*cement_);
   fill_atoms();
   watch_outside();
   write_events();
   watch_->look(*cement_);
   report_->modes(*cement_);
-  report_->times(*cement_, points_expected_);
+  report_->times(*cement_, mpdem::points_made(*avec_));
   report_->end_run(*cement_);
   ranks_.tell(who(), *avec_);
 }
@@ -512,8 +502,7 @@ double FixMpm::mark_of_free_grains() {
 }
 
 std::vector<mpdem::StiffnessOfBond> FixMpm::stiffness_of_bonds() {
-  atoms_.check_stayed(*avec_, cell());
-  mpdem::check_created_positions(lmp, who(), *avec_, cell(), cement_->bodies_started());
+  mpdem::check_host(mpdem::kStart, host());
   std::vector<mpdem::StiffnessOfBond> found;
   guarded([&] { found = cement_->stiffness_of_bonds(); });
   return found;
@@ -521,11 +510,9 @@ std::vector<mpdem::StiffnessOfBond> FixMpm::stiffness_of_bonds() {
 
 void FixMpm::check_state(bool forces_known) {
   guarded([this] { cement_->check_state(); });
-  std::string trouble = mpdem::grain_that_is_not_finite(lmp, who(), *avec_, forces_known);
-  if (trouble.empty()) trouble = grain_outside_of_group(lmp, who(), *avec_);
-  mpdem::stop_if_any(lmp, trouble);
-  const std::string of_types = mpdem::trouble_with_types(lmp, *avec_, 0);  // grains may be inserted
-  if (!of_types.empty()) mpdem::stop_all(lmp, who() + of_types);
+  mpdem::HostView view = host();
+  view.forces_known = forces_known;
+  mpdem::check_host(mpdem::kCheck, view);
 }
 
 std::array<double, 3> FixMpm::initial_velocity(int tag) {
@@ -618,7 +605,7 @@ void FixMpm::fill_atoms() {
 void FixMpm::watch_outside() {
   if (!leaving_.some_are_outside()) return;
   if (update->ntimestep % cement_->options().check_every == 0) next_reneighbor = update->ntimestep + 1;
-  guarded([this] { leaving_.stop_if_wrong(cement_->departures().choose(leaving_.outside()), points_expected_, cell(), cement_->dt()); });
+  guarded([this] { leaving_.stop_if_wrong(cement_->departures().choose(leaving_.outside()), mpdem::points_made(*avec_), cell(), cement_->dt()); });
 }
 
 // Call before LIGGGHTS exchanges atoms, when points are shown.
@@ -628,9 +615,9 @@ void FixMpm::let_leave(bool points_too) {
   if (!departing) return;
   guarded([&] {
     const mpdem::Leaving leaving = cement_->departures().choose(*departing);
-    leaving_.stop_if_wrong(leaving, points_expected_, cell(), cement_->dt());
+    leaving_.stop_if_wrong(leaving, mpdem::points_made(*avec_), cell(), cement_->dt());
     if (leaving.rows.empty()) return;
-    points_expected_ -= leaving_.remove(cement_->departures().carry_out(leaving));
+    leaving_.remove(cement_->departures().carry_out(leaving));
     report_->forget();
   });
 }

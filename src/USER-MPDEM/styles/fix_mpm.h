@@ -27,6 +27,7 @@ FixStyle(mpm,FixMpm)
 #include "failure_log.h"
 #include "fix.h"
 #include "hidden_points.h"
+#include "host_guards.h"
 #include "leaving_atoms.h"
 #include "point_ranks.h"
 #include "quasistatic_watch.h"
@@ -81,6 +82,9 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
 
   const mpdem::Law& law() const { return cement_->law(); }
+  const mpdem::Cement& engine() const { return *cement_; }
+  // Did fix_modify ask for points that are yet to be made?
+  bool wants_points() const;
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
@@ -120,6 +124,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void let_leave(bool points_too);
   void check_positions();
   void check_unprepared();
+  mpdem::HostView host() const { return {lmp, who(), avec_, this}; }
+  void take_density(const mpdem::HostView& view);
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
@@ -136,12 +142,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::PointRanks ranks_;
   mpdem::LeavingAtoms leaving_;
   std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
-  bigint points_expected_ = -1;
   double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
-  bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
-  std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
-  bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
-  double dt_at_end_ = 0.0;          // time step at that end
+  bool prepared_ = false;       // true if the run that begins was prepared, as by default; false with `pre no`
   bool splits_told_ = false;
   double auto_step_ = 0.0;      // time step that `timestep auto S` found last
   double auto_share_ = 0.0;     // its S
