@@ -41,16 +41,12 @@ void check_cell(LAMMPS* lmp, const std::string& who, const std::vector<Body>& ta
   }
   if (lmp->comm->me != 0) return;
   if (widest > 0.75 * cell)
-    lmp->error->warning("fix mpm", 0,
-                   text_of("one point a cell: spacing ", widest, " with cell ", cell,
-                           " makes the cement far too soft; use a cell of at least two spacings")
-                       .c_str());
+    mpdem::warn(lmp, text_of("one point a cell: spacing ", widest, " with cell ", cell,
+                           " makes the cement far too soft; use a cell of at least two spacings"));
   if (cell > kMostSpacings * finest * (1.0 + 1e-9))
-    lmp->error->warning("fix mpm", 0,
-                   text_of("'cell ", cell, "' is ", cell / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,
+    mpdem::warn(lmp, text_of("'cell ", cell, "' is ", cell / finest, " spacings of ", finest, " wide. More than ", kMostSpacings,
                            " cost time for nothing: the cell limits what is resolved. Use a cell of two spacings, or create the cement with "
-                           "spacing ", 0.5 * cell)
-                       .c_str());
+                           "spacing ", 0.5 * cell));
 }
 
 // Frames stay those of the first run, even if a fix that is defined again says something else.

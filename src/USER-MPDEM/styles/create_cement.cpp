@@ -329,10 +329,7 @@ void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, cons
               " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1], "\n"));
 }
 
-void CreateCement::say(const std::string& text) {
-  for (FILE* f : {screen, logfile})
-    if (f && comm->me == 0) std::fprintf(f, "%s", text.c_str());
-}
+void CreateCement::say(const std::string& text) { mpdem::tell(lmp, text); }
 
 void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
 

@@ -144,11 +144,9 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
   const double cell = cement_->cell();
   for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))
     if (s.length < kLeastCells * cell)
-      error->warning("fix mpm/couple", 0,
-                     text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
+      mpdem::warn(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
                              kLeastCells, " cells of ", cell, ", so that peak and energy of a bond go with the cell; use 'cell ", s.length / kLeastCells,
-                             "' or less, or ", s.cure)
-                         .c_str());
+                             "' or less, or ", s.cure), "fix mpm/couple");
 }
 
 // Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.

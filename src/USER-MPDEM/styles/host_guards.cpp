@@ -38,7 +38,7 @@ constexpr int kNeighborMulti = 2, kMinimize = 2;  // values of Neighbor::style a
 const Atom& atoms(View v) { return *v.lmp->atom; }
 int tag(View v, int i) { return atoms(v).tag[i]; }
 bool is_point(View v, int i) { return v.cement->is_point(i); }
-bool is_bonded(View v, int i) { return !is_point(v, i) && v.made_for(tag(v, i)) > 0.0; }
+bool is_bonded(View v, int i) { return v.made_for(tag(v, i)) > 0.0; }  // i: a grain
 const Body& body_of(View v, int i) { return v.cement->bonds.table[v.cement->bond[i]]; }
 // Before their first run, points and their grid are where create_cement put them.
 bool is_new_point(View v, int i) { return is_point(v, i) && v.cement->bond[i] >= v.mpm->engine().bodies_started(); }
@@ -156,7 +156,7 @@ Found moved_grain(View v, int i) {
 }
 
 Found changed_radius(View v, int i) {
-  const double made_for = is_point(v, i) ? 0.0 : v.made_for(tag(v, i)), now = atoms(v).radius[i];
+  const double made_for = v.made_for(tag(v, i)), now = atoms(v).radius[i];
   if (made_for == 0.0 || std::fabs(now - made_for) <= 1e-12 * made_for) return "";
   return text_of("bonded grain ", tag(v, i), " has radius ", now, " at step ", v.lmp->update->ntimestep, ", but its cement was made for ", made_for);
 }
@@ -164,7 +164,7 @@ Found changed_radius(View v, int i) {
 Found not_finite(View v, int i) {
   const char* const names[] = {"position", "velocity", "angular velocity", "force", "torque"};
   double** const values[] = {atoms(v).x, atoms(v).v, atoms(v).omega, atoms(v).f, atoms(v).torque};
-  for (int q = 0; q < (is_point(v, i) ? 0 : v.forces_known ? 5 : 3); ++q)
+  for (int q = 0; q < (v.forces_known ? 5 : 3); ++q)
     for (int d = 0; d < 3; ++d)
       if (!std::isfinite(values[q][i][d])) return text_of("the ", names[q], " of grain ", tag(v, i), " is not finite at step ", v.lmp->update->ntimestep, ",");
   return "";
@@ -224,11 +224,11 @@ Found changed_fixes(View v, int) {
 }
 
 template <class Number>
-Found counted(const char* what, Number now, Number before) {
-  return now == before ? "" : text_of("there are ", now, " ", what, " and were ", before, " at the end of the last run,");
+Found counted(const char* what, Number now, Number before, const char* when) {
+  return now == before ? "" : text_of("there are ", now, " ", what, " and were ", before, when);
 }
 
-enum Over { kScene, kFixes, kAtoms };  // where a row is looked for: once, in each fix, in each atom of a rank
+enum Over { kScene, kFixes, kAtoms, kGrains };  // where a row is looked for: once, in each fix, in each atom or grain of a rank
 
 struct Guard {
   unsigned when;
@@ -246,7 +246,7 @@ const Guard kGuards[] = {
     {kUnprepared, "`run … pre no every` with a command that initialises LIGGGHTS", "as 'write_restart' does, and what grains and contacts have of the last step is lost", "leave 'pre no' out",
      kScene, [](View v, int) { return Found(v.lmp->update->first_update == 0 ? "a command within 'run ... pre no every' initialised LIGGGHTS," : ""); }},
     {kUnprepared, "`run … pre no` after `create_cement`", "of which LIGGGHTS tells nothing to fixes", "leave 'pre no' out after create_cement",
-     kScene, [](View v, int) { return counted("bonds of cement", v.cement->bonds.table.size(), v.cement->last_run.bonds); }},
+     kScene, [](View v, int) { return counted("bonds of cement", v.cement->bonds.table.size(), v.cement->last_run.bonds, " in the last run,"); }},
     {kUnprepared, "`run … pre no` after `timestep`", "of which LIGGGHTS tells nothing to fixes", "leave 'pre no' out after timestep",
      kScene, [](View v, int) { return v.lmp->update->dt == v.cement->last_run.dt ? "" : text_of("the time step is ", v.lmp->update->dt, " and was ", v.cement->last_run.dt, " in the last run,"); }},
     {kUnprepared, "`run … pre no` after `fix_modify … points all`", "which asks for points that are yet to be made", "leave 'pre no' out",
@@ -278,7 +278,7 @@ const Guard kGuards[] = {
        return r.high > r.low * (1.0 + 1e-12) ? text_of("material points differ in density, ", r.low, " to ", r.high, ",") : "";
      }},
     {kUnprepared, "`run … pre no` after atoms were made or deleted", "of which LIGGGHTS tells nothing to fixes", "leave 'pre no' out after commands that make or delete atoms",
-     kScene, [](View v, int) { return counted("atoms", atoms(v).natoms, v.cement->last_run.atoms); }},
+     kScene, [](View v, int) { return counted("atoms", atoms(v).natoms, v.cement->last_run.atoms, " at the end of the last run,"); }},
     {kInit, "a fix that changes the box", "changes the simulation box, which cement does not follow", "deform the scene by walls or grains that move, and the box before create_cement",
      kFixes, [](View v, int k) { return fix_at(v, k).box_change_size || fix_at(v, k).box_change_shape ? named(fix_at(v, k)) : ""; }},
     {kInit | kStart, "another length of a periodic box across which there is cement", "which does not follow", "use 'change_box' before create_cement", kScene, changed_box},
@@ -300,34 +300,34 @@ const Guard kGuards[] = {
      }, true},
     {kInit, "fix mpm/couple before fix mpm", "was defined before this fix and has to come after it", "unfix it and define it again",
      kFixes, [](View v, int k) { return is(fix_at(v, k), {"mpm/couple"}) && comes_before_mpm(v, fix_at(v, k)) ? text_of("fix mpm/couple (id ", fix_at(v, k).id, ")") : ""; }},
-    {kStart | kCheck, "another diameter of bonded grains", "and does not follow", "set diameters before create_cement, and leave bonded grains out of 'set ... diameter' and 'fix adapt'", kAtoms, changed_radius},
-    {kStart, "bonded grains that a command moves", "which its cement does not follow", "use 'displace_atoms', 'set' and 'change_box' before create_cement, and move bonded grains by a fix or a velocity", kAtoms, moved_grain},
+    {kStart | kCheck, "another diameter of bonded grains", "and does not follow", "set diameters before create_cement, and leave bonded grains out of 'set ... diameter' and 'fix adapt'", kGrains, changed_radius},
+    {kStart, "bonded grains that a command moves", "which its cement does not follow", "use 'displace_atoms', 'set' and 'change_box' before create_cement, and move bonded grains by a fix or a velocity", kGrains, moved_grain},
     {kStart, "another fix mpm for cement that has been in motion", "which the nodes of another fix mpm had: it was deleted by 'unfix', or was not defined with the ID it has in the restart file before the first run",
      "keep that fix, or after read_restart define it with that ID at once. For other parameters create the cement in a new scene (write_cement, create_cement ... file)", kAtoms,
      [](View v, int i) { return is_new_point(v, i) && body_of(v, i).in_motion ? text_of("the cement of grains ", body_of(v, i).grain[0], " and ", body_of(v, i).grain[1], " has been in motion,") : ""; }},
     {kStart, "material points that a command moves before their first run", "which its grid does not follow", "move grains before their cement is made by create_cement", kAtoms, moved_new_point},
     {kShown, "material points that a command moves later", "without any effect", "do so before the first run", kAtoms, moved_point},
     {kCoupling, "bonded grains outside of the group of fix mpm/couple", "is not in the group of this fix", "use the group of all grains",
-     kAtoms, [](View v, int i) { return is_bonded(v, i) && !(atoms(v).mask[i] & v.couple->groupbit) ? text_of("bonded grain ", tag(v, i)) : ""; }},
+     kGrains, [](View v, int i) { return is_bonded(v, i) && !(atoms(v).mask[i] & v.couple->groupbit) ? text_of("bonded grain ", tag(v, i)) : ""; }},
     {kSteps, "`fix momentum` on bonded grains", "which changes velocities behind the back of its cement", "take it out of that group, or unfix that fix",
-     kAtoms, [](View v, int i) { return acts(v, i, "in the group of", [](const Fix& f) { return is(f, {"momentum"}); }); }},
-    {kSteps, "two integrators of a bonded grain", "twice as far as it should be", "take it out of the group of one, or unfix one", kAtoms, moved_twice},
+     kGrains, [](View v, int i) { return acts(v, i, "in the group of", [](const Fix& f) { return is(f, {"momentum"}); }); }},
+    {kSteps, "two integrators of a bonded grain", "twice as far as it should be", "take it out of the group of one, or unfix one", kGrains, moved_twice},
     {kSteps, "`fix rigid` of bonded grains", "which moves several as one body, and cement takes each of its grains for a body", "move it by 'fix nve/sphere' or 'fix move'",
-     kAtoms, [](View v, int i) { return acts(v, i, "moved by", [](const Fix& f) { return moves(f) && f.rigid_flag; }); }},
-    {kSteps, "with `subcycle`, integrators other than `nve/sphere`, `nve`, `nve/noforce` and `move`", "and with 'subcycle' of fix mpm free grains are moved as by 'fix nve/sphere'", "use that, or 'subcycle no'", kAtoms,
+     kGrains, [](View v, int i) { return acts(v, i, "moved by", [](const Fix& f) { return moves(f) && f.rigid_flag; }); }},
+    {kSteps, "with `subcycle`, integrators other than `nve/sphere`, `nve`, `nve/noforce` and `move`", "and with 'subcycle' of fix mpm free grains are moved as by 'fix nve/sphere'", "use that, or 'subcycle no'", kGrains,
      [](View v, int i) { return v.mpm->options().subcycle == 1 ? "" : acts(v, i, "moved by", [](const Fix& f) { return moves(f) && !is(f, {"nve/sphere", "nve", "nve/noforce", "move"}); }); }},
     {kSteps, "`fix aveforce`, `planeforce`, `lineforce` on free bonded grains", "which gives it another force than its cement knows of", "hold a direction by 'fix setforce' with 0 and NULL, or move it by 'fix move'",
-     kAtoms, [](View v, int i) { return acts_on_free(v, i, "in the group of", [](const Fix& f) { return is(f, {"aveforce", "planeforce", "lineforce"}); }); }},
-    {kSteps, "`fix setforce … region` on free bonded grains", "which sets forces in a region only, and its cement has to know whether it is held", "use a group of what is held, and no region", kAtoms,
+     kGrains, [](View v, int i) { return acts_on_free(v, i, "in the group of", [](const Fix& f) { return is(f, {"aveforce", "planeforce", "lineforce"}); }); }},
+    {kSteps, "`fix setforce … region` on free bonded grains", "which sets forces in a region only, and its cement has to know whether it is held", "use a group of what is held, and no region", kGrains,
      [](View v, int i) { return acts_on_free(v, i, "in the group of", [](const Fix& f) { return dynamic_cast<const FixSetForce*>(&f) && members_of(dynamic_cast<const FixSetForce*>(&f)).in_region; }); }},
-    {kSteps, "`fix freeze` or `setforce` before fix mpm on free bonded grains", "which comes before fix mpm, whose forces it does not take away", "define it after fix mpm and fix mpm/couple", kAtoms,
+    {kSteps, "`fix freeze` or `setforce` before fix mpm on free bonded grains", "which comes before fix mpm, whose forces it does not take away", "define it after fix mpm and fix mpm/couple", kGrains,
      [](View v, int i) { return acts_on_free(v, i, "held by", [&](const Fix& f) { return (freezes(f) || dynamic_cast<const FixSetForce*>(&f)) && comes_before_mpm(v, f); }); }},
-    {kSteps, "bonded grains without an integrator", "so that its load would be lost", "give it to a 'fix nve/sphere' or 'fix move', or hold it with 'fix freeze' or 'fix move linear 0 0 0'", kAtoms, moved_by_none},
-    {kSteps, "bonded grains with a velocity that `fix freeze` holds", "which its cement would feel", "set it to 0 with 'velocity' and 'set'", kAtoms, held_in_motion},
-    {kCheck, "grains with motion or loads that are not finite", "and all cement would follow", "check the fixes that move and load it, the time step and the contact model", kAtoms, not_finite},
-    {kCheck, "inserted grains outside of the group of `atom_modify first`", "so that it touches neither grains nor walls", "give the fix particletemplate or fix insert that makes it this group", kAtoms, [](View v, int i) {
+    {kSteps, "bonded grains without an integrator", "so that its load would be lost", "give it to a 'fix nve/sphere' or 'fix move', or hold it with 'fix freeze' or 'fix move linear 0 0 0'", kGrains, moved_by_none},
+    {kSteps, "bonded grains with a velocity that `fix freeze` holds", "which its cement would feel", "set it to 0 with 'velocity' and 'set'", kGrains, held_in_motion},
+    {kCheck, "grains with motion or loads that are not finite", "and all cement would follow", "check the fixes that move and load it, the time step and the contact model", kGrains, not_finite},
+    {kCheck, "inserted grains outside of the group of `atom_modify first`", "so that it touches neither grains nor walls", "give the fix particletemplate or fix insert that makes it this group", kGrains, [](View v, int i) {
        const int first = v.lmp->group->bitmask[v.lmp->group->find(atoms(v).firstgroupname)];
-       return is_point(v, i) || (atoms(v).mask[i] & first) ? "" : text_of("grain ", tag(v, i), " is not in group '", atoms(v).firstgroupname, "',");
+       return atoms(v).mask[i] & first ? "" : text_of("grain ", tag(v, i), " is not in group '", atoms(v).firstgroupname, "',");
      }},
 };
 
@@ -336,13 +336,14 @@ const Guard kGuards[] = {
 void check_host(unsigned when, const HostView& view) {
   for (const Guard& g : kGuards) {
     if (!(g.when & when)) continue;
-    const int n = g.over == kAtoms ? atoms(view).nlocal : g.over == kFixes ? view.lmp->modify->nfix : 1;
+    const int n = g.over == kScene ? 1 : g.over == kFixes ? view.lmp->modify->nfix : atoms(view).nlocal;
     const auto message = [&](const Found& found) { return found.empty() ? found : text_of(view.who, found, " ", g.why, "; ", g.cure); };
     Found mine;
     for (int i = 0; i < n && mine.empty(); ++i) {
+      if (g.over == kGrains && is_point(view, i)) continue;
       const Found found = g.found(view, i);
       if (!g.warns) mine = found;
-      else if (!found.empty() && view.lmp->comm->me == 0) view.lmp->error->warning("fix mpm", 0, message(found).c_str());
+      else if (!found.empty()) warn(view.lmp, message(found));
     }
     stop_if_any(view.lmp, message(mine));
   }
