@@ -9,7 +9,18 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "comm.h"
+
 namespace mpdem {
+
+void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
+  for (std::FILE* f : {lmp->screen, lmp->logfile})
+    if (f && lmp->comm->me == 0) std::fprintf(f, "%s", text.c_str());
+}
+
+void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style) {
+  if (lmp->comm->me == 0) lmp->error->warning(style, 0, text.c_str());
+}
 
 void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   std::fflush(nullptr);

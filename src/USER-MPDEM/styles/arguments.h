@@ -61,6 +61,10 @@ class Arguments {
   std::set<std::string> given_;
 };
 
+// Print on the first rank: a text on the screen and into the log, or a warning in the name of `style`.
+void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
+void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style = "fix mpm");
+
 // Calls Error::all with the streams flushed, so that the message survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
 // Calls Error::one, for conditions that only this rank sees.

@@ -15,9 +15,8 @@
 #include "domain.h"
 #include "error.h"
 #include "files_in_use.h"
-#include "local_atom.h"
+#include "host_guards.h"
 #include "modify.h"
-#include "prescribed_motion.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -119,15 +118,9 @@ void FixMpmCouple::init() {
   check_friction();
   cement_->set_coupling(this, p);
 
-  std::string trouble;
-  for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int s = 0; s < 2; ++s) {
-      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
-      if (i >= 0 && !(atom->mask[i] & groupbit))
-        trouble = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is not in the group of this fix; use the group of all grains");
-    }
-  mpdem::stop_if_any(lmp, trouble);
-  check_integrators();
+  mpdem::HostView view{lmp, text_of("fix mpm/couple (id ", id, "): "), cement_->cement(), cement_};
+  view.couple = this;
+  mpdem::check_host(mpdem::kCoupling | (update->nsteps > 0 ? mpdem::kSteps : 0u), view);  // `run 0` moves nothing
 
   open_table();
 }
@@ -151,56 +144,9 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
   const double cell = cement_->cell();
   for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))
     if (s.length < kLeastCells * cell)
-      error->warning("fix mpm/couple", 0,
-                     text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
+      mpdem::warn(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
                              kLeastCells, " cells of ", cell, ", so that peak and energy of a bond go with the cell; use 'cell ", s.length / kLeastCells,
-                             "' or less, or ", s.cure)
-                         .c_str());
-}
-
-// A bonded grain follows one integrator, or is held on purpose.
-void FixMpmCouple::check_integrators() {
-  if (update->nsteps == 0) return;  // `run 0` moves nothing
-  std::string trouble;
-  for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int s = 0; s < 2; ++s) {
-      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
-      if (i < 0 || !trouble.empty()) continue;
-      const Fix* mover = nullptr;
-      bool frozen = false;
-      const std::string who = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is ");
-      for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {
-        const Fix* fix = modify->fix[k];
-        if (!(atom->mask[i] & fix->groupbit)) continue;
-        frozen = frozen || std::string(fix->style) == "freeze";
-        if (std::string(fix->style) == "momentum")
-          trouble = who + text_of("in the group of fix '", fix->id, "' (momentum), which changes velocities behind the back of its cement; take it out of that group, or unfix that fix");
-        if (!fix->time_integrate) continue;
-        if (mover)
-          trouble = who + text_of("moved by two fixes, '", mover->id, "' (", mover->style, ") and '", fix->id, "' (", fix->style,
-                                  "), twice as far as it should be; take it out of the group of one, or unfix one");
-        else if (fix->rigid_flag)
-          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), which moves several as one body, and cement takes each of its grains for a body; "
-                                  "move it by 'fix nve/sphere' or 'fix move'");
-        else if (cement_->options().subcycle != 1 && !mpdem::moves_as_substeps_do(*fix))
-          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), and with 'subcycle' of fix mpm (id ", cement_->id,
-                                  ") free grains are moved as by 'fix nve/sphere'; use that, or 'subcycle no'");
-        mover = fix;
-      }
-      if (trouble.empty()) {
-        const std::string of_forces = mpdem::trouble_with_forces(lmp, i, modify->find_fix(cement_id_.c_str()));
-        if (!of_forces.empty()) trouble = who + of_forces;
-      }
-      if (mover || !trouble.empty()) continue;
-      bool still = true;
-      for (int d = 0; d < 3; ++d) still = still && atom->v[i][d] == 0.0 && atom->omega[i][d] == 0.0;
-      if (!frozen)
-        trouble = who + "moved by no fix, so that its load would be lost; give it to a 'fix nve/sphere' or 'fix move', or hold it "
-                        "with 'fix freeze' or 'fix move linear 0 0 0'";
-      else if (!still)
-        trouble = who + "held by 'fix freeze', but has a velocity, which its cement would feel; set it to 0 with 'velocity' and 'set'";
-    }
-  mpdem::stop_if_any(lmp, trouble);
+                             "' or less, or ", s.cure), "fix mpm/couple");
 }
 
 // Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.

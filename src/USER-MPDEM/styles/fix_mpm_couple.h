@@ -44,7 +44,6 @@ class FixMpmCouple : public Fix {
   void take_cement();
   void check_bond(int body);
   void check_friction();
-  void check_integrators();
   void warn_of_length(const mpdem::TractionLaw& law);
   void check_rounding(const char* keyword, double given, double per_length) const;
   double value(int body, int column);
