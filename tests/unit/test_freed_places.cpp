@@ -320,7 +320,7 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
         bond.grid.velocity[3 * i + 2] = 1e5 * way;
       }
     host.step();
-    overlapped += host.bonds.begin()->faces.deepest() > 0.5 * kPush;
+    overlapped += host.bonds.begin()->part<CrackFaces>()->deepest() > 0.5 * kPush;
     host.run(100);
     const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_GT(t.rubbed, -1e-6 * (t.elastic + t.kinetic));
