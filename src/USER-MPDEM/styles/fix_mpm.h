@@ -30,6 +30,7 @@ FixStyle(mpm,FixMpm)
 #include "leaving_atoms.h"
 #include "point_ranks.h"
 #include "quasistatic_watch.h"
+#include "word_rules.h"
 
 namespace LAMMPS_NS {
 
@@ -78,7 +79,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::string failure_mode(int body) const { return cement_->cracks().mode(static_cast<std::size_t>(body)); }
 
   // Takes the coupling that fix mpm/couple hands over. There may be one at most.
-  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
+  // said: its words.
+  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
 
   const mpdem::Law& law() const { return cement_->law(); }
   double cell() const { return cement_->options().cell; }
@@ -101,7 +103,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::array<double, 3> initial_velocity(int tag) override;
   void points_failed(const mpdem::Bond& bond) override;
   void film_failed(const mpdem::Bond& bond) override;
-  void refuse_film(const std::string& who, const std::string& word);
+  void refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here = true);
+  void add_film(std::vector<mpdem::SceneWords>& words);
   void links_let_go(const mpdem::Bond& bond) override;
   void slots_changed(const mpdem::Bond& bond) override;
 
@@ -131,6 +134,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::QuasistaticWatch> watch_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
+  std::vector<mpdem::SceneWords> words_;  // of the script
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
