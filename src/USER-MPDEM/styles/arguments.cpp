@@ -38,6 +38,22 @@ void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   if (!shown.empty()) stop_all(lmp, shown);
 }
 
+std::vector<std::string> words_in(std::string list) {
+  std::vector<std::string> words;
+  while (!list.empty()) {
+    const std::size_t comma = list.find(", "), last = list.find(" or "), end = std::min(comma, last);
+    words.push_back(list.substr(0, end));
+    list.erase(0, end == std::string::npos ? end : end + (end == comma ? 2 : 4));
+  }
+  return words;
+}
+
+std::string Arguments::words_from(int first) const {
+  std::string words = arg_[first];
+  for (int n = first + 1; n < next_; ++n) words += std::string(" ") + arg_[n];
+  return words;
+}
+
 void Arguments::complain(const std::string& text) const { stop_all(lmp_, command_ + ": " + text); }
 
 void Arguments::unknown(const std::string& word, const std::vector<std::string>& known) const {

@@ -51,6 +51,7 @@ FixMpm::FixMpm(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg), avec_(A
   const mpdem::CementWords words = mpdem::take_cement_words(args);
   for (const std::string& note : words.notes) mpdem::tell(lmp, who() + note + "\n");
   step_ = std::make_unique<mpdem::AutoStep>(lmp, who(), words.step_fraction);
+  words_ = words.said;
   failures_.name(words.events);
   cement_ = std::make_unique<mpdem::Cement>(world, avec_->bonds, words.options, words.law, static_cast<mpdem::CementHost&>(*this));
   report_ = std::make_unique<mpdem::CementReport>(lmp, who());
@@ -107,7 +108,9 @@ void FixMpm::init() {
   gravities_ = mpdem::gravities(view);
   if (memory_limit_ == 0.0) memory_limit_ = mpdem::memory_limit(world);
   cement_->set_most_bytes(0.5 * memory_limit_);  // points, and what LIGGGHTS has, come on top
-  if (o.unilateral) refuse_film(who(), "'unilateral yes'");
+  std::vector<mpdem::SceneWords> made;
+  add_film(made);
+  refuse(who(), made);
   cement_->couple(nullptr);                      // fix mpm/couple speaks up in its own init
   coupling_.forget();
   atoms_.find(*avec_, cement_->grains());
@@ -126,16 +129,15 @@ int FixMpm::modify_param(int narg, char** arg) {
 void FixMpm::make_points_of_run() {
   bool coupled = false;
   for (int i = 0; i < modify->nfix; ++i) coupled = coupled || std::string(modify->fix[i]->style) == "mpm/couple";
-  const char* const against = all_points_ ? nullptr : cement_->word_against_patterns();
   std::vector<int> rows;
+  std::vector<mpdem::SceneWords> later;
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   for (std::size_t row = 0; row < table.size(); ++row) {
     if (table[row].pattern == 0) continue;
-    if (against)
-      mpdem::stop_all(lmp, text_of(who(), "the cement of grains ", table[row].grain[0], " and ", table[row].grain[1], " was made with 'points later', which ", against,
-                                   " does not allow; use 'condense yes', 'cracks bonds' and 'axis radial' or 'axis bond', or 'fix_modify ", id, " points all', which makes all points now"));
+    if (!all_points_ && later.empty()) later.push_back({"points later", text_of("the cement of grains ", table[row].grain[0], " and ", table[row].grain[1])});
     if (all_points_ || !coupled || table[row].wants_points) rows.push_back(static_cast<int>(row));
   }
+  refuse(who(), later);
   if (rows.empty()) return;
   mpdem::keep_contact_history(lmp);
   make_points(rows);
@@ -150,10 +152,7 @@ void FixMpm::make_points(const std::vector<int>& rows) {
 bool FixMpm::coupling_follows() {
   for (int i = 0; i < modify->nfix; ++i)
     if (std::string(modify->fix[i]->style) == "mpm/couple") return true;
-  const mpdem::CementOptions& o = cement_->options();
-  if (o.relax > 0.0)
-    mpdem::stop_all(lmp, who() + text_of("'quasistatic ", o.mass_scale, " ", o.relax, "' damps relative to the grains, "
-                                         "which needs a fix mpm/couple; define one, or use damping 0"));
+  refuse(who(), {{"no fix mpm/couple"}});
   if (coupling_.warn_of_none())
     mpdem::warn(lmp, text_of(who(), "there is no fix mpm/couple, so that the cement bonds nothing",
                            coupling_.so_far().kind == mpdem::LinksSoFar::kLinks ? " any more, and cannot be bonded again once it has made a step so" : "",
@@ -171,22 +170,26 @@ bool FixMpm::wants_points() const {
   return all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; });
 }
 
-void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p) {
+void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said) {
   const std::string trouble = coupling_.take(coupling->id, id, cell(), p);
   if (!trouble.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): ", trouble));
-  if (cement_->options().condense && p.law->fields() > 0)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): 'interface ", p.law->name(), "' may soften before the cement does, so that bonds are not linear until they wake; ",
-                                 "use 'interface penalty', or 'condense no' in fix mpm (id ", id, ")"));
-  if (cement_->options().condense && p.friction >= 0.0)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", coupling->id, "): 'friction ", p.friction, "' is not for 'condense yes' of fix mpm (id ", id,
-                                 "): contact where the cement let go is not linear; leave 'friction' out, or use 'condense no'"));
-  if (p.friction >= 0.0) refuse_film(text_of("fix mpm/couple (id ", coupling->id, "): "), text_of("'friction ", p.friction, "'"));
+  std::vector<mpdem::SceneWords> words;
+  for (const std::string& one : said) words.push_back({one});
+  add_film(words);
+  refuse(text_of("fix mpm/couple (id ", coupling->id, "): "), std::move(words), false);
   cement_->couple(&p);
   set_time_step(coupling);
 }
 
-// Collective. Stops if some bond has a film.
-void FixMpm::refuse_film(const std::string& who, const std::string& word) {
+// Stops if words of this fix and others exclude each other. from_here: is it this fix that complains?
+void FixMpm::refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here) {
+  for (const mpdem::SceneWords& w : words_) others.push_back({w.words, from_here ? "" : text_of("fix mpm (id ", id, ")")});
+  const std::string trouble = mpdem::words_that_exclude(others);
+  if (!trouble.empty()) mpdem::stop_all(lmp, who + trouble);
+}
+
+// Collective. Adds the word of the first bond with a film, if there is one.
+void FixMpm::add_film(std::vector<mpdem::SceneWords>& words) {
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
   int mine = INT_MAX, first;
   for (const mpdem::Bond& b : avec_->bonds)
@@ -194,9 +197,7 @@ void FixMpm::refuse_film(const std::string& who, const std::string& word) {
   for (std::size_t row = 0; row < table.size(); ++row)
     if (table[row].pattern > 0 && avec_->bonds.patterns[table[row].pattern - 1].points.back().film) mine = std::min(mine, static_cast<int>(row));
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
-  if (first == INT_MAX) return;
-  mpdem::stop_all(lmp, text_of(who, word, " is not for cement with a film, whose columns hold or fail as a whole, and the bond of grains ", table[first].grain[0], " and ", table[first].grain[1],
-                               " has one; use 'inner auto' or 'film grid' in create_cement, or leave ", word, " out"));
+  if (first < INT_MAX) words.push_back({"film joined", text_of("the cement of grains ", table[first].grain[0], " and ", table[first].grain[1])});
 }
 
 void FixMpm::set_time_step(const Fix* running) {

@@ -32,6 +32,7 @@ FixStyle(mpm,FixMpm)
 #include "leaving_atoms.h"
 #include "point_ranks.h"
 #include "quasistatic_watch.h"
+#include "word_rules.h"
 
 namespace LAMMPS_NS {
 
@@ -80,7 +81,8 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::string failure_mode(int body) const { return cement_->cracks().mode(static_cast<std::size_t>(body)); }
 
   // Takes the coupling that fix mpm/couple hands over. There may be one at most.
-  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
+  // said: its words.
+  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
 
   const mpdem::Law& law() const { return cement_->law(); }
   mpdem::Cement& engine() const { return *cement_; }
@@ -105,9 +107,10 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void points_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::points); }
   void film_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::film); }
   void links_let_go(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::links); }
+  void refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here = true);
+  void add_film(std::vector<mpdem::SceneWords>& words);
   void slots_changed(const mpdem::Bond& bond) override;
   void failed(const mpdem::Bond& bond, mpdem::Failed what);
-  void refuse_film(const std::string& who, const std::string& word);
 
   template <class F>
   void guarded(F f);
@@ -135,6 +138,7 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::AutoStep> step_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
+  std::vector<mpdem::SceneWords> words_;  // of the script
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
