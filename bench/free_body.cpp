@@ -43,9 +43,9 @@ CementOptions options_of(const Method& method, double h) {
 
 std::string Method::name() const {
   const char* bases[] = {"linear", "quadratic", "cubic"};
-  const char* transfer_names[] = {"pic", "flip", "apic", "xpic2"};
+  const std::string transfer_name = transfer.method == Transfer::flip ? "flip" : transfer.method == Transfer::apic ? "apic" : transfer.order == 1 ? "pic" : "xpic2";
   return std::string(updated ? "updated/" : "total/") + bases[static_cast<int>(basis)] + "/" +
-         (transfers ? transfer_names[transfer.method] : mass_order == 2 ? "order2" : "none");
+         (transfers ? transfer_name : mass_order == 2 ? "order2" : "none");
 }
 
 const std::vector<Method>& all_methods() {
@@ -55,11 +55,8 @@ const std::vector<Method>& all_methods() {
       for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
         if (!updated)
           for (int order : {1, 2}) all.push_back({false, basis, false, {}, order});
-        for (auto m : {Transfer::pic, Transfer::flip, Transfer::apic, Transfer::xpic}) {
-          Transfer t;
-          t.method = m;
+        for (const Transfer& t : {Transfer{Transfer::xpic, 1.0, 1}, Transfer{Transfer::flip}, Transfer{Transfer::apic}, Transfer{Transfer::xpic, 1.0, 2}})
           all.push_back({updated, basis, true, t, 1});
-        }
       }
     return all;
   }();

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""What is too long for every change: `make stress`, 20 minutes of fuzzing, and all tests of the preset `sanitize`.
+"""What is too long for every change: `make stress`, every pair of options in other scenes, 20 minutes of fuzzing, and all tests of the preset `sanitize`.
 
     tools/check_deep.py [--build build] [--jobs 2] [PIECE...]
 
@@ -20,6 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 SANITIZE = 4  # pieces of its tests
+PAIRS = 4  # other scenes with every pair of options
 MINUTES = 40
 
 
@@ -30,6 +31,8 @@ def pieces(root, build, jobs):
     for script in sorted((root / "tests" / "stability").glob("test_*.py")):
         found[f"long.{script.stem[5:]}"] = f"{make} long LONG={script.relative_to(root)}"
     found["tables"] = f"{make} tables"
+    for seed in range(2, 2 + PAIRS):
+        found[f"pairs.{seed}"] = f"{make} all && MPDEM_PAIRS_SEED={seed} ctest --test-dir {build} -R '^system.option_pairs$' --output-on-failure"
     found["fuzz"] = f"{make} fuzz MINUTES=20 INPUTS=1000000"
     sanitize = f"cmake --preset sanitize && cmake --build --preset sanitize --parallel {jobs}"
     found["sanitize.build"] = sanitize

@@ -333,14 +333,14 @@ BAD = {
     "wake beyond the threshold": ("condense yes", "condense yes wake 1.1", ["fix mpm (id cem)", "'condense ... wake 1.1'", "(0, 1]"]),
     "wake at nothing": ("condense yes", "condense yes wake 0", ["fix mpm (id cem)", "'condense ... wake 0'", "(0, 1]"]),
     "neither yes nor no": ("condense yes", "condense 0.8", ["fix mpm (id cem)", "condense", "0.8", "yes"]),
-    "updated": ("condense yes", "condense yes kinematics updated", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'kinematics updated' out"]),
-    "a new reference": ("condense yes", "condense yes reproject 10", ["fix mpm (id cem)", "'condense yes' is for 'kinematics total'", "leave 'reproject' out"]),
-    "cubic splines": ("condense yes", "condense yes basis cubic", ["fix mpm (id cem)", "'condense yes' is for 'basis quadratic' or 'linear'", "leave 'basis cubic' out"]),
-    "cracks that close": ("condense yes", "condense yes unilateral yes", ["fix mpm (id cem)", "'condense yes' is for 'unilateral no'", "leave 'unilateral yes' out"]),
+    "updated": ("condense yes", "condense yes kinematics updated", ["fix mpm (id cem)", "'condense yes' does not go with 'kinematics updated'", "'kinematics total'"]),
+    "a new reference": ("condense yes", "condense yes reproject 10", ["fix mpm (id cem)", "'condense yes' does not go with 'reproject 10'", "without 'reproject'"]),
+    "cubic splines": ("condense yes", "condense yes basis cubic", ["fix mpm (id cem)", "'condense yes' does not go with 'basis cubic'", "'basis quadratic' or 'linear'"]),
+    "cracks that close": ("condense yes", "condense yes unilateral yes", ["fix mpm (id cem)", "'condense yes' does not go with 'unilateral yes'", "or 'unilateral no'"]),
     "friction": ("kn auto", "friction 0.3 kn auto", ["fix mpm/couple (id bond)", "'friction 0.3'", "'condense no'", "fix mpm (id cem)"]),
-    "the other mass": ("condense yes", "condense yes mass_order 2", ["fix mpm (id cem)", "'condense yes' is for 'mass_order 1'", "leave 'mass_order 2' out"]),
+    "the other mass": ("condense yes", "condense yes mass_order 2", ["fix mpm (id cem)", "'condense yes' does not go with 'mass_order 2'", "or 'mass_order 1'"]),
     "cohesive links": ("kn auto kt auto", "kn auto kt auto interface cohesive tn 1e7 tt 1e7 Gn 40 Gt 40",
-                       ["fix mpm/couple (id bond)", "'interface cohesive'", "'condense no'", "fix mpm (id cem)"]),
+                       ["fix mpm/couple (id bond)", "'interface cohesive tn", "'condense no'", "fix mpm (id cem)"]),
 }
 
 

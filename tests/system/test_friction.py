@@ -20,12 +20,12 @@ def scene(words=WORDS, damage="check 20", **more):
     ("friction -0.1", "check 20", "[0, 100]"),
     ("friction nan", "check 20", "friction"),
     ("friction", "check 20", "friction"),
-    (WORDS, "check 20 kinematics updated", "'friction' needs a reference that stays, and fix mpm 'cem' has 'kinematics updated'"),
+    (WORDS, "check 20 kinematics updated", "'friction 0.3' does not go with 'kinematics updated' of fix mpm (id cem): it needs a reference that stays"),
     (WORDS, "check 20 cracks split mass_order 2", "with lumped masses"),
     ("", "check 20 unilateral maybe", "unilateral"),
-    ("", "check 20 unilateral yes", "'unilateral yes' needs a law of damage"),
-    ("", "damage tensor B0 9.6e3 check 20 kinematics updated unilateral yes", "'unilateral yes' measures cracks from a reference that stays"),
-    (WORDS, "check 20 reproject auto 0.1", "'friction' needs a reference that stays, and fix mpm 'cem' has 'reproject auto'"),
+    ("", "check 20 unilateral yes", "'unilateral yes' does not go with 'damage none': nothing fails without a law of damage"),
+    ("", "damage tensor B0 9.6e3 check 20 kinematics updated unilateral yes", "'unilateral yes' does not go with 'kinematics updated': cracks are measured from a reference that stays"),
+    (WORDS, "check 20 reproject auto 0.1", "'friction 0.3' does not go with 'reproject auto 0.1' of fix mpm (id cem): it needs a reference that stays"),
 ])
 def test_bad_words(tmp_path, words, damage, message):
     done = launch(scene(words, damage) + "run 0\n", tmp_path)

@@ -93,7 +93,7 @@ def test_written_and_read(tmp_path):
     ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 zeta 0.1", ["'zeta' belongs to the words of 'damage tensor'"]),
     ("damage mazars kappa0 1e-3 At 0.9 Bt 1e3 check 10 cutoff 0.8", ["'cutoff' belongs to the words of 'damage mazars'", "kappa0 ... At ... Bt ... cutoff"]),
     ("damage mazar", ["none, tensor, mazars"]),
-    (WORDS + " regularization crackband 10", ["crackband' needs 'damage tensor'"])])
+    (WORDS + " regularization crackband 10", ["'regularization crackband 10' does not go with 'damage mazars kappa0", "'damage tensor'"])])
 def test_bad_words(tmp_path, words, found):
     done = launch(scene(words) + "run 0\n", tmp_path)
     assert done.status != 0

@@ -88,8 +88,8 @@ def test_bad_words(tmp_path, words, message):
 
 
 @pytest.mark.parametrize("damage, words, message", [
-    ("none", "", "'regularization nonlocal' needs a law of damage"),
-    ("mazars kappa0 4e-4 At 1 Bt 3000", "energy 10", "needs 'damage tensor'")])
+    ("none", "", "'regularization nonlocal 2e-4' does not go with 'damage none'"),
+    ("mazars kappa0 4e-4 At 1 Bt 3000", "energy 10", "energy 10' does not go with 'damage mazars kappa0")])
 def test_law_that_cannot(tmp_path, damage, words, message):
     text = edit(scene(f"nonlocal 2e-4 {words}"), f"damage tensor B0 {B0}", f"damage {damage}")
     result = launch(text, tmp_path)

@@ -159,9 +159,9 @@ BAD = {
     "a file without points": ("run 1\n", "run 1\nwrite_cement a.txt\n", ["write_cement", "grains 1 and 2", "no points yet", "'points all'", "'run 0'"]),
     "another group": ("fix          cem calcite mpm", "group other type 2\nfix          cem other mpm", ["fix mpm (id cem)", "grains 1 and 2", "made later", "'other'"]),
     "a fix that would move them": ("run 1\n", "fix move all nve/sphere\nrun 1\n", ["fix mpm (id cem)", "'move' (nve/sphere)", "grains 1 and 2", "made later"]),
-    "bonds that are not condensed": ("condense yes", "condense no", ["fix mpm (id cem)", "grains 1 and 2", "'points later'", "'condense no'", "'fix_modify cem points all'"]),
+    "bonds that are not condensed": ("condense yes", "condense no", ["fix mpm (id cem)", "grains 1 and 2", "'points later'", "'condense no'", "'fix_modify ... points all'"]),
     "nodes that split": ("condense yes", "condense yes cracks split", ["fix mpm (id cem)", "'points later'", "'cracks split'", "'cracks bonds'"]),
-    "axes of the box": ("axis radial", "axis global 0 0 1", ["fix mpm (id cem)", "'points later'", "'axis global'", "'axis bond'"]),
+    "axes of the box": ("axis radial", "axis global 0 0 1", ["fix mpm (id cem)", "'points later'", "'axis global 0 0 1'", "'axis bond'"]),
     "overlap with those before": ("timestep     4e-09\n", "create_cement calcite pair 1 3 shape flat outer 1.5e-3 inner auto spacing 1e-4\ntimestep     4e-09\n",
                                   ["overlaps that of grains 1 and 2"]),
 }

@@ -199,7 +199,7 @@ BAD = {
     "a word": ("subcycle 8", "subcycle yes", ["fix mpm (id cem)", "subcycle", "yes"]),
     "a long step": ("timestep     1.28e-07", "timestep     1e-06", ["fix mpm (id cem)", "1e-06 exceeds the stable step", "of 8 sub-steps", "use 'timestep"]),
     "a long step, by itself": ("timestep     1.28e-07", "timestep     1e-03", ["fix mpm (id cem)", "'subcycle auto'", "at most 1000", "use 'timestep"]),
-    "updated": ("subcycle 8", "subcycle 8 kinematics updated", ["fix mpm (id cem)", "'subcycle' is for 'kinematics total'", "leave 'kinematics updated' out"]),
+    "updated": ("subcycle 8", "subcycle 8 kinematics updated", ["fix mpm (id cem)", "'subcycle 8' does not go with 'kinematics updated'", "'subcycle no'"]),
     "another integrator": ("motion grains nve/sphere", "motion grains nve/limit radius_ratio 0.1", ["fix mpm/couple (id bond)", "nve/limit", "'subcycle'", "nve/sphere"]),
 }
 

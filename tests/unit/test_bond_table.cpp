@@ -3,6 +3,7 @@
 //
 // The columns of the table of bonds.
 #include "cement/bond_table.h"
+#include "cement/cement_values.h"
 
 #include <fstream>
 #include <set>
@@ -48,20 +49,26 @@ TEST(BondTable, PlacesStay) {
   }
 }
 
-TEST(BondTable, PageHasEachColumn) {
-  std::ifstream page(MPDEM_DOC "/fix_mpm_couple.md");
+// The rows below this head of a page are those of the list, numbered.
+template <class List>
+void expect_rows(const std::string& name, const std::string& head, const List& list) {
+  std::ifstream page(MPDEM_DOC + name);
   std::vector<std::string> rows;
   std::string line;
-  while (std::getline(page, line) && line != "| | column | |") {
+  while (std::getline(page, line) && line != head) {
   }
   std::getline(page, line);  // the rule below
   while (std::getline(page, line) && !line.empty()) rows.push_back(line);
-  EXPECT_EQ(rows.size(), bond_columns().size());
-  for (std::size_t n = 0; n < bond_columns().size(); ++n) {
-    const BondColumn& c = bond_columns()[n];
-    const std::string row = "| " + std::to_string(n + 1) + " | `" + c.name + "` | " + c.words + " |";
+  EXPECT_EQ(rows.size(), list.size());
+  for (std::size_t n = 0; n < list.size(); ++n) {
+    const std::string row = "| " + std::to_string(n + 1) + " | `" + list[n].name + "` | " + list[n].words + " |";
     EXPECT_EQ(n < rows.size() ? rows[n] : "", row);
   }
+}
+
+TEST(BondTable, PagesHaveEachColumnAndValue) {
+  expect_rows("/fix_mpm_couple.md", "| | column | |", bond_columns());
+  expect_rows("/fix_mpm.md", "| | value | |", cement_values());
 }
 
 // Each bond has its own numbers, summed over all its ranks.

@@ -82,10 +82,7 @@ class RowScene : public CementMakerHost {
   }
   std::vector<GrainTags> found(double gap = 0.1) const { return contacts(gather_all(comm, spheres()), box, gap); }
   void plan(CementPlan& plan, const std::vector<GrainTags>& pairs) {
-    plan.make(pairs, grains, cemented, [this](CementWish& w) {
-      w = wish;
-      return std::string();
-    });
+    plan.make(pairs, grains, cemented, [this](CementWish& w) { w = wish; });
   }
   CementMaker::Sums make(const std::vector<GrainTags>& pairs) {
     CementPlan bonds(comm, box);

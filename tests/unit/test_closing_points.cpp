@@ -251,7 +251,7 @@ class Sliding : public FailedBody {
     displace([&](const Vector& X) { return Vector(F * X - X); });
     for (std::size_t i = 0; i < was.size(); ++i) body.grid.velocity[i] = (body.grid.displacement[i] - was[i]) / kDt;
     body.grid.clear_force();
-    const ClosingPoints::Losses losses = closing.add_force(body.points, body.grid, kDt);
+    const Losses losses = closing.add_force(body.points, body.grid, kDt);
     rubbed += losses.rubbed;
     for (std::size_t i = 0; i < was.size(); ++i) work -= 0.5 * (force[i] + body.grid.force[i]) * (body.grid.displacement[i] - was[i]);
   }

@@ -13,6 +13,7 @@
 #include "bounce.h"
 #include "lanes.h"
 #include "parallel/agree.h"
+#include "cement/crack_faces.h"
 #include "cement_host.h"
 #include "coupling/cohesive_traction.h"
 #include "linked_bonds.h"
@@ -25,6 +26,13 @@ namespace {
 using test::Row;
 using test::RowOfGrains;
 using test::Way;
+
+FreedPlaces& places_of(const Bond& b) { return *b.part<FreedPlaces>(); }
+
+void set_places(Bond& b, FreedPlaces places) {
+  b.parts.clear();
+  b.parts.push_back(std::make_unique<FreedPlaces>(std::move(places)));
+}
 
 // A ramp that rises from 0 to 1 between two times.
 struct Ramp {
@@ -217,7 +225,7 @@ TEST_P(Broken, CarriesCompressionAgain) {
   if (!GetParam().unilateral) {
     EXPECT_GT(pressed_off, -0.01 * peak);
   }
-  for (const Bond& b : host.bonds) EXPECT_EQ(b.faces.pairs(), GetParam().split ? pairs_of_nodes(b.grid) : 0);
+  for (const Bond& b : host.bonds) EXPECT_EQ(b.part<CrackFaces>() ? b.part<CrackFaces>()->pairs() : 0, GetParam().split ? pairs_of_nodes(b.grid) : 0);
   host.cement->check_state();
   if (test::ranks() == 1) return;
   EXPECT_EQ(host.all_failed(), alone.all_failed());
@@ -255,7 +263,7 @@ TEST(CrackFaces, CarryCompressionAndNoTension) {
   const double force = force_at_end(pushed, 1)[2];
   // the cell that failed between the faces is soft: about 3 of the 4 + 2 cells that this would be
   test::expect_within(std::fabs(force / (stiffness() * kPush) - 0.65), 0.05, "force over stiffness of whole cement times approach");
-  const CrackFaces& faces = pushed.bonds.begin()->faces;
+  const CrackFaces& faces = *pushed.bonds.begin()->part<CrackFaces>();
   EXPECT_GT(faces.pairs(), 100);
   EXPECT_EQ(faces.touching(), faces.pairs());
   test::expect_within(faces.deepest() / (2.0 * test::kSpacing), 1e-9, "overlap over a cell");
@@ -312,7 +320,7 @@ TEST(CrackFaces, GiveNoEnergyWhereTheyOverlap) {
         bond.grid.velocity[3 * i + 2] = 1e5 * way;
       }
     host.step();
-    overlapped += host.bonds.begin()->faces.deepest() > 0.5 * kPush;
+    overlapped += host.bonds.begin()->part<CrackFaces>()->deepest() > 0.5 * kPush;
     host.run(100);
     const CementTotals t = host.cement->report().totals(0.1);
     EXPECT_GT(t.rubbed, -1e-6 * (t.elastic + t.kinetic));
@@ -348,7 +356,7 @@ TEST(CrackFaces, AlikeOnRanksAndAfterARestart) {
     int touching = 0;
     bool slid = false;
     for (const Bond& bond : again.bonds) {
-      touching += bond.faces.touching();
+      touching += bond.part<CrackFaces>()->touching();
       slid = slid || !bond.points.slip.empty();
     }
     EXPECT_GT(touching, 100);
@@ -437,19 +445,19 @@ test::Scene scene_of_places(std::uint64_t seed, const PenaltyParameters& p) {
   for (Bond& b : s.bonds) {
     for (Link& k : b.points.links) k.attached = false;
     b.links = s.links_anew(b);
-    b.places = FreedPlaces(b.points, s.bodies[b.body], p, b.grid);
-    b.places.open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
+    set_places(b, FreedPlaces(b.points, s.bodies[b.body], p, b.grid));
+    places_of(b).open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
   }
   for (double size : {0.02, 0.03, 0.03}) {
     s.place_grains(size, 0.0);
-    for (Bond& b : s.bonds) b.places.follow(b.points, b.grid, s.side(b));
+    for (Bond& b : s.bonds) places_of(b).follow(b.points, b.grid, s.side(b));
   }
   return s;
 }
 
 double sum_of_stiffness(const test::Scene& s, const Bond& b) {
   std::vector<double> k(2 * b.grid.size(), 0.0);
-  b.places.add_stiffness(b.grid, s.side(b), k.data());
+  places_of(b).add_stiffness(b.grid, s.side(b), k.data());
   return std::accumulate(k.begin(), k.end(), 0.0);
 }
 
@@ -460,7 +468,7 @@ TEST(FreedPlaces, ANodeThatBouncesGainsLittle) {
   p.friction = 0.3;
   test::Scene s = scene_of_places(832, p);
   Bond& b = s.bonds[0];
-  b.places.give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
+  places_of(b).give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
   double stiffness = 0.0;
   for (const FreedPlace& place : b.points.places) stiffness += (1.0 + s.side(b)[place.grain == s.bodies[0].grain[0] ? 0 : 1].mass_ratio) * p.stiffest_contact() * place.inert_area;
   const double rate = 4.0 / 1.05 * stiffness / sum_of_stiffness(s, b), mean = test::energy_after_bounce(test::Random(92), [&](double) { return rate; });
@@ -477,10 +485,10 @@ TEST(FreedPlaces, HaveAddedMassNearTheirGrainsAlone) {
   Bond& b = s.bonds[0];
   for (Link& k : b.points.links) k.attached = false;
   b.links = s.links_anew(b);
-  b.places = FreedPlaces(b.points, s.bodies[b.body], p, b.grid);
+  set_places(b, FreedPlaces(b.points, s.bodies[b.body], p, b.grid));
   b.grid.displacement.assign(b.grid.displacement.size(), 0.0);
   b.grid.velocity.assign(b.grid.velocity.size(), 0.0);
-  b.places.open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
+  places_of(b).open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
   const auto at = [&](double gap) {  // lifts all places of one grain along the line of centres
     GrainSide* side = s.side(b);
     double along[3], centre[3];
@@ -499,17 +507,17 @@ TEST(FreedPlaces, HaveAddedMassNearTheirGrainsAlone) {
   };
   double all = 0.0;
   for (const FreedPlace& place : b.points.places) all += place.area;
-  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
+  EXPECT_FALSE(places_of(b).give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
   EXPECT_EQ(inert(), 0.0);
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.0), 0.0, 0.0));
+  EXPECT_TRUE(places_of(b).give_inertia(b.points, b.grid, at(0.0), 0.0, 0.0));
   EXPECT_NEAR(inert(), all, 1e-12 * all);
-  EXPECT_FALSE(b.places.give_inertia(b.points, b.grid, at(0.0015 * h), 0.0, 0.0));
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
+  EXPECT_FALSE(places_of(b).give_inertia(b.points, b.grid, at(0.0015 * h), 0.0, 0.0));
+  EXPECT_TRUE(places_of(b).give_inertia(b.points, b.grid, at(0.1 * h), 0.0, 0.0));
   EXPECT_EQ(inert(), 0.0);
   GrainSide* side = at(0.1 * h);
   for (int i = 0; i < 2; ++i)
     for (int d = 0; d < 3; ++d) side[i].v[d] = -(side[i].x[d] - s.bodies[b.body].centre[i][d]);  // back in a time of 1
-  EXPECT_TRUE(b.places.give_inertia(b.points, b.grid, side, 0.0, 0.6));
+  EXPECT_TRUE(places_of(b).give_inertia(b.points, b.grid, side, 0.0, 0.6));
   EXPECT_GT(inert(), 0.9 * all);
 }
 
@@ -521,14 +529,14 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   test::Scene s = scene_of_places(833, p);
   Bond& b = s.bonds[0];
   EXPECT_EQ(sum_of_stiffness(s, b), 0.0);
-  b.places.give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
+  places_of(b).give_inertia(b.points, b.grid, s.side(b), 0.0, 1e3);
   const double whole = sum_of_stiffness(s, b);
   EXPECT_GT(whole, 0.0);
   const int slot = b.points.places.front().slot;
   double area = 0.0, all = 0.0;
   for (const FreedPlace& place : b.points.places) (place.slot == slot ? area : all) += place.area;
   b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
-  b.places.end(b.points, b.grid, s.side(b), {slot}, 0.0);
+  places_of(b).end(b.points, b.grid, s.side(b), {slot}, 0.0);
   EXPECT_EQ(sum_of_stiffness(s, b), whole);
   FreedPlaces anew(b.points, s.bodies[0], p, b.grid);
   std::vector<double> k(2 * b.grid.size(), 0.0);
@@ -536,7 +544,7 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
   EXPECT_EQ(std::accumulate(k.begin(), k.end(), 0.0), whole);
   std::vector<FreedPlaces::Arrival> arrivals;
   std::vector<std::array<int, 2>> gone;
-  for (const FreedPlaces::Mover& m : b.places.movers(b.points, s.bodies[0])) {
+  for (const FreedPlaces::Mover& m : places_of(b).movers(b.points, s.bodies[0])) {
     const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
     ASSERT_FALSE(to.slots.empty());
     for (int near : to.slots) {
@@ -546,7 +554,7 @@ TEST(FreedPlaces, HaveAddedMassFromWhenItIsFoundUntilTheyGoOn) {
     gone.push_back({m.tag, m.grain});
   }
   ASSERT_FALSE(arrivals.empty());
-  b.places.move(b.points, s.bodies[0], b.grid, s.side(b), arrivals, gone);
+  places_of(b).move(b.points, s.bodies[0], b.grid, s.side(b), arrivals, gone);
   EXPECT_LT(sum_of_stiffness(s, b), whole);
   double after = 0.0;
   for (const FreedPlace& place : b.points.places) after += place.area;
@@ -567,7 +575,7 @@ TEST(FreedPlaces, KeepTheirForceWhereOthersCome) {
     const auto forces = [&] {
       s.sides.clear_forces();
       b.grid.clear_force();
-      b.places.add_force(b.grid, s.side(b));
+      places_of(b).add_force(b.grid, s.side(b));
       std::vector<double> f(b.grid.force);
       for (int side = 0; side < 2; ++side) {
         f.insert(f.end(), s.side(b)[side].force, s.side(b)[side].force + 3);
@@ -580,11 +588,11 @@ TEST(FreedPlaces, KeepTheirForceWhereOthersCome) {
       if (place.slot % 3 == 0) failed.push_back(place.slot);
     failed.erase(std::unique(failed.begin(), failed.end()), failed.end());
     for (int slot : failed) b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
-    b.places.end(b.points, b.grid, s.side(b), failed, 0.0);
+    places_of(b).end(b.points, b.grid, s.side(b), failed, 0.0);
     const std::vector<double> before = forces();
     std::vector<FreedPlaces::Arrival> arrivals;
     std::vector<std::array<int, 2>> gone;
-    for (const FreedPlaces::Mover& m : b.places.movers(b.points, body)) {
+    for (const FreedPlaces::Mover& m : places_of(b).movers(b.points, body)) {
       const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
       for (int slot : to.slots) {
         arrivals.push_back({m, slot, 1.0 / static_cast<double>(to.slots.size())});
@@ -592,7 +600,7 @@ TEST(FreedPlaces, KeepTheirForceWhereOthersCome) {
       }
       gone.push_back({m.tag, m.grain});
     }
-    b.places.move(b.points, body, b.grid, s.side(b), arrivals, gone);
+    places_of(b).move(b.points, body, b.grid, s.side(b), arrivals, gone);
     const std::vector<double> after = forces();
     double size = 0.0;
     for (double f : before) size = std::max(size, std::fabs(f));
@@ -613,7 +621,7 @@ TEST(FreedPlaces, KeepTheAreaOfTheLinks) {
     test::Scene s(835, p);
     Bond& b = s.bonds[0];
     const Body& body = s.bodies[0];
-    b.places = FreedPlaces(b.points, body, p, b.grid);
+    set_places(b, FreedPlaces(b.points, body, p, b.grid));
     const auto area = [&] {
       double sum = 0.0;
       for (const FreedPlace& place : b.points.places) sum += place.area;
@@ -628,17 +636,17 @@ TEST(FreedPlaces, KeepTheAreaOfTheLinks) {
       double released = 0.0;
       const std::vector<int> links = b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
       b.points.meta[failed[0] / kLanes].failed |= static_cast<std::uint8_t>(1u << failed[0] % kLanes);
-      b.places.end(b.points, b.grid, s.side(b), failed, 0.0);
-      b.places.open(b.points, body, b.grid, s.side(b), links, test::kDt);
+      places_of(b).end(b.points, b.grid, s.side(b), failed, 0.0);
+      places_of(b).open(b.points, body, b.grid, s.side(b), links, test::kDt);
       if (n % 3 != 0) continue;
       std::vector<FreedPlaces::Arrival> arrivals;
       std::vector<std::array<int, 2>> gone;
-      for (const FreedPlaces::Mover& m : b.places.movers(b.points, body)) {
+      for (const FreedPlaces::Mover& m : places_of(b).movers(b.points, body)) {
         const FreedPlaces::Found to = FreedPlaces::nearest(b.points, m);
         for (int near : to.slots) arrivals.push_back({m, near, 1.0 / static_cast<double>(to.slots.size())});
         gone.push_back({m.tag, m.grain});
       }
-      b.places.move(b.points, body, b.grid, s.side(b), arrivals, gone);
+      places_of(b).move(b.points, body, b.grid, s.side(b), arrivals, gone);
       ASSERT_NEAR(area(), whole, 1e-12 * whole) << (skins ? "skins, " : "") << n + 1 << " points failed";
     }
     EXPECT_GT(carried, 20);
@@ -656,13 +664,13 @@ TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {
     s.place_grains(0.03, 0.7);
     for (GrainSide& side : s.sides.sides)  // so that nodes alone are elsewhere a step before
       for (int d = 0; d < 3; ++d) side.v[d] = side.omega[d] = 0.0;
-    for (Bond& b : s.bonds) b.places.follow(b.points, b.grid, s.side(b));
+    for (Bond& b : s.bonds) places_of(b).follow(b.points, b.grid, s.side(b));
     for (Bond& b : s.bonds) {
       const auto energy_before = [&](double time) {
         Grid then = b.grid;
         for (std::size_t i = 0; i < then.displacement.size(); ++i) then.displacement[i] -= time * then.velocity[i];
         double U = 0.0;
-        b.places.add_energy(then, s.side(b), U);
+        places_of(b).add_energy(then, s.side(b), U);
         return U;
       };
       std::vector<int> failed;
@@ -672,7 +680,7 @@ TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {
       ASSERT_GT(failed.size(), 5u);
       const double whole = energy_before(0.0), whole_then = energy_before(dt);
       for (int slot : failed) b.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);
-      const double released = b.places.end(b.points, b.grid, s.side(b), failed, dt);
+      const double released = places_of(b).end(b.points, b.grid, s.side(b), failed, dt);
       const double left = energy_before(0.0), given = whole - left, given_then = whole_then - energy_before(dt);
       EXPECT_NEAR(released / (0.5 * (given + given_then)), 1.0, 1e-5);
       if (dt > 0.0) {
@@ -683,9 +691,9 @@ TEST(FreedPlaces, GiveUpTheirEnergyWhenTheirPointFails) {
           EXPECT_FALSE(place.closed);
         }
       }
-      b.places.follow(b.points, b.grid, s.side(b));
+      places_of(b).follow(b.points, b.grid, s.side(b));
       EXPECT_NEAR(energy_before(0.0), left, 1e-9 * whole);
-      EXPECT_EQ(b.places.movers(b.points, s.bodies[b.body]).size(),
+      EXPECT_EQ(places_of(b).movers(b.points, s.bodies[b.body]).size(),
                 static_cast<std::size_t>(std::count_if(b.points.places.begin(), b.points.places.end(),
                                                        [&](const FreedPlace& f) { return std::binary_search(failed.begin(), failed.end(), f.slot); })));
     }
@@ -703,16 +711,16 @@ TEST(FreedPlaces, BeginWithTheProductOfBothEndsOfAStep) {
     s.place_grains(0.03, 0.7);
     for (Bond& b : s.bonds) {
       const Body& body = s.bodies[b.body];
-      b.places = FreedPlaces(b.points, body, p, b.grid);
+      set_places(b, FreedPlaces(b.points, body, p, b.grid));
       std::vector<int> links(b.points.links.size()), slots;
       for (std::size_t i = 0; i < links.size(); ++i) links[i] = static_cast<int>(i);
-      const double begun = b.places.open(b.points, body, b.grid, s.side(b), links, dt);
-      EXPECT_EQ(b.places.follow(b.points, b.grid, s.side(b)), 0.0);
+      const double begun = places_of(b).open(b.points, body, b.grid, s.side(b), links, dt);
+      EXPECT_EQ(places_of(b).follow(b.points, b.grid, s.side(b)), 0.0);
       double stored = 0.0;
-      b.places.add_energy(b.grid, s.side(b), stored);
+      places_of(b).add_energy(b.grid, s.side(b), stored);
       ASSERT_GT(stored, 0.0);
       for (const FreedPlace& place : b.points.places) slots.push_back(place.slot);
-      EXPECT_NEAR(begun, b.places.end(b.points, b.grid, s.side(b), slots, dt), 1e-12 * std::fabs(begun));
+      EXPECT_NEAR(begun, places_of(b).end(b.points, b.grid, s.side(b), slots, dt), 1e-12 * std::fabs(begun));
       if (dt > 0.0) {
         EXPECT_GT(std::fabs(begun / stored - 1.0), 1e-3);
       } else {
@@ -731,18 +739,18 @@ TEST(FreedPlaces, ActAndReactAlike) {
   for (Bond& b : s.bonds) {
     for (Link& k : b.points.links) k.attached = false;
     b.links = s.links_anew(b);
-    b.places = FreedPlaces(b.points, s.bodies[b.body], p, b.grid);
-    b.places.open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
+    set_places(b, FreedPlaces(b.points, s.bodies[b.body], p, b.grid));
+    places_of(b).open_all(b.points, s.bodies[b.body], b.grid, s.side(b));
   }
   const auto follow = [&](double size) {
     s.place_grains(size, 0.0);
     double rubbed = 0.0;
-    for (Bond& b : s.bonds) rubbed += b.places.follow(b.points, b.grid, s.side(b));
+    for (Bond& b : s.bonds) rubbed += places_of(b).follow(b.points, b.grid, s.side(b));
     return rubbed;
   };
   const auto energy = [&] {
     double U = 0.0;
-    for (Bond& b : s.bonds) b.places.add_energy(b.grid, s.side(b), U);
+    for (Bond& b : s.bonds) places_of(b).add_energy(b.grid, s.side(b), U);
     return U;
   };
   follow(0.02);
@@ -754,15 +762,15 @@ TEST(FreedPlaces, ActAndReactAlike) {
   EXPECT_GT(closed, 20);
   EXPECT_GT(open, 20);
   for (Bond& b : s.bonds) {
-    EXPECT_EQ(b.places.follow(b.points, b.grid, s.side(b)), 0.0);  // those that closed just now begin to stick
+    EXPECT_EQ(places_of(b).follow(b.points, b.grid, s.side(b)), 0.0);  // those that closed just now begin to stick
     const PointStore before(b.points);
-    EXPECT_EQ(b.places.follow(b.points, b.grid, s.side(b)), 0.0);
+    EXPECT_EQ(places_of(b).follow(b.points, b.grid, s.side(b)), 0.0);
     EXPECT_EQ(std::memcmp(before.places.data(), b.points.places.data(), before.places.size() * sizeof(FreedPlace)), 0);
   }
   s.sides.clear_forces();
   for (Bond& b : s.bonds) {
     b.grid.clear_force();
-    b.places.add_force(b.grid, s.side(b));
+    places_of(b).add_force(b.grid, s.side(b));
   }
   s.expect_balanced(s.forces(), 1e-13, "freed places");
   // friction that sticks, and pressure, by differences

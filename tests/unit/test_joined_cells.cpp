@@ -160,7 +160,7 @@ TEST_P(JoinedCells, SameStepsAndEigenvalue) {
   EXPECT_NEAR(lambda[1] / lambda[0], 1.0, 1e-9);
   for (bool apic : {false, true}) {
     Transfer transfer;
-    transfer.method = apic ? Transfer::apic : Transfer::pic;
+    transfer.method = apic ? Transfer::apic : Transfer::xpic;
     std::vector<double> jump[2];
     std::size_t n = 0;
     for (Cement* c : {&apart, &joined}) reproject_velocity(c->points, c->grid, {}, test::kCalcite, transfer, 0.0, jump[n++]);

@@ -353,6 +353,23 @@ TEST(PointStore, PartsInPlace) {
   }
 }
 
+TEST(PointStore, UnstrainedUntilAPointOfItIsNot) {
+  Filled f(90, 20);
+  for (PointBlock& p : f.store.blocks) {
+    p.F = Mat3<vd>{};
+    for (int i = 0; i < 3; ++i) p.F.a[i][i] = splat(1.0);
+    p.strain = Sym3<vd>{};
+  }
+  EXPECT_TRUE(f.store.unstrained());
+  int last = kLanes - 1;
+  while (!(f.store.meta.back().occupied >> last & 1)) --last;
+  f.store.blocks.back().F.a[0][1][last] = 1e-300;
+  EXPECT_FALSE(f.store.unstrained());
+  f.store.blocks.back().F.a[0][1][last] = 0.0;
+  f.store.blocks.back().strain.xy[last] = -1e-300;
+  EXPECT_FALSE(f.store.unstrained());
+}
+
 TEST(PointStore, Clear) {
   Filled f(88, 20);
   f.store.clear();

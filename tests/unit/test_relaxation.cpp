@@ -23,14 +23,16 @@ struct Damped : Scene {
     for (Bond& b : bonds) {
       for (BlockMeta& m : b.points.meta)
         for (int g = 0; g < 2; ++g) m.holds[g] = apart[b.body] && m.part != g ? 0 : 0xff;
-      b.relaxation = Relaxation(b.grid, bodies[b.body], apart[b.body] ? nodes_held(b.points, b.grid) : std::vector<char>(), kShare, kSpeed);
+      b.parts.push_back(std::make_unique<Relaxation>(bodies[b.body], kShare, kSpeed));
+      relaxation(b).follow_grains(b.grid, bodies[b.body], apart[b.body] ? nodes_held(b.points, b.grid) : std::vector<char>());
     }
   }
+  static Relaxation& relaxation(const Bond& b) { return *b.part<Relaxation>(); }
   std::vector<std::vector<double>> damping() {
     sides.clear_forces();
     for (Bond& b : bonds) {
       b.grid.clear_force();
-      b.relaxation.add_force(b.grid, side(b));
+      relaxation(b).add_force(b.grid, side(b));
     }
     return forces();
   }
@@ -109,7 +111,7 @@ TEST(Relaxation, TakesThePowerItClaims) {
         for (int d = 0; d < 3; ++d)
           power -= g.force[d] * (g.v[d] + later * g.a[d]) + g.torque[d] * (g.omega[d] + later * g.alpha[d]);
       }
-      const double claimed = b.relaxation.power(b.grid, s.side(b)).after(later);
+      const double claimed = Damped::relaxation(b).power(b.grid, s.side(b)).after(later);
       test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
       EXPECT_TRUE(later != 0.0 || claimed > 0.0);
       of_both += claimed;

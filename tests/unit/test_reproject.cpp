@@ -103,8 +103,8 @@ TEST(Reproject, IsSymmetricAndNeverAddsEnergy) {
   expect_within(loss, 0.0, "negative product");
 }
 
-// All methods follow from the one map y. pic is y itself, xpic is its polynomial, and flip with nothing to
-// keep is pic. Each keeps momentum.
+// All methods follow from the one map y: xpic is a polynomial of it, and flip with nothing to keep is y itself.
+// Each keeps momentum.
 TEST(Reproject, MethodsArePolynomialsOfOneMap) {
   test::Random random(124);
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
@@ -127,7 +127,7 @@ TEST(Reproject, MethodsArePolynomialsOfOneMap) {
       for (std::size_t i = 0; i < r.size(); ++i) r[i] = a * x[i] + b * y[i];
       return r;
     };
-    const auto y = [&](const std::vector<double>& f) { return apply(f, Transfer::pic, 1, 0, 0); };
+    const auto y = [&](const std::vector<double>& f) { return apply(f, Transfer::flip, 1, 0.0, 0.0); };
     const std::vector<double> a = c.grid.acceleration, yv = y(v), yyv = y(yv), ya = y(a);
     // 1 - (1 - y)^2 = 2 y - y^2
     const std::vector<double> cases[][2] = {

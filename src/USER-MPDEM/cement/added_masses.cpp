@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../coupling/freed_places.h"
 #include "../numerics/sort_unique.h"
 
 namespace mpdem {
@@ -30,7 +31,7 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
-    if (scene_.bonds().is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->places);
+    if (scene_.bonds().is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->parts);
   for (Bond* b : bonds)
     if (!o.updated) b->share(alike_);
   int some = 0, any;
@@ -77,7 +78,8 @@ void AddedMasses::take_up(const std::vector<int>& rows, Action action) {
 
 bool AddedMasses::give_inertia(Bond& b) const {
   const double soon = scene_.watch_every() * scene_.now.substeps * scene_.now.dt;
-  return b.places.give_inertia(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, soon);
+  FreedPlaces* places = b.part<FreedPlaces>();
+  return places && places->give_inertia(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, soon);
 }
 
 void AddedMasses::drop_inert() {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "../coupling/relaxation.h"
 #include "../parallel/ranks.h"
 #include "bond_motion.h"
+#include "mechanisms.h"
 #include "starting_motion.h"
 
 namespace mpdem {
@@ -149,26 +151,19 @@ void Arrangement::sync_slots() {
   }
 }
 
-// Each side of a bond that came apart is slowed against the grain that it holds to.
-void Arrangement::find_relaxation(Bond& b) const {
-  b.relaxation = Relaxation();
-  b.impulse = SharedImpulse();
-  if (!scene_.penalty || (scene_.options.relax == 0.0 && scene_.options.subcycle == 1)) return;
+// Each side of a bond that came apart follows the grain that it holds to.
+void Arrangement::follow_grains(Bond& b) const {
+  if (b.parts.empty()) return;
   const std::vector<char> held = divisions_.cracks.separated(b.body) ? nodes_held(b.points, b.grid) : std::vector<char>();
-  if (scene_.options.relax > 0.0) b.relaxation = Relaxation(b.grid, scene_.bonds().body(b), held, scene_.options.relax, scene_.shear_speed());
-  if (scene_.options.subcycle != 1) b.impulse = SharedImpulse(b.grid, scene_.bonds().body(b), held);
+  for (const auto& p : b.parts) p->follow_grains(b.grid, scene_.bonds().body(b), held);
 }
 
 void Arrangement::start_anew(Bond& b) {
   b.layout = ++layouts_;
-  b.mass.forget();
-  b.places = scene_.touches() ? FreedPlaces(b.points, scene_.bonds().body(b), *scene_.penalty, b.grid) : FreedPlaces();
-  b.places_may_move = true;  // points may have come that failed on another rank since the last look
-  b.faces = scene_.faces_touch() ? CrackFaces(b.points, b.grid, divisions_.splits, scene_.penalty->friction) : CrackFaces();
-  b.closing = scene_.options.unilateral ? ClosingPoints(b.points, scene_.law->elasticity(), scene_.touches() ? scene_.penalty->friction : 0.0) : ClosingPoints();
+  b.parts = parts_of(scene_, b, divisions_.splits);
   b.added = AddedMass();
-  b.resting = Resting();
-  find_relaxation(b);
+  b.unmoved = scene_.options.advance.skip_resting && b.points.unstrained();
+  follow_grains(b);
   b.jump.clear();
 }
 

@@ -45,10 +45,10 @@ class Arrangement {
   void lay_out_again(const std::vector<int>& rows, NewPartsOfBonds parts, const How& how);
   const std::vector<int>& fresh_points() const { return fresh_points_; }
 
-  // start_anew() resets what depends on the nodes of a bond. find_relaxation() resets only damping and impulses, which
-  // depend on the grain that each side of the bond holds to.
+  // start_anew() makes anew what depends on the nodes of a bond. follow_grains() tells the parts of the bond to which grain
+  // each side of it holds.
   void start_anew(Bond& b);
-  void find_relaxation(Bond& b) const;
+  void follow_grains(Bond& b) const;
   // Brings the slots of points up to date, which fall behind while points change cells (`updated` kinematics).
   void sync_slots();
 

@@ -15,19 +15,13 @@
 
 #include "../coupling/added_mass.h"
 #include "../coupling/film.h"
-#include "../coupling/freed_places.h"
 #include "../coupling/penalty_links.h"
-#include "../coupling/relaxation.h"
-#include "../coupling/shared_impulse.h"
 #include "../mpm/advance_updated.h"
-#include "../mpm/closing_points.h"
-#include "../mpm/consistent_mass.h"
+#include "../mpm/bond_part.h"
 #include "../mpm/drive_average.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_pattern.h"
 #include "../mpm/point_store.h"
-#include "crack_faces.h"
-#include "resting.h"
 
 namespace mpdem {
 
@@ -37,27 +31,29 @@ struct Bond {
   Film film;
   Grid grid;
   PenaltyLinks links;
-  FreedPlaces places;
-  CrackFaces faces;
-  ClosingPoints closing;
   AddedMass added;
-  Relaxation relaxation;
-  SharedImpulse impulse;  // with sub-steps only
-  Resting resting;
+  using Parts = std::vector<std::unique_ptr<BondPart>>;
+  Parts parts;  // of the mechanisms that act in the scene, see cement/mechanisms.h
   UpdatedPass updated;  // used by `updated` kinematics only
   int side = 0;         // place of the first side of the bond, see GrainSides
   int layout = 0;       // number of its layout among those of this rank; 0: none yet
   std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
+  bool unmoved = false;                   // no point is strained and no node has moved since the layout: a step changes no point
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
-  ConsistentMass mass;                    // `mass_order 2` only
-  bool places_may_move = true;            // true if points failed since the last look at the places
   std::vector<int> failed;                // slots that failed in this step, ascending
   std::vector<int> let_go_of_failed;      // links of the point store that let go with failed points, ascending
   LinkStep link_step;                     // result of the traction law in this step
   std::vector<double> jump;               // change of the nodal velocity by transfer in this step, or empty
   std::vector<double> filtered;           // part of `jump` from before the nodes move, xpic only
 
+  // The part of a mechanism; null if it does not act.
+  template <class P>
+  P* part() const {
+    for (const std::unique_ptr<BondPart>& p : parts)
+      if (P* found = dynamic_cast<P*>(p.get())) return found;
+    return nullptr;
+  }
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
   // Points are in two stores. A number that means a point of either store is its slot, and kFilm more for the film.
   static constexpr int kFilm = 1 << 30;
@@ -103,9 +99,10 @@ struct Bond {
     links.share(alike);
   }
   std::size_t memory_usage() const {
-    return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + places.memory_usage() + added.memory_usage() + average.memory_usage() +
-           mass.memory_usage() + faces.memory_usage() + closing.memory_usage() + relaxation.memory_usage() + impulse.memory_usage() +
-           resting.memory_usage() + updated.memory_usage() + sizeof(double) * (jump.capacity() + filtered.capacity());
+    std::size_t of_parts = parts.capacity() * sizeof(Parts::value_type);
+    for (const std::unique_ptr<BondPart>& p : parts) of_parts += p->memory_usage();
+    return points.memory_usage() + film.memory_usage() + grid.memory_usage() + links.memory_usage() + added.memory_usage() + average.memory_usage() +
+           updated.memory_usage() + of_parts + sizeof(double) * (jump.capacity() + filtered.capacity());
   }
 };
 

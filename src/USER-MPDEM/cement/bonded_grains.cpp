@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../coupling/shared_impulse.h"
 #include "../numerics/length.h"
 #include "../numerics/rotation.h"
 
@@ -213,7 +214,8 @@ void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads l
 void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed) {
   if (!any_free_) return;
   std::vector<SideMoments> moments(sides.sides.size());
-  for (const Bond& b : bonds.awake()) b.impulse.add_moments(b.grid, side_of(b), &moments[b.side]);
+  for (const Bond& b : bonds.awake())
+    if (const SharedImpulse* shared = b.part<SharedImpulse>()) shared->add_moments(b.grid, side_of(b), &moments[b.side]);
   load_.resize(grains.size());
   for (std::size_t g = 0; g < grains.size(); ++g)
     for (int d = 0; d < 6; ++d) {
@@ -237,7 +239,8 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
     std::copy(kept[i].jump_force, kept[i].jump_force + 6, s.jump_force);
     std::copy(kept[i].transfer_force, kept[i].transfer_force + 6, s.transfer_force);
   }
-  for (Bond& b : bonds.awake()) b.impulse.push(b.grid, side_of(b), b.added);
+  for (Bond& b : bonds.awake())
+    if (SharedImpulse* shared = b.part<SharedImpulse>()) shared->push(b.grid, side_of(b), b.added);
   std::vector<Six> impulse(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) std::copy(sides.sides[i].impulse, sides.sides[i].impulse + 6, impulse[i].begin());
   sides.sum(reinterpret_cast<double*>(impulse.data()), 6);

@@ -198,7 +198,7 @@ void Cement::start_bodies() {
         v -= kick;
       }
     b.links.add_spring_energy(grid, scene_.grains.side_of(b), mine);
-    b.places.add_energy(grid, scene_.grains.side_of(b), mine);
+    for (const auto& p : b.parts) p->add_energy(b.points, grid, scene_.grains.side_of(b), mine, mine);
     mine += b.added.energy(grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
     if (scene_.options.updated) UpdatedPass::start(b.points, grid, 0);
   }
@@ -243,12 +243,12 @@ void Cement::advance() {
   // bonds that come apart
   parting_.look();
   // nodes, points, links
-  forces_.begin_pass();
+  forces_.begin(scene_.now.dt);
   kinematics_->advance();
   forces_.end_pass();
   // accelerations of nodes and grains
   if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
-  forces_.complete();
+  forces_.find_accelerations();
   scene_.books.end_step_of_dampers(work_.over_step(work_.of_dampers(0)), work_.over_step(work_.of_rubbing()));
   kinematics_->account_for_accelerations();
   // loads on the grains
@@ -285,17 +285,13 @@ void Cement::end_step() {
 }
 
 void Cement::check_state() {
-  constexpr double kDeepest = 0.01;
   std::string trouble;
   for (Bond& b : scene_.bonds().awake()) {
-    const double slid = b.faces.slid_too_far(b.points, b.grid);
-    if (b.places.deepest() > kDeepest * scene_.options.cell && trouble.empty())
-      trouble = text_of("cement is pressed ", b.places.deepest(), " deep into a grain at step ", scene_.now.number, ", the most is ", kDeepest,
-                        " of a cell, ", kDeepest * scene_.options.cell, "; use slower grains, a smaller time step, or a larger 'kn' of fix mpm/couple");
-    else if (slid > 0.0 && trouble.empty())
-      trouble = text_of("faces of a crack in the cement touch after they slid ", slid, " at step ", scene_.now.number, ", with 'friction' the most is a cell, ",
-                        scene_.options.cell, "; end the run before, or use 'kinematics updated' without 'friction'");
-    else if (!b.grid.finite() && trouble.empty())
+    for (const auto& p : b.parts) {
+      const std::string of_part = p->trouble(b.points, b.grid, static_cast<long>(scene_.now.number));
+      if (trouble.empty()) trouble = of_part;
+    }
+    if (!b.grid.finite() && trouble.empty())
       trouble = text_of("a node of the grid is not finite at step ", scene_.now.number,
                         "; check the motion of the grains, the time step and the contact model");
   }

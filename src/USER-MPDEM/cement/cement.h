@@ -78,12 +78,6 @@ class Cement {
   // the state of a law. Throws BadState if the law cannot go on from them.
   void take_up_states();
 
-  // Bonds may be without points (mpm/point_pattern.h) while they are condensed by fields that bonds of their pattern
-  // share. This needs nodes that do not split, and frames that do not depend on axes of the box. Returns the word that
-  // is against it, or null.
-  const char* word_against_patterns() const {
-    return !options().condense ? "'condense no'" : options().split ? "'cracks split'" : options().axis == AxisRule::global ? "'axis global'" : nullptr;
-  }
   // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
   const std::vector<int>& rows_that_want_points() const { return condensing_.rows_that_want_points(); }
   // Call when the host has made the points of these rows of the table. Their layout follows.

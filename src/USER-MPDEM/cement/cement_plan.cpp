@@ -17,7 +17,7 @@ namespace mpdem {
 
 namespace {
 constexpr double kRounding = 1e-9;                                     // rounding of lengths that a script computed
-enum Check { geometry, shape, place_of_points, scene, thickness };  // checks of a bond, in their order
+enum Check { geometry, shape, place_of_points, thickness };  // checks of a bond, in their order
 }  // namespace
 
 void BondTrouble::tell(std::size_t of_bond, int of_check, const std::string& why) {
@@ -95,7 +95,7 @@ void CementPlan::choose_axes(PlannedBond& bond) {
 }
 
 void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-                      const std::function<std::string(CementWish&)>& read_words) {
+                      const std::function<void(CementWish&)>& read_words) {
   std::unordered_multimap<int, GrainToBond> grain_of;
   for (const GrainToBond& g : gather_all(comm_, grains)) grain_of.emplace(g.tag, g);
   std::unordered_map<std::string, int> kinds;
@@ -119,10 +119,7 @@ void CementPlan::make(const std::vector<GrainTags>& pairs, const std::vector<Gra
       trouble.tell(n, geometry, prefix(bond) + why);
       break;
     }
-    if (n == 0) {
-      const std::string wrong = read_words(wish_);
-      if (!wrong.empty()) trouble.tell(n, scene, prefix(bond) + wrong);
-    }
+    if (n == 0) read_words(wish_);
     if (wish_.file.empty()) choose_axes(bond);  // points of a file lie along the axes of the box
     const std::string far = trouble_of_place(bond, wish_.spacing);
     if (!far.empty()) trouble.tell(n, place_of_points, prefix(bond) + far);

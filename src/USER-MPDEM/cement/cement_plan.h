@@ -82,10 +82,10 @@ class CementPlan {
   CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
 
   // Collective. Plans bonds between these pairs. grains: grains of this rank that the pairs name. before: pairs that
-  // have cement, ascending. read_words: called once the first pair has been looked at. It sets the wish and returns
-  // what is wrong with the scene for it, or an empty text. Throws BadState.
+  // have cement, ascending. read_words: called once the first pair has been looked at. It sets the wish. Throws
+  // BadState.
   void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
-            const std::function<std::string(CementWish&)>& read_words);
+            const std::function<void(CementWish&)>& read_words);
 
   // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
   struct Kind {

@@ -165,7 +165,12 @@ bool CondensedBonds::fits(const Bond& awake, const Body& body, const GrainSide* 
   now.add(awake.film.points, law, false);
   Candidate& c = candidates_[awake.body];
   if (c.layout != awake.layout || c.damage != now.damaged_volume || c.failed != now.failed) {
-    Bond still(awake);
+    Bond still;
+    still.body = awake.body;
+    still.points = awake.points;
+    still.film = awake.film;
+    still.grid = awake.grid;
+    still.links = awake.links;
     go_back_to_creation(still.points);
     go_back_to_creation(still.film.points);
     std::fill(still.grid.displacement.begin(), still.grid.displacement.end(), 0.0);

@@ -160,7 +160,7 @@ void Condensing::wake() {
   for (int row : rows) {
     Bond* b = scene_.bonds().find(row);
     if (!b) continue;
-    b->resting = Resting();
+    b->unmoved = false;
     b->near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b->points, *scene_.law);
   }
   added_.refresh(rows);

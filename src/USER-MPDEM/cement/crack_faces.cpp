@@ -9,6 +9,7 @@
 #include "../coupling/relaxation.h"
 #include "../mpm/block_nodes.h"
 #include "../mpm/scatter.h"
+#include "../parallel/agree.h"
 #include "splits.h"
 
 namespace mpdem {
@@ -167,6 +168,13 @@ Power CrackFaces::power(const Grid& grid) const {
       for (int d = 0; d < 3; ++d) power.add((s == 0 ? 1.0 : -1.0) * p.force[d], grid.velocity[i + d], grid.acceleration[i + d]);
     }
   return power;
+}
+
+std::string CrackFaces::trouble(const PointStore& points, Grid& grid, long step) const {
+  const double slid = slid_too_far(points, grid);
+  if (slid == 0.0) return std::string();
+  return text_of("faces of a crack in the cement touch after they slid ", slid, " at step ", step, ", with 'friction' the most is a cell, ", grid.h,
+                 "; end the run before, or use 'kinematics updated' without 'friction'");
 }
 
 }  // namespace mpdem

@@ -28,6 +28,7 @@
 
 #include <vector>
 
+#include "../mpm/bond_part.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
@@ -36,11 +37,15 @@ namespace mpdem {
 
 class Splits;
 
-class CrackFaces {
+class CrackFaces : public BondPart {
  public:
   CrackFaces() = default;
   // Finds pairs of copies of nodes that were one node at the start and are free.
   CrackFaces(const PointStore& points, const Grid& grid, const Splits& splits, double friction);
+
+  void add_contact(const BondAtWork& b) override { add_force(b.points, b.grid, b.added_mass, b.kick, b.dt); }
+  void add_friction_power(const Grid& grid, Power& sum) const override { sum.add(power(grid)); }
+  std::string trouble(const PointStore& points, Grid& grid, long step) const override;
 
   // Collective among the ranks that share the nodes, which all know of all copies. Adds the forces of the pairs to
   // those of the nodes, which are complete. added: mass that is added to that of the nodes, or an empty list. The next
@@ -55,7 +60,7 @@ class CrackFaces {
   double deepest() const { return deepest_; }  // deepest overlap of a pair in the last step
   int pairs() const { return static_cast<int>(pairs_.size()); }
   int touching() const { return touching_; }
-  std::size_t memory_usage() const {
+  std::size_t memory_usage() const override {
     return pairs_.capacity() * sizeof(Pair) + blocks_.capacity() * sizeof(int) + (gradient_.capacity() + volume_.capacity()) * sizeof(double);
   }
 

@@ -6,51 +6,44 @@
 #include <utility>
 #include <vector>
 
-#include "places.h"
+#include "../coupling/shared_impulse.h"
+#include "../mpm/consistent_mass.h"
 
 namespace mpdem {
+
+BondAtWork NodalForces::at_work(Bond& b) {
+  return {b.points, b.grid, scene_.grains.side_of(b), scene_.bonds().body(b), b.added.of_nodes(), scene_.now.dt, kick_};
+}
 
 void NodalForces::take_failed(Bond& b) {
   b.failed.clear();
   b.failed.swap(pass_.failed);
-  if (!b.resting.asleep()) b.near_threshold = pass_.near_threshold;
+  b.near_threshold = pass_.near_threshold;
   pass_.near_threshold = false;
 }
 
 void NodalForces::let_go(Bond& b) {
   if (b.failed.empty()) return;
-  b.mass.forget();
-  b.impulse.forget();
   b.sort_links();
   std::vector<int> links = b.links.let_go(b.points, b.failed, b.grid, scene_.grains.side_of(b), scene_.now.dt, pass_.released);
-  if (scene_.touches()) {
-    pass_.released += b.places.end(b.points, b.grid, scene_.grains.side_of(b), b.failed, scene_.now.dt);
-    open_places(scene_, b, links);
-  }
+  Losses losses;
+  for (const auto& p : b.parts) p->points_failed(at_work(b), b.failed, links, losses);
+  pass_.released += losses.released;
   b.let_go_of_failed.clear();
   if (!scene_.keeps_skins()) b.let_go_of_failed = std::move(links);
-  if (scene_.options.unilateral) {
-    b.closing.add(b.points, scene_.law->elasticity(), b.failed);
-    pass_.released -= b.closing.energy_at_beginning(b.points, b.grid, b.failed, scene_.now.dt);
-  }
   scene_.host().points_failed(b);
   if (scene_.penalty) cracks_.watch(b);
 }
 
-// Traction laws may dissipate, and let go of points that hold. In sleep they change nothing.
+// Traction laws may dissipate, and let go of points that hold.
 void NodalForces::follow_links(Bond& b) {
-  GrainSide* side = scene_.grains.side_of(b);
-  const bool may_sleep = !scene_.options.updated;
-  if (may_sleep && b.resting.hand_out_links(b.grid, side)) {
-    b.link_step = LinkStep();
-    return;
-  }
-  b.links.follow_and_add_force(b.points, b.grid, side, scene_.now.dt, b.link_step);
-  if (may_sleep) b.resting.keep_links(b.grid, side);
+  b.links.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);
   if (b.link_step.let_go.empty()) return;
-  if (scene_.touches()) open_places(scene_, b, b.link_step.let_go);
+  Losses losses;
+  for (const auto& p : b.parts) p->links_let_go(at_work(b), b.link_step.let_go, losses);
+  scene_.books.release(losses.released);
   scene_.host().links_let_go(b);
   cracks_.watch_links(b);
 }
@@ -67,51 +60,43 @@ void NodalForces::advance_film(Bond& b) {
   if (scene_.penalty) cracks_.watch_film(b);
 }
 
-// Adds everything but the internal force, which is on the nodes already.
-void NodalForces::add_link_forces(Bond& b) {
+// Small bonds that ranks do not cut are complete at once, while they are in cache.
+void NodalForces::add_forces(Bond& b) {
   scene_.timer.start(StepTimer::kCoupling);
   follow_links(b);
-  scene_.books.rub(b.places.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b)));
-  const ClosingPoints::Losses closing = b.closing.add_force(b.points, b.grid, scene_.now.dt);
-  scene_.books.release(closing.released);
-  scene_.books.rub(closing.rubbed);
+  Losses losses;
+  for (const auto& p : b.parts) p->add_force(at_work(b), losses);
+  scene_.books.release(losses.released);
+  scene_.books.rub(losses.rubbed);
   advance_film(b);
   b.grid.ties.pull_back(b.grid.force.data());
+  if (!b.cut_by_ranks()) complete(b);
 }
 
 // Adds damping, weight, and forces of the host and of crack faces to nodes that have those of points and links already.
-void NodalForces::complete(Bond& b, double kick) {
-  if (scene_.penalty && scene_.options.relax > 0.0) b.relaxation.add_force(b.grid, scene_.grains.side_of(b));
+void NodalForces::complete(Bond& b) {
+  for (const auto& p : b.parts) p->add_damping(at_work(b));
   const std::array<double, 3> weight = scene_.weight_of(b);
   if (weight != std::array<double, 3>{})
     for (int i = 0; i < b.grid.size(); ++i)
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
   scene_.host().add_node_forces(b);
-  if (scene_.faces_touch()) b.faces.add_force(b.points, b.grid, b.added.of_nodes(), kick, scene_.now.dt);
+  for (const auto& p : b.parts) p->add_contact(at_work(b));
+  if (!b.cut_by_ranks()) scene_.grains.sum_up(b);
 }
 
-// Bonds that ranks do not cut need not wait for others. Many small bonds do not fit into the cache, so each pass over
-// them takes time to bring them there.
-void NodalForces::begin_completing() {
-  completes_early_ = true;
+void NodalForces::begin(double kick) {
+  kick_ = kick;
+  pass_.dissipated = pass_.released = 0.0;
   if (grains_need_accelerations() && scene_.options.mass_order == 1) scene_.grains.begin_sums();
 }
 
-// Completes a bond that ranks do not cut right after the forces of its links.
-void NodalForces::complete_early(Bond& b) {
-  if (!completes_early_ || b.cut_by_ranks()) return;
-  complete(b, scene_.now.dt);
-  scene_.grains.sum_up(b);
-}
-
-// Finds the forces of nodes from those of points and links, and the accelerations.
-void NodalForces::complete() {
+void NodalForces::find_accelerations() {
   scene_.timer.start(StepTimer::kHalo);
   shared_.sum([](Grid& g) { return g.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
   for (Bond& b : scene_.bonds().awake())
-    if (!completes_early_ || b.cut_by_ranks()) complete(b, scene_.kick());
-  completes_early_ = false;
+    if (b.cut_by_ranks()) complete(b);
   if (scene_.options.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
@@ -142,7 +127,7 @@ void NodalForces::add_inertial_forces() {
     grid.update_acceleration(b.added.of_nodes());
     grid.force.swap(grid.inertial_force);
     scene_.timer.start(StepTimer::kPoints);
-    b.mass.find_inertial_force(b.points, grid, scene_.inertia);
+    b.part<ConsistentMass>()->find_inertial_force(b.points, grid, scene_.inertia);
     scene_.timer.start(StepTimer::kNodes);
   }
   scene_.timer.start(StepTimer::kHalo);
@@ -154,10 +139,12 @@ void NodalForces::add_inertial_forces() {
 
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
-  std::vector<double*> of_bonds;  // all bonds have impulses where there is a penalty
+  std::vector<double*> of_bonds;
   for (Bond& b : scene_.bonds().awake()) {
-    b.impulse.weigh(b.points, b.grid, scene_.inertia);
-    if (b.cut_by_ranks()) of_bonds.push_back(b.impulse.holding().data());
+    SharedImpulse* shared = b.part<SharedImpulse>();
+    if (!shared) continue;
+    shared->weigh(b.points, b.grid, scene_.inertia);
+    if (b.cut_by_ranks()) of_bonds.push_back(shared->holding().data());
   }
   if (scene_.penalty) shared_.sum(of_bonds, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
@@ -177,15 +164,19 @@ void NodalForces::end_pass() {
 void NodalForces::find_at_start() {
   scene_.grains.sides.clear_forces();
   scene_.grains.clear_sudden_forces();
+  begin(scene_.kick());
   for (Bond& b : scene_.bonds().awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
     if (!b.film.empty()) b.film.add_force(scene_.grains.side_of(b), *scene_.law);
-    b.places.add_force(b.grid, scene_.grains.side_of(b));
-    b.closing.add_force(b.points, b.grid, 0.0);  // nothing moves
+    BondAtWork as_it_is = at_work(b);
+    as_it_is.dt = 0.0;
+    Losses none;
+    for (const auto& p : b.parts) p->add_force(as_it_is, none);
     b.grid.ties.pull_back(b.grid.force.data());
+    if (!b.cut_by_ranks()) complete(b);
   }
-  complete();
+  find_accelerations();
 }
 
 }  // namespace mpdem

@@ -23,9 +23,9 @@ class NodalForces {
   NodalForces(Scene& scene, SharedNodes& shared, const AddedMasses& added, CondensedBonds& condensed, Cracks& cracks)
       : scene_(scene), shared_(shared), added_(added), condensed_(condensed), cracks_(cracks) {}
 
-  // Enclose the pass over the points of all bonds in a step. begin_pass() sets what the pass dissipates and gives up to
-  // zero. end_pass() books it.
-  void begin_pass() { pass_.dissipated = pass_.released = 0.0; }
+  // Call before the pass over the points of all bonds. kick: time from the middle of the last step to that of this one.
+  void begin(double kick);
+  // Call after that pass. Books what it dissipates and gives up.
   void end_pass();
   AdvanceResult& pass() { return pass_; }  // result of the bond at work, for kernels
   const PassTicks& ticks() const { return pass_.ticks; }
@@ -35,23 +35,21 @@ class NodalForces {
   // them, and tells the host.
   void take_failed(Bond& b);
   void let_go(Bond& b);
-  // Adds forces of links, places and closed cracks of a bond to nodes that have those of its points.
-  void add_link_forces(Bond& b);
-  // Bonds that ranks do not cut need not wait for others. After begin_completing(), complete_early() completes them
-  // right after the forces of their links.
-  void begin_completing();
-  void complete_early(Bond& b);
-  // Collective. Adds all other forces to bonds that are not complete yet, and finds the accelerations of all.
-  void complete();
+  // Adds the other forces to a bond whose nodes have those of its points: links, places, closed cracks, the film. The
+  // forces of a bond that ranks do not cut are complete then.
+  void add_forces(Bond& b);
+  // Collective. Completes the forces of bonds that ranks cut, and finds the accelerations of all.
+  void find_accelerations();
   // Collective. Finds forces and accelerations at the start of a run. Internal forces must be on the nodes.
   void find_at_start();
   // Collective. Adds the forces of the cement to the grains, once accelerations are known.
   void react();
 
  private:
+  BondAtWork at_work(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
-  void complete(Bond& b, double kick);
+  void complete(Bond& b);
   bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
   void find_grain_accelerations();
   void add_inertial_forces();
@@ -63,7 +61,7 @@ class NodalForces {
   CondensedBonds& condensed_;
   Cracks& cracks_;
   AdvanceResult pass_;
-  bool completes_early_ = false;  // true in steps that complete bonds early
+  double kick_ = 0.0;
 };
 
 }  // namespace mpdem

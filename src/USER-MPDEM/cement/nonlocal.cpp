@@ -61,8 +61,6 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
   std::vector<int> rows;
   if (any_bond_is_cut) rows = cut_rows_near_threshold(scene);
   for (Bond& b : scene.bonds().awake()) {
-    // In sleep the averages are those of before.
-    if (b.resting.asleep()) continue;
     if (b.cut_by_ranks()) {
       if (!std::binary_search(rows.begin(), rows.end(), b.body)) b.grid.drive_average.clear();
       continue;

@@ -90,7 +90,7 @@ Parting::Found Parting::look_at_bonds(bool debris, int from) {
 // Finds the damping of bonds whose points hold to other grains now.
 void Parting::find_relaxation(const std::vector<int>& rows) {
   for (int row : rows)
-    if (Bond* b = scene_.bonds().find(row)) arrangement_.find_relaxation(*b);
+    if (Bond* b = scene_.bonds().find(row)) arrangement_.follow_grains(*b);
 }
 
 void Parting::split_nodes() {

@@ -8,6 +8,7 @@
 #include <array>
 #include <map>
 
+#include "../coupling/freed_places.h"
 #include "../parallel/gather_ranks.h"
 
 namespace mpdem {
@@ -28,20 +29,10 @@ struct Nearest {
 
 }  // namespace
 
-void open_places(Scene& scene, Bond& b, const std::vector<int>& links) {
-  if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
-  scene.books.release(-b.places.open(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b), links, scene.now.dt));
-  b.places_may_move = true;
-}
-
 void open_places_of_files(Scene& scene) {
   if (!scene.touches()) return;
-  for (Bond& b : scene.bonds().awake()) {
-    b.places_may_move = true;
-    if (b.body < scene.bodies_started) continue;
-    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
-    b.places.open_all(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b));
-  }
+  for (Bond& b : scene.bonds().awake())
+    if (b.body >= scene.bodies_started) b.part<FreedPlaces>()->open_all(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b));
 }
 
 std::vector<int> move_places(Scene& scene) {
@@ -53,10 +44,10 @@ std::vector<int> move_places(Scene& scene) {
   std::map<int, OfBond> moves;
   std::vector<FreedPlaces::Mover> abroad;  // places of bonds that have points on other ranks
   for (Bond& b : scene.bonds().awake()) {
-    if (!b.places_may_move) continue;
-    b.places_may_move = false;
+    FreedPlaces& places = *b.part<FreedPlaces>();
+    if (!places.take_change()) continue;
     const bool whole = b.size() == scene.bonds().body(b).points;
-    for (const FreedPlaces::Mover& m : b.places.movers(b.points, scene.bonds().body(b))) {
+    for (const FreedPlaces::Mover& m : places.movers(b.points, scene.bonds().body(b))) {
       if (!whole) {
         abroad.push_back(m);
         continue;
@@ -93,8 +84,7 @@ std::vector<int> move_places(Scene& scene) {
   std::vector<int> moved;
   for (const auto& m : moves) {
     Bond& b = *scene.bonds().find(m.first);
-    if (b.places.empty()) b.places = FreedPlaces(b.points, scene.bonds().body(b), *scene.penalty, b.grid);
-    scene.books.release(-b.places.move(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b), m.second.arrivals, m.second.gone));
+    scene.books.release(-b.part<FreedPlaces>()->move(b.points, scene.bonds().body(b), b.grid, scene.grains.side_of(b), m.second.arrivals, m.second.gone));
     moved.push_back(m.first);
   }
   return moved;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Opens places that let go of the grains (coupling/freed_places.h), and moves them to other points, which may be on
-// other ranks. The energy that a place stores when it opens or moves is taken from the released energy of the books.
+// Moves places that let go of the grains (coupling/freed_places.h) to other points, which may be on other ranks. The energy
+// that a place stores when it moves is taken from the released energy of the books.
 // Places matter only where they touch, Scene::touches().
 #ifndef MPDEM_CEMENT_PLACES_H
 #define MPDEM_CEMENT_PLACES_H
@@ -13,8 +13,6 @@
 
 namespace mpdem {
 
-// Opens places of a bond, of links that held until now.
-void open_places(Scene& scene, Bond& b, const std::vector<int>& links);
 // Call at the start of a run. Opens places of new bonds that were cracked in their file.
 void open_places_of_files(Scene& scene);
 // Collective, at the start of a step. Places whose points failed go on to the nearest points that hold, in steps in

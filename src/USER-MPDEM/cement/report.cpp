@@ -140,8 +140,7 @@ CementTotals Report::totals(double reach_of_box) const {
     const GrainSide* side = scene_.grains.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
     bond.links.add_spring_energy(bond.grid, side, sum[kCoupling]);
-    bond.places.add_energy(bond.grid, side, sum[kCoupling]);
-    sum[kElastic] += bond.closing.energy(bond.points, bond.grid);
+    for (const auto& p : bond.parts) p->add_energy(bond.points, bond.grid, side, sum[kElastic], sum[kCoupling]);
     sum[kCoupling] += inertial + bond.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
     sum[kDiscreteKinetic] += bond.added.energy(bond.grid, side, 0.0, scene_.dt_last) - inertial;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../coupling/relaxation.h"
 #include "../material/laws.h"
 #include "../mpm/point_state.h"
 #include "condensed_fields.h"

@@ -7,6 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "../coupling/relaxation.h"
 #include "../numerics/cross_matrix.h"
 #include "../parallel/agree.h"
 

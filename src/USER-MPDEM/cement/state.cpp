@@ -3,9 +3,8 @@
 //
 // State of the cement that points and grains do not hold, for restart files. cement_restart.h has its records.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
+#include <iterator>
 #include <map>
 
 #include "../material/laws.h"
@@ -16,37 +15,6 @@
 namespace mpdem {
 
 namespace {
-
-std::array<double, 5> numbers_of(const VtiConstants& e) { return {e.Ep, e.Ez, e.nu_p, e.nu_zp, e.Gzp}; }
-
-std::string words_of(const double* e) { return text_of("elastic vti ", e[0], " ", e[1], " ", e[2], " ", e[3], " ", e[4]); }
-
-void check_restored(const CementHead& head, const CementOptions& o, const VtiConstants& elastic) {
-  const auto edge = [](bool t) { return t ? "tied" : "free"; };
-  const auto name = [](bool u) { return u ? "updated" : "total"; };
-  if (head.cell != o.cell)
-    throw BadState(text_of("'cell ", o.cell, "' but the restart file was written with cell ", head.cell, "; use that"));
-  if (head.basis != o.basis || head.updated != o.updated)
-    throw BadState(text_of("'basis ", name_of(o.basis), "' and 'kinematics ", name(o.updated),
-                           "' but the motion of the nodes in the restart file is that of basis ", name_of(head.basis),
-                           " and kinematics ", name(head.updated), "; use these"));
-  const auto differ = [](double a, double b) { return std::fabs(a - b) > 1e-5 * std::fabs(b); };  // beyond the rounding of printed numbers
-  const std::array<double, 5> now = numbers_of(elastic);
-  if (!std::equal(now.begin(), now.end(), head.elastic, std::not_fn(differ)))
-    throw BadState(text_of("'", words_of(now.data()), "' but the cement of the steps before has '", words_of(head.elastic), "', and the load of the bonds would jump; use that"));
-  if (differ(o.mass_scale, head.mass_scale))
-    throw BadState(text_of("inertia ", o.mass_scale, " times that of the calcite but it was ", head.mass_scale, " times in the steps before, and energy would come of nothing; use 'quasistatic ",
-                           head.mass_scale, "' and its damping", head.mass_scale == 1.0 ? ", or no 'quasistatic'" : ""));
-  const auto cracks = [](bool split) { return split ? "split" : "bonds"; };
-  if (head.split != o.split)
-    throw BadState(text_of("'cracks ", cracks(o.split), "' but the restart file was written with 'cracks ", cracks(head.split), "'; use that"));
-  const auto yes = [](bool u) { return u ? "yes" : "no"; };
-  if (head.unilateral != o.unilateral)
-    throw BadState(text_of("'unilateral ", yes(o.unilateral), "' but the restart file was written with 'unilateral ", yes(head.unilateral), "'; use that"));
-  if (head.tied != o.tied)
-    throw BadState(text_of("nodes at the edge are ", edge(o.tied), " but were ", edge(head.tied), " when the restart file was written; use 'edge ",
-                           edge(head.tied), "' and the kinematics and re-projection of that run"));
-}
 
 LawSoFar law_of(const Law& law, const CementOptions& o) {
   LawSoFar now;
@@ -59,6 +27,58 @@ LawSoFar law_of(const Law& law, const CementOptions& o) {
   return now;
 }
 
+// Fills in what words of a script say.
+void take_words(CementHead& head, const CementOptions& o, const Law& law) {
+  head.cell = o.cell;
+  head.basis = o.basis;
+  head.updated = o.updated;
+  head.tied = o.tied;
+  head.split = o.split;
+  head.unilateral = o.unilateral;
+  head.mass_scale = o.mass_scale;
+  const VtiConstants& e = law.elasticity().constants;
+  const double elastic[] = {e.Ep, e.Ez, e.nu_p, e.nu_zp, e.Gzp};
+  std::copy(std::begin(elastic), std::end(elastic), head.elastic);
+  head.law = law_of(law, o);
+}
+
+// Words that have to stay for as long as the cement is in motion, with their numbers, and how far numbers may differ.
+struct KeptWords {
+  std::string words;
+  std::vector<double> numbers = {};
+  double rounding = 0.0;
+};
+
+constexpr double kPrinted = 1e-5;  // of numbers that were printed
+
+std::vector<KeptWords> kept_words(const CementHead& h) {
+  const double* e = h.elastic;
+  return {
+      {text_of("cell ", h.cell), {h.cell}},
+      {text_of("basis ", name_of(h.basis))},
+      {text_of("kinematics ", h.updated ? "updated" : "total")},
+      {text_of("elastic vti ", e[0], " ", e[1], " ", e[2], " ", e[3], " ", e[4]), {e, e + 5}, kPrinted},
+      {text_of("quasistatic ", h.mass_scale, " Z"), {h.mass_scale}, kPrinted},
+      {text_of("cracks ", h.split ? "split" : "bonds")},
+      {text_of("unilateral ", h.unilateral ? "yes" : "no")},
+      {text_of("edge ", h.tied ? "tied" : "free")},
+  };
+}
+
+bool same(const KeptWords& a, const KeptWords& b) {
+  if (a.numbers.empty()) return a.words == b.words;
+  return std::equal(a.numbers.begin(), a.numbers.end(), b.numbers.begin(), [&](double x, double y) { return std::fabs(x - y) <= a.rounding * std::fabs(y); });
+}
+
+void check_kept(const CementHead& head, const CementOptions& o, const Law& law) {
+  CementHead given;
+  take_words(given, o, law);
+  const std::vector<KeptWords> now = kept_words(given), before = kept_words(head);
+  for (std::size_t n = 0; n < now.size(); ++n)
+    if (!same(now[n], before[n]))
+      throw BadState(text_of("'", now[n].words, "' but the restart file was written with '", before[n].words, "'; use that, since the load or the energy of the bonds would jump"));
+}
+
 }  // namespace
 
 std::string Cement::other_words_than(const CementHead& head) const {
@@ -69,7 +89,7 @@ std::string Cement::other_words_than(const CementHead& head) const {
     return text_of("'damage ", law.name, "', was '", was.law >= 1 && was.law <= known ? "damage " + law_entries()[was.law - 1].name : text_of("law ", was.law), "'");
   std::string all;
   const auto compare = [&](const std::string& word, double a, double b) {
-    if (std::fabs(a - b) > 1e-5 * std::max(std::fabs(a), std::fabs(b))) all += text_of(all.empty() ? "'" : ", '", word, "' ", a, ", was ", b);
+    if (std::fabs(a - b) > kPrinted * std::max(std::fabs(a), std::fabs(b))) all += text_of(all.empty() ? "'" : ", '", word, "' ", a, ", was ", b);
   };
   for (std::size_t n = 0; n < law.words.size(); ++n) compare(law.words[n].name, now.value[n], was.value[n]);
   compare("regularization nonlocal", now.length, was.length);
@@ -79,10 +99,7 @@ std::string Cement::other_words_than(const CementHead& head) const {
 }
 
 std::vector<double> Cement::packed_state(CementHead head) {
-  head.cell = scene_.options.cell;
-  head.basis = scene_.options.basis;
-  head.updated = scene_.options.updated;
-  head.tied = scene_.options.tied;
+  take_words(head, scene_.options, *scene_.law);
   head.step = scene_.dt_last;
   head.bodies_started = scene_.bodies_started;
   head.start_energy = scene_.books.start_energy();
@@ -93,12 +110,6 @@ std::vector<double> Cement::packed_state(CementHead head) {
     for (const NodeCopies::Entry& e : row.second)
       append(CopyRow{body_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
   const std::vector<double> copies = gather_on_first(scene_.comm, mine_of_copies);
-  head.split = scene_.options.split;
-  head.unilateral = scene_.options.unilateral;
-  const std::array<double, 5> elastic = numbers_of(scene_.law->elasticity().constants);
-  std::copy(elastic.begin(), elastic.end(), head.elastic);
-  head.law = law_of(*scene_.law, scene_.options);
-  head.mass_scale = scene_.options.mass_scale;
   head.density = scene_.density();
   head.copies = static_cast<int>(copies.size() / kMostNumbers<CopyRow>);
   head.bodies = static_cast<int>(scene_.bonds().table.size());
@@ -144,7 +155,7 @@ void Cement::restore_bonds(int bodies, RecordReader& in) {
 
 // Cement may have been made since the file was written.
 void Cement::restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes) {
-  check_restored(head, scene_.options, scene_.law->elasticity().constants);
+  check_kept(head, scene_.options, *scene_.law);
   const std::size_t table = scene_.bonds().table.size();
   scene_.dt_last = head.step;
   scene_.bodies_started = head.bodies_started;

@@ -25,7 +25,6 @@ class Total : public Kinematics {
     average_drives(scene_, shared_.any_bond_is_cut());
     scene_.grains.sides.clear_forces();
     if (added_.any()) scene_.grains.expect_sudden_forces();
-    if (!may_be_distorted) forces_.begin_completing();
     const auto range = scene_.bonds().awake();
     for (auto at = range.begin(); at != range.end();) {
       Bond& b = *at;
@@ -37,16 +36,14 @@ class Total : public Kinematics {
       if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.books);
       b.grid.drift(kick, dt);
       scene_.timer.start(StepTimer::kPoints);
-      if (may_be_distorted) b.grid.clear_force();
-      else b.grid.begin_forces();
-      b.resting.advance(b.points, b.grid, *scene_.law, dt, o.advance, forces_.pass());
+      b.grid.begin_forces();
+      b.unmoved = b.unmoved && b.grid.stands_still();
+      if (!b.unmoved) advance_points(b.points, 0, static_cast<int>(b.points.blocks.size()), b.grid, *scene_.law, dt, o.advance, forces_.pass());
       scene_.timer.start(StepTimer::kCoupling);
       forces_.take_failed(b);
       forces_.let_go(b);
       if (transfer) b.added.add_reaction(b.grid, b.jump, 1.0 / dt, scene_.grains.side_of(b));
-      if (may_be_distorted) continue;
-      forces_.add_link_forces(b);
-      forces_.complete_early(b);
+      if (!may_be_distorted) forces_.add_forces(b);
     }
     scene_.dt_last = dt;
     if (!may_be_distorted) return;
@@ -56,7 +53,7 @@ class Total : public Kinematics {
       take_new_reference();
       scene_.grains.sides.clear_forces();
     }
-    for (Bond& b : scene_.bonds().awake()) forces_.add_link_forces(b);
+    for (Bond& b : scene_.bonds().awake()) forces_.add_forces(b);
   }
 
   void find_internal_force() override {

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "../coupling/shared_impulse.h"
 #include "point_sums.h"
 
 namespace mpdem {
@@ -14,8 +15,8 @@ double WorkOfStep::energy_of(const Bond& b) const {
   points.add(b.film.points, *scene_.law, true);
   double energy = points.elastic + b.added.energy(b.grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
   b.links.add_spring_energy(b.grid, scene_.grains.side_of(b), energy);
-  b.places.add_energy(b.grid, scene_.grains.side_of(b), energy);
-  energy += b.closing.energy(b.points, b.grid) + b.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
+  for (const auto& p : b.parts) p->add_energy(b.points, b.grid, scene_.grains.side_of(b), energy, energy);
+  energy += b.film.energy_of_faces(scene_.penalty ? scene_.penalty->law.get() : nullptr);
   for (int i = 0; i < b.grid.size(); ++i) {
     if (!b.grid.halo.counts_here()[i]) continue;
     for (int d = 0; d < 3; ++d) {
@@ -55,7 +56,7 @@ Power WorkOfStep::of_dampers(const Bond& b) const {
   Power power;
   if (!scene_.penalty) return power;
   power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
-  if (scene_.options.relax > 0.0) power.add(b.relaxation.power(b.grid, scene_.grains.side_of(b)));
+  for (const auto& p : b.parts) p->add_damping_power(b.grid, scene_.grains.side_of(b), power);
   return power;
 }
 
@@ -67,8 +68,8 @@ double WorkOfStep::ahead_of(const Bond& b) const {
 
 Power WorkOfStep::of_rubbing() const {
   Power power;
-  if (!scene_.faces_touch()) return power;
-  for (const Bond& b : scene_.bonds().awake()) power.add(b.faces.power(b.grid));
+  for (const Bond& b : scene_.bonds().awake())
+    for (const auto& p : b.parts) p->add_friction_power(b.grid, power);
   return power;
 }
 
@@ -84,8 +85,8 @@ double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& veloc
 }
 
 double WorkOfStep::load_power(const Bond& b, const std::vector<double>& velocity) const {
-  const bool pushed = scene_.now.substeps > 1 && scene_.ends_step();
-  return gravity_power(b, velocity) + (pushed ? b.impulse.power(b.grid, velocity) : 0.0);
+  const SharedImpulse* pushed = scene_.now.substeps > 1 && scene_.ends_step() ? b.part<SharedImpulse>() : nullptr;
+  return gravity_power(b, velocity) + (pushed ? pushed->power(b.grid, velocity) : 0.0);
 }
 
 double WorkOfStep::inertial_power(const Bond& b, const std::vector<double>& velocity) const {

@@ -11,11 +11,12 @@
 namespace mpdem {
 
 // The added mass of a node is divided between its two sides by their shares of its stiffness.
-void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places) {
+void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s,
+                     const std::vector<std::unique_ptr<BondPart>>& parts) {
   constexpr double kMargin = 1.05;
   std::vector<double> penalty(2 * grid.size(), 0.0);
   links.add_stiffness(grid, side, s.dt, penalty.data());
-  places.add_stiffness(grid, side, penalty.data());
+  for (const auto& p : parts) p->add_stiffness(grid, side, penalty.data());
   grid.halo.sum(penalty.data(), 2);
   std::vector<double> mass(grid.size(), 0.0);
   std::vector<Share> shares;

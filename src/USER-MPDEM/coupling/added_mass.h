@@ -23,7 +23,7 @@
 
 #include "../mpm/grid.h"
 #include "eight_nodes.h"
-#include "freed_places.h"
+#include "../mpm/bond_part.h"
 #include "grain_sides.h"
 #include "penalty_links.h"
 
@@ -40,9 +40,10 @@ class AddedMass {
     double bound = 4;              // largest stable dt^2 lambda
   };
   // Collective among the ranks that share the nodes. Finds the least mass c that keeps the central difference stable
-  // when the penalty k of links and freed places comes on top of the cement. At every node dt^2 (lambda m + k) <= bound
+  // when the penalty k of links and of parts of the bond comes on top of the cement. At every node dt^2 (lambda m + k) <= bound
   // (m + c) holds. Most nodes need no added mass.
-  void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s, const FreedPlaces& places = {});
+  void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s,
+            const std::vector<std::unique_ptr<BondPart>>& parts = {});
 
   // Added mass of a node. The links may be on any rank.
   struct Share {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "../mpm/lane_by_lane.h"
+#include "../parallel/agree.h"
 #include "free_weights.h"
 #include "rigid_motion.h"
 
@@ -482,5 +483,31 @@ double FreedPlaces::move(PointStore& points, const Body& body, const Grid& grid,
 }
 
 std::size_t FreedPlaces::memory_usage() const { return blocks_.capacity() * sizeof(Block) + columns_.capacity() * sizeof(int); }
+
+void FreedPlaces::points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) {
+  losses.released += end(b.points, b.grid, b.side, slots, b.dt);
+  links_let_go(b, links, losses);
+}
+
+void FreedPlaces::links_let_go(const BondAtWork& b, const std::vector<int>& links, Losses& losses) {
+  losses.released -= open(b.points, b.body, b.grid, b.side, links, b.dt);
+  changed_ = true;
+}
+
+void FreedPlaces::add_force(const BondAtWork& b, Losses& losses) {
+  if (b.dt > 0.0) losses.rubbed += follow_and_add_force(b.points, b.grid, b.side);
+  else add_force(b.grid, b.side);
+}
+
+void FreedPlaces::add_energy(const PointStore&, const Grid& grid, const GrainSide* side, double&, double& of_coupling) const {
+  add_energy(grid, side, of_coupling);
+}
+
+std::string FreedPlaces::trouble(const PointStore&, Grid& grid, long step) const {
+  constexpr double kDeepest = 0.01;
+  if (!(deepest_ > kDeepest * grid.h)) return std::string();
+  return text_of("cement is pressed ", deepest_, " deep into a grain at step ", step, ", the most is ", kDeepest, " of a cell, ", kDeepest * grid.h,
+                 "; use slower grains, a smaller time step, or a larger 'kn' of fix mpm/couple");
+}
 
 }  // namespace mpdem

@@ -27,8 +27,10 @@
 #define MPDEM_FREED_PLACES_H
 
 #include <array>
+#include <utility>
 #include <vector>
 
+#include "../mpm/bond_part.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "grain_sides.h"
@@ -37,9 +39,15 @@
 namespace mpdem {
 
 // `side` always points to the first of the two sides of the bond. The second follows it. Energies are those of this rank.
-class FreedPlaces {
+class FreedPlaces : public BondPart {
  public:
   FreedPlaces() = default;
+  void points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
+  void links_let_go(const BondAtWork& b, const std::vector<int>& links, Losses& losses) override;
+  void add_force(const BondAtWork& b, Losses& losses) override;
+  void add_energy(const PointStore& points, const Grid& grid, const GrainSide* side, double& of_points, double& of_coupling) const override;
+  std::string trouble(const PointStore& points, Grid& grid, long step) const override;
+
   // Lays out the places of the store on a grid that has the nodes of all points.
   FreedPlaces(const PointStore& points, const Body& body, const PenaltyParameters& parameters, const Grid& grid);
 
@@ -66,8 +74,7 @@ class FreedPlaces {
   // apart must have none. Until this call, places that open or move on have none of their own: the links that let go
   // still have theirs. The grains are where they are at the end of the step dt, the nodes where they were before it.
   bool give_inertia(PointStore& points, const Grid& grid, const GrainSide* side, double dt, double soon);
-  // Adds row sums of the stiffness to two numbers a node, as PenaltyLinks::add_stiffness() does.
-  void add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const;
+  void add_stiffness(const Grid& grid, const GrainSide* side, double* penalty) const override;
   // Largest depth of a place inside its grain, at the last follow().
   double deepest() const { return deepest_; }
 
@@ -77,7 +84,9 @@ class FreedPlaces {
     double area, X[3], n[3];  // X: place on the surface of the grain in the reference, n: its normal
     double spacing;           // of the points
   };
-  // Places whose points failed. They stay in the store until move() drops them.
+  // Places whose points failed. They stay in the store until move() drops them. There are none if take_change() is false: no
+  // point failed and no place opened since its last call.
+  bool take_change() { return std::exchange(changed_, false); }
   std::vector<Mover> movers(const PointStore& points, const Body& body) const;
   // The points of the store that hold and are nearest to the place on the surface. Distances across the normal count three times.
   // Points that are equally near share the place, since none of them comes first in a bond that is its own mirror image.
@@ -97,7 +106,7 @@ class FreedPlaces {
               std::vector<std::array<int, 2>> gone);  // tag and grain
 
   bool empty() const { return blocks_.empty(); }
-  std::size_t memory_usage() const;
+  std::size_t memory_usage() const override;
 
  private:
   struct Block {
@@ -129,6 +138,7 @@ class FreedPlaces {
   PenaltyParameters p_;
   int columns_of_cell_ = 0;
   double inverse_h_ = 0, deepest_ = 0;
+  bool changed_ = true;  // points may have come that failed on another rank
   std::vector<Block> blocks_;
   std::vector<int> columns_;  // columns of the lanes of the blocks, see Grid
 };

@@ -69,9 +69,12 @@ std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, c
   return share;
 }
 
-Relaxation::Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed)
-    : rate_(rate(body.thickness, critical_share, shear_speed)) {
+Relaxation::Relaxation(const Body& body, double critical_share, double shear_speed) : rate_(rate(body.thickness, critical_share, shear_speed)) {
   for (int s = 0; s < 2; ++s) reach2_[s] = kReach * body.radius[s] * kReach * body.radius[s];
+}
+
+void Relaxation::follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) {
+  eights_.clear();
   const std::vector<double> share = shares_of_second_grain(grid, body, held);
   std::vector<int> nodes;
   for (int i = 0; i < grid.size(); ++i)

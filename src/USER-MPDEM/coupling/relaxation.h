@@ -17,6 +17,7 @@
 
 #include <vector>
 
+#include "../mpm/bond_part.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
@@ -34,12 +35,14 @@ std::vector<char> nodes_held(const PointStore& points, Grid& grid);
 std::vector<double> shares_of_second_grain(const Grid& grid, const Body& body, const std::vector<char>& held);
 
 // Damping of one bond. `side` always points to the first of its two sides. The second follows it.
-class Relaxation {
+class Relaxation : public BondPart {
  public:
   Relaxation() = default;
-  // Must be made after the layout of the grid. held: nodes_held() of a bond that came apart, else empty.
-  // critical_share: share of critical damping.
-  Relaxation(const Grid& grid, const Body& body, const std::vector<char>& held, double critical_share, double shear_speed);
+  // critical_share: share of critical damping. Nothing is damped before follow_grains().
+  Relaxation(const Body& body, double critical_share, double shear_speed);
+  void follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) override;
+  void add_damping(const BondAtWork& b) override { add_force(b.grid, b.side); }
+  void add_damping_power(const Grid& grid, const GrainSide* side, Power& sum) const override { sum.add(power(grid, side)); }
   static double rate(double thickness, double critical_share, double shear_speed);
 
   // Adds the force to nodes after their sum over ranks, and the reaction to grains before their sum over ranks.
@@ -47,7 +50,7 @@ class Relaxation {
   // Power that damping takes from the nodes that this rank counts (mpm/power.h): its force with the velocity, and with
   // the acceleration. The force is that of the stored velocity.
   Power power(const Grid& grid, const GrainSide* side) const;
-  std::size_t memory_usage() const { return eights_.capacity() * sizeof(Eight); }
+  std::size_t memory_usage() const override { return eights_.capacity() * sizeof(Eight); }
 
  private:
   struct Eight {

@@ -18,11 +18,13 @@ void take_from_grain(const double* r, const double* f, double scale, GrainSide& 
 
 }  // namespace
 
-SharedImpulse::SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held) : share_(shares_of_second_grain(grid, body, held)) {}
+void SharedImpulse::follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) {
+  *this = SharedImpulse();
+  share_ = shares_of_second_grain(grid, body, held);
+}
 
 // If nothing failed, the mass is to the bit that of the nodes.
 void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
-  if (empty()) return;
   const bool cut = grid.halo.shares_any();
   if (stale_) {
     const bool some_failed = points.any_failed();
@@ -44,7 +46,7 @@ double SharedImpulse::part_held(const Grid& grid, int node) const {
 
 void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for (int i = 0; i < grid.size() && !empty(); ++i) {
+  for (int i = 0; i < grid.size(); ++i) {
     if (share_[i] < 0.0 || !counts[i] || grid.mass[i] == 0.0) continue;
     const double share[2] = {1.0 - share_[i], share_[i]}, mass = part_held(grid, i) * grid.mass[i];
     for (int s = 0; s < 2; ++s) {
@@ -58,10 +60,10 @@ void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMom
 
 void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
-  force_.assign(empty() ? 0 : 3 * grid.size(), 0.0);
+  force_.assign(3 * grid.size(), 0.0);
   const std::vector<AddedMass::Share> shares = added.shares();
   auto extra = shares.begin();
-  for (int i = 0; i < grid.size() && !empty(); ++i) {
+  for (int i = 0; i < grid.size(); ++i) {
     while (extra != shares.end() && extra->node < i) ++extra;
     if (share_[i] < 0.0) continue;
     const double held = part_held(grid, i), mass = held * grid.mass[i];

@@ -20,6 +20,7 @@
 
 #include <vector>
 
+#include "../mpm/bond_part.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "added_mass.h"
@@ -29,15 +30,11 @@
 namespace mpdem {
 
 // Shared impulse of one bond. `side` always points to the first of its two sides. The second follows it.
-class SharedImpulse {
+class SharedImpulse : public BondPart {
  public:
-  SharedImpulse() = default;
-  // Must be made after the layout of the grid. held: as for shares_of_second_grain().
-  SharedImpulse(const Grid& grid, const Body& body, const std::vector<char>& held);
-  bool empty() const { return share_.empty(); }
-
-  // Must be called when points failed since weigh().
-  void forget() { stale_ = true; }
+  // Must be called before the first push.
+  void follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) override;
+  void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
   // Finds the mass of the points of this rank that hold. Call it before a push. The caller sums holding() over the ranks that share nodes.
   void weigh(const PointStore& points, const Grid& grid, double density);
   std::vector<double>& holding() { return holding_; }
@@ -50,7 +47,7 @@ class SharedImpulse {
   void push(Grid& grid, GrainSide* side, const AddedMass& added);
   // Power of the last push on nodes that move with the field `velocity`. Counts the nodes that this rank counts.
   double power(const Grid& grid, const std::vector<double>& velocity) const;
-  std::size_t memory_usage() const {
+  std::size_t memory_usage() const override {
     return (share_.capacity() + holding_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
   }
 

@@ -5,10 +5,14 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
 
+#include "../styles/cement_words.h"
+#include "../styles/fix_mpm_couple.h"
+#include "../styles/word_rules.h"
 #include "error.h"
 #include "input.h"
 #include "lammps.h"
@@ -17,6 +21,10 @@
 int main(int argc, char** argv) {
   mpdem::install_signal_handlers();
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // a run whose output goes to a file can be watched
+  if (argc == 2 && std::strcmp(argv[1], "-options") == 0) {
+    std::fputs((mpdem::listed_cement_words() + LAMMPS_NS::FixMpmCouple::listed_words() + mpdem::listed_exclusions()).c_str(), stdout);
+    return 0;
+  }
   MPI_Init(&argc, &argv);
   auto* liggghts = new LAMMPS_NS::LAMMPS(argc, argv, MPI_COMM_WORLD);
   try {

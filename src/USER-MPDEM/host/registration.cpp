@@ -16,6 +16,7 @@
 #include "../styles/fix_check_timestep_mpm.h"
 #include "../styles/fix_mpm.h"
 #include "../styles/fix_mpm_couple.h"
+#include "../styles/host_guards.h"
 #include "../styles/private_access.h"
 #include "../styles/write_cement.h"
 #include "../version.h"
@@ -68,7 +69,7 @@ void LAMMPS::init() {
 
 void Output::setup(int memory_is_told) {
   const AtomVecMpdem* cement = AtomVecMpdem::of(lmp);
-  if (memory_is_told == 0 && cement && !cement->bonds.table.empty()) cement->prepared_fixes.check_same(lmp);
+  if (memory_is_told == 0 && cement && !cement->bonds.table.empty()) mpdem::check_host(mpdem::kNoFix, {lmp, "run ... pre no: ", cement});
   original<void (*)(Output*, int)>("_ZN9LAMMPS_NS6Output5setupEi")(this, memory_is_told);
 }
 

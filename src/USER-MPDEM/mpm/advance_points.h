@@ -25,7 +25,7 @@ namespace mpdem {
 struct AdvanceOptions {
   bool skip_undamaged = true;  // leave out the return map where a bound shows that no damage grows
   bool skip_failed = true;     // leave out blocks all of whose points failed
-  bool skip_resting = true;    // leave out bodies all of whose nodes are at rest, see cement/resting.h
+  bool skip_resting = true;    // leave out bonds that have not been strained or moved
   // Averages drive the damage, see drive_average.h. Points without an average keep their damage.
   bool nonlocal = false;
 };

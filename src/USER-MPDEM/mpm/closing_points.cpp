@@ -36,7 +36,7 @@ vd width_when_closed(const PointStore& points, int block, const vd* n0, const Sy
 }  // namespace
 
 ClosingPoints::ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction)
-    : friction_(std::max(friction, 0.0)), G_(undamaged.softest_shear()) {
+    : undamaged_(&undamaged), friction_(std::max(friction, 0.0)), G_(undamaged.softest_shear()) {
   for (std::size_t b = 0; b < points.meta.size(); ++b) set(points, undamaged, static_cast<int>(b), points.meta[b].failed, 0);
 }
 
@@ -185,7 +185,7 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
   return sum_lanes(points.blocks[b.block].volume * taken);
 }
 
-ClosingPoints::Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
+Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
   Losses losses;
   for_each_block(blocks_, points, grid, [&](Block& b, const auto& w, const Crack& c, const Mat3<vd>& F) {
     const int* column = points.meta[b.block].column;
@@ -239,6 +239,21 @@ double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {
   double sum = 0.0;
   for_each_block(blocks_, points, grid, [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
   return sum;
+}
+
+void ClosingPoints::points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>&, Losses& losses) {
+  add(b.points, *undamaged_, slots);
+  losses.released -= energy_at_beginning(b.points, b.grid, slots, b.dt);
+}
+
+void ClosingPoints::add_force(const BondAtWork& b, Losses& losses) {
+  const Losses of_step = add_force(b.points, b.grid, b.dt);
+  losses.released += of_step.released;
+  losses.rubbed += of_step.rubbed;
+}
+
+void ClosingPoints::add_energy(const PointStore& points, const Grid& grid, const GrainSide*, double& of_points, double&) const {
+  of_points += energy(points, grid);
 }
 
 }  // namespace mpdem

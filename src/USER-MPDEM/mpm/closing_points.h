@@ -41,25 +41,27 @@
 #include <vector>
 
 #include "../material/vti_elasticity.h"
+#include "bond_part.h"
 #include "grid.h"
 #include "point_store.h"
 
 namespace mpdem {
 
-class ClosingPoints {
+class ClosingPoints : public BondPart {
  public:
   ClosingPoints() = default;
-  // Takes all points that failed in earlier steps. friction: mu; 0 or less: closed cracks slide freely.
+  // Takes all points that failed in earlier steps. undamaged: must stay. friction: mu; 0 or less: closed cracks slide freely.
   ClosingPoints(const PointStore& points, const VtiElasticity& undamaged, double friction);
   // Adds the points of these slots, which ascend and failed in this step.
   void add(const PointStore& points, const VtiElasticity& undamaged, const std::vector<int>& failed);
 
+  void points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
+  void add_force(const BondAtWork& b, Losses& losses) override;
+  void add_energy(const PointStore& points, const Grid& grid, const GrainSide* side, double& of_points, double& of_coupling) const override;
+
   // Energies that a step takes. Points that are too distorted since this step become debris, BlockMeta::debris. `released`
   // has the energy that they had in excess of what their force did in the first half of the step. `rubbed` is the
   // energy that friction took.
-  struct Losses {
-    double released = 0.0, rubbed = 0.0;
-  };
   // Adds the forces to the nodes. Must be called before tied nodes hand on their forces. The nodes moved by dt times
   // their velocity to where they are. With dt = 0 nothing slips.
   Losses add_force(PointStore& points, Grid& grid, double dt);
@@ -69,7 +71,7 @@ class ClosingPoints {
   // step. So the result is the present energy less what it gained over that half.
   double energy_at_beginning(const PointStore& points, const Grid& grid, const std::vector<int>& failed, double dt) const;
   bool empty() const { return blocks_.empty(); }
-  std::size_t memory_usage() const { return blocks_.capacity() * sizeof(Block); }
+  std::size_t memory_usage() const override { return blocks_.capacity() * sizeof(Block); }
 
  private:
   struct Block {
@@ -105,6 +107,7 @@ class ClosingPoints {
   double lose(PointStore& points, Block& b, const Crack& before, const Mat3<vd>& rate, vmask lost, double dt) const;
   // Takes the points of one block that failed. fresh: those of them that failed in this step.
   void set(const PointStore& points, const VtiElasticity& undamaged, int block, std::uint8_t failed, std::uint8_t fresh);
+  const VtiElasticity* undamaged_ = nullptr;
   double friction_ = 0.0, G_ = 0.0;
   std::vector<Block> blocks_;  // ascending in block
 };

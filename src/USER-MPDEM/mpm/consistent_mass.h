@@ -18,6 +18,7 @@
 
 #include <vector>
 
+#include "bond_part.h"
 #include "grid.h"
 #include "point_store.h"
 
@@ -29,13 +30,13 @@ enum class MassOf { all_points, unfailed_points };
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, const std::vector<double>& field,
                          std::vector<double>& out);
 
-// Inertial force of one bond. Keeps the row sums of M as long as layout and points stay the same.
-class ConsistentMass {
+// Inertial force of one bond. Keeps the row sums of M until points fail.
+class ConsistentMass : public BondPart {
  public:
-  void forget() { row_sums_.clear(); }
+  void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }
   // Sets Grid::inertial_force to (M_L - M) a with the acceleration a of the nodes. M and M_L are those of the unfailed points of this rank.
   void find_inertial_force(const PointStore& points, Grid& grid, double density);
-  std::size_t memory_usage() const { return row_sums_.capacity() * sizeof(double); }
+  std::size_t memory_usage() const override { return row_sums_.capacity() * sizeof(double); }
 
  private:
   std::vector<double> row_sums_;  // a number for each node

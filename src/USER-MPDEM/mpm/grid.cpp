@@ -466,6 +466,10 @@ std::size_t Grid::memory_usage() const {
          ties.memory_usage();
 }
 
+bool Grid::stands_still() const {
+  return std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0.0; });
+}
+
 bool Grid::finite() const {
   // A sum is not finite if any term is not. The sum itself overflows only with velocities beyond 1e150.
   double sum = 0.0;

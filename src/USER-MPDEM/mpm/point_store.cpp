@@ -184,6 +184,17 @@ int PointStore::size() const {
   return n;
 }
 
+bool PointStore::unstrained() const {
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const Sym3<vd>& e = blocks[b].strain;
+    vmask strained = (e.xx != 0.0) | (e.yy != 0.0) | (e.zz != 0.0) | (e.yz != 0.0) | (e.xz != 0.0) | (e.xy != 0.0);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) strained |= blocks[b].F.a[i][j] != (i == j ? 1.0 : 0.0);
+    if (any(strained & lanes(meta[b].occupied))) return false;
+  }
+  return true;
+}
+
 bool PointStore::any_failed() const {
   return std::any_of(meta.begin(), meta.end(), [](const BlockMeta& m) { return m.failed != 0; });
 }

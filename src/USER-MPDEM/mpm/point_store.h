@@ -170,6 +170,7 @@ class PointStore {
   // True if points came or left since arrange().
   bool changed() const { return changed_; }
   int size() const;  // points
+  bool unstrained() const;  // is each deformation gradient the identity, and each strain zero?
   bool any_failed() const;
   // Bits of the grains to which a point holds, as in a PointRecord.
   int holds(int slot) const {

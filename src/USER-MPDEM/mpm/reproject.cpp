@@ -71,7 +71,7 @@ void reproject_velocity(const PointStore& points, Grid& grid, const SharedList<d
     }
     for (std::size_t i = 0; i < n; ++i) jump[i] = -r[i];
   } else {
-    project(points, grid, added_mass, density, transfer.method == Transfer::apic, v, jump);
+    project(points, grid, added_mass, density, true, v, jump);
     for (std::size_t i = 0; i < n; ++i) jump[i] -= v[i];
   }
   for (std::size_t i = 0; i < n; ++i) v[i] += jump[i];

@@ -6,7 +6,6 @@
 //   y v = (sum m_p N_I v(X_p) + c_I v_I) / (m_I + c_I),
 // with c_I the added mass of the penalty. The map is symmetric in the inner product of the nodes' inertia, and its
 // eigenvalues lie in [0, 1]. Points do not need velocities of their own:
-//   pic      v <- y v
 //   xpic m   v <- (1 - (1 - y)^m) v
 //   apic     v <- (sum m_p N_I (v_p + C_p (X_I - X_p)) + c_I v_I) / (m_I + c_I)
 //   flip A   v + dt a <- A (v + y dt a) + (1 - A) y (v + dt a)

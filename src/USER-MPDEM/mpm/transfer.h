@@ -3,18 +3,17 @@
 //
 // Transfer of velocity from the grid to the points and back. With S the interpolation from nodes to points, S+ the
 // mass-weighted projection back and a the nodal acceleration, the velocity V of the points becomes
-//   pic         S (v + dt a)
 //   flip A      A (V + dt S a) + (1 - A) S (v + dt a)                 (Brackbill & Ruppel 1986)
-//   apic        as pic, with an affine velocity field in each point    (Jiang et al. 2015)
+//   apic        S (v + dt a), with an affine velocity field in each point    (Jiang et al. 2015)
 //   xpic m      S (q v + dt a), 1 - (1 - S+S)^m = S+S q(S+S)   (Hammerquist & Nairn 2017)
-// pic and xpic 1 are the same. All keep momentum. apic also keeps angular momentum.
+// xpic 1 is pic, S (v + dt a). All keep momentum. apic also keeps angular momentum.
 #ifndef MPDEM_TRANSFER_H
 #define MPDEM_TRANSFER_H
 
 namespace mpdem {
 
 struct Transfer {
-  enum Method { pic, flip, apic, xpic } method = apic;
+  enum Method { flip, apic, xpic } method = apic;
   double flip_share = 1.0;  // A in [0, 1]
   int order = 2;            // m, 1 and more
 };

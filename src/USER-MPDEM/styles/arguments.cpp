@@ -9,7 +9,18 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "comm.h"
+
 namespace mpdem {
+
+void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
+  for (std::FILE* f : {lmp->screen, lmp->logfile})
+    if (f && lmp->comm->me == 0) std::fprintf(f, "%s", text.c_str());
+}
+
+void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style) {
+  if (lmp->comm->me == 0) lmp->error->warning(style, 0, text.c_str());
+}
 
 void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   std::fflush(nullptr);
@@ -25,6 +36,22 @@ void stop_one(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
 void stop_if_any(LAMMPS_NS::LAMMPS* lmp, const std::string& text) {
   const std::string shown = first_text(lmp->world, text);
   if (!shown.empty()) stop_all(lmp, shown);
+}
+
+std::vector<std::string> words_in(std::string list) {
+  std::vector<std::string> words;
+  while (!list.empty()) {
+    const std::size_t comma = list.find(", "), last = list.find(" or "), end = std::min(comma, last);
+    words.push_back(list.substr(0, end));
+    list.erase(0, end == std::string::npos ? end : end + (end == comma ? 2 : 4));
+  }
+  return words;
+}
+
+std::string Arguments::words_from(int first) const {
+  std::string words = arg_[first];
+  for (int n = first + 1; n < next_; ++n) words += std::string(" ") + arg_[n];
+  return words;
 }
 
 void Arguments::complain(const std::string& text) const { stop_all(lmp_, command_ + ": " + text); }

@@ -18,12 +18,18 @@
 
 namespace mpdem {
 
+// Returns the words of a list `a, b or c`.
+std::vector<std::string> words_in(std::string list);
+
 class Arguments {
  public:
   Arguments(LAMMPS_NS::LAMMPS* lmp, std::string command, int narg, char** arg, int first)
       : lmp_(lmp), command_(std::move(command)), narg_(narg), arg_(arg), next_(first) {}
 
   bool empty() const { return next_ >= narg_; }
+  // Place of the next word, and the words from a place up to it.
+  int place() const { return next_; }
+  std::string words_from(int first) const;
   const std::string& command() const { return command_; }
   // Names the object in all complaints from here on. It tells which of thousands of such commands is meant.
   void about(const std::string& object) { command_ += " " + object; }
@@ -60,6 +66,10 @@ class Arguments {
   int next_;
   std::set<std::string> given_;
 };
+
+// Print on the first rank: a text on the screen and into the log, or a warning in the name of `style`.
+void tell(LAMMPS_NS::LAMMPS* lmp, const std::string& text);
+void warn(LAMMPS_NS::LAMMPS* lmp, const std::string& text, const char* style = "fix mpm");
 
 // Calls Error::all with the streams flushed, so that the message survives redirected output.
 [[noreturn]] void stop_all(LAMMPS_NS::LAMMPS* lmp, const std::string& text);

@@ -45,6 +45,12 @@ AtomVecMpdem::~AtomVecMpdem() {
   memory->destroy(bond);
 }
 
+void AtomVecMpdem::LastRun::begin(const Modify& modify, std::size_t bonds_now) {
+  bonds = bonds_now;
+  fixes.clear();
+  for (int k = 0; k < modify.nfix; ++k) fixes.push_back({modify.fix[k]->id, modify.fix[k]->style, modify.fix[k]->just_created != 0});
+}
+
 AtomVecMpdem* AtomVecMpdem::of(LAMMPS* lmp) { return dynamic_cast<AtomVecMpdem*>(lmp->atom->avec); }
 
 void AtomVecMpdem::track_orientation(int i) {

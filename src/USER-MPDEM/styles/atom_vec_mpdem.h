@@ -23,7 +23,6 @@ AtomStyle(mpdem,AtomVecMpdem)
 #include "../coupling/grain_state.h"
 #include "../cement/bond.h"
 #include "atom_vec_sphere.h"
-#include "prepared_fixes.h"
 #include "waiting_state.h"
 
 namespace LAMMPS_NS {
@@ -43,10 +42,22 @@ class AtomVecMpdem : public AtomVecSphere {
   // State of fixes for points that were made after read_restart and before the first run.
   WaitingState waiting;
   // Does the script keep points out of LIGGGHTS' bins, and so out of all of its lists of neighbours? fix mpm finds out when a run is
-  // prepared (host_recipe.h). All atoms behind the first group are out of them then.
+  // prepared (host_guards.h). All atoms behind the first group are out of them then.
   bool apart = false;
-  // Fixes of the last run with fix mpm. They are known here, since fix mpm may be one of those that go.
-  PreparedFixes prepared_fixes;
+  // The last run with fix mpm, for runs without a set-up (host_guards.h). With `run ... pre no` LIGGGHTS calls fixes by their places in
+  // that run, and calls no init(). It is known here, since fix mpm may be one of the fixes that go.
+  struct LastRun {
+    struct Known {
+      std::string id, style;
+      bool created;  // LIGGGHTS clears this flag of a fix at the start of a run, but not of one that is made after that
+    };
+    std::vector<Known> fixes;  // at its set-up
+    std::size_t bonds = 0;     // at its set-up
+    bigint atoms = 0;          // at its end
+    double dt = 0.0;           // at its end
+
+    void begin(const Modify& modify, std::size_t bonds_now);
+  } last_run;
 
   bool is_point(int i) const { return slot[i] >= 0; }
   bool is_film(int i) const { return slot[i] >= mpdem::Bond::kFilm; }

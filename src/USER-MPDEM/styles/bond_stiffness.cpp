@@ -43,10 +43,8 @@ void BondStiffness::command(int narg, char** arg) {
   const auto solved = std::count_if(bonds.begin(), bonds.end(), [](const mpdem::StiffnessOfBond& b) { return b.products > 0.0; });
   double products = 0.0;
   for (const mpdem::StiffnessOfBond& b : bonds) products += b.products;
-  for (FILE* f : {screen, logfile})
-    if (f)
-      std::fprintf(f, "%s\n", text_of("bond_stiffness: ", bonds.size(), " bonds, ", solved, " solved, others are equal to one of these, ", products,
-                                      " products, ", MPI_Wtime() - start, " s").c_str());
+  mpdem::tell(lmp, text_of("bond_stiffness: ", bonds.size(), " bonds, ", solved, " solved, others are equal to one of these, ", products,
+                                      " products, ", MPI_Wtime() - start, " s", "\n"));
 }
 
 FixMpm* BondStiffness::find_cement() const {

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <unordered_map>
 
 #include "../numerics/length.h"
 #include "arguments.h"
@@ -127,48 +125,9 @@ void BondedAtoms::expect_gravity(BondedGrains& grains, const Fix* fix) const {
 
 void BondedAtoms::report_trouble() { stop_if_any(lmp_, trouble_); }
 
-std::string BondedAtoms::changed_radius(int i, double made_for) const {
-  const Atom& atom = *lmp_->atom;
-  if (std::fabs(atom.radius[i] - made_for) <= 1e-12 * made_for) return "";
-  return text_of(who_, "bonded grain ", atom.tag[i], " has radius ", atom.radius[i], " at step ", lmp_->update->ntimestep,
-                 ", but its cement was made for ", made_for, " and does not follow; set diameters before create_cement, "
-                 "and leave bonded grains out of 'set ... diameter' and 'fix adapt'");
-}
-
-void BondedAtoms::check_stayed(AtomVecMpdem& avec, double cell) const {
-  const Atom& atom = *lmp_->atom;
-  std::unordered_map<int, double> radius;
-  for (const Body& b : avec.bonds.table)
-    for (int s = 0; s < 2; ++s)
-      if (b.has_grain(s)) radius.emplace(b.grain[s], b.radius[s]);
-  std::string trouble;
-  for (int i = 0; i < atom.nlocal && trouble.empty(); ++i) {
-    const GrainState* g = avec.grain(i);
-    const auto bonded = radius.find(atom.tag[i]);
-    if (!g || bonded == radius.end()) continue;
-    trouble = changed_radius(i, bonded->second);
-    if (!trouble.empty() || !g->place_known) continue;
-    double x[3], moved[3];
-    lmp_->domain->unmap(atom.x[i], atom.image[i], x);
-    bool far = false;
-    for (int d = 0; d < 3; ++d) {
-      moved[d] = x[d] - g->x[d];
-      // rounding that comes from wrapping into the box
-      const double rounding = 16 * std::numeric_limits<double>::epsilon() * (std::fabs(x[d]) + lmp_->domain->prd[d]);
-      far = far || std::fabs(moved[d]) > 1e-9 * cell + rounding;
-    }
-    if (far)
-      trouble = text_of(who_, "a command moved bonded grain ", atom.tag[i], " by ", length(moved), g->velocities_known
-                        ? " since the last run" : " since its cement was made", ", which its cement does not follow; use 'displace_atoms', "
-                        "'set' and 'change_box' before create_cement, and move bonded grains by a fix or a velocity");
-  }
-  stop_if_any(lmp_, trouble);
-}
-
 // Any smooth motion stays well within twice the larger of the two velocities.
-void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double cell, double dt) {
+void BondedAtoms::follow(BondedGrains& grains, double cell, double dt) {
   const Atom& atom = *lmp_->atom;
-  const Update& update = *lmp_->update;
   for (std::size_t n = 0; n < atoms_.size(); ++n) {
     const int i = atoms_[n];
     Grain& grain = grains.grains[n];
@@ -184,28 +143,12 @@ void BondedAtoms::follow(BondedGrains& grains, const AtomVecMpdem& avec, double 
     const bool known = g.place_known;
     g.place_known = true;
     if (known && trouble_.empty() && length(jump) > 2.0 * expected + 1e-5 * cell)
-      trouble_ = text_of(who_, "bonded grain ", atom.tag[i], " jumped by ", length(grain.moved), " in step ", update.ntimestep,
+      trouble_ = text_of(who_, "bonded grain ", atom.tag[i], " jumped by ", length(grain.moved), " in step ", lmp_->update->ntimestep,
                          ", its velocity takes it ", expected, " at most; formulas of 'fix move' in step*dt jump "
                          "when 'timestep' or 'reset_timestep' changes, and need the velocity that goes with the position: define "
                          "that fix anew, with formulas that start from 0; 'displace_atoms', 'set', 'change_box' and 'fix deform' "
                          "must not move bonded grains");
   }
-  if (trouble_.empty() && update.ntimestep == update.firststep + 1) trouble_ = changed_box(lmp_, who_, avec.bonds.table);
-  for (std::size_t n = 0; n < atoms_.size() && trouble_.empty(); ++n) trouble_ = changed_radius(atoms_[n], grains.grains[n].made_for);
-}
-
-std::string changed_box(LAMMPS* lmp, const std::string& who, const std::vector<Body>& table) {
-  const Domain& domain = *lmp->domain;
-  for (const Body& b : table)
-    for (int d = 0; d < 3; ++d) {
-      const double now = domain.prd[d];
-      if (b.box[d] == 0.0 || (domain.periodicity[d] ? std::fabs(now - b.box[d]) <= 1e-12 * now : b.shift[0][d] == 0.0 && b.shift[1][d] == 0.0))
-        continue;
-      return text_of(who, "the box is ", domain.periodicity[d] ? "periodic in " : "not periodic in ", "xyz"[d], " with length ",
-                     now, " at step ", lmp->update->ntimestep, ", but was periodic with length ", b.box[d], " when the cement of grains ", b.grain[0],
-                     " and ", b.grain[1], " was made, which does not follow; use 'change_box' before create_cement");
-    }
-  return "";
 }
 
 }  // namespace mpdem

@@ -2,9 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Goes between LIGGGHTS' atoms and the engine for bonded grains. It takes their motion and loads to the engine, and the
-// engine's loads back. It checks whether grains are where their cement knows them to be, and as large. A grain may be
-// displaced by a command, or by a formula that starts anew. Such a grain would load its bond with a strain that nothing
-// in the scene has caused.
+// engine's loads back. It checks whether grains go where their velocity takes them. A formula that starts anew may displace a grain,
+// which would load its bond with a strain that nothing in the scene has caused.
 #ifndef MPDEM_BONDED_ATOMS_H
 #define MPDEM_BONDED_ATOMS_H
 
@@ -37,26 +36,18 @@ class BondedAtoms {
   // in the first step already.
   void expect_gravity(BondedGrains& grains, const LAMMPS_NS::Fix* fix) const;
 
-  // Stops if a grain jumped or changed its size. Collective, so not called in every step.
+  // Stops if a grain jumped. Collective, so not called in every step.
   void report_trouble();
   // Notes positions, and how far each grain moved. Checks that a grain goes where its velocity takes it. Call in each
   // step, before the engine forgets the velocities of the last one.
-  void follow(BondedGrains& grains, const LAMMPS_NS::AtomVecMpdem& avec, double cell, double dt);
-  // Collective. Call at the start of a run. Compares places with the end of the last run, the restart file or
-  // create_cement.
-  void check_stayed(LAMMPS_NS::AtomVecMpdem& avec, double cell) const;
+  void follow(BondedGrains& grains, double cell, double dt);
 
  private:
-  std::string changed_radius(int i, double made_for) const;
-
   LAMMPS_NS::LAMMPS* lmp_;
   std::string who_;
   std::vector<int> atoms_;  // places of the grains among the atoms, ascending in tag
   std::string trouble_;     // what this rank found, told at the next report
 };
-
-// Says why the box is not that of the cement, the same on every rank. The text is empty if it is.
-std::string changed_box(LAMMPS_NS::LAMMPS* lmp, const std::string& who, const std::vector<Body>& table);
 
 }  // namespace mpdem
 

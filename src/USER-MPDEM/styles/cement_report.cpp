@@ -45,11 +45,6 @@ double links_let_go(const BondState& bond) {
 
 }  // namespace
 
-void CementReport::say(const std::string& text) const {
-  for (FILE* f : {lmp_->screen, lmp_->logfile})
-    if (f) std::fprintf(f, "%s", text.c_str());
-}
-
 const CementTotals& CementReport::totals(Cement& c) {
   if (totals_at_ == lmp_->update->ntimestep) return totals_;
   double reach = 0.0;
@@ -126,15 +121,13 @@ void CementReport::parameters(Cement& c, bigint points) {
     if (o.mass_scale > 1.0 || o.relax > 0.0)
       text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
     text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
-    say(text);
+    tell(lmp_, text);
     warn(c);
   }
   const bigint open = o.unilateral && !reported_ ? failed_without_damage(lmp_->world, c) : 0;
-  if (open > 0 && lmp_->comm->me == 0)
-    lmp_->error->warning("fix mpm", 0,
-                         text_of(who_, open, " points failed and have no damage, so that 'unilateral yes' knows no direction of their cracks, and these never close; give the point "
-                                 "file the columns 'd1 d2 d3 v1x v1y v1z v2x v2y v2z' or 'dxx dyy dzz dyz dxz dxy' besides 'failed', or use 'unilateral no'")
-                             .c_str());
+  if (open > 0)
+    mpdem::warn(lmp_, text_of(who_, open, " points failed and have no damage, so that 'unilateral yes' knows no direction of their cracks, and these never close; give the point "
+                                 "file the columns 'd1 d2 d3 v1x v1y v1z v2x v2y v2z' or 'dxx dyy dzz dyz dxz dxy' besides 'failed', or use 'unilateral no'"));
   if (o.condense && c.penalty()) {
     int mine = c.report().bonds_solved(), all;
     MPI_Reduce(&mine, &all, 1, MPI_INT, MPI_SUM, 0, lmp_->world);
@@ -147,7 +140,7 @@ void CementReport::parameters(Cement& c, bigint points) {
                         " and ", table[without[n]].grain[1]);
     if (without.size() > kNamed) others += " ...";
     if (lmp_->comm->me == 0)
-      say(text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
+      tell(lmp_, text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
   }
   if (damped.admitted < o.relax) damping(c);
   stop_if_too_long(c, limit);
@@ -183,7 +176,7 @@ void CementReport::damping(Cement& c) {
                                    "' or less, which leaves 0.9 of the step");
   if (c.dt() > kRounding * damped.step)
     stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step", of_substeps(c), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
-  if (!reported_ && lmp_->comm->me == 0 && damped.step < 0.5 * damped.undamped) lmp_->error->warning("fix mpm", 0, (who_ + text).c_str());
+  if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);
 }
 
 // Warns of numbers that do not go together, such as moduli in GPa and strengths in Pa.
@@ -195,8 +188,8 @@ void CementReport::warn(Cement& c) const {
     for (double area : b.attached_area) wide = std::max(wide, 2.0 * std::sqrt(area / M_PI));
   const double length = c.options().length;
   if (c.options().advance.nonlocal && length > wide)
-    lmp_->error->warning("fix mpm", 0, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
-                                               ", so that no crack is narrower than a bond; use a length well below that, in the units of the box").c_str());
+    mpdem::warn(lmp_, text_of(who_, "'regularization nonlocal ", length, "' averages over more than the width of the widest bond, ", wide,
+                                               ", so that no crack is narrower than a bond; use a length well below that, in the units of the box"));
   const double band = 2.0 * c.options().half_band;
   int thin = 0;
   double thinnest = band;
@@ -206,21 +199,20 @@ void CementReport::warn(Cement& c) const {
       thinnest = std::min(thinnest, b.thickness);
     }
   if (thin > 0 && length <= wide && !c.keeps_skins())
-    lmp_->error->warning("fix mpm", 0, text_of(who_, "the band in which cement breaks with 'regularization nonlocal ", length, "' is ", band, " wide, and ", thin, " of ", c.bonds().table.size(),
+    mpdem::warn(lmp_, text_of(who_, "the band in which cement breaks with 'regularization nonlocal ", length, "' is ", band, " wide, and ", thin, " of ", c.bonds().table.size(),
                                                " bonds are thinner, the thinnest ", thinnest, ": all surface on which these separate counts as debonding; a length of ", length * thinnest / band,
-                                               " or less, with cells of that, would tell").c_str());
+                                               " or less, with cells of that, would tell"));
   const VtiConstants& e = law.elasticity().constants;
   const double strain = law.implied_strength(std::min(e.Ez, e.Ep)).failure_strain;
   if (strain > 1.0)
-    lmp_->error->warning("fix mpm", 0, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()).c_str());
+    mpdem::warn(lmp_, text_of(who_, "cement fails at a strain of ", strain, ", ", law.advice_on_strain()));
 }
 
 void CementReport::accelerations(Cement& c) {
   if (accelerations_told_ || !c.grains().accelerations_are_imprecise()) return;
   accelerations_told_ = true;
-  if (lmp_->comm->me == 0)
-    lmp_->error->warning("fix mpm", 0, (who_ + "accelerations of grains are not found to their precision, and energy is not kept: grains are far lighter than the mass that links add, and "
-                                               "links of both grains of a bond share nodes; look at the 'density' of the grains, or use a smaller 'timestep', a smaller cell, or 'kn auto' and 'kt auto' of fix mpm/couple").c_str());
+  mpdem::warn(lmp_, who_ + "accelerations of grains are not found to their precision, and energy is not kept: grains are far lighter than the mass that links add, and "
+                                               "links of both grains of a bond share nodes; look at the 'density' of the grains, or use a smaller 'timestep', a smaller cell, or 'kn auto' and 'kt auto' of fix mpm/couple");
 }
 
 void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
@@ -246,15 +238,13 @@ void CementReport::added_mass(Cement& c, const AtomVecMpdem& avec) {
   if (lmp_->comm->me != 0) return;
   std::string text = text_of("  links     add to the nodes ", all, " of mass, ", all / mass[1], " of the cement's");
   if (most >= 0.0) text += text_of("; those of one free grain up to ", most, " of its mass");
-  say(text + "\n");
+  tell(lmp_, text + "\n");
   const double scene = mass[0] + mass[1];
   if (all > scene)
-    lmp_->error->warning("fix mpm", 0,
-                   text_of(who_, "links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
+    mpdem::warn(lmp_, text_of(who_, "links need ", all, " of added mass, more than the mass of all grains and cement, ", scene,
                            ", and the bonds follow late; use a smaller 'timestep', or 'kn auto', 'kt auto' and 'length cell' of fix mpm/couple, ",
                            "or less ('auto' is 200 C33)", c.penalty()->friction > 1.0 ? text_of(", or a 'friction' below ", c.penalty()->friction) : "",
-                           "; look at the 'density' of the grains, too")
-                       .c_str());
+                           "; look at the 'density' of the grains, too"));
 }
 
 namespace {
@@ -283,14 +273,14 @@ void CementReport::times(Cement& c, bigint points) {
   std::vector<double> s = {mine[StepTimer::kPoints] * t.scatter / ticks, mine[StepTimer::kNodes], mine[StepTimer::kHalo],
                            mine[StepTimer::kPoints] * t.gather / ticks, mine[StepTimer::kPoints] * t.material / ticks,
                            mine[StepTimer::kCoupling], mine[StepTimer::kLayout], mine[StepTimer::kOutput]};
-  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), asleep[2] = {0.0, 1.0 * c.bonds().size()};
-  for (const Bond& b : c.bonds()) asleep[0] += b.resting.asleep();
+  double total = 0.0, bytes = static_cast<double>(c.report().memory_usage()), unmoved[2] = {0.0, 1.0 * c.bonds().size()};
+  for (const Bond& b : c.bonds()) unmoved[0] += b.unmoved;
   for (double x : mine) total += x;
   s.push_back(c.timer().cpu_seconds());
   s.push_back(total);
   MPI_Allreduce(MPI_IN_PLACE, s.data(), static_cast<int>(s.size()), MPI_DOUBLE, MPI_MAX, lmp_->world);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, lmp_->world);
-  MPI_Allreduce(MPI_IN_PLACE, asleep, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
+  MPI_Allreduce(MPI_IN_PLACE, unmoved, 2, MPI_DOUBLE, MPI_SUM, lmp_->world);
   const CementTotals& now = totals_with_contacts(c);
   const std::string limited = limited_grain(lmp_, c);
   if (lmp_->comm->me != 0) return;
@@ -302,16 +292,14 @@ void CementReport::times(Cement& c, bigint points) {
                      : text_of(bytes / static_cast<double>(c.bonds().table.size()), " bytes a bond\n ");
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
-  if (asleep[0] > 0.0) text += text_of("; ", asleep[0], " of ", asleep[1], " bonds at rest");
+  if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");
   if (o.mass_scale > 1.0 || o.relax > 0.0) text += text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force);
-  say(text + "\n");
+  tell(lmp_, text + "\n");
   constexpr double kMostImbalance = 0.02;
   if (c.penalty() && std::fabs(now.imbalance) > kMostImbalance)
-    lmp_->error->warning("fix mpm", 0,
-                         text_of(who_, "energy of the cement was ", now.imbalance < 0.0 ? "made" : "lost", ", ", 100.0 * std::fabs(now.imbalance),
+    mpdem::warn(lmp_, text_of(who_, "energy of the cement was ", now.imbalance < 0.0 ? "made" : "lost", ", ", 100.0 * std::fabs(now.imbalance),
                                  " % of the largest work or energy at step ", lmp_->update->ntimestep,
-                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator", limited)
-                             .c_str());
+                                 "; use one 'timestep', or a smaller one, and look for fixes and commands that move bonded grains besides their integrator", limited));
 }
 
 void CementReport::modes(Cement& c) {
@@ -340,7 +328,7 @@ void CementReport::modes(Cement& c) {
     if (c.keeps_skins()) text += text_of(", ", links_let_go(state[b]), " links let go");
     if (cracks.separated(b)) {
       text += shares_of(cracks[b].separation);
-      say(text + "\n");
+      tell(lmp_, text + "\n");
       continue;
     }
     const Cracks::Ahead& a = *of_next++;
@@ -352,12 +340,12 @@ void CementReport::modes(Cement& c) {
                       " points), and a crack through that would be ", Cracks::mode_of(a.surface), shares_of(a.surface));
       shares_nodes = shares_nodes || 2.0 * a.left < a.whole;
     }
-    say(text + "\n");
+    tell(lmp_, text + "\n");
   }
   const CementOptions& o = c.options();
   if (shares_nodes && !split_told_ && !o.split && !o.reprojects()) {
     split_told_ = true;
-    say(text_of(who_, "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix mpm parts them\n"));
+    tell(lmp_, text_of(who_, "with 'cracks bonds' the sides of a crack pull on each other until the whole bond is in two; 'cracks split' of fix mpm parts them\n"));
   }
   if (lines == kMostLines) sum_of_modes(c, static_cast<int>(lines));
 }
@@ -384,7 +372,7 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
     text += text_of(comma, mode.second, " ", mode.first);
     comma = ", ";
   }
-  say(text + "\n");
+  tell(lmp_, text + "\n");
 }
 
 // Returns the smallest jump that matters. The wave that it sends through the cement has a stress of 1 % of the
@@ -408,7 +396,7 @@ void CementReport::start(Cement& c) {
                    wave * s.speed, " through it; set velocities of grains before create_cement, or those of grains and points alike, and let grains that part do so from rest");
   }
   const std::string first = first_text(lmp_->world, text);
-  if (!first.empty() && lmp_->comm->me == 0) lmp_->error->warning("fix mpm", 0, first.c_str());
+  if (!first.empty()) mpdem::warn(lmp_, first);
 }
 
 void CementReport::jump(Cement& c) {
@@ -422,7 +410,7 @@ void CementReport::jump(Cement& c) {
   const std::string first = first_text(lmp_->world, text);
   if (first.empty()) return;
   jump_told_ = true;
-  if (lmp_->comm->me == 0) lmp_->error->warning("fix mpm", 0, first.c_str());
+  mpdem::warn(lmp_, first);
 }
 
 void CementReport::start_run(Cement& c) {

@@ -53,7 +53,6 @@ class CementReport {
   void modes(Cement& c);
 
  private:
-  void say(const std::string& text) const;
   void damping(Cement& c);
   void accelerations(Cement& c);  // warns once if they are imprecise
   void stop_if_not_positive(const Cement& c) const;

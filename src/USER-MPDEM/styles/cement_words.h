@@ -11,6 +11,7 @@
 
 #include "../cement/options.h"
 #include "../material/law.h"
+#include "word_rules.h"
 
 namespace mpdem {
 
@@ -25,12 +26,14 @@ struct CementWords {
   double step_fraction = 0.0;    // share of the limit; 0: the script sets the time step
   std::string events;            // name of the file of events, or empty
   double kinetic_share = kUsualKineticShare;  // above which fix mpm warns, 0: never
-  bool tied_given = false, transfer_given = false, cracks_given = false;
   std::vector<std::string> notes;  // words that have no effect any more
+  std::vector<SceneWords> said;    // all words, for word_rules.h
 };
 
 // Complains of words that are unknown, missing, out of range or do not go together.
 CementWords take_cement_words(Arguments& args);
+// Returns the keywords, a line each, see keywords.h.
+std::string listed_cement_words();
 
 }  // namespace mpdem
 

@@ -19,9 +19,9 @@
 #include "domain.h"
 #include "fix_mpm_couple.h"
 #include "group.h"
+#include "host_guards.h"
 #include "modify.h"
 #include "point_atoms.h"
-#include "scene_checks.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -81,16 +81,17 @@ void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
   std::copy(turned, turned + 6, r.damage);
 }
 
+// 2710 kg/m3 in the units of the script. 0 in units of which this is not known.
+double density_of_calcite(const std::string& units) { return units == "si" ? 2710.0 : units == "cgs" || units == "micro" ? 2.71 : 0.0; }
+
 }  // namespace
 
 void CreateCement::check_scene(const Arguments& args) const {
   if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
-  if (domain->dimension != 3 || domain->triclinic) args.complain("needs a three-dimensional orthogonal box");
   if (!AtomVecMpdem::of(lmp))
     args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
   if (atom->tag_enable == 0) args.complain("needs atom IDs");
-  const std::string trouble = mpdem::trouble_with_units(lmp);
-  if (!trouble.empty()) args.complain(trouble);
+  mpdem::check_host(mpdem::kCreation, {lmp, args.command() + ": "});
 }
 
 int CreateCement::group_of_points(const std::string& name) const {
@@ -164,9 +165,8 @@ void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, C
   wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
 }
 
-// Reads words up to the end of the command: shapes, each with its own words, and what holds for all. Returns what is
-// wrong with the type, or an empty text.
-std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
+// Reads words up to the end of the command: shapes, each with its own words, and what holds for all.
+void CreateCement::read_words(Arguments& args, CementWish& wish) {
   bool has_inner = false, has_film = false;
   while (!args.empty()) {
     const std::string key = args.word("a keyword");
@@ -209,13 +209,14 @@ std::string CreateCement::read_words(Arguments& args, CementWish& wish) {
     }
   }
   check_words(args, wish, has_inner, has_film);
-  if (wish.density == 0.0) wish.density = mpdem::density_of_calcite(lmp);
+  if (wish.density == 0.0) wish.density = density_of_calcite(update->unit_style);
   if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
   density_ = wish.density;
   if (type_ == 0) type_ = atom->ntypes;
-  if (type_ > atom->ntypes)
-    return text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box");
-  return mpdem::trouble_with_types(lmp, *AtomVecMpdem::of(lmp), type_);
+  if (type_ > atom->ntypes) args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
+  mpdem::HostView view{lmp, args.command() + ": ", AtomVecMpdem::of(lmp)};
+  view.new_type = type_;
+  mpdem::check_host(mpdem::kPoints, view);
 }
 
 void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner, bool has_film) const {
@@ -261,7 +262,7 @@ Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
 // Collective. Plans bonds of these pairs. The words are read after the first pair has been looked at.
 void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
   Arguments words = named(pairs[0], args);
-  plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { return read_words(words, wish); });
+  plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { read_words(words, wish); });
 }
 
 void CreateCement::cement_pair(Arguments& args) {
@@ -328,10 +329,7 @@ void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, cons
               " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1], "\n"));
 }
 
-void CreateCement::say(const std::string& text) {
-  for (FILE* f : {screen, logfile})
-    if (f && comm->me == 0) std::fprintf(f, "%s", text.c_str());
-}
+void CreateCement::say(const std::string& text) { mpdem::tell(lmp, text); }
 
 void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
 

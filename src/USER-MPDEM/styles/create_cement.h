@@ -36,7 +36,7 @@ class CreateCement : protected Pointers, private mpdem::CementMakerHost {
   // reading of words
   void check_scene(const mpdem::Arguments& args) const;
   int group_of_points(const std::string& name) const;
-  std::string read_words(mpdem::Arguments& args, mpdem::CementWish& wish);
+  void read_words(mpdem::Arguments& args, mpdem::CementWish& wish);
   void read_word_of_shape(const std::string& key, mpdem::Arguments& args, mpdem::CementWish& wish) const;
   void check_words(const mpdem::Arguments& args, const mpdem::CementWish& wish, bool has_inner, bool has_film) const;
   void cement_pair(mpdem::Arguments& args);

@@ -9,6 +9,10 @@
 #include "../geometry/shape.h"
 #include "../mpm/point_state.h"
 #include "../parallel/gather_ranks.h"
+#include "arguments.h"
+#include "comm.h"
+#include "files_in_use.h"
+#include "update.h"
 
 namespace mpdem {
 
@@ -48,62 +52,44 @@ FailureLog::Event FailureLog::event_at(const PointStore& points, int row, const 
   return e;
 }
 
-void FailureLog::add(const Bond& bond, const Body& body, long step, double time) {
+void FailureLog::add(const Bond& bond, const Body& body, Failed what, long step, double time) {
   if (name_.empty()) return;
-  const PointStore& points = bond.points;
-  const std::vector<int>& gone = bond.let_go_of_failed;
-  for (int slot : bond.failed) {
+  const PointStore& points = what == Failed::film ? bond.film.points : bond.points;
+  const auto note = [&](int slot, int grain) {
     Event e = event_at(points, bond.body, body, slot);
     e.step = step;
     e.time = time;
+    e.grain = grain;
+    events_.push_back(e);
+  };
+  const std::vector<int>& gone = bond.let_go_of_failed;
+  for (int slot : what == Failed::points ? bond.failed : std::vector<int>()) {
     // of two links, that of the nearer grain counts
     double place[3];
+    int grain = 0;
     for (int d = 0; d < 3; ++d) place[d] = points.created_at(slot / kLanes)[d][slot % kLanes];
     const int nearer = body.grain[nearer_side(body, nearer_to_first(body, place))];
     for (auto k = std::lower_bound(gone.begin(), gone.end(), slot, [&](int link, int s) { return points.links[link].slot < s; });
          k != gone.end() && points.links[*k].slot == slot; ++k)
-      if (e.grain == 0 || points.links[*k].grain == nearer) e.grain = points.links[*k].grain;
-    events_.push_back(e);
+      if (grain == 0 || points.links[*k].grain == nearer) grain = points.links[*k].grain;
+    note(slot, grain);
   }
+  for (int slot : what == Failed::film ? bond.film.failed : std::vector<int>()) note(slot, 0);
+  for (int link : what == Failed::film ? bond.film.debonded : what == Failed::links ? bond.link_step.let_go : std::vector<int>()) note(points.links[link].slot, points.links[link].grain);
 }
 
-void FailureLog::add_film(const Bond& bond, const Body& body, long step, double time) {
+void FailureLog::write(const LAMMPS_NS::Fix* fix, LAMMPS_NS::LAMMPS* lmp, const std::string& who, bool goes_on) {
   if (name_.empty()) return;
-  for (int slot : bond.film.failed) {
-    Event e = event_at(bond.film.points, bond.body, body, slot);
-    e.step = step;
-    e.time = time;
-    events_.push_back(e);
+  const bool first = lmp->comm->me == 0;
+  const auto check = [&](const std::string& why) {
+    stop_if_any(lmp, why.empty() ? why : text_of(who, "cannot write 'events' file ", why, "; name another, or use a disk with free space"));
+  };
+  if (!open_) {
+    check_only_writer(lmp, who, "events", name_, fix);
+    open_ = true;
+    check(first ? file_.open(name_, kHeader, goes_on ? lmp->update->get_cur_time() + 0.5 * lmp->update->dt : TableFile::kAnew) : "");
   }
-  for (int link : bond.film.debonded) {
-    const Link& k = bond.film.points.links[link];
-    Event e = event_at(bond.film.points, bond.body, body, k.slot);
-    e.step = step;
-    e.time = time;
-    e.grain = k.grain;
-    events_.push_back(e);
-  }
-}
-
-void FailureLog::add_links(const Bond& bond, const Body& body, long step, double time) {
-  if (name_.empty()) return;
-  for (int link : bond.link_step.let_go) {
-    const Link& k = bond.points.links[link];
-    Event e = event_at(bond.points, bond.body, body, k.slot);
-    e.step = step;
-    e.time = time;
-    e.grain = k.grain;
-    events_.push_back(e);
-  }
-}
-
-std::string FailureLog::open(MPI_Comm comm, double last_kept) {
-  open_ = true;
-  return rank_in(comm) == 0 ? file_.open(name_, kHeader, last_kept) : "";
-}
-
-std::string FailureLog::write(MPI_Comm comm) {
-  std::vector<Event> all = gather_on_first(comm, events_);
+  std::vector<Event> all = gather_on_first(lmp->world, events_);
   events_.clear();
   std::sort(all.begin(), all.end(), [](const Event& a, const Event& b) {
     return std::tie(a.step, a.point, a.grain) < std::tie(b.step, b.point, b.grain);
@@ -113,7 +99,7 @@ std::string FailureLog::write(MPI_Comm comm) {
     append(rows, "%ld,%.10g,%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.6f,%.6f,%.6f,%s\n", e.step, e.time, e.point, e.bond,
            e.grain, e.r, e.theta, e.z, e.damage[0], e.damage[1], e.damage[2], e.direction[0], e.direction[1], e.direction[2],
            e.grain > 0 ? "debonding" : "internal");
-  return rows.empty() ? "" : file_.write(rows);
+  check(rows.empty() ? "" : file_.write(rows));
 }
 
 }  // namespace mpdem

@@ -7,15 +7,16 @@
 #ifndef MPDEM_FAILURE_LOG_H
 #define MPDEM_FAILURE_LOG_H
 
-#include <mpi.h>
-
 #include <string>
 #include <vector>
 
 #include "../cement/bond.h"
+#include "fix.h"
 #include "table_file.h"
 
 namespace mpdem {
+
+enum class Failed { points, film, links };
 
 class FailureLog {
  public:
@@ -24,15 +25,12 @@ class FailureLog {
   const std::string& file() const { return name_; }
   bool is_open() const { return open_; }
 
-  // Note points that fail, with the links that let go with them, columns of a film that fail, and links that let go of
+  // Notes points that fail, with the links that let go with them, columns of a film that fail, or links that let go of
   // points that hold. A column that fails breaks inside.
-  void add(const Bond& bond, const Body& body, long step, double time);
-  void add_film(const Bond& bond, const Body& body, long step, double time);
-  void add_links(const Bond& bond, const Body& body, long step, double time);
-  // Collective. Opens the file as TableFile::open() does. Returns what went wrong, or an empty text.
-  std::string open(MPI_Comm comm, double last_kept);
-  // Collective. Writes the events that wait. Returns what went wrong, or an empty text.
-  std::string write(MPI_Comm comm);
+  void add(const Bond& bond, const Body& body, Failed what, long step, double time);
+  // Collective. Writes the events that wait, and opens the file first if need be. Stops in the name of `who` if that fails.
+  // goes_on: rows up to now stay.
+  void write(const LAMMPS_NS::Fix* fix, LAMMPS_NS::LAMMPS* lmp, const std::string& who, bool goes_on);
 
  private:
   struct Event {

@@ -3,11 +3,12 @@
 #include "fix_check_timestep_mpm.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <vector>
 
 #include "arguments.h"
 #include "atom_vec_mpdem.h"
-#include "comm.h"
-#include "error.h"
 #include "fix_mpm.h"
 #include "modify.h"
 #include "update.h"
@@ -30,6 +31,25 @@ FixCheckTimestepMpm::FixCheckTimestepMpm(LAMMPS* lmp, int narg, char** arg) : Fi
   global_freq = nevery;
 }
 
+namespace {
+
+// Collective. A number that changes if grains become free or prescribed, or lighter or heavier. Rounding differs with the ranks
+// that grains are on, so the sum is of whole numbers.
+double mark_of_free_grains(const std::vector<mpdem::Grain>& grains, MPI_Comm world) {
+  std::uint64_t mine = 0, sum;
+  for (const mpdem::Grain& g : grains)
+    for (int d = 0; d < 6; ++d) {
+      const double inertia = g.free[d] ? (d < 3 ? g.mass : g.inertia) : 0.0;
+      std::uint64_t bits;
+      std::memcpy(&bits, &inertia, sizeof bits);
+      mine += (bits ^ (bits >> 29)) * (2 * (6 * static_cast<std::uint64_t>(g.tag) + d) + 1) * 0x9e3779b97f4a7c15u >> 12;
+    }
+  MPI_Allreduce(&mine, &sum, 1, MPI_UINT64_T, MPI_SUM, world);
+  return static_cast<double>(sum >> 11);  // 53 bits
+}
+
+}  // namespace
+
 int FixCheckTimestepMpm::setmask() { return FixConst::END_OF_STEP; }
 
 void FixCheckTimestepMpm::init() {
@@ -42,7 +62,7 @@ void FixCheckTimestepMpm::init() {
 
 // Damage softens bonds, so a step that was stable once stays so, until there are other bonds, sub-steps or free grains.
 void FixCheckTimestepMpm::setup(int) {
-  const std::array<double, 3> scene = {static_cast<double>(cement_->cement()->bonds.table.size()), static_cast<double>(cement_->substeps()), cement_->mark_of_free_grains()};
+  const std::array<double, 3> scene = {static_cast<double>(cement_->cement()->bonds.table.size()), static_cast<double>(cement_->substeps()), mark_of_free_grains(cement_->engine().grains().grains, world)};
   if (scene != scene_) of_grains_ = cement_->stable_step(true);
   scene_ = scene;
   check();
@@ -58,7 +78,7 @@ void FixCheckTimestepMpm::check() {
       text_of("fix check/timestep/mpm (id ", id, "): time step ", update->dt, " is ", share_, " of the stable step ", limit_,
               limit_ < of_cement ? " of grains on their bonds at step " : " at step ", update->ntimestep, ", more than ", fraction_, "; use 'timestep ", fraction_ * limit_, "' or less");
   if (stop_) mpdem::stop_all(lmp, text);
-  if (comm->me == 0) error->warning("fix check/timestep/mpm", 0, text.c_str());
+  mpdem::warn(lmp, text, "fix check/timestep/mpm");
 }
 
 double FixCheckTimestepMpm::compute_vector(int n) { return n == 0 ? share_ : limit_; }

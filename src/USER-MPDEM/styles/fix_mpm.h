@@ -21,15 +21,18 @@ FixStyle(mpm,FixMpm)
 #include "../parallel/agree.h"
 #include "arguments.h"
 #include "atom_vec_mpdem.h"
+#include "auto_step.h"
 #include "bonded_atoms.h"
 #include "cement_report.h"
 #include "coupling_history.h"
 #include "failure_log.h"
 #include "fix.h"
 #include "hidden_points.h"
+#include "host_guards.h"
 #include "leaving_atoms.h"
 #include "point_ranks.h"
 #include "quasistatic_watch.h"
+#include "word_rules.h"
 
 namespace LAMMPS_NS {
 
@@ -78,9 +81,13 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::string failure_mode(int body) const { return cement_->cracks().mode(static_cast<std::size_t>(body)); }
 
   // Takes the coupling that fix mpm/couple hands over. There may be one at most.
-  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p);
+  // said: its words.
+  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
 
   const mpdem::Law& law() const { return cement_->law(); }
+  mpdem::Cement& engine() const { return *cement_; }
+  // Did fix_modify ask for points that are yet to be made?
+  bool wants_points() const;
   double cell() const { return cement_->options().cell; }
   const mpdem::CementOptions& options() const { return cement_->options(); }
   AtomVecMpdem* cement() const { return avec_; }
@@ -89,21 +96,21 @@ class FixMpm : public Fix, private mpdem::CementHost {
   void show_points();
   // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
   double stable_step(bool of_grains = false);
-  // Collective. A number that changes if grains become free or prescribed, or lighter or heavier.
-  double mark_of_free_grains();
   // Number of sub-steps of the cement in a step of LIGGGHTS.
-  int substeps() const;
+  int substeps() const { return step_->substeps(options()); }
   // Collective. Call after init() of all fixes. Needs a coupling. A run need not have begun.
   std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
   bool is_coupled() const { return cement_->penalty().has_value(); }
 
  private:
   std::array<double, 3> initial_velocity(int tag) override;
-  void points_failed(const mpdem::Bond& bond) override;
-  void film_failed(const mpdem::Bond& bond) override;
-  void refuse_film(const std::string& who, const std::string& word);
-  void links_let_go(const mpdem::Bond& bond) override;
+  void points_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::points); }
+  void film_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::film); }
+  void links_let_go(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::links); }
+  void refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here = true);
+  void add_film(std::vector<mpdem::SceneWords>& words);
   void slots_changed(const mpdem::Bond& bond) override;
+  void failed(const mpdem::Bond& bond, mpdem::Failed what);
 
   template <class F>
   void guarded(F f);
@@ -111,15 +118,14 @@ class FixMpm : public Fix, private mpdem::CementHost {
   mpdem::StepInput step_input() const;
   bool coupling_follows();
   void set_time_step(const Fix* running);
-  void set_time_step(const Fix* running, double limit, const mpdem::EigenvalueEstimate& e);
-  void warn_of_splits();
-  void tell_substeps();
   void fill_atoms();
   void show_homes(bool for_run);
   void watch_outside();
   void let_leave(bool points_too);
   void check_positions();
   void check_unprepared();
+  mpdem::HostView host() const { return {lmp, who(), avec_, this}; }
+  void take_density(const mpdem::HostView& view);
   void make_points_of_run();
   void make_points(const std::vector<int>& rows);
   void write_events();
@@ -129,24 +135,16 @@ class FixMpm : public Fix, private mpdem::CementHost {
   std::unique_ptr<mpdem::Cement> cement_;
   std::unique_ptr<mpdem::CementReport> report_;
   std::unique_ptr<mpdem::QuasistaticWatch> watch_;
+  std::unique_ptr<mpdem::AutoStep> step_;
   mpdem::BondedAtoms atoms_;
   mpdem::FailureLog failures_;
+  std::vector<mpdem::SceneWords> words_;  // of the script
   mpdem::CouplingHistory coupling_;
   mpdem::HiddenPoints hidden_;
   mpdem::PointRanks ranks_;
   mpdem::LeavingAtoms leaving_;
   std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
-  bigint points_expected_ = -1;
-  double step_fraction_ = 0.0;  // share of the limit; 0: the script sets the time step
-  bool prepared_ = false;           // true if the run that begins was prepared, as by default; false with `pre no`
-  std::size_t prepared_bonds_ = 0;  // number of bonds when a run was prepared last
-  bigint atoms_at_end_ = 0;         // number of atoms at the end of the last run
-  double dt_at_end_ = 0.0;          // time step at that end
-  bool splits_told_ = false;
-  double auto_step_ = 0.0;      // time step that `timestep auto S` found last
-  double auto_share_ = 0.0;     // its S
-  double longest_substep_ = 0.0;  // for `subcycle auto`
-  int substeps_told_ = 0;
+  bool prepared_ = false;       // true if the run that begins was prepared, as by default; false with `pre no`
   bool all_points_ = false;       // points of all bonds are made when a run starts
   double memory_limit_ = 0.0;   // memory of a rank, bytes
 };

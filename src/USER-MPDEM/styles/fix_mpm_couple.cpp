@@ -15,9 +15,9 @@
 #include "domain.h"
 #include "error.h"
 #include "files_in_use.h"
-#include "local_atom.h"
+#include "host_guards.h"
+#include "keywords.h"
 #include "modify.h"
-#include "prescribed_motion.h"
 #include "update.h"
 
 namespace LAMMPS_NS {
@@ -28,16 +28,36 @@ using namespace FixConst;
 
 namespace {
 
-const std::vector<std::string> kKeywords = {"kn", "kt", "length", "at", "damping", "csv", "interface", "friction"};
-
 // Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
 // (doc/fix_mpm_couple.md).
 constexpr double kAutoOverC33 = 200.0;
 // Contact of places that let go is not stiffer than this over one cell. Links are stiffer, since the stiffness of the bond
 // is theirs. Contact has to do with little added mass, so that impacts take little energy (PenaltyParameters::most_contact).
 constexpr double kContactOverC33 = 5.0;
-
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
+
+using Words = mpdem::CouplingWords;
+using Key = mpdem::Keyword<Words>;
+
+double stiffness(Arguments& args, const Key& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
+
+const std::vector<Key>& keywords() {
+  using mpdem::traction_entries;
+  static const std::vector<Key> all = {
+      {"kn", "auto or pressure", "auto", [](Arguments& args, const Key& k, Words& w) { w.kn = stiffness(args, k); }},
+      {"kt", "auto or pressure", "auto", [](Arguments& args, const Key& k, Words& w) { w.kt = stiffness(args, k); }},
+      {"length", "cell or length", "cell", [](Arguments& args, const Key& k, Words& w) { w.length = args.accept("cell") ? -1.0 : args.positive(k.name, " or 'cell'"); }},
+      {"at", "surface or points", "surface", [](Arguments& args, const Key& k, Words& w) { w.at_surface = k.is(args, "surface"); }},
+      {"damping", "ratio", "0", [](Arguments& args, const Key& k, Words& w) { w.damping = args.between(k.name, 0.0, mpdem::kMostDamping, "share of critical damping"); }},
+      {"interface", mpdem::names_listed(traction_entries()), "penalty", [](Arguments& args, const Key& k, Words& w) { w.interface = mpdem::read_choice(args, k.name, traction_entries()); }},
+      {"friction", "mu", "", [](Arguments& args, const Key& k, Words& w) { w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction"); }},
+      {"csv", "N file", "", [](Arguments& args, const Key& k, Words& w) {
+         w.table_every = args.integer(k.name, 1);
+         w.table_name = args.word("a file name for 'csv'");
+       }},
+  };
+  return all;
+}
 
 }  // namespace
 
@@ -51,33 +71,14 @@ FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, a
   cement_ = find_cement();
   if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
   count_bonds();
-  while (!args.empty()) {
-    const std::string key = args.word("a keyword");
-    args.once(key);
-    if (key == "kn") {
-      kn_ = args.accept("auto") ? -1.0 : args.positive(key, " or 'auto'");
-    } else if (key == "kt") {
-      kt_ = args.accept("auto") ? -1.0 : args.positive(key, " or 'auto'");
-    } else if (key == "length") {
-      length_ = args.accept("cell") ? -1.0 : args.positive(key, " or 'cell'");
-    } else if (key == "at") {
-      at_surface_ = args.choice(key, {"surface", "points"}) == "surface";
-    } else if (key == "damping") {
-      damping_ = args.between(key, 0.0, mpdem::kMostDamping, "share of critical damping");
-    } else if (key == "interface") {
-      interface_ = mpdem::read_choice(args, key, mpdem::traction_entries());
-    } else if (key == "friction") {
-      friction_ = args.between(key, 0.0, kMostFriction, "coefficient of friction");
-    } else if (key == "csv") {
-      table_every_ = args.integer(key, 1);
-      table_name_ = args.word("a file name for 'csv'");
-    } else {
-      std::vector<std::string> known(kKeywords);
-      for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
-      args.unknown(key, known);
-    }
-  }
+  said_ = mpdem::take_keywords(args, keywords(), words_, [&](const std::string& key) {
+    std::vector<std::string> known = mpdem::names_of(keywords());
+    for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
+    args.unknown(key, known);
+  });
 }
+
+std::string FixMpmCouple::listed_words() { return mpdem::listed("fix mpm/couple", keywords()); }
 
 // A name with [1] has to be taken before there are bonds.
 void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }
@@ -102,45 +103,27 @@ int FixMpmCouple::setmask() { return END_OF_STEP; }
 void FixMpmCouple::init() {
   take_cement();
   count_bonds();
-  const double per_length = 1.0 / (length_ < 0.0 ? cement_->cell() : length_);
+  const double per_length = 1.0 / (words_.length < 0.0 ? cement_->cell() : words_.length);
   const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
   mpdem::PenaltyParameters p;
-  p.law = interface_.make(mpdem::TractionStiffness{(kn_ < 0.0 ? automatic : kn_) * per_length, (kt_ < 0.0 ? automatic : kt_) * per_length});
+  p.law = words_.interface.make(mpdem::TractionStiffness{(words_.kn < 0.0 ? automatic : words_.kn) * per_length, (words_.kt < 0.0 ? automatic : words_.kt) * per_length});
   const std::string wrong = p.law->trouble();
   if (!wrong.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", p.law->name(), "': ", wrong));
   mpdem::check_links(lmp, text_of("fix mpm/couple (id ", id, "): "), *cement_->cement(), *p.law);
   warn_of_length(*p.law);
-  check_rounding("kn", kn_, per_length);
-  check_rounding("kt", kt_, per_length);
-  p.damping = damping_;
-  p.at_surface = at_surface_;
-  p.friction = friction_;
+  check_rounding("kn", words_.kn, per_length);
+  check_rounding("kt", words_.kt, per_length);
+  p.damping = words_.damping;
+  p.at_surface = words_.at_surface;
+  p.friction = words_.friction;
   p.most_contact = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
-  check_friction();
-  cement_->set_coupling(this, p);
+  cement_->set_coupling(this, p, said_);
 
-  std::string trouble;
-  for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int s = 0; s < 2; ++s) {
-      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
-      if (i >= 0 && !(atom->mask[i] & groupbit))
-        trouble = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is not in the group of this fix; use the group of all grains");
-    }
-  mpdem::stop_if_any(lmp, trouble);
-  check_integrators();
+  mpdem::HostView view{lmp, text_of("fix mpm/couple (id ", id, "): "), cement_->cement(), cement_};
+  view.couple = this;
+  mpdem::check_host(mpdem::kCoupling | (update->nsteps > 0 ? mpdem::kSteps : 0u), view);  // `run 0` moves nothing
 
   open_table();
-}
-
-// Places that let go keep their reference, so friction needs a reference that stays.
-void FixMpmCouple::check_friction() {
-  const mpdem::CementOptions& o = cement_->options();
-  if (friction_ >= 0.0 && o.split && o.mass_order > 1)
-    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' finds the forces between faces of cracks with lumped masses, and fix mpm '", cement_id_,
-                                 "' has 'cracks split' and 'mass_order ", o.mass_order, "'; use 'mass_order 1', 'cracks bonds' or no 'friction'"));
-  if (friction_ < 0.0 || !(o.updated || o.reproject_distortion > 0.0)) return;
-  mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'friction' needs a reference that stays, and fix mpm '", cement_id_, "' has '",
-                               o.updated ? "kinematics updated" : "reproject auto", "'; use 'kinematics total' without 'reproject auto', or no 'friction'"));
 }
 
 // Warns if cells do not resolve the length over which an interface with a strength and an energy softens.
@@ -151,56 +134,9 @@ void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
   const double cell = cement_->cell();
   for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))
     if (s.length < kLeastCells * cell)
-      error->warning("fix mpm/couple", 0,
-                     text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
+      mpdem::warn(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
                              kLeastCells, " cells of ", cell, ", so that peak and energy of a bond go with the cell; use 'cell ", s.length / kLeastCells,
-                             "' or less, or ", s.cure)
-                         .c_str());
-}
-
-// A bonded grain follows one integrator, or is held on purpose.
-void FixMpmCouple::check_integrators() {
-  if (update->nsteps == 0) return;  // `run 0` moves nothing
-  std::string trouble;
-  for (const mpdem::Body& b : cement_->cement()->bonds.table)
-    for (int s = 0; s < 2; ++s) {
-      const int tag = b.grain[s], i = b.has_grain(s) ? mpdem::local_atom(*atom, tag) : -1;
-      if (i < 0 || !trouble.empty()) continue;
-      const Fix* mover = nullptr;
-      bool frozen = false;
-      const std::string who = text_of("fix mpm/couple (id ", id, "): bonded grain ", tag, " is ");
-      for (int k = 0; k < modify->nfix && trouble.empty(); ++k) {
-        const Fix* fix = modify->fix[k];
-        if (!(atom->mask[i] & fix->groupbit)) continue;
-        frozen = frozen || std::string(fix->style) == "freeze";
-        if (std::string(fix->style) == "momentum")
-          trouble = who + text_of("in the group of fix '", fix->id, "' (momentum), which changes velocities behind the back of its cement; take it out of that group, or unfix that fix");
-        if (!fix->time_integrate) continue;
-        if (mover)
-          trouble = who + text_of("moved by two fixes, '", mover->id, "' (", mover->style, ") and '", fix->id, "' (", fix->style,
-                                  "), twice as far as it should be; take it out of the group of one, or unfix one");
-        else if (fix->rigid_flag)
-          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), which moves several as one body, and cement takes each of its grains for a body; "
-                                  "move it by 'fix nve/sphere' or 'fix move'");
-        else if (cement_->options().subcycle != 1 && !mpdem::moves_as_substeps_do(*fix))
-          trouble = who + text_of("moved by fix '", fix->id, "' (", fix->style, "), and with 'subcycle' of fix mpm (id ", cement_->id,
-                                  ") free grains are moved as by 'fix nve/sphere'; use that, or 'subcycle no'");
-        mover = fix;
-      }
-      if (trouble.empty()) {
-        const std::string of_forces = mpdem::trouble_with_forces(lmp, i, modify->find_fix(cement_id_.c_str()));
-        if (!of_forces.empty()) trouble = who + of_forces;
-      }
-      if (mover || !trouble.empty()) continue;
-      bool still = true;
-      for (int d = 0; d < 3; ++d) still = still && atom->v[i][d] == 0.0 && atom->omega[i][d] == 0.0;
-      if (!frozen)
-        trouble = who + "moved by no fix, so that its load would be lost; give it to a 'fix nve/sphere' or 'fix move', or hold it "
-                        "with 'fix freeze' or 'fix move linear 0 0 0'";
-      else if (!still)
-        trouble = who + "held by 'fix freeze', but has a velocity, which its cement would feel; set it to 0 with 'velocity' and 'set'";
-    }
-  mpdem::stop_if_any(lmp, trouble);
+                             "' or less, or ", s.cure), "fix mpm/couple");
 }
 
 // Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.
@@ -212,25 +148,25 @@ void FixMpmCouple::check_rounding(const char* keyword, double given, double per_
   const double k = given < 0.0 ? kAutoOverC33 * C33 : given;
   const double most = std::max(kAutoOverC33 / cell, kMostStrain / (std::numeric_limits<double>::epsilon() * far)) * C33 * length;
   if (k <= most) return;
-  const std::string over = length_ < 0.0 ? "" : text_of(" over 'length ", length_, "'");
+  const std::string over = words_.length < 0.0 ? "" : text_of(" over 'length ", words_.length, "'");
   const std::string cure = given < 0.0 || length < cell ? text_of("leave 'length' out, which is the cell, ", cell, ", or use at least ", length * k / most)
                                                         : text_of("use '", keyword, " auto', which is ", kAutoOverC33, " C33, or at most ", most);
   mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): '", keyword, given < 0.0 ? std::string(" auto'") : text_of(" ", given, "'"), over, " is ", k / C33,
-                               " times the stiffness of the cement, C33 ", C33, length_ < 0.0 ? "" : text_of(", over ", length / cell, " of a cell"),
+                               " times the stiffness of the cement, C33 ", C33, words_.length < 0.0 ? "" : text_of(", over ", length / cell, " of a cell"),
                                ", so that the rounding of positions would load the bonds; ", cure));
 }
 
 // Rows of a run that went on before stay, whether in this program or in that of the restart file. The row of the last
 // step of all is one of them, since the set-up of this run has velocities of another time.
 void FixMpmCouple::open_table() {
-  if (table_every_ == 0) return;
+  if (words_.table_every == 0) return;
   const std::string who = text_of("fix mpm/couple (id ", id, "): ");
-  mpdem::check_only_writer(lmp, who, "csv", table_name_, this);
+  mpdem::check_only_writer(lmp, who, "csv", words_.table_name, this);
   if (table_open_) return;
   std::string header = "step,time,bond,grain1,grain2", trouble;
   for (const mpdem::BondColumn& c : mpdem::bond_columns()) header += text_of(",", c.name);
   if (comm->me == 0)
-    trouble = table_.open(table_name_, header + ",mode", cement_->in_motion() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew);
+    trouble = table_.open(words_.table_name, header + ",mode", cement_->in_motion() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew);
   stop_if_not_written(trouble);
   table_open_ = true;
   int kept = comm->me == 0 && table_.kept_to() == static_cast<long>(update->ntimestep);
@@ -248,7 +184,7 @@ void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
 void FixMpmCouple::setup(int) { end_of_step(); }
 
 void FixMpmCouple::end_of_step() {
-  if (table_every_ > 0 && update->ntimestep % table_every_ == 0) write_table();
+  if (words_.table_every > 0 && update->ntimestep % words_.table_every == 0) write_table();
 }
 
 void FixMpmCouple::write_table() {

@@ -18,11 +18,28 @@ FixStyle(mpm/couple,FixMpmCouple)
 #include "fix_mpm.h"
 #include "law_words.h"
 
+namespace mpdem {
+
+struct CouplingWords {
+  double kn = -1.0, kt = -1.0, length = -1.0;  // negative: auto for kn and kt, the cell for the length
+  Choice<TractionEntry> interface{&traction_entries().front(), {}};
+  double damping = 0.0;
+  double friction = -1.0;  // below 0: what let go touches nothing
+  bool at_surface = true;
+  int table_every = 0;
+  std::string table_name;
+};
+
+}  // namespace mpdem
+
 namespace LAMMPS_NS {
 
 class FixMpmCouple : public Fix {
  public:
   FixMpmCouple(LAMMPS* lmp, int narg, char** arg);
+
+  // Returns the keywords, a line each, see keywords.h.
+  static std::string listed_words();
 
   int setmask() override;
   void init() override;
@@ -36,15 +53,13 @@ class FixMpmCouple : public Fix {
   // ave/time look at it when they are defined.
   void count_bonds();
   // Name of the file of the table, or empty.
-  const std::string& table_name() const { return table_name_; }
+  const std::string& table_name() const { return words_.table_name; }
   bool table_open() const { return table_open_; }
 
  private:
   FixMpm* find_cement() const;
   void take_cement();
   void check_bond(int body);
-  void check_friction();
-  void check_integrators();
   void warn_of_length(const mpdem::TractionLaw& law);
   void check_rounding(const char* keyword, double given, double per_length) const;
   double value(int body, int column);
@@ -54,13 +69,8 @@ class FixMpmCouple : public Fix {
 
   std::string cement_id_;
   FixMpm* cement_ = nullptr;
-  double kn_ = -1.0, kt_ = -1.0, length_ = -1.0;  // negative: auto for kn and kt, the cell for the length
-  mpdem::Choice<mpdem::TractionEntry> interface_{&mpdem::traction_entries().front(), {}};
-  double damping_ = 0.0;
-  double friction_ = -1.0;  // below 0: what let go touches nothing
-  bool at_surface_ = true;
-  int table_every_ = 0;
-  std::string table_name_;
+  mpdem::CouplingWords words_;
+  std::vector<std::string> said_;  // these as the script has them, see keywords.h
   mpdem::TableFile table_;
   bool table_open_ = false, length_told_ = false;
   bigint table_last_ = -1;

@@ -4,14 +4,12 @@
 // Reads and writes what fix mpm has in restart files.
 #include <malloc.h>
 
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <vector>
 
 #include "arguments.h"
 #include "comm.h"
-#include "error.h"
 #include "fix_mpm.h"
 #include "update.h"
 
@@ -27,9 +25,7 @@ void FixMpm::write_restart(FILE* fp) {
   write_events();                       // a run that goes on from the file does not tell of these events again
   mpdem::CementHead head;
   head.time = update->get_cur_time();
-  head.auto_step = auto_step_;
-  head.auto_share = auto_share_;
-  head.longest_substep = std::isfinite(longest_substep_) ? longest_substep_ : 0.0;
+  step_->save(head);
   head.links = coupling_.so_far();
   const std::vector<double> all = cement_->packed_state(head);
   avec_->write_with_points(cement_->packed_nodes());
@@ -72,14 +68,11 @@ void FixMpm::restart(char* buf) {
   guarded([&] { cement_->restore(head, in, nodes); });
   mpdem::stop_if_any(lmp, damaged(in.trouble()));  // the nodes are those of this rank
   const std::string others = cement_->other_words_than(head);
-  if (!others.empty() && comm->me == 0)
-    error->warning("fix mpm", 0, text_of(who(), "the cement goes on with other words than in the steps before the restart file: ", others).c_str());
+  if (!others.empty()) mpdem::warn(lmp, text_of(who(), "the cement goes on with other words than in the steps before the restart file: ", others));
   // LIGGGHTS' files do not have the time, and it would begin at 0 again.
   update->atime = head.time;
   update->atimestep = update->ntimestep;
-  auto_step_ = head.auto_step;
-  auto_share_ = head.auto_share;
-  longest_substep_ = head.longest_substep;
+  step_->restore(head);
   coupling_.restore(head.links);
 }
 

@@ -41,6 +41,14 @@ Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std
   return c;
 }
 
+// Returns the names of the laws, as `a, b or c`.
+template <class Entry>
+std::string names_listed(const std::vector<Entry>& entries) {
+  std::string all;
+  for (const Entry& e : entries) all += (&e == &entries.front() ? "" : &e == &entries.back() ? " or " : ", ") + e.name;
+  return all;
+}
+
 // Returns words for messages, such as "and after 'damage tensor' B0, cutoff ...", of each law that has words.
 template <class Entry>
 std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {

@@ -6,13 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "../numerics/length.h"
 #include "../numerics/sort_unique.h"
 #include "arguments.h"
 #include "atom.h"
-#include "comm.h"
 #include "domain.h"
 #include "local_atom.h"
 #include "update.h"
@@ -30,7 +28,11 @@ bool left_the_box(const Domain& box, int d, double x) {
   return (box.boundary[d][0] == kFixedBoundary && x < box.boxlo[d]) || (box.boundary[d][1] == kFixedBoundary && x >= box.boxhi[d]);
 }
 
+// x: place of the point of atom i at `slot`.
 void LeavingAtoms::show(int i, int body, int slot, double* x) {
+  // `remap` of the old flags cannot be used, since x is unwrapped here.
+  atom->image[i] = ((tagint)IMGMAX << IMG2BITS) | ((tagint)IMGMAX << IMGBITS) | IMGMAX;
+  domain->remap(x, atom->image[i]);
   bool noted = false;
   for (int d = 0; d < 3; ++d) {
     if (!left_the_box(*domain, d, x[d])) continue;
@@ -38,6 +40,39 @@ void LeavingAtoms::show(int i, int body, int slot, double* x) {
     noted = true;
     x[d] = x[d] < domain->boxlo[d] ? domain->boxlo[d] : std::nextafter(domain->boxhi[d], domain->boxlo[d]);
   }
+}
+
+void LeavingAtoms::show_points(const AtomVecMpdem& avec, Report& report) {
+  outside_.clear();
+  int lost = -1;
+  std::vector<Report::PointMotionNow> motion;
+  const auto show_store = [&](const Bond& bond, const PointStore& points, int first_slot) {
+    const Body& body = avec.bonds.body(bond);
+    const Mat3<double> axes = axes_of(body);
+    for (std::size_t b = 0; b < motion.size(); ++b)
+      for (int l = 0; l < kLanes; ++l) {
+        const int i = points.meta[b].occupied >> l & 1 ? local_atom(*atom, points.tags[b][l]) : -1;
+        if (i < 0) continue;
+        double place[3], velocity[3];
+        for (int d = 0; d < 3; ++d) {
+          place[d] = points.blocks[b].X[d][l] + motion[b].u[d][l];
+          velocity[d] = motion[b].v[d][l];
+        }
+        const std::array<double, 3> x = place_in_box(body, axes, place), v = turned(axes, velocity);
+        std::copy(x.begin(), x.end(), atom->x[i]);
+        std::copy(v.begin(), v.end(), atom->v[i]);
+        if (std::isfinite(x[0] + x[1] + x[2])) show(i, bond.body, first_slot + kLanes * static_cast<int>(b) + l, atom->x[i]);
+        else lost = i;
+      }
+  };
+  for (const Bond& bond : avec.bonds) {
+    report.motion_of_points(bond, motion);
+    show_store(bond, bond.points, 0);
+    report.motion_of_film(bond, motion);
+    show_store(bond, bond.film.points, Bond::kFilm);
+  }
+  stop_if_any(lmp, lost < 0 ? "" : text_of(who_, "the position of material point ", atom->tag[lost], " is not finite at step ", update->ntimestep,
+                                           "; check the motion of the grains, the time step and the contact model"));
 }
 
 bool LeavingAtoms::some_are_outside() const {
@@ -152,7 +187,7 @@ void LeavingAtoms::stop_if_wrong(const Leaving& leaving, bigint of_all, double c
                           "bond as a whole, and crumbs that hold to no grain; delete a grain whose bonds are separated, and its cement goes with it"));
 }
 
-bigint LeavingAtoms::remove(const std::vector<int>& tags) {
+void LeavingAtoms::remove(const std::vector<int>& tags) {
   bigint mine[2] = {static_cast<bigint>(tags.size()), 0}, all[2];  // points, and atoms among them
   for (int tag : tags) {
     const int i = local_atom(*atom, tag);
@@ -173,11 +208,8 @@ bigint LeavingAtoms::remove(const std::vector<int>& tags) {
   outside_.clear();
   if (all[0] > 0 && !told_) {
     told_ = true;
-    if (comm->me == 0)
-      for (FILE* f : {screen, logfile})
-        if (f) std::fprintf(f, "%s\n", text_of(who_, all[0], " points of cement left the scene at step ", update->ntimestep, ", since they hold to no grain that stays; later ones are counted, not told").c_str());
+    tell(lmp, text_of(who_, all[0], " points of cement left the scene at step ", update->ntimestep, ", since they hold to no grain that stays; later ones are counted, not told\n"));
   }
-  return all[0];
 }
 
 }  // namespace mpdem

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "../cement/departures.h"
+#include "../cement/report.h"
 #include "atom_vec_mpdem.h"
 #include "pointers.h"
 
@@ -25,9 +26,8 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
   // who: name of the command, for complaints.
   LeavingAtoms(LAMMPS_NS::LAMMPS* lmp, std::string who) : Pointers(lmp), who_(std::move(who)) {}
 
-  // Call begin() before points are shown, and show() for each. slot: of the point. It brings a place that is beyond a side onto it.
-  void begin() { outside_.clear(); }
-  void show(int atom, int body, int slot, double* x);
+  // Collective. Brings positions and velocities of the atoms of points up to date. A place that is beyond a side is brought onto it.
+  void show_points(const LAMMPS_NS::AtomVecMpdem& avec, Report& report);
   // Collective. Was a point of some rank beyond a side?
   bool some_are_outside() const;
   // Collective. May cement that failed have come beyond a side? Looks at nodes, between which points are.
@@ -41,8 +41,8 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
   // Collective. Stops if something is attached to a grain that stays, or if what leaves is so fast that the motion must be unstable.
   // of_all: number of all points. dt: time step of the cement.
   void stop_if_wrong(const Leaving& leaving, LAMMPS_NS::bigint of_all, double cell, double dt) const;
-  // Collective. Deletes the atoms of these points of this rank, where a command has not. Returns the number of points of all ranks.
-  LAMMPS_NS::bigint remove(const std::vector<int>& tags);
+  // Collective. Deletes the atoms of these points of this rank, where a command has not. 
+  void remove(const std::vector<int>& tags);
 
   // Text about what to do with an atom that is out of the box, by its speed.
   std::string flight(int i, double cell, double dt) const;
@@ -52,6 +52,7 @@ class LeavingAtoms : protected LAMMPS_NS::Pointers {
     int atom, body, slot, direction;
     double x;
   };
+  void show(int i, int body, int slot, double* x);
   std::string place(int d, double x) const;
 
   std::string who_;

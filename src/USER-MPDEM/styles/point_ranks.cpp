@@ -5,13 +5,12 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 
 #include "../numerics/sort_unique.h"
-#include "../numerics/text_of.h"
 #include "../parallel/gather_ranks.h"
+#include "arguments.h"
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -176,13 +175,10 @@ bool PointRanks::find_homes(AtomVecMpdem& avec) {
 void PointRanks::tell(const std::string& who, const AtomVecMpdem& avec) {
   if (!balance_ || comm->nprocs == 1) return;
   is_uneven(avec);
-  if (comm->me != 0) return;
   const std::vector<Body>& table = avec.bonds.table;
   const auto given = std::count_if(table.begin(), table.end(), [](const Body& b) { return b.home > 0; });
-  for (FILE* f : {screen, logfile})
-    if (f)
-      std::fprintf(f, "%s", text_of(who, "balance: the rank with most work has ", last_, " of the mean, ", worst_, " at most in this run; ranks were given ", given,
-                                    " bonds\n").c_str());
+  mpdem::tell(lmp, text_of(who, "balance: the rank with most work has ", last_, " of the mean, ", worst_, " at most in this run; ranks were given ", given,
+                                    " bonds\n"));
 }
 
 }  // namespace mpdem

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <initializer_list>
-#include <string>
 
-#include "../numerics/text_of.h"
 #include "atom.h"
 #include "fix.h"
 #include "fix_move.h"
@@ -66,29 +64,5 @@ PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom) {
   }
   return p;
 }
-
-std::string trouble_with_forces(LAMMPS_NS::LAMMPS* lmp, int atom, int cement_fix) {
-  const LAMMPS_NS::Modify& modify = *lmp->modify;
-  bool follows_forces = false;
-  for (int k = 0; k < modify.nfix; ++k) {
-    const LAMMPS_NS::Fix* fix = modify.fix[k];
-    follows_forces = follows_forces || ((lmp->atom->mask[atom] & fix->groupbit) && fix->time_integrate && !is(fix, {"move", "nve/noforce"}));
-  }
-  for (int k = 0; k < modify.nfix && follows_forces; ++k) {
-    const LAMMPS_NS::Fix* fix = modify.fix[k];
-    if (!(lmp->atom->mask[atom] & fix->groupbit)) continue;
-    const std::string name = text_of("fix '", fix->id, "' (", fix->style, ")");
-    if (is(fix, {"aveforce", "planeforce", "lineforce"}))
-      return text_of("in the group of ", name, ", which gives it another force than its cement knows of; hold a direction by 'fix setforce' with 0 and NULL, or move it by 'fix move'");
-    const auto* set = dynamic_cast<const FixSetForce*>(fix);
-    if (set && members_of(set).in_region)
-      return text_of("in the group of ", name, ", which sets forces in a region only, and its cement has to know whether it is held; use a group of what is held, and no region");
-    if ((set || is(fix, {"freeze"})) && k < cement_fix)
-      return text_of("held by ", name, ", which comes before fix mpm, whose forces it does not take away; define it after fix mpm and fix mpm/couple");
-  }
-  return "";
-}
-
-bool moves_as_substeps_do(const LAMMPS_NS::Fix& fix) { return is(&fix, {"nve/sphere", "nve", "move", "nve/noforce"}); }
 
 }  // namespace mpdem

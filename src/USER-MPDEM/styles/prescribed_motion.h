@@ -6,10 +6,7 @@
 #ifndef MPDEM_PRESCRIBED_MOTION_H
 #define MPDEM_PRESCRIBED_MOTION_H
 
-#include <string>
-
 namespace LAMMPS_NS {
-class Fix;
 class LAMMPS;
 }
 
@@ -22,11 +19,6 @@ struct PrescribedMotion {
 };
 
 PrescribedMotion prescribed_motion(LAMMPS_NS::LAMMPS* lmp, int atom);
-// Names the fix that changes the force of a free grain in a way that its cement does not follow, or is empty. The text goes
-// after "bonded grain 1 is ". cement_fix: place of fix mpm in the list of fixes.
-std::string trouble_with_forces(LAMMPS_NS::LAMMPS* lmp, int atom, int cement_fix);
-// Does the fix move free grains by the velocity Verlet steps that sub-steps take, or prescribe their motion?
-bool moves_as_substeps_do(const LAMMPS_NS::Fix& fix);
 
 }  // namespace mpdem
 

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comm.h"
-#include "error.h"
+#include "arguments.h"
 #include "update.h"
 
 namespace mpdem {
@@ -60,15 +59,12 @@ void QuasistaticWatch::look(Cement& c) {
 
 void QuasistaticWatch::warn(const Cement& c) {
   told_ = true;
-  if (lmp_->comm->me != 0) return;
   const double share = median_share(), faster = std::sqrt(share / limit_), scale = c.options().mass_scale;
   const double less = scale / (faster * faster);
   const std::string scaled = less >= 1.0 ? text_of(", or 'quasistatic ", less, "' or less in the place of ", scale) : std::string();
-  lmp_->error->warning("fix mpm", 0,
-                       text_of(who_, "cement began to break after step ", at_, " with a kinetic share of the energy of ", share, ", more than ", limit_,
+  mpdem::warn(lmp_, text_of(who_, "cement began to break after step ", at_, " with a kinetic share of the energy of ", share, ", more than ", limit_,
                                " ('kinetic_share'): the load is not quasi-static, and cement bears more than it does under a slow one; move plates and grains ", faster,
-                               " times as slowly", scaled, ", or let motion die away before; where motion is meant use 'kinetic_share no'")
-                           .c_str());
+                               " times as slowly", scaled, ", or let motion die away before; where motion is meant use 'kinetic_share no'"));
 }
 
 }  // namespace mpdem
