@@ -11,11 +11,12 @@ What may be combined has to be thought of wherever one option asks about another
 
 A condition is a line where an expression that is tested has the option: what stands in if, while, for or switch, beside
 &&, || or a comparison, behind ! or before ?, or what a function returns as a bool. An option that is handed on as an argument
-is none. Comments, words in quotes and lines of the preprocessor are left out. Renaming does not help:
+is none, and neither is a loop over some of the bonds. Comments, words in quotes and lines of the preprocessor are left out.
+Renaming does not help:
 
 * a function of one line that returns a bool and asks for an option stands for that option, and so does one that rests on it.
   Its uses count, besides the line that defines it. Uses of a function of another type, whose line tests the option, count
-  wherever they stand.
+  wherever they stand. A function of a .cpp file stands for it in that file.
 * a local name that has an option as its value stands for it to the end of its block.
 
 What stands for several options counts for the first of the table. A line that asks for two options counts for both, and is
@@ -92,7 +93,7 @@ def is_tested(text, start, end, returns):
             return True
         if opening in "{};" and returns and re.match(r"\s*return\b", expression):
             return True
-        if opening == ":" and closing == ")" or opening == ";" and closing == ";" or opening == "(":  # a range, a test of `for`, or a bracket
+        if opening == ";" and closing == ";" or opening == "(":  # a test of `for`, or a bracket
             bracket = first if opening == "(" else edge(text, first - 1, -1)[0]
             while text[bracket] in ";:,?=":
                 bracket = edge(text, bracket - 1, -1)[0]
@@ -109,7 +110,7 @@ def helpers(texts, options):
     """{option: pattern of what stands for it, pattern of what asks for it wherever it stands}."""
     tested = {name: pattern for name, pattern, own in options}
     always = {name: r"(?!)" for name in tested}
-    functions = {m[2]: m for text in texts.values() for m in ONE_LINE.finditer(text)}
+    functions = {m[2]: m for text in texts for m in ONE_LINE.finditer(text)}
     taken, size = {}, -1
     while size != len(taken):
         size = len(taken)
@@ -143,9 +144,11 @@ def conditions(root, options=OPTIONS):
     root = Path(root)
     files = {p.relative_to(root).as_posix(): p.read_text() for p in sorted(root.rglob("*")) if p.suffix in CODE}
     texts = {name: bare(text) for name, text in files.items()}
-    patterns = helpers(texts, options)
+    headers = [text for name, text in texts.items() if name.endswith(".h")]
+    patterns_of_headers = helpers(headers, options)
     found = {name: set() for name, _, _ in options}
     for file, text in texts.items():
+        patterns = patterns_of_headers if file.endswith(".h") else helpers([*headers, text], options)  # a .cpp file has functions of its own
         returning = [(m.start(), m.end()) for m in ONE_LINE.finditer(text) if m[1] == "bool"]
         returning += [(m.start(), block_of(text, m.end() - 1)) for m in BODY.finditer(text)]
         stand_for = locals_for(text, patterns)

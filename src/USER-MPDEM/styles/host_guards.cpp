@@ -50,6 +50,13 @@ bool is(const Fix& fix, std::initializer_list<const char*> styles) {
 Found named(const Fix& fix) { return text_of("fix '", fix.id, "' (", fix.style, ")"); }
 Found group_of(View v, const Fix& fix) { return text_of("group '", v.lmp->group->names[fix.igroup], "'"); }
 bool has_cement(View v, const Fix& fix) { return &fix != v.mpm && (v.groups().some & fix.groupbit); }
+// Names cement whose points are in one of these groups, or in none of them: by its grains if the points are made later.
+std::string cement_in(View v, int groups, bool in, const std::string& else_what) {
+  for (const Body& b : v.cement->bonds.table)
+    if (b.pattern > 0 && ((v.cement->bonds.patterns[b.pattern - 1].head.mask & groups) != 0) == in)
+      return text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], ", made later,");
+  return else_what;
+}
 bool comes_before_mpm(View v, const Fix& fix) { return v.lmp->modify->find_fix(fix.id) < v.lmp->modify->find_fix(v.mpm->id); }
 const FixGravity* gravity_at(View v, int k) { return has_cement(v, fix_at(v, k)) ? dynamic_cast<const FixGravity*>(&fix_at(v, k)) : nullptr; }
 
@@ -266,10 +273,14 @@ const Guard kGuards[] = {
     {kRun, "grains in the group of fix mpm", "and the group must hold what create_cement made, nothing else", "use the group named in create_cement",
      kAtoms, [](View v, int i) { return !is_point(v, i) && (atoms(v).mask[i] & v.mpm->groupbit) ? text_of("atom ", tag(v, i), " of ", group_of(v, *v.mpm), " is not a material point,") : ""; }},
     {kRun, "cement outside of the group of fix mpm", "which would not move", "use the group named in create_cement",
-     kScene, [](View v, int) { return v.groups().all & v.mpm->groupbit ? "" : "some cement is not in " + group_of(v, *v.mpm) + ","; }},
+     kScene, [](View v, int) { return v.groups().all & v.mpm->groupbit ? "" : cement_in(v, v.mpm->groupbit, false, "some cement") + " is not in " + group_of(v, *v.mpm) + ","; }},
     {kRun, "another diameter of material points, by `set`", "by create_cement, and stays so", "for other volumes create the cement with another spacing or content", kAtoms, changed_diameter},
     {kRun, "another fix that moves material points", "moves material points too", "give it a group without cement",
-     kFixes, [](View v, int k) { return has_cement(v, fix_at(v, k)) && moves(fix_at(v, k)) ? named(fix_at(v, k)) : ""; }},
+     kFixes, [](View v, int k) -> Found {
+       if (!has_cement(v, fix_at(v, k)) || !moves(fix_at(v, k))) return "";
+       const std::string later = cement_in(v, fix_at(v, k).groupbit, true, "");
+       return named(fix_at(v, k)) + (later.empty() ? "" : ", whose group has " + later);
+     }},
     {kRun, "fix mpm without cement", "and nothing to move", "use create_cement before the run", kScene, [](View v, int) { return Found(v.cement->bonds.table.empty() ? "there are no material points" : ""); }},
     {kRun | kExchanged, "material points that were deleted, left the box or were copied by `replicate`", "and cement cannot be deleted or copied by points",
      "use a larger or periodic box, 'run 0' before, which takes crumbs and the cement of separated bonds out of the scene, and create_cement for each bond", kScene, other_number_of_points},
