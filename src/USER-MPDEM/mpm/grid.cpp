@@ -470,7 +470,8 @@ std::size_t Grid::memory_usage() const {
 }
 
 bool Grid::stands_still() const {
-  return std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0.0; });
+  const auto zero = [](double v) { return v == 0.0; };
+  return std::all_of(velocity.begin(), velocity.end(), zero) && std::all_of(acceleration.begin(), acceleration.end(), zero);
 }
 
 bool Grid::finite() const {
