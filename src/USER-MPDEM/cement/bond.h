@@ -39,7 +39,6 @@ struct Bond {
   int layout = 0;       // number of its layout among those of this rank; 0: none yet
   std::size_t laid_out_blocks = 0;        // number of point blocks that the grid has nodes for
   bool unmoved = false;                   // no point is strained and no node has moved since the layout: a step changes no point
-  bool rests = false;                     // and its grains stand still in this step: its links do not change, and have no force
   bool near_threshold = false;            // nonlocal damage only, see mpm/drive_average.h
   DriveAverage average;
   std::vector<int> failed;                // slots that failed in this step, ascending

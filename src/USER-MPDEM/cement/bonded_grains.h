@@ -52,8 +52,6 @@ class BondedGrains {
   const std::vector<OwnedSide>& owned() const { return owned_; }
   GrainSide* side_of(const Bond& b) { return &sides.sides[b.side]; }
   const GrainSide* side_of(const Bond& b) const { return &sides.sides[b.side]; }
-  // Do both grains of a bond stand still in this step?
-  bool stand_still(const Bond& b) const { return side_of(b)[0].stands_still() && side_of(b)[1].stands_still(); }
   bool any_free() const { return any_free_; }  // true if a grain of any rank is free
 
   // Inertia of the cement of a grain over the inertia of the grain against it, where the motion of the grain is not

@@ -37,10 +37,6 @@ void NodalForces::let_go(Bond& b) {
 
 // Traction laws may dissipate, and let go of points that hold.
 void NodalForces::follow_links(Bond& b) {
-  if (b.rests) {
-    b.link_step = LinkStep();
-    return;
-  }
   b.links.follow_and_add_force(b.points, b.grid, scene_.grains.side_of(b), scene_.now.dt, b.link_step);
   scene_.books.dissipate(b.link_step.dissipated);
   scene_.books.release(b.link_step.released);

@@ -35,9 +35,8 @@ class Total : public Kinematics {
       if (transfer) reproject(b);
       if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.books);
       b.grid.drift(kick, dt);
-      b.unmoved = b.unmoved && b.grid.stands_still();
-      b.rests = b.unmoved && scene_.grains.stand_still(b);
       b.grid.begin_forces();
+      b.unmoved = b.unmoved && b.grid.stands_still();
       if (!b.unmoved) {
         scene_.timer.start(StepTimer::kPoints);
         advance_points(b.points, 0, static_cast<int>(b.points.blocks.size()), b.grid, *scene_.law, dt, o.advance, forces_.pass());

@@ -101,7 +101,7 @@ class Updated : public Kinematics {
   void move_nodes_and_points(Bond& b) {
     const CementOptions& o = scene_.options;
     const double dt = scene_.now.dt, kick = scene_.kick();
-    b.unmoved = b.rests = false;
+    b.unmoved = false;
     scene_.timer.start(StepTimer::kNodes);
     if (added_.any()) scene_.grains.follow_jumps(b, dt, scene_.dt_last, scene_.weight_of(b), scene_.books);
     b.grid.drift(kick, 0.0);

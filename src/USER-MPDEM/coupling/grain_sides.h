@@ -32,8 +32,6 @@ struct GrainSide {
   double impulse[6];  // part of force and torque that is of shared impulses, see shared_impulse.h
   // Force and moment of added mass whose nodes change their velocity at once: by jumps of grains, and by transfers.
   double jump_force[6], transfer_force[6];
-
-  bool stands_still() const { return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0 && omega[0] == 0.0 && omega[1] == 0.0 && omega[2] == 0.0; }
 };
 
 // Translation and rotation, or force and moment, of a side in the axes of the box.

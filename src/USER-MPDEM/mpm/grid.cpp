@@ -470,8 +470,7 @@ std::size_t Grid::memory_usage() const {
 }
 
 bool Grid::stands_still() const {
-  const auto zero = [](double v) { return v == 0.0; };
-  return std::all_of(velocity.begin(), velocity.end(), zero) && std::all_of(acceleration.begin(), acceleration.end(), zero);
+  return std::all_of(velocity.begin(), velocity.end(), [](double v) { return v == 0.0; });
 }
 
 bool Grid::finite() const {

@@ -141,7 +141,7 @@ class Grid {
   void drift(double dt_v, double dt_u);
 
   bool finite() const;
-  bool stands_still() const;  // is each velocity zero, and each acceleration?
+  bool stands_still() const;  // is each velocity zero?
 
   NodeKinematics kinematics() const;
   // Shares lists with other grids that have equal ones.
