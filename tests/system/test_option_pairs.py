@@ -180,7 +180,7 @@ def trouble_of(chosen, folder):
     two = run(text, folder / "two", 2).table()
     again = run(scene(chosen, "half") + f"run {HALF}\n", folder, name="in.again").table()
     found = []
-    # Transfers of velocity lose energy. A condensed bond that wakes in a wave, as here, lacks what statics do not know of it.
+    # Transfers of velocity lose energy. With `condense yes` up to 1.6e-4 is off in a struck pair before a point fails; the cause is not known.
     keeps_energy = not any(is_written(words, kind) for words in chosen.values() for kind in ("kinematics updated", "reproject"))
     imbalance = max(abs(t[IMBALANCE]).max() for t in (one, two))
     if keeps_energy and imbalance > (3e-4 if chosen["condense"] == "condense yes" else 1e-4):
