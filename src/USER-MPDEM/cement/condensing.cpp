@@ -183,12 +183,22 @@ bool Condensing::rests(Bond& b) {
   return condensed_.fits(b, body, side, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
 }
 
-// Collective. Returns bonds that may be condensed again.
+// Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so they have
+// to be found at rest for as long as a window of the load watch.
 std::vector<int> Condensing::rows_that_rest() {
   std::vector<int> mine;
   for (Bond& b : scene_.bonds().awake())
     if (rests(b)) mine.push_back(b.body);
-  return scene_.agreed_rows(mine);
+  std::vector<int> rows;
+  std::vector<Body>& table = scene_.bonds().table;
+  std::vector<double> calm(table.size(), 0.0);
+  for (int row : scene_.agreed_rows(mine)) {
+    const double time = table[row].calm + scene_.options.check_every * scene_.dt_last;
+    if (cracks_.separated(row) && time * scene_.shear_speed() < LoadWatch::window_way(table[row])) calm[row] = time;
+    else rows.push_back(row);
+  }
+  for (std::size_t row = 0; row < table.size(); ++row) table[row].calm = calm[row];
+  return rows;
 }
 
 void Condensing::condense_again() {

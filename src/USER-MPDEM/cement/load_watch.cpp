@@ -84,7 +84,7 @@ std::vector<int> LoadWatch::look(MPI_Comm comm, const std::vector<Body>& table, 
   for (std::size_t r = 0; r < time.size(); ++r) {
     if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
     const double radius = radius_of(table[r]);
-    if (radius == 0.0 || table[r].condensed || time[r] * shear_speed < 4.0 * radius) continue;
+    if (radius == 0.0 || table[r].condensed || time[r] * shear_speed < window_way(table[r])) continue;
     rows.push_back(static_cast<int>(r));
     found.push_back(sums_[r]);
     sums_[r] = Sums{};

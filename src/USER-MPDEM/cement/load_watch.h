@@ -46,6 +46,7 @@ class LoadWatch {
   static constexpr int kSums = 13;       // time, then load and motion times time
   using Sums = std::array<double, kSums>;
   static double radius_of(const Body& body);  // l of the formula above
+  static double window_way(const Body& body) { return 4.0 * radius_of(body); }  // way of a shear wave in a window
 
   // Largest load of a row of the table, and the motion with it. The same on all ranks.
   struct Largest {

@@ -37,6 +37,7 @@ struct Body {
   double axis[3] = {0, 0, 0};                         // direction of its axis, in the axes of the box
   bool in_motion = false;                             // a step was taken, and displacements are those of nodes
   bool condensed = false;                             // displacements follow those of the grains, see coupling/condensed_bond.h
+  double calm = 0.0;                                  // time for which its pieces were found at rest, see cement/condensing.h
   double volume = 0;
   double spacing = 0;                                 // spacing of the lattice of points
   double lattice[3] = {0, 0, 0};                      // a corner of the lattice, reference coordinates
@@ -70,6 +71,7 @@ struct Body {
     visit("the direction of its axis", b.axis, kFinite);
     visit("'is in motion'", b.in_motion);
     visit("'is condensed'", b.condensed);
+    visit("the time its pieces were at rest", b.calm, kNotNegative);
     visit("its volume", b.volume, kNotNegative);
     // Across the grains there are at most as many cells as an int can count.
     const double widest = 2.0 * (b.radius[0] + b.radius[1]);
