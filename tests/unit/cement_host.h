@@ -6,6 +6,8 @@
 #ifndef MPDEM_TESTS_CEMENT_HOST_H
 #define MPDEM_TESTS_CEMENT_HOST_H
 
+#include <gtest/gtest.h>
+
 #include <cstring>
 #include <functional>
 #include <map>
@@ -52,6 +54,8 @@ struct Row {
   double grain_mass = 2e-5;
   double contact = 0.0;      // stiffness of a spring of the host along z between the first grain and the second
   double pull[3] = {0, 0, 0};  // a force of the host on the last grain, the opposite on the first
+  bool condense = false;     // bonds are condensed while they are far from their threshold
+  double relax = 0.0;        // damping, as a share of critical
   double stiffer = 1.0;      // stiffness of the links over kPenalty; forty adds mass to the nodes
 };
 
@@ -137,7 +141,6 @@ class RowOfGrains : public CementHost {
     cement->check_state();
     add_host_forces();
     cement->start_run();
-    cement->grains().show_loads(row_.substeps);
     first_ = true;
   }
   void run(int steps) {
@@ -148,10 +151,9 @@ class RowOfGrains : public CementHost {
     ++number;
     time_ += dt;
     set_step();
-    if (first_) cement->take_up_commands();
+    cement->start_step(first_);
     first_ = false;
     const bool divided = row_.substeps > 1;
-    if (divided) cement->begin_substeps();
     std::vector<std::array<double, 6>> before;
     for (Grain& g : grains) {
       before.push_back({});
@@ -167,16 +169,13 @@ class RowOfGrains : public CementHost {
         s.x[d] = g.x[d];
       }
     }
-    if (divided) {
-      cement->take_substeps();
+    cement->grains_moved();
+    if (divided)
       for (Grain& g : grains)
         for (int d = 0; d < 3; ++d) {
           g.moved[d] = g.x[d] - g.state->x[d];
           g.state->x[d] = g.x[d];
         }
-    } else {
-      cement->grains().turn(dt);
-    }
     if (hand_over_at_ == number) hand_over();
     clear_forces();
     add_host_forces();
@@ -188,7 +187,6 @@ class RowOfGrains : public CementHost {
         if (!g.free[d]) work -= 0.5 * (before[n][d] + g.force[d]) * g.moved[d];
     }
     cement->end_step();
-    cement->grains().show_loads(row_.substeps);
     for (int b = 0; b < row_.bonds; ++b)
       if (cement->cracks().separated(b) && !was_separated_.count(b)) {
         was_separated_.insert({b, number});
@@ -328,6 +326,8 @@ class RowOfGrains : public CementHost {
     o.subcycle = row_.substeps;
     o.split = row_.split;
     o.unilateral = row_.unilateral;
+    o.condense = row_.condense;
+    o.relax = row_.relax;
     o.length = row_.length;
     o.mass_order = row_.mass_order;
     o.advance.nonlocal = row_.length > 0.0;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include "../mpm/point_state.h"
@@ -51,7 +52,14 @@ void Cement::points_were_made(const std::vector<int>& rows) {
   condensing_.points_were_made();
 }
 
+void Cement::go_on(const char* call, Stage from, Stage to) {
+  static constexpr const char* kLast[] = {"nothing", "lay_out_run", "start_run or end_step", "start_step", "grains_moved or lay_out_exchanged", "step"};
+  if (stage_ != from) throw std::logic_error(text_of("Cement: ", call, " was called after ", kLast[static_cast<int>(stage_)]));
+  stage_ = to;
+}
+
 void Cement::lay_out_run() {
+  stage_ = Stage::laid_out;
   NewPartsOfBonds parts = arrangement_.parts_at_start();
   arrangement_.remember_axis();
   condensing_.choose();
@@ -69,6 +77,7 @@ void Cement::lay_out_run() {
 }
 
 void Cement::lay_out_exchanged() {
+  go_on("lay_out_exchanged", Stage::grains_moved, Stage::grains_moved);
   std::vector<int> mine;
   for (const Bond& b : scene_.bonds())
     if (b.changed()) mine.push_back(b.body);
@@ -147,6 +156,7 @@ void Cement::take_up_commands() {
 }
 
 void Cement::start_run() {
+  go_on("start_run", Stage::laid_out, Stage::between_steps);
   BondedGrains& grains = scene_.grains;
   scene_.substep = scene_.now.substeps;
   grains.start_spreading(scene_.now.substeps);
@@ -166,6 +176,7 @@ void Cement::start_run() {
   if (new_step) keep_half_kicks(before);
   if (scene_.penalty) forces_.react();
   start_bodies();
+  grains.show_loads(scene_.now.substeps);
 }
 
 // A new time step comes with other added mass, so accelerations are not those that the last step found. The grains made
@@ -212,7 +223,20 @@ void Cement::start_bodies() {
   scene_.bodies_started = rows;
 }
 
+void Cement::start_step(bool commands) {
+  go_on("start_step", Stage::between_steps, Stage::step_started);
+  if (commands) take_up_commands();
+  if (scene_.now.substeps > 1) substeps_.begin();
+}
+
+void Cement::grains_moved() {
+  go_on("grains_moved", Stage::step_started, Stage::grains_moved);
+  if (scene_.now.substeps > 1) take_substeps();
+  else scene_.grains.turn(scene_.now.dt);
+}
+
 void Cement::step() {
+  go_on("step", Stage::grains_moved, Stage::step_taken);
   scene_.substep = scene_.now.substeps;
   advance();
 }
@@ -224,7 +248,7 @@ void Cement::take_substeps() {
     if (scene_.ends_step()) break;
     advance();
     substeps_.kick_grains();
-    end_step();
+    end_substep();
   }
 }
 
@@ -275,6 +299,12 @@ void Cement::find_forces_anew() {
 }
 
 void Cement::end_step() {
+  go_on("end_step", Stage::step_taken, Stage::between_steps);
+  end_substep();
+  scene_.grains.show_loads(scene_.now.substeps);
+}
+
+void Cement::end_substep() {
   if (scene_.ends_step()) scene_.grains.watch_late_loads(true);
   scene_.grains.keep_velocities(scene_.dt_last);
   parting_.watch_loads();

@@ -83,11 +83,30 @@ class Cement {
   // Call when the host has made the points of these rows of the table. Their layout follows.
   void points_were_made(const std::vector<int>& rows);
 
-  // Lay out bonds: all of them at the start of a run, or those whose points or grains went to other ranks.
+  // A run and its steps. A host calls these in this order:
+  //
+  //   lay_out_run, start_run, then in each step: start_step, grains_moved, [lay_out_exchanged,] step, end_step.
+  //
+  // Another order is an error of the host, and throws std::logic_error.
+  //
+  // Lays out all bonds. Their grains and points are on the ranks that have them.
   void lay_out_run();
+  // Finds the forces at the start of the run. Grains have their velocities, and the loads of the host.
+  void start_run();
+  // Call before the host moves its grains, when they have their velocities and loads of the end of the last step.
+  // commands: velocities may have been changed since that step.
+  void start_step(bool commands);
+  // Call when the host has moved its grains. With sub-steps this takes all but the last. It leaves the places where
+  // free grains arrive, and their velocities there, with the grains for the host to take over.
+  void grains_moved();
+  // Lays out bonds whose points or grains went to other ranks, or that got their points.
   void lay_out_exchanged();
-  void refresh_added_mass();  // finds the added mass for another time step
-  void change_step();         // does so in the course of a run, and books what that mass gives up
+  // Takes the step, or the last of its sub-steps. Grains have the loads of the host, and get those of the cement.
+  void step();
+  // Call when grains have their velocities of the end of the step.
+  void end_step();
+  // Call when the time step changed. Books what the added mass gives up.
+  void change_step();
   // Brings the slots of points up to date, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
   // Does so, and writes the strain of points of condensed bonds, for code that looks at points.
@@ -108,18 +127,6 @@ class Cement {
     }
   }
 
-  // A run: its start, then steps, each with its end.
-  void take_up_commands();  // call before the first step
-  void start_run();
-  // With sub-steps, see substeps.cpp. begin_substeps() comes before the host moves its grains, when the grains have
-  // their velocities and loads of the end of the last step. take_substeps() comes after the host has moved them. It
-  // takes all sub-steps but the last. It leaves the places where free grains arrive, and their velocities there, with
-  // the grains for the host to take over.
-  void begin_substeps() { substeps_.begin(); }
-  void take_substeps();
-  // Takes a step, or the last of the sub-steps of one.
-  void step();
-  void end_step();
   // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or
   // touching faces of a crack slid too far.
   void check_state();
@@ -141,7 +148,16 @@ class Cement {
   std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty) const {
     return mpdem::layouts_of_copies(scene_, divisions_, restored_nodes_, arrangement_.fresh_points(), penalty);
   }
+  // Where a host is in its run.
+  enum class Stage { none, laid_out, between_steps, step_started, grains_moved, step_taken };
+
+  // Throws std::logic_error if the host is at another stage than `from`.
+  void go_on(const char* call, Stage from, Stage to);
+  void refresh_added_mass();
+  void take_up_commands();
+  void take_substeps();
   void advance();
+  void end_substep();
   void find_forces_anew();
   void start_bodies();
   void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // of the awake bonds, in the last step
@@ -165,6 +181,7 @@ class Cement {
   Substeps substeps_{scene_};
   Report report_{scene_, divisions_.cracks, condensed_};
   bool restored_ = false;  // the state is that of a restart file
+  Stage stage_ = Stage::none;
 };
 
 }  // namespace mpdem

@@ -262,7 +262,6 @@ void FixMpm::setup(int) {
   if (cement_->penalty()) atoms_.expect_gravity(cement_->grains(), this);
   guarded([this] { cement_->start_run(); });
   report_->start(*cement_);
-  cement_->grains().show_loads(substeps());
   atoms_.write_velocities(cement_->grains());
   atoms_.write_forces(cement_->grains());
   report_->added_mass(*cement_, *avec_);
@@ -276,18 +275,13 @@ void FixMpm::setup(int) {
 
 // Commands may have changed velocities since the end of the last step.
 void FixMpm::pre_initial_integrate() {
-  const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
+  const bool first = update->ntimestep == update->firststep + 1;
   if (first && !prepared_) check_unprepared();
   if (first) prepared_ = false;
   if (first) report_->enter_steps();
-  if (first || divided) {
-    atoms_.read(cement_->grains());
-    guarded([&] {
-      if (first) cement_->take_up_commands();
-      if (divided) cement_->begin_substeps();
-    });
-    if (first) atoms_.write_velocities(cement_->grains());
-  }
+  if (first || substeps() > 1) atoms_.read(cement_->grains());
+  guarded([&] { cement_->start_step(first); });
+  if (first) atoms_.write_velocities(cement_->grains());
   hidden_.hide();
 }
 
@@ -298,13 +292,10 @@ void FixMpm::final_integrate() { hidden_.show(); }
 // Finds the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
-  if (substeps() == 1) {
-    cement_->grains().turn(update->dt);
-    return;
-  }
-  atoms_.read_places(cement_->grains());
-  guarded([this] { cement_->take_substeps(); });
-  atoms_.write_motion(cement_->grains());
+  const bool divided = substeps() > 1;
+  if (divided) atoms_.read_places(cement_->grains());
+  guarded([this] { cement_->grains_moved(); });
+  if (divided) atoms_.write_motion(cement_->grains());
 }
 
 void FixMpm::pre_exchange() {
@@ -349,7 +340,6 @@ void FixMpm::end_of_step() {
   if (output_due || first || update->ntimestep % kReportEvery == 0) atoms_.report_trouble();
   atoms_.read(cement_->grains());
   guarded([this] { cement_->end_step(); });
-  cement_->grains().show_loads(substeps());
   if (substeps() > 1) atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // reports asked for earlier do not have the work of this step
