@@ -21,7 +21,8 @@ namespace mpdem {
 Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host)
     : scene_(comm, bonds, host, options, std::move(law)) {
   const MovingParts parts{scene_, shared_, added_, arrangement_, forces_, work_};
-  kinematics_ = options.updated ? make_updated(parts) : make_total(parts);
+  divisions_.splits = scene_.formulation->splits();
+  kinematics_ = scene_.formulation->kinematics(parts);
 }
 
 // Clears the marks of parts, so that another fix starts from whole bonds.
@@ -71,11 +72,10 @@ void Cement::lay_out_run() {
 void Cement::lay_out_exchanged() {
   std::vector<int> mine;
   for (const Bond& b : scene_.bonds())
-    if (b.changed()) mine.push_back(b.body);
+    if (scene_.formulation->needs_layout(b)) mine.push_back(b.body);
   int moved = !mine.empty() || scene_.grains.changed(), any;
   MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
-  // Slots of points were brought up to date for the exchange, with `updated` kinematics.
-  const std::vector<int> rows = scene_.options.updated ? scene_.all_rows() : scene_.agreed_rows(mine);
+  const std::vector<int> rows = scene_.agreed_rows(mine);
   if (!any && rows.empty()) return;
   arrangement_.lay_out(rows, arrangement_.parts_at_start(), {});
   condensing_.bind();
@@ -84,16 +84,9 @@ void Cement::lay_out_exchanged() {
   condensing_.condense(rows, false);
 }
 
-void Cement::refresh_added_mass() {
-  if (scene_.laid_out) added_.refresh();
-}
-
 void Cement::change_step() {
   scene_.grains.start_spreading(scene_.now.substeps);
-  if (scene_.penalty && !scene_.options.updated)
-    scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), scene_.kick()); }, [&] { refresh_added_mass(); });
-  else
-    refresh_added_mass();
+  kinematics_->change_step();
 }
 
 void Cement::show_points() {
@@ -150,9 +143,7 @@ void Cement::start_run() {
   BondedGrains& grains = scene_.grains;
   scene_.substep = scene_.now.substeps;
   grains.start_spreading(scene_.now.substeps);
-  // added mass with the eigenvalue as it is known now
-  if (!scene_.options.updated && scene_.penalty)
-    scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), 0.0); }, [&] { refresh_added_mass(); });
+  kinematics_->start_run();  // added mass with the eigenvalue as it is known now
   if (scene_.penalty && scene_.bodies_started < static_cast<int>(scene_.bonds().table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.bodies_started, added_.any(), scene_.books);
   condensed_.follow(grains, scene_.weight().data());
@@ -200,7 +191,7 @@ void Cement::start_bodies() {
     b.links.add_spring_energy(grid, scene_.grains.side_of(b), mine);
     for (const auto& p : b.parts) p->add_energy(b.points, grid, scene_.grains.side_of(b), mine, mine);
     mine += b.added.energy(grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
-    if (scene_.options.updated) UpdatedPass::start(b.points, grid, 0);
+    scene_.formulation->start(b);
   }
   condensed_.resume(scene_.grains, scene_.weight().data());
   for (int row = scene_.bodies_started; row < rows; ++row) {

@@ -86,8 +86,7 @@ class Cement {
   // Lay out bonds: all of them at the start of a run, or those whose points or grains went to other ranks.
   void lay_out_run();
   void lay_out_exchanged();
-  void refresh_added_mass();  // finds the added mass for another time step
-  void change_step();         // does so in the course of a run, and books what that mass gives up
+  void change_step();  // finds the added mass for another time step in the course of a run, and books what that mass gives up
   // Brings the slots of points up to date, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
   // Does so, and writes the strain of points of condensed bonds, for code that looks at points.

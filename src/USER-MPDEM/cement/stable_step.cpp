@@ -47,7 +47,7 @@ void StableStep::find_film() {
 double StableStep::step_for(double of_cement, double relax) const {
   const double eigenvalue = of_cement + of_film_;
   // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
-  const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.options.stability_bound();
+  const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // a step of zero would pass in a comparison as if nothing limited it
@@ -63,7 +63,7 @@ StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
   constexpr double kKept = 0.9;
   DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
   if (d.step >= kKept * d.undamped) return d;
-  const double B = scene_.options.stability_bound(), dt = kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
+  const double B = scene_.stability_limit(), dt = kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
   const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
   d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
   return d;
@@ -106,7 +106,7 @@ EigenvalueEstimate StableStep::eigenvalue() const {
   return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
 }
 
-bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
+bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
 
 // Cement whose eigenvalue is known is looked at as coarsely as is enough to see that it holds. The estimate is value and
 // residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is to be known
