@@ -46,7 +46,7 @@ void AddedMasses::follow(const std::vector<int>& rows, const char* event, const 
 }
 
 void AddedMasses::follow_places(const std::vector<int>& moved) {
-  if (!scene_.touches() || !scene_.watches()) return;
+  if (!scene_.places_move()) return;
   std::vector<int> mine(moved);
   for (Bond& b : scene_.bonds().awake())
     if (give_inertia(b)) mine.push_back(b.body);

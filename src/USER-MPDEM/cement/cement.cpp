@@ -204,19 +204,22 @@ void Cement::start_bodies() {
 }
 
 void Cement::step() {
+  const FlushDenormals flush;
   scene_.substep = scene_.now.substeps;
+  scene_.grains.spread_loads(scene_.now.substeps);
   advance();
+  scene_.grains.watch_late_loads(false);
 }
 
 void Cement::take_substeps() {
   substeps_.find_ways();
-  for (scene_.substep = 1; scene_.substep <= scene_.now.substeps; ++scene_.substep) {
+  for (scene_.substep = 1; scene_.substep < scene_.now.substeps; ++scene_.substep) {
     substeps_.move_grains();
-    if (scene_.ends_step()) break;
     advance();
     substeps_.kick_grains();
-    end_step();
+    end_substep();
   }
+  substeps_.move_grains();
 }
 
 void Cement::advance() {
@@ -224,7 +227,6 @@ void Cement::advance() {
   BondedGrains& grains = scene_.grains;
   // grains: the way in which they came here
   grains.find_rates(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.books);
-  if (scene_.now.substeps > 1 && scene_.ends_step()) grains.spread_loads(scene_.now.substeps);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places(scene_);
   grains.distribute(scene_.bonds());
@@ -248,7 +250,6 @@ void Cement::advance() {
   forces_.react();
   // bonds that wake, and those that are condensed again
   if (condensing_.change()) find_forces_anew();
-  if (scene_.ends_step()) grains.watch_late_loads(false);
   scene_.timer.stop();
 }
 
@@ -266,10 +267,14 @@ void Cement::find_forces_anew() {
 }
 
 void Cement::end_step() {
-  if (scene_.ends_step()) scene_.grains.watch_late_loads(true);
+  scene_.grains.watch_late_loads(true);
+  end_substep();
+  report_.note_peaks();
+}
+
+void Cement::end_substep() {
   scene_.grains.keep_velocities(scene_.dt_last);
   parting_.watch_loads();
-  if (scene_.ends_step()) report_.note_peaks();
   scene_.books.end_step(work_.of_loads(0), work_.of_inertial_forces(0));
   std::vector<Body>& table = scene_.bonds().table;
   for (auto b = table.rbegin(); b != table.rend() && !b->in_motion; ++b) b->in_motion = true;

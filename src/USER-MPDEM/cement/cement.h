@@ -141,6 +141,7 @@ class Cement {
     return mpdem::layouts_of_copies(scene_, divisions_, restored_nodes_, arrangement_.fresh_points(), penalty);
   }
   void advance();
+  void end_substep();
   void find_forces_anew();
   void start_bodies();
   void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // of the awake bonds, in the last step

@@ -52,18 +52,35 @@ void Parting::take_up() {
 
 void Parting::look() {
   if (!scene_.can_break()) return;
-  const bool after_check = scene_.follows_check();
-  if (!after_check && !scene_.watches()) return;
-  sort_links();
-  Cracks& cracks = divisions_.cracks;
-  if (scene_.options.split) split_nodes();
-  if (after_check)
-    cracks.give_way(scene_.comm, scene_.bonds(), scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
-                    scene_.keeps_skins(), scene_.now.number - 1);
-  if (!after_check && !cracks.some_path_is_cut(scene_.comm)) return;
+  if (scene_.begins_step() && (scene_.now.number - 1) % scene_.options.check_every == 0) look_after_check();
+  else if (scene_.watches()) look_at_paths();
+}
+
+// Looks at the whole state.
+void Parting::look_after_check() {
+  look_at_points();
+  divisions_.cracks.give_way(scene_.comm, scene_.bonds(), scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
+                             scene_.keeps_skins(), scene_.now.number - 1);
   scene_.timer.start(StepTimer::kLayout);
-  if (after_check) added_.drop_inert();
-  Found found = look_at_bonds(after_check);
+  added_.drop_inert();
+  part_pieces(true);
+}
+
+// Looks at bonds in which a path of intact points was cut.
+void Parting::look_at_paths() {
+  look_at_points();
+  if (!divisions_.cracks.some_path_is_cut(scene_.comm)) return;
+  scene_.timer.start(StepTimer::kLayout);
+  part_pieces(false);
+}
+
+void Parting::look_at_points() {
+  sort_links();
+  if (scene_.options.split) split_nodes();
+}
+
+void Parting::part_pieces(bool debris) {
+  Found found = look_at_bonds(debris);
   part_bonds(found.lay_out, std::move(found.parts), "parts came apart");
   find_relaxation(found.held);
 }

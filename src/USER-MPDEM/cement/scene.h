@@ -92,8 +92,6 @@ struct Scene {
   // Steps of the host between two looks, which come with the first sub-step.
   int watch_every() const { return std::max(1, kWatchEvery / now.substeps); }
   bool watches() const { return begins_step() && (now.number - 1) % watch_every() == 0; }
-  // Is this the first step after a check of the whole state?
-  bool follows_check() const { return begins_step() && (now.number - 1) % options.check_every == 0; }
 
   double density() const { return inertia / options.mass_scale; }
   bool keeps_skins() const { return penalty && penalty->law->keeps_skins(); }
@@ -101,6 +99,8 @@ struct Scene {
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
   // Do places that let go still touch? Do faces of cracks touch?
   bool touches() const { return penalty && penalty->friction >= 0.0; }
+  // Do places that let go move on to other points in this step?
+  bool places_move() const { return touches() && watches(); }
   bool faces_touch() const { return touches() && options.split; }
 
   // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.

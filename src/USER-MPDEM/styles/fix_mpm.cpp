@@ -276,15 +276,15 @@ void FixMpm::setup(int) {
 
 // Commands may have changed velocities since the end of the last step.
 void FixMpm::pre_initial_integrate() {
-  const bool first = update->ntimestep == update->firststep + 1, divided = substeps() > 1;
+  const bool first = update->ntimestep == update->firststep + 1;
   if (first && !prepared_) check_unprepared();
   if (first) prepared_ = false;
   if (first) report_->enter_steps();
-  if (first || divided) {
+  if (first || substeps() > 1) {
     atoms_.read(cement_->grains());
     guarded([&] {
       if (first) cement_->take_up_commands();
-      if (divided) cement_->begin_substeps();
+      cement_->begin_substeps();
     });
     if (first) atoms_.write_velocities(cement_->grains());
   }
@@ -350,7 +350,7 @@ void FixMpm::end_of_step() {
   atoms_.read(cement_->grains());
   guarded([this] { cement_->end_step(); });
   cement_->grains().show_loads(substeps());
-  if (substeps() > 1) atoms_.write_forces(cement_->grains());
+  atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
@@ -388,7 +388,7 @@ void FixMpm::post_run() {
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
-    if (options().subcycle == 0) step_->tell_substeps(options());
+    step_->tell_substeps(options());
     report_->check_step(*cement_);
     cement_->change_step();
   });
