@@ -34,7 +34,7 @@ CementOptions options_of(const Method& method, double h) {
   o.updated = method.updated;
   o.transfer = method.transfer;
   o.reproject_every = method.transfers && !method.updated ? 1 : 0;
-  o.tied = !o.transfers();
+  o.tied = !o.reprojects();
   o.mass_order = method.mass_order;
   return o;
 }

@@ -192,6 +192,7 @@ TEST(DriveAverage, WeightsThatStand) {
   for (auto& centre : body.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
   const Imperfection imperfection{&body, 0.1};
   DriveAverage kept;
+  kept.let_points_stand(true);
   for (const char* state : {"fresh", "the same", "some failed", "in other blocks", "nodes tied"}) {
     if (state == std::string("in other blocks")) {
       std::swap(c.points.blocks.front(), c.points.blocks.back());
@@ -204,7 +205,7 @@ TEST(DriveAverage, WeightsThatStand) {
       c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
       ASSERT_GT(c.grid.ties.size(), 10u);
     }
-    kept.find(c.points, c.grid, kLaw, sweeps, imperfection, true);
+    kept.find(c.points, c.grid, kLaw, sweeps, imperfection);
     const std::vector<double> of_kept = c.grid.drive_average;
     average(c, sweeps, imperfection);
     EXPECT_EQ(of_kept, c.grid.drive_average) << state;

@@ -28,12 +28,11 @@ void AddedMasses::find(const std::vector<Bond*>& bonds) {
   const CementOptions& o = scene_.options;
   const bool known = stable_step_.eigenvalue_is_known();
   // Damping takes a part of the bound in every step. Nodes with added mass cannot have that part.
-  const double bound = o.stability_bound() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
+  const double bound = scene_.stability_limit() * std::max(0.1, 1.0 - 0.5 * stable_step_.relaxation_rate(o.relax) * scene_.now.dt);
   const AddedMass::Stability s{scene_.now.dt, known ? stable_step_.known_eigenvalue() : scene_.eigenvalue_bound(), !known, bound};
   for (Bond* b : bonds)
     if (scene_.bonds().is_awake(*b)) b->added.find(b->links, b->grid, scene_.grains.side_of(*b), s, b->parts);
-  for (Bond* b : bonds)
-    if (!o.updated) b->share(alike_);
+  for (Bond* b : bonds) scene_.formulation->share(*b, alike_);
   int some = 0, any;
   for (const Bond& b : scene_.bonds()) some = some || !b.added.empty();
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
@@ -47,7 +46,7 @@ void AddedMasses::follow(const std::vector<int>& rows, const char* event, const 
 }
 
 void AddedMasses::follow_places(const std::vector<int>& moved) {
-  if (!scene_.touches() || !scene_.watches()) return;
+  if (!scene_.places_move()) return;
   std::vector<int> mine(moved);
   for (Bond& b : scene_.bonds().awake())
     if (give_inertia(b)) mine.push_back(b.body);
@@ -92,8 +91,7 @@ void AddedMasses::drop_inert() {
 // a run in parts is the run as a whole.
 void AddedMasses::drop_inert(Bond& b) const {
   give_inertia(b);
-  if (!b.links.drop_inertia(b.points) || scene_.options.updated) return;
-  b.links.leave_out_dropped(b.points, scene_.bonds().body(b));
+  if (b.links.drop_inertia(b.points)) scene_.formulation->leave_out_dropped(b, scene_.bonds().body(b));
 }
 
 double AddedMasses::energy_ahead(const std::vector<int>& rows, double later) const {

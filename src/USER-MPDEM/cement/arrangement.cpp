@@ -37,7 +37,6 @@ void keep_motion(Scene& scene, const std::vector<int>& rows, const std::vector<B
 }
 
 NewPartsOfBonds parts_before_layout(const Scene& scene, Bonds& bonds, const std::vector<int>& fresh, Splits& splits) {
-  if (scene.options.reprojects()) return {};
   NewPartsOfBonds parts = splits.start(scene.comm, bonds, scene.options, fresh);
   splits.bring(scene.comm, bonds);
   return parts;
@@ -52,8 +51,8 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& d
   for (const Bond& b : scene.bonds()) copies.make(b.body).points = b.points;
   RestoredNodes restored(of_file);
   restored.bring();
-  Splits splits(divisions.splits);
-  NewPartsOfBonds parts = parts_before_layout(scene, copies, fresh, splits);
+  const std::unique_ptr<Splits> splits = divisions.splits->copy();
+  NewPartsOfBonds parts = parts_before_layout(scene, copies, fresh, *splits);
   std::vector<LayoutRequest> requests;
   for (Bond& b : copies) {
     requests.emplace_back();
@@ -64,13 +63,12 @@ std::vector<BondLayout> layouts_of_copies(const Scene& scene, const Divisions& d
     r.parts.part_of_slot = parts[b.body].part_of_slot;
     if (penalty) r.before = restored.any() ? restored.of(b.body) : scene.bonds().find(b.body)->grid.kinematics();
   }
-  CementOptions options(scene.options);
-  options.updated = false;  // without the margin that updated kinematics need
-  const LayoutRules rules{scene.comm, copies.table, options, scene.law, scene.inertia, penalty, scene.options.reprojects() ? nullptr : &splits};
+  const Formulation of_look{};  // points do not move, and need no margin
+  const LayoutRules rules{scene.comm, copies.table, scene.options, scene.law, scene.inertia, penalty, *splits, of_look};
   std::vector<BondLayout> layouts = make_layout(rules, scene.all_rows(), std::move(requests));
   for (BondLayout& l : layouts) {
     l.film = scene.bonds().find(l.body)->film;
-    lay_out_film(l.film, copies.table[l.body], options, scene.law);
+    lay_out_film(l.film, copies.table[l.body], scene.options, scene.law);
   }
   return layouts;
 }
@@ -97,16 +95,15 @@ void Arrangement::lay_out(const std::vector<int>& rows, NewPartsOfBonds parts, c
     if (Bond* b = scene_.bonds().find(row)) requests.push_back(request_of(*b, parts));
   const PenaltyParameters* penalty = scene_.penalty ? &*scene_.penalty : nullptr;
   const LayoutRules rules{scene_.comm, scene_.bonds().table, scene_.options, scene_.law, scene_.inertia, penalty,
-                          scene_.options.reprojects() ? nullptr : &divisions_.splits, how.arrange};
+                          *divisions_.splits, *scene_.formulation, how.arrange};
   std::vector<BondLayout> layouts = make_layout(rules, rows, std::move(requests));
   restored_.clear();
   adopt(layouts);
   if (moves) keep_motion(scene_, rows, motion);
   start_velocities(scene_, layouts);
   scene_.bonds().drop_empty(rows);
-  if (scene_.options.updated)
-    for (int row : rows)
-      if (Bond* b = scene_.bonds().find(row)) b->updated.bind(b->points, b->grid);
+  for (int row : rows)
+    if (Bond* b = scene_.bonds().find(row)) scene_.formulation->follow_layout(*b);
   shared_.bind();
 }
 
@@ -116,13 +113,13 @@ void Arrangement::lay_out_again(const std::vector<int>& rows, NewPartsOfBonds pa
 }
 
 NewPartsOfBonds Arrangement::parts_at_start() {
-  NewPartsOfBonds parts = parts_before_layout(scene_, scene_.bonds(), fresh_points_, divisions_.splits);
+  NewPartsOfBonds parts = parts_before_layout(scene_, scene_.bonds(), fresh_points_, *divisions_.splits);
   fresh_points_.clear();
   return parts;
 }
 
 void Arrangement::bring_copies() {
-  if (!scene_.options.reprojects()) divisions_.splits.bring(scene_.comm, scene_.bonds());
+  divisions_.splits->bring(scene_.comm, scene_.bonds());
 }
 
 void Arrangement::remember_axis() {
@@ -144,11 +141,9 @@ void Arrangement::remember_axis() {
 }
 
 void Arrangement::sync_slots() {
-  if (!scene_.options.updated || !scene_.laid_out) return;
-  for (Bond& b : scene_.bonds()) {
-    b.sort_links();
-    scene_.host().slots_changed(b);
-  }
+  if (!scene_.laid_out) return;
+  for (Bond& b : scene_.bonds())
+    if (scene_.formulation->sort_links(b)) scene_.host().slots_changed(b);
 }
 
 // Each side of a bond that came apart follows the grain that it holds to.
@@ -160,7 +155,7 @@ void Arrangement::follow_grains(Bond& b) const {
 
 void Arrangement::start_anew(Bond& b) {
   b.layout = ++layouts_;
-  b.parts = parts_of(scene_, b, divisions_.splits);
+  b.parts = parts_of(scene_, b, *divisions_.splits);
   b.added = AddedMass();
   b.unmoved = scene_.options.advance.skip_resting && b.points.unstrained();
   follow_grains(b);

@@ -196,13 +196,13 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late_load[d] = after ? g.state->late_load[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed) {
-  load_.resize(grains.size());
-  for (std::size_t n = 0; n < grains.size(); ++n) {
-    const GrainState& g = *grains[n].state;
-    for (int d = 0; d < 6; ++d)
-      load_[n][d] = loads == Loads::none ? 0.0 : sudden_loads_[n][d] + (loads == Loads::all ? grains[n].force[d] + g.late_load[d] : g.held()[d]);
-  }
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack* condensed) {
+  find_loads(n);
+  solve(comm, bonds, condensed);
+}
+
+// load_ has the loads of the grains.
+void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack* condensed) {
   std::vector<GrainAccelerations::OfBond> of_bonds;
   for (const Bond& b : bonds.awake())
     if (!b.added.empty() && !(summed_ && !b.cut_by_ranks())) of_bonds.push_back({&b.added, &b.grid, b.side});
@@ -274,7 +274,7 @@ void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last, const std::a
   books.do_inertial_work(0.5 * dt_last * power.of_inertial_force);
 }
 
-void BondedGrains::react(double dt, EnergyBooks& books, const CondensedPack* condensed) {
+void BondedGrains::add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack* condensed) {
   sides.sum_forces();
   for (Grain& g : grains) std::fill(g.state->load, g.state->load + 6, 0.0);
   for (const OwnedSide& o : owned_) {
@@ -354,34 +354,6 @@ double BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, Conde
   return energy;
 }
 
-void BondedGrains::react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {
-  for (Grain& g : grains) {
-    std::copy(g.force, g.force + 6, g.kick);
-    std::fill(g.force, g.force + 6, 0.0);
-  }
-  react(dt, books, condensed);
-  for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) {
-      g.of_cement[d] = g.force[d];
-      g.force[d] = g.kick[d] - g.spread(d, n) + g.of_cement[d] / n;
-      g.unshown[d] = 0.0;
-    }
-  for (const OwnedSide& o : owned_) {
-    const GrainSide& s = sides.sides[o.at];
-    const Six impulse = in_box(s, s.impulse, s.impulse + 3);
-    for (int d = 0; d < 6; ++d) {
-      grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
-      grains[o.grain].state->load[d] -= impulse[d];  // the work of the impulse is that on the nodes
-    }
-  }
-}
-
-void BondedGrains::show_loads(int substeps) {
-  if (substeps == 1) return;
-  for (Grain& g : grains)
-    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / substeps - g.unshown[d] + g.spread(d, substeps);
-}
-
 void BondedGrains::react_to_jumps(double dt, EnergyBooks& books) {
   if (!sudden_forces_are_due_) return;
   sudden_forces_are_due_ = false;
@@ -415,7 +387,8 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     b.grid.clear_force();
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
-  if (any_free_) find_accelerations(comm, bonds, Loads::none);
+  load_.assign(grains.size(), GrainAccelerations::Vector6::Zero());
+  if (any_free_) solve(comm, bonds, nullptr);
   added_mass_changed();  // what was found of it leaves out condensed bonds
   for (Bond& b : bonds.awake()) b.added.accelerate(b.grid, side_of(b));
   sides.sum_forces();

@@ -90,11 +90,9 @@ class BondedGrains {
   // Finds loads of the host that come after the cement in a step. Call before and after them.
   void watch_late_loads(bool after);
 
-  // Says which loads of the host act. all: loads so far, and what came late in the last step. spread: what is spread
-  // over sub-steps.
-  enum class Loads { none, all, spread };
-  // Collective. Finds the accelerations of free grains.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed = nullptr);
+  // Collective. Finds the accelerations of free grains in one of n sub-steps of a step. The load of the host is that so
+  // far and what came late in the last step, or what is spread over several sub-steps.
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack* condensed);
   // Add the sums of bonds to those of the grains while the bonds are in cache. Call begin_sums() first, then sum_up()
   // for each bond that ranks do not cut and whose forces are complete. find_accelerations() comes after them.
   void begin_sums() {
@@ -115,9 +113,10 @@ class BondedGrains {
   // weight: acceleration by gravity that acts on the inertia of the bond. Books the work of weight and inertial forces in
   // the second half of the last step on what the jump adds to the velocities of nodes.
   void follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBooks& books);
-  // Collective. Adds the forces of the cement to the grains, once the sides have the forces of all bonds. condensed:
-  // may be null.
-  void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
+  // Collective. Adds the forces of the cement to the grains in one of n sub-steps of a step, once the sides have the
+  // forces of all bonds. The loads of the grains get the n-th part, less what of the load of the host is spread.
+  // condensed: may be null.
+  void react(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
   // keep_loads() keeps the loads without those of the cement. take_back_loads() goes back to them, so that another
   // react() finds the loads of the cement anew. What was booked of jumps stays. The half step that came to here had
   // the work of the loads that are taken back. book_loads_taken_back() corrects that.
@@ -129,18 +128,15 @@ class BondedGrains {
   // distribute(). Returns the energy that grains of this rank gain, and prescribed ones take.
   double push(MPI_Comm comm, const std::vector<Six>& momentum, CondensedPack& condensed);
   // Find what is spread over the n sub-steps of the next step. start_spreading() is for the start of a run,
-  // spread_loads() for the end of a step.
+  // spread_loads() for the end of a step. In a single one all loads act, and nothing is spread.
   void start_spreading(int n);
   void spread_loads(int n);
   // Collective. Applies the load of the host that is not spread (the load so far and what came late in the last step)
   // for n sub-steps at once. Finds the forces of this impulse on nodes and grains, and adds its accelerations to those
   // of the grains.
   void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
-  // Collective. Does what react() does, in one of n sub-steps. Adds the n-th part to the loads of the grains, and takes
-  // from them what is spread.
-  void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
-  // Sets the loads that are shown after a step: all loads of host and cement.
-  void show_loads(int substeps);
+  // Sets the loads that are shown after a step of n sub-steps: all loads of host and cement.
+  void show_loads(int n);
   // Collective. Finds the part of the reaction that comes from added mass which followed jumps, or whose nodes changed
   // velocity by transfer. Books its work. react() does this, and adds that part to the grains.
   void react_to_jumps(double dt, EnergyBooks& books);
@@ -189,6 +185,9 @@ class BondedGrains {
   const Jump& worst_jump() const { return worst_jump_; }
 
  private:
+  void find_loads(int n);
+  void solve(MPI_Comm comm, const Bonds& bonds, CondensedPack* condensed);
+  void add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack* condensed);
   std::size_t place_of(int tag) const;  // place in `grains`, or their number if the grain is not on this rank
   // Collective. Finds sides of bonds, and returns those that this rank owns.
   std::vector<OwnedSide> find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const;

@@ -22,7 +22,8 @@ namespace mpdem {
 Cement::Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host)
     : scene_(comm, bonds, host, options, std::move(law)) {
   const MovingParts parts{scene_, shared_, added_, arrangement_, forces_, work_};
-  kinematics_ = options.updated ? make_updated(parts) : make_total(parts);
+  divisions_.splits = scene_.formulation->splits();
+  kinematics_ = scene_.formulation->kinematics(parts);
 }
 
 // Clears the marks of parts, so that another fix starts from whole bonds.
@@ -80,11 +81,10 @@ void Cement::lay_out_exchanged() {
   go_on("lay_out_exchanged", Stage::grains_moved, Stage::grains_moved);
   std::vector<int> mine;
   for (const Bond& b : scene_.bonds())
-    if (b.changed()) mine.push_back(b.body);
+    if (scene_.formulation->needs_layout(b)) mine.push_back(b.body);
   int moved = !mine.empty() || scene_.grains.changed(), any;
   MPI_Allreduce(&moved, &any, 1, MPI_INT, MPI_MAX, scene_.comm);
-  // Slots of points were brought up to date for the exchange, with `updated` kinematics.
-  const std::vector<int> rows = scene_.options.updated ? scene_.all_rows() : scene_.agreed_rows(mine);
+  const std::vector<int> rows = scene_.agreed_rows(mine);
   if (!any && rows.empty()) return;
   arrangement_.lay_out(rows, arrangement_.parts_at_start(), {});
   condensing_.bind();
@@ -93,16 +93,9 @@ void Cement::lay_out_exchanged() {
   condensing_.condense(rows, false);
 }
 
-void Cement::refresh_added_mass() {
-  if (scene_.laid_out) added_.refresh();
-}
-
 void Cement::change_step() {
   scene_.grains.start_spreading(scene_.now.substeps);
-  if (scene_.penalty && !scene_.options.updated)
-    scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), scene_.kick()); }, [&] { refresh_added_mass(); });
-  else
-    refresh_added_mass();
+  kinematics_->change_step();
 }
 
 void Cement::show_points() {
@@ -160,9 +153,7 @@ void Cement::start_run() {
   BondedGrains& grains = scene_.grains;
   scene_.substep = scene_.now.substeps;
   grains.start_spreading(scene_.now.substeps);
-  // added mass with the eigenvalue as it is known now
-  if (!scene_.options.updated && scene_.penalty)
-    scene_.books.release_by([&] { return added_.energy_ahead(scene_.all_rows(), 0.0); }, [&] { refresh_added_mass(); });
+  kinematics_->start_run();  // added mass with the eigenvalue as it is known now
   if (scene_.penalty && scene_.bodies_started < static_cast<int>(scene_.bonds().table.size()))
     grains.start_added_mass(scene_.comm, scene_.bonds(), scene_.bodies_started, added_.any(), scene_.books);
   condensed_.follow(grains, scene_.weight().data());
@@ -211,7 +202,7 @@ void Cement::start_bodies() {
     b.links.add_spring_energy(grid, scene_.grains.side_of(b), mine);
     for (const auto& p : b.parts) p->add_energy(b.points, grid, scene_.grains.side_of(b), mine, mine);
     mine += b.added.energy(grid, scene_.grains.side_of(b), 0.0, scene_.dt_last);
-    if (scene_.options.updated) UpdatedPass::start(b.points, grid, 0);
+    scene_.formulation->start(b);
   }
   condensed_.resume(scene_.grains, scene_.weight().data());
   for (int row = scene_.bodies_started; row < rows; ++row) {
@@ -237,19 +228,22 @@ void Cement::grains_moved() {
 
 void Cement::step() {
   go_on("step", Stage::grains_moved, Stage::step_taken);
+  const FlushDenormals flush;
   scene_.substep = scene_.now.substeps;
+  scene_.grains.spread_loads(scene_.now.substeps);
   advance();
+  scene_.grains.watch_late_loads(false);
 }
 
 void Cement::take_substeps() {
   substeps_.find_ways();
-  for (scene_.substep = 1; scene_.substep <= scene_.now.substeps; ++scene_.substep) {
+  for (scene_.substep = 1; scene_.substep < scene_.now.substeps; ++scene_.substep) {
     substeps_.move_grains();
-    if (scene_.ends_step()) break;
     advance();
     substeps_.kick_grains();
     end_substep();
   }
+  substeps_.move_grains();
 }
 
 void Cement::advance() {
@@ -257,7 +251,6 @@ void Cement::advance() {
   BondedGrains& grains = scene_.grains;
   // grains: the way in which they came here
   grains.find_rates(scene_.now.dt, scene_.dt_last, static_cast<long>(scene_.now.number), scene_.books);
-  if (scene_.now.substeps > 1 && scene_.ends_step()) grains.spread_loads(scene_.now.substeps);
   scene_.timer.start(StepTimer::kCoupling);
   const std::vector<int> moved = move_places(scene_);
   grains.distribute(scene_.bonds());
@@ -281,7 +274,6 @@ void Cement::advance() {
   forces_.react();
   // bonds that wake, and those that are condensed again
   if (condensing_.change()) find_forces_anew();
-  if (scene_.ends_step()) grains.watch_late_loads(false);
   scene_.timer.stop();
 }
 
@@ -300,15 +292,15 @@ void Cement::find_forces_anew() {
 
 void Cement::end_step() {
   go_on("end_step", Stage::step_taken, Stage::between_steps);
+  scene_.grains.watch_late_loads(true);
   end_substep();
+  report_.note_peaks();
   scene_.grains.show_loads(scene_.now.substeps);
 }
 
 void Cement::end_substep() {
-  if (scene_.ends_step()) scene_.grains.watch_late_loads(true);
   scene_.grains.keep_velocities(scene_.dt_last);
   parting_.watch_loads();
-  if (scene_.ends_step()) report_.note_peaks();
   scene_.books.end_step(work_.of_loads(0), work_.of_inertial_forces(0));
   std::vector<Body>& table = scene_.bonds().table;
   for (auto b = table.rbegin(); b != table.rend() && !b->in_motion; ++b) b->in_motion = true;

@@ -105,7 +105,7 @@ class Cement {
   void step();
   // Call when grains have their velocities of the end of the step.
   void end_step();
-  // Call when the time step changed. Books what the added mass gives up.
+  // Call when the time step changed. Finds the added mass for the new one, and books what that mass gives up.
   void change_step();
   // Brings the slots of points up to date, which fall behind while points change cells.
   void sync_slots() { arrangement_.sync_slots(); }
@@ -153,7 +153,6 @@ class Cement {
 
   // Throws std::logic_error if the host is at another stage than `from`.
   void go_on(const char* call, Stage from, Stage to);
-  void refresh_added_mass();
   void take_up_commands();
   void take_substeps();
   void advance();

@@ -27,8 +27,6 @@ struct OfPath {
   int body, tag;
 };
 
-constexpr int kBetween = -1;  // piece between the grains; it has a number of its own, so that it does not matter which grain is the first
-
 void direction_of_centres(const Body& body, double* n) {
   double length = 0.0;
   for (int d = 0; d < 3; ++d) {
@@ -270,13 +268,10 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   for (std::size_t n = 0; n < looked_at.size(); ++n) {
     const std::vector<CrackPoint>& points = whole.points[n];
     if (points.empty() || !separations[n].separated) continue;
-    if (options.updated) continue;  // fragments may meet again, so they share their nodes
     if (options.split && separated(looked_at[n])) continue;  // nodes of debris split as points fail
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const int part = separations[n].part[i];
-      if (!options.reprojects()) found.pieces[looked_at[n]].push_back({points[i].tag, separations[n].between[i] ? kBetween : part});
-      else if (part != points[i].part) found.pieces[looked_at[n]].push_back({points[i].tag, part});
-    }
+    std::vector<Splits::PointOfPiece>& pieces = found.came_apart.pieces[looked_at[n]];
+    pieces.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) pieces.push_back({points[i].tag, separations[n].part[i], points[i].part, separations[n].between[i] != 0});
   }
   for (std::size_t n = 0; n < looked_at.size(); ++n)
     for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
@@ -300,7 +295,7 @@ Cracks::Found Cracks::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
       s.separation.separated = true;
       for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[6 + g];
       s.separation.inside = row[3] + row[8];
-      if (!options.updated && row[5] != 0.0) found.lay_out.push_back(looked_at[k]);
+      if (row[5] != 0.0) found.came_apart.rows.push_back(looked_at[k]);
     }
     if (row[4] != 0.0) found.held.push_back(looked_at[k]);
   }

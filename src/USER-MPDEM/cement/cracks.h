@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "../fracture/node_copies.h"
 #include "../fracture/separation.h"
 #include "bond.h"
 #include "options.h"
+#include "splits.h"
 
 namespace mpdem {
 
@@ -57,9 +57,8 @@ class Cracks {
   // come apart already if `debris`. skins: TractionLaw::keeps_skins(). Skins tell what let go from what broke beside
   // it, so the band of a crack does not count there. Rows before `from` wait.
   struct Found {
-    std::vector<int> lay_out;  // bonds that came apart, ascending
-    std::vector<int> held;     // bonds whose points hold to other grains now, PointRecord::holds; ascending
-    std::map<int, std::vector<CopyLattice::OfPiece>> pieces;  // what Splits::come_apart() is to part, on the ranks that looked
+    Splits::CameApart came_apart;
+    std::vector<int> held;  // bonds whose points hold to other grains now, PointRecord::holds; ascending
   };
   Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool skins, bool debris, int from = 0);
 

@@ -238,7 +238,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   }
   for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
   const std::vector<int> tags = take_out(of_rows, leaving);
-  if (!scene_.options.reprojects()) divisions_.splits.leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
+  divisions_.splits->leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
   arrangement_.bring_copies();
   arrangement_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds().awake())

@@ -6,13 +6,15 @@
 #ifndef MPDEM_CEMENT_DIVISIONS_H
 #define MPDEM_CEMENT_DIVISIONS_H
 
+#include <memory>
+
 #include "cracks.h"
 #include "splits.h"
 
 namespace mpdem {
 
 struct Divisions {
-  Splits splits;
+  std::unique_ptr<Splits> splits;
   Cracks cracks;
 };
 

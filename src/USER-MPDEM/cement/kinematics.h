@@ -3,7 +3,7 @@
 //
 // How nodes and points move in a step. With total kinematics the reference stays, nodes drift and points follow. With
 // updated kinematics the reference is the present, and velocities go from nodes to points and back in every step. The
-// choice holds for all bonds.
+// choice is that of Formulation, and holds for all bonds.
 #ifndef MPDEM_CEMENT_KINEMATICS_H
 #define MPDEM_CEMENT_KINEMATICS_H
 
@@ -32,6 +32,10 @@ class Kinematics {
  public:
   virtual ~Kinematics() = default;
 
+  // Collective. Follow the time step with the added mass: at the start of a run, and where the step changes in its
+  // course.
+  virtual void start_run() = 0;
+  virtual void change_step() = 0;
   // Collective. Takes a step up to the forces of points and links: nodes drift, points take their strain, damage and
   // stress, links of failed points let go. Leaves internal forces and those of links on the nodes of this rank.
   virtual void advance() = 0;
@@ -53,6 +57,8 @@ class Kinematics {
 };
 
 std::unique_ptr<Kinematics> make_total(const MovingParts& parts);
+std::unique_ptr<Kinematics> make_reprojected(const MovingParts& parts);
+std::unique_ptr<Kinematics> make_renewed(const MovingParts& parts);
 std::unique_ptr<Kinematics> make_updated(const MovingParts& parts);
 
 // Finds velocities of nodes that have mass from their momentum.

@@ -67,8 +67,8 @@ class LayoutMaker {
   std::vector<BondLayout> make() {
     const int ranks = ranks_of(rules_.comm);
     for (std::size_t n = 0; n < layouts_.size(); ++n) start(requests_[n], layouts_[n]);
-    Splits* const splits = rules_.splits;
-    const bool finds_edges = splits && rules_.options.tied && !splits->edges_known(rows_);
+    Splits& splits = rules_.splits;
+    const bool finds_edges = rules_.options.tied && !splits.edges_known(rows_);
     // A slave of this rank may have its masters on others. These then come here as nodes of no cell. A plan of the
     // grids tells which.
     if (finds_edges && ranks > 1) {
@@ -80,16 +80,16 @@ class LayoutMaker {
     build(grids, true);
     if (finds_edges && ranks == 1) keep_edges(grids);
     std::vector<std::vector<EdgeTie>> ties(layouts_.size());
-    for (std::size_t n = 0; n < ties.size() && splits; ++n) ties[n] = splits->ties(grids[n].keys);
+    for (std::size_t n = 0; n < ties.size(); ++n) ties[n] = splits.ties(grids[n].keys);
     const std::vector<char> any = tied_anywhere(ties);
     for (std::size_t n = 0; n < layouts_.size(); ++n) {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
-      if (splits) l.grid.tie(ties[n], any[n], !rules_.options.split);
-      if (splits && rules_.options.shares_failed_mass()) l.grid.given_volume = splits->volumes(l.grid.keys);
+      l.grid.tie(ties[n], any[n], !rules_.options.split);
+      if (rules_.options.shares_failed_mass()) l.grid.given_volume = splits.volumes(l.grid.keys);
       l.grid.lump_mass(l.points, rules_.density);
     }
-    if (splits && !rules_.options.split) splits->drop_edges(rows_);
+    if (!rules_.options.split) splits.drop_edges(rows_);
     return std::move(layouts_);
   }
 
@@ -101,7 +101,7 @@ class LayoutMaker {
     l.points = std::move(r.points);
     l.points.set_law(rules_.law);
     if (rules_.arrange) {
-      l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot, !o.updated);
+      l.new_slot = l.points.arrange(o.cell, o.basis, r.parts.part_of_slot, rules_.formulation.joins_cells());
       set_frames(l.points, *rules_.law, [&](const Vector3& X) { return axis_at(X, body, o); });
     }
     find_softening(l.points, body);
@@ -117,21 +117,18 @@ class LayoutMaker {
       grids[n].basis = rules_.options.basis;
       w.grid = &grids[n];
       w.cells = cells_of(layouts_[n], borrowed);
-      if (rules_.splits) {
-        const std::vector<Key> nodes = rules_.splits->nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
-        w.extra.insert(w.extra.end(), nodes.begin(), nodes.end());
-        // Copies are needed where faces touch, see crack_faces.h. A rank whose last point has left has no bond any
-        // more, and shares none of its nodes.
-        if (rules_.options.split && rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
-          const std::vector<Key> copies = rules_.splits->copies_of(layouts_[n].body);
-          w.extra.insert(w.extra.end(), copies.begin(), copies.end());
-        }
+      w.extra = rules_.splits.nodes_beside(layouts_[n].points, layouts_[n].body, support(rules_.options.basis));
+      // Copies are needed where faces touch, see crack_faces.h. A rank whose last point has left has no bond any
+      // more, and shares none of its nodes.
+      if (rules_.options.split && rules_.penalty && rules_.penalty->friction >= 0.0 && !layouts_[n].points.blocks.empty()) {
+        const std::vector<Key> copies = rules_.splits.copies_of(layouts_[n].body);
+        w.extra.insert(w.extra.end(), copies.begin(), copies.end());
       }
       if (!with_motion) continue;
       w.before = std::move(requests_[n].before);
       w.source = std::move(requests_[n].parts.source);
     }
-    const int margin = with_motion && rules_.options.updated ? UpdatedPass::kMargin : 0;
+    const int margin = with_motion ? rules_.formulation.margin() : 0;
     try {
       build_grids(rules_.comm, rules_.options.cell, margin, rules_.options.most_bytes, wanted);
     } catch (const GridTooLarge& e) {
@@ -139,16 +136,16 @@ class LayoutMaker {
                              "; use a larger 'cell', more machines",
                              margin > 0 ? ", or 'kinematics total', since points that are scattered take hundreds of nodes each" : ""));
     }
-    for (std::size_t n = 0; n < grids.size() && rules_.splits; ++n) borrowed.find(layouts_[n].points, grids[n], *rules_.splits);
+    for (std::size_t n = 0; n < grids.size(); ++n) borrowed.find(layouts_[n].points, grids[n], rules_.splits);
     for (std::size_t n = 0; n < grids.size() && with_motion; ++n) {
       layouts_[n].fresh.swap(wanted[n].fresh);
-      if (rules_.splits) borrowed.take_motion_of_standing(grids[n], *rules_.splits, layouts_[n].fresh);
+      borrowed.take_motion_of_standing(grids[n], rules_.splits, layouts_[n].fresh);
     }
   }
 
   // Collective. Keeps the ties that nodes at the edge had at the start.
   void keep_edges(std::vector<Grid>& grids) const {
-    const Splits& splits = *rules_.splits;
+    const Splits& splits = rules_.splits;
     std::vector<std::pair<Key, double>> all;
     for (std::size_t n = 0; n < grids.size(); ++n) {
       const std::vector<double> mass = grids[n].mass_here(layouts_[n].points, rules_.density);
@@ -170,7 +167,7 @@ class LayoutMaker {
     std::vector<EdgeTie> edges = find_edge_ties(rules_.comm, rules_.options.basis, nodes);
     for (EdgeTie& t : edges)
       if (rules_.options.split) std::vector<std::pair<Key, double>>().swap(t.behind);  // these grids have no chain, and keep the edges
-    rules_.splits->keep_edges(rows_, std::move(edges));
+    rules_.splits.keep_edges(rows_, std::move(edges));
   }
 
   // Returns for each layout whether some rank has ties in it.

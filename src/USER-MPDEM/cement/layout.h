@@ -16,6 +16,7 @@
 
 #include "bond.h"
 #include "options.h"
+#include "formulation.h"
 #include "splits.h"
 
 namespace mpdem {
@@ -34,7 +35,8 @@ struct LayoutRules {
   const std::shared_ptr<const Law>& law;  // law of all points, also of those from other ranks
   double density = 0;                          // density of the inertia
   const PenaltyParameters* penalty = nullptr;  // null: no links
-  Splits* splits = nullptr;                    // null: no node has copies, and none is tied
+  Splits& splits;
+  const Formulation& formulation;
   bool arrange = true;                         // false: blocks stay as they are
 };
 

@@ -111,8 +111,7 @@ void NodalForces::find_accelerations() {
 void NodalForces::find_grain_accelerations() {
   if (!grains_need_accelerations()) return;
   scene_.timer.start(StepTimer::kCoupling);
-  using Loads = BondedGrains::Loads;
-  scene_.grains.find_accelerations(scene_.comm, scene_.bonds(), scene_.now.substeps == 1 ? Loads::all : Loads::spread, condensed_.pack());
+  scene_.grains.find_accelerations(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
 }
 
@@ -152,8 +151,7 @@ void NodalForces::share_impulses() {
 }
 
 void NodalForces::react() {
-  if (scene_.now.substeps == 1) scene_.grains.react(scene_.now.dt, scene_.books, condensed_.pack());
-  else scene_.grains.react_in_substep(scene_.now.dt, scene_.now.substeps, scene_.books, condensed_.pack());
+  scene_.grains.react(scene_.now.dt, scene_.now.substeps, scene_.books, condensed_.pack());
 }
 
 void NodalForces::end_pass() {

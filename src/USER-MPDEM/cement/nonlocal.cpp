@@ -43,7 +43,7 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
     scene.timer.start(StepTimer::kPoints);
   };
   for (Bond* b : cut) {
-    b->average.start(b->points, b->grid, *scene.law, imperfection_of(scene, *b), !scene.options.updated);
+    b->average.start(b->points, b->grid, *scene.law, imperfection_of(scene, *b));
     b->average.find_volumes(b->grid);
   }
   sum(&DriveAverage::volumes);
@@ -69,15 +69,14 @@ void average_drives(Scene& scene, bool any_bond_is_cut) {
       b.grid.drive_average.clear();
       continue;
     }
-    b.average.find(b.points, b.grid, *scene.law, sweeps, imperfection_of(scene, b), !scene.options.updated);
-    if (!scene.options.updated) DriveAverage::find_limits(b.points, b.grid, *scene.law, DriveAverage::largest(b.points, b.grid));
+    b.average.find(b.points, b.grid, *scene.law, sweeps, imperfection_of(scene, b));
+    DriveAverage::find_limits(b.points, b.grid, *scene.law, b.average.largest_to_come(b.points, b.grid));
   }
   if (rows.empty()) return;
   average_cut_drives(scene, rows);
-  if (scene.options.updated) return;
   std::vector<double> largest(rows.size(), 0.0);
   for (std::size_t n = 0; n < rows.size(); ++n)
-    if (const Bond* b = cut_bond(scene, rows[n])) largest[n] = DriveAverage::largest(b->points, b->grid);
+    if (const Bond* b = cut_bond(scene, rows[n])) largest[n] = b->average.largest_to_come(b->points, b->grid);
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, scene.comm);
   for (std::size_t n = 0; n < rows.size(); ++n)
     if (Bond* b = cut_bond(scene, rows[n])) DriveAverage::find_limits(b->points, b->grid, *scene.law, largest[n]);

@@ -44,14 +44,9 @@ struct CementOptions {
 
   // Do the nodes beside a crack share the mass of what failed there, see fracture/node_copies.h? Points that may be
   // stiff again keep their mass at their own nodes. The bound of the step rests on that.
-  bool shares_failed_mass() const { return !reprojects() && !unilateral; }
-  // Do points give their velocity to the nodes, in every step or every so many?
-  bool transfers() const { return updated || reproject_every > 0; }
-  // Do they ever? With `reproject auto` they do where they get a new reference.
-  bool reprojects() const { return transfers() || reproject_distortion > 0.0; }
-  // Largest dt^2 lambda. For a mode that a transfer removes altogether, it is half of what the central difference
-  // allows.
-  double stability_bound() const { return (transfers() ? 2.0 : 4.0) / mass_order; }
+  bool shares_failed_mass() const { return !unilateral; }
+  // Do points give their velocity to the nodes: in every step, every so many, or where they get a new reference?
+  bool reprojects() const { return updated || reproject_every > 0 || reproject_distortion > 0.0; }
 };
 
 }  // namespace mpdem

@@ -42,7 +42,7 @@ void Parting::take_up() {
   const int from = static_cast<int>(divisions_.cracks.size());
   if (!divisions_.cracks.take_up(scene_.bonds().table.size()) || !scene_.penalty) return;
   if (scene_.options.split) {
-    Splits::Found found = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options, from);
+    Splits::Found found = divisions_.splits->look(scene_.comm, scene_.bonds(), scene_.options, from);
     if (!found.lay_out.empty()) arrangement_.lay_out_again(found.lay_out, std::move(found.parts), {true, true});
   }
   Found found = look_at_bonds(true, from);
@@ -52,26 +52,42 @@ void Parting::take_up() {
 
 void Parting::look() {
   if (!scene_.can_break()) return;
-  const bool after_check = scene_.follows_check();
-  if (!after_check && !scene_.watches()) return;
-  sort_links();
-  Cracks& cracks = divisions_.cracks;
-  if (scene_.options.split) split_nodes();
-  if (after_check)
-    cracks.give_way(scene_.comm, scene_.bonds(), scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
-                    scene_.keeps_skins(), scene_.now.number - 1);
-  if (!after_check && !cracks.some_path_is_cut(scene_.comm)) return;
+  if (scene_.begins_step() && (scene_.now.number - 1) % scene_.options.check_every == 0) look_after_check();
+  else if (scene_.watches()) look_at_paths();
+}
+
+// Looks at the whole state.
+void Parting::look_after_check() {
+  look_at_points();
+  divisions_.cracks.give_way(scene_.comm, scene_.bonds(), scene_.options, load_watch_.look(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
+                             scene_.keeps_skins(), scene_.now.number - 1);
   scene_.timer.start(StepTimer::kLayout);
-  if (after_check) added_.drop_inert();
-  Found found = look_at_bonds(after_check);
+  added_.drop_inert();
+  part_pieces(true);
+}
+
+// Looks at bonds in which a path of intact points was cut.
+void Parting::look_at_paths() {
+  look_at_points();
+  if (!divisions_.cracks.some_path_is_cut(scene_.comm)) return;
+  scene_.timer.start(StepTimer::kLayout);
+  part_pieces(false);
+}
+
+void Parting::look_at_points() {
+  sort_links();
+  if (scene_.options.split) split_nodes();
+}
+
+void Parting::part_pieces(bool debris) {
+  Found found = look_at_bonds(debris);
   part_bonds(found.lay_out, std::move(found.parts), "parts came apart");
   find_relaxation(found.held);
 }
 
 // Points that change cells change their slots. Others stay as the layout sorted them.
 void Parting::sort_links() {
-  if (!scene_.options.updated) return;
-  for (Bond& b : scene_.bonds()) b.sort_links();
+  for (Bond& b : scene_.bonds()) scene_.formulation->sort_links(b);
 }
 
 std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
@@ -81,10 +97,7 @@ std::vector<Cracks::Ahead> Parting::ahead(const std::vector<int>& rows) {
 
 Parting::Found Parting::look_at_bonds(bool debris, int from) {
   Cracks::Found cracked = divisions_.cracks.look(scene_.comm, scene_.bonds(), scene_.options, scene_.keeps_skins(), debris, from);
-  Found found{divisions_.splits.come_apart(scene_.comm, scene_.bonds(), scene_.options, cracked.pieces), std::move(cracked.held)};
-  found.lay_out.insert(found.lay_out.end(), cracked.lay_out.begin(), cracked.lay_out.end());
-  sort_unique(found.lay_out);
-  return found;
+  return {divisions_.splits->come_apart(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.came_apart)), std::move(cracked.held)};
 }
 
 // Finds the damping of bonds whose points hold to other grains now.
@@ -95,7 +108,7 @@ void Parting::find_relaxation(const std::vector<int>& rows) {
 
 void Parting::split_nodes() {
   scene_.timer.start(StepTimer::kLayout);
-  Splits::Found split = divisions_.splits.look(scene_.comm, scene_.bonds(), scene_.options);
+  Splits::Found split = divisions_.splits->look(scene_.comm, scene_.bonds(), scene_.options);
   part_bonds(split.lay_out, std::move(split.parts), "nodes split");
 }
 
@@ -106,19 +119,19 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   const BondMotion before = sums_of_motion(b.grid, kick);
   const PointStore::PartMove moved = b.points.move_to_parts(parts.part_of_slot, scene_.options.cell, scene_.options.basis);
   const BorrowedNodes borrowed(scene_.options, scene_.penalty ? &*scene_.penalty : nullptr);
-  std::vector<Key> more = divisions_.splits.standing_at(b.body, parts.split);
+  std::vector<Key> more = divisions_.splits->standing_at(b.body, parts.split);
   const auto add = [&more](const std::vector<Key>& nodes) { more.insert(more.end(), nodes.begin(), nodes.end()); };
   for (int n : moved.blocks) {
     BlockMeta& m = b.points.meta[n];
     m.borrowed = BlockMeta::kOwn;  // borrowed nodes are found anew below
-    add(divisions_.splits.standing_for(m, support(scene_.options.basis)));
+    add(divisions_.splits->standing_for(m, support(scene_.options.basis)));
     if (!borrowed.may_borrow(m)) add(Splits::nodes_of(m, support(scene_.options.basis)));
   }
   sort_unique(more);
   more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
   const std::vector<int> place = b.grid.add_nodes(more);
   b.grid.take_over_motion(parts.source);
-  borrowed.take_motion_of_standing(b.grid, divisions_.splits, more, parts.source);
+  borrowed.take_motion_of_standing(b.grid, *divisions_.splits, more, parts.source);
   if (!more.empty())
     for (BlockMeta& m : b.points.meta)
       if (m.borrowed == BlockMeta::kOwn && !borrowed.may_borrow(m))
@@ -128,16 +141,18 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   b.links.renumber(moved.link_place);
   b.links.follow_parts(b.points, b.grid, place);
 
-  std::vector<int> nodes = divisions_.splits.nodes_touched(b.grid, b.body, parts.split);
+  std::vector<int> nodes = divisions_.splits->nodes_touched(b.grid, b.body, parts.split);
   for (const Key& k : more) nodes.push_back(b.grid.node_at(k));
   sort_unique(nodes);
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
-  borrowed.find_anew(b.points, b.grid, divisions_.splits, nodes);
-  const std::vector<double> volumes = divisions_.splits.volumes(keys);
-  if (scene_.options.shares_failed_mass()) b.grid.given_volume.resize(b.grid.size(), -1.0);
-  for (std::size_t n = 0; n < volumes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
-  const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));
+  borrowed.find_anew(b.points, b.grid, *divisions_.splits, nodes);
+  const std::vector<double> volumes = divisions_.splits->volumes(keys);
+  if (scene_.options.shares_failed_mass()) {
+    b.grid.given_volume.resize(b.grid.size(), -1.0);
+    for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  }
+  const bool freed = b.grid.tie_anew(nodes, divisions_.splits->ties(keys));
   b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
     give_back_motion(b.grid, before, sums_of_motion(b.grid, kick));

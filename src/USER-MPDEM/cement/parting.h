@@ -43,6 +43,10 @@ class Parting {
     std::vector<int> held;  // see Cracks::Found
   };
   Found look_at_bonds(bool debris, int from = 0);  // from: the first row
+  void look_after_check();
+  void look_at_paths();
+  void look_at_points();
+  void part_pieces(bool debris);
   void sort_links();
   void split_nodes();
   void part_bonds(const std::vector<int>& rows, NewPartsOfBonds parts, const char* event);

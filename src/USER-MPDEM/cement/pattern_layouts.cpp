@@ -30,7 +30,7 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
     requests.back().parts = std::move(parts[b.body]);
     rows.push_back(b.body);
   }
-  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, &splits};
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, splits, *scene.formulation};
   std::vector<CondensedBonds::OfPattern> found;
   for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
     found.push_back({l.body + 1, Bond(), alone.table[l.body], true});

@@ -36,7 +36,7 @@ void open_places_of_files(Scene& scene) {
 }
 
 std::vector<int> move_places(Scene& scene) {
-  if (!scene.touches() || !scene.watches()) return {};
+  if (!scene.places_move()) return {};
   struct OfBond {
     std::vector<FreedPlaces::Arrival> arrivals;
     std::vector<std::array<int, 2>> gone;

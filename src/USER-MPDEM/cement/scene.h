@@ -24,6 +24,7 @@
 #include "bonded_grains.h"
 #include "energy_books.h"
 #include "options.h"
+#include "formulation.h"
 #include "step_timer.h"
 
 namespace mpdem {
@@ -60,6 +61,7 @@ struct Scene {
 
   const OwnComm comm;
   CementOptions options;
+  const std::unique_ptr<const Formulation> formulation;
   std::shared_ptr<const Law> law;
   std::optional<PenaltyParameters> penalty;  // parameters of the links; none: no links
   double inertia = 0.0;                      // density of the calcite with the mass scale
@@ -74,7 +76,7 @@ struct Scene {
   bool laid_out = false;   // bonds have a layout, and grains their sides
 
   Scene(MPI_Comm comm_of_all, Bonds& of_host, CementHost& asked, const CementOptions& words, std::shared_ptr<const Law> of_points)
-      : comm(comm_of_all), options(words), law(std::move(of_points)), bonds_(of_host), host_(asked) {}
+      : comm(comm_of_all), options(words), formulation(formulation_of(words)), law(std::move(of_points)), bonds_(of_host), host_(asked) {}
   Scene(const Scene&) = delete;  // parts refer to it
 
   // A scene that is const has const bonds, and calls no host. So what only looks cannot change them.
@@ -90,8 +92,6 @@ struct Scene {
   // Steps of the host between two looks, which come with the first sub-step.
   int watch_every() const { return std::max(1, kWatchEvery / now.substeps); }
   bool watches() const { return begins_step() && (now.number - 1) % watch_every() == 0; }
-  // Is this the first step after a check of the whole state?
-  bool follows_check() const { return begins_step() && (now.number - 1) % options.check_every == 0; }
 
   double density() const { return inertia / options.mass_scale; }
   bool keeps_skins() const { return penalty && penalty->law->keeps_skins(); }
@@ -99,6 +99,8 @@ struct Scene {
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
   // Do places that let go still touch? Do faces of cracks touch?
   bool touches() const { return penalty && penalty->friction >= 0.0; }
+  // Do places that let go move on to other points in this step?
+  bool places_move() const { return touches() && watches(); }
   bool faces_touch() const { return touches() && options.split; }
 
   // weight() is the acceleration by gravity that acts on the inertia of the cement, in the axes of the box.
@@ -106,6 +108,8 @@ struct Scene {
   std::array<double, 3> weight() const;
   std::array<double, 3> weight_of(const Bond& b) const;
   double shear_speed() const;
+  // Largest dt^2 lambda of a stable step.
+  double stability_limit() const { return formulation->stability_limit() / options.mass_order; }
   // Bound of the largest eigenvalue of cement without ties; 0: none.
   double eigenvalue_bound() const;
 

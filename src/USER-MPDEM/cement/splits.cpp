@@ -7,6 +7,7 @@
 
 #include "../numerics/length.h"
 #include "../numerics/place_in.h"
+#include "../numerics/sort_unique.h"
 #include "../parallel/agree.h"
 #include "../parallel/all_to_all.h"
 #include "../parallel/ranks.h"
@@ -25,6 +26,7 @@ struct SentSheetPoint {
   SheetPoint point;
 };
 constexpr char kLookedAt = 1, kToCome = 2;
+constexpr int kBetween = -1;  // piece between the grains; it has a number of its own, so that it does not matter which grain is the first
 
 struct SentTag {
   int body, tag;
@@ -124,17 +126,6 @@ std::map<int, Crevice> find_crevices(MPI_Comm comm, const Bonds& bonds, const Ce
     std::vector<SheetPoint>().swap(near[r]);
   }
   return found;
-}
-
-// Nodes of points that go to a part of their own take over the motion of the nodes that these points had.
-void add_sources(const Bond& bond, int support, NewParts& parts) {
-  int block = -1, part = -1;  // points of a block mostly go together
-  for (const auto& p : parts.part_of_slot) {
-    if (p.first / kLanes == block && p.second == part) continue;
-    block = p.first / kLanes;
-    part = p.second;
-    for (const Key& k : Splits::nodes_of(bond.points.meta[block], support)) parts.source[k.with_field(field_of(bond.body, part))] = k;
-  }
 }
 
 // Gives points whose part another fix made to part 0, except those that have a new part.
@@ -262,7 +253,6 @@ std::map<Key, NodeCopies::Row> Splits::rows_to_keep(MPI_Comm comm) const {
   return kept;
 }
 
-// Collective. Makes the lattices of those bonds whose points have to come as a whole.
 void Splits::find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted) {
   std::vector<char> to_come(wanted.size(), 0);
   for (std::size_t r = 0; r < wanted.size(); ++r) to_come[r] = wanted[r] == kToCome;
@@ -318,40 +308,43 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   return found;
 }
 
-Splits::Found Splits::come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
-                                 const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces) {
+CopyChange Splits::part(int row, const std::vector<PointOfPiece>& pieces, const CementOptions& options) {
+  std::vector<CopyLattice::OfPiece> of_pieces;
+  of_pieces.reserve(pieces.size());
+  for (const PointOfPiece& p : pieces) of_pieces.push_back({p.tag, p.between ? kBetween : p.piece});
+  CopyChange change = rows_[row].lattice->come_apart(of_pieces, rows_[row].copies);
+  if (!options.split) rows_[row].lattice.reset();
+  return change;
+}
+
+Splits::Found Splits::come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came) {
   Found found;
+  found.lay_out = std::move(came.rows);
   const int n = static_cast<int>(bonds.table.size());
   std::vector<char> wanted(n, 0), changed(n, 0);
-  for (const auto& p : pieces) wanted[p.first] = row(p.first).lattice ? kLookedAt : kToCome;
+  for (const auto& p : came.pieces) wanted[p.first] = row(p.first).lattice ? kLookedAt : kToCome;
   MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (Bond& bond : bonds)
     if (wanted[bond.body])
       for (BlockMeta& m : bond.points.meta) m.looked_at = m.failed;
-  if (!options.reprojects()) find_lattices(comm, bonds, options, wanted);
+  find_lattices(comm, bonds, options, wanted);
   std::vector<int> rows;
   std::vector<CopyChange> changes;
   for (int r = 0; r < n; ++r) {
     if (!wanted[r]) continue;
     rows.push_back(r);
     changes.emplace_back();
-    const auto p = pieces.find(r);
-    if (p == pieces.end()) continue;
-    if (options.reprojects()) {
-      for (const CopyLattice::OfPiece& o : p->second) changes.back().moved.push_back({o.tag, o.piece});
-    } else {
-      changes.back() = rows_[r].lattice->come_apart(p->second, rows_[r].copies);
-      if (!options.split) rows_[r].lattice.reset();
-    }
+    const auto p = came.pieces.find(r);
+    if (p == came.pieces.end()) continue;
+    changes.back() = part(r, p->second, options);
     changed[r] = !changes.back().moved.empty() || !changes.back().rows.empty();
   }
   if (rows.empty()) return found;
   found.parts = apply(comm, bonds, rows, changes);
-  if (options.reprojects())
-    for (auto& p : found.parts) add_sources(*bonds.find(p.first), support(options.basis), p.second);
   MPI_Allreduce(MPI_IN_PLACE, changed.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (int r : rows)
     if (changed[r]) found.lay_out.push_back(r);
+  sort_unique(found.lay_out);
   return found;
 }
 

@@ -8,8 +8,7 @@
 // Nodes split at a crevice (fracture/crevice.h) when a bond is new, and between its pieces when it comes apart. With
 // `cracks split` they also split wherever material is not connected, when a bond is new and as its points fail.
 //
-// Where points meet other nodes as they move (CementOptions::reprojects()) no node has copies. A piece of a bond that
-// came apart is then a part, and a part has all its nodes for itself.
+// Where points meet other nodes as they move (CementOptions::reprojects()) no node has copies, see separate_parts.h.
 //
 // Each bond has a rank that looks at it as a whole, when it is new and from its first failure on. That rank keeps its
 // copies. The ranks that have points of the bond know them too. Nothing is kept of a bond without copies, except with
@@ -40,9 +39,12 @@ using NewPartsOfBonds = std::map<int, NewParts>;  // by row of the table
 
 class Splits {
  public:
+  virtual ~Splits() = default;
+  virtual std::unique_ptr<Splits> copy() const { return std::make_unique<Splits>(*this); }
+
   // Collective. Finds what comes apart at the start in bonds that are new: those from row `first()` of the table on, and
   // others that had no points before. Points that failed in a file are looked at by look().
-  NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {});
+  virtual NewPartsOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {});
   int first() const { return static_cast<int>(known_.size()); }
   // Collective. Looks at bonds in which points failed since the last look: those that are not condensed, or new ones from
   // row `from` on.
@@ -52,15 +54,23 @@ class Splits {
     NewPartsOfBonds parts;
   };
   Found look(MPI_Comm comm, Bonds& bonds, const CementOptions& options, int from = kAwake);
-  // Collective. Parts bonds that came apart. pieces: pieces of their points, on the ranks that look at these bonds. With
-  // CementOptions::reprojects() the points that change their part, and their new parts.
-  Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options,
-                   const std::map<int, std::vector<CopyLattice::OfPiece>>& pieces);
+  // A point of a bond that came apart. piece: that with which it goes. part: that which it has. between: it is as
+  // far from the material of the one grain as from that of the other.
+  struct PointOfPiece {
+    int tag, piece, part;
+    bool between;
+  };
+  struct CameApart {
+    std::vector<int> rows;  // bonds that came apart now, ascending, the same on all ranks
+    std::map<int, std::vector<PointOfPiece>> pieces;  // points of bonds whose pieces are to part, on the ranks that look at them
+  };
+  // Collective. Parts bonds that came apart.
+  virtual Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came);
   // Collective. Brings copies of bonds whose points came to this rank.
-  void bring(MPI_Comm comm, const Bonds& bonds);
+  virtual void bring(MPI_Comm comm, const Bonds& bonds);
 
   // Collective. Takes the volume of points that left the scene out of the copies of these bonds. rows: ascending, the same on all ranks.
-  void leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
+  virtual void leave(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows);
 
   // Restart: rows_to_keep() returns rows of the bonds that this rank looks at. restore() takes the rows of all bonds.
   std::map<Key, NodeCopies::Row> rows_to_keep(MPI_Comm comm) const;
@@ -77,11 +87,11 @@ class Splits {
   void keep_edges(const std::vector<int>& rows, std::vector<EdgeTie> edges);
   void drop_edges(const std::vector<int>& rows);
   // Nodes that stand for those of the blocks of a bond, and masters and heirs at the edge.
-  std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
+  virtual std::vector<Key> nodes_beside(const PointStore& points, int body, int support) const;
   // All nodes of a bond that are copies with a volume.
   std::vector<Key> copies_of(int body) const;
   // The node that stands for this one.
-  Key standing_for(const Key& node) const;
+  virtual Key standing_for(const Key& node) const;
   // nodes_of() returns the nodes of a block, standing_for() those that stand for them. Both are in the order of
   // for_each_node() of mpm/block_nodes.h.
   static std::vector<Key> nodes_of(const BlockMeta& block, int support);
@@ -98,7 +108,14 @@ class Splits {
   // whole. Returns an empty list if all are.
   std::vector<double> volumes(const std::vector<Key>& keys) const;
   // Ties of a grid that has these keys.
-  std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
+  virtual std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
+
+ protected:
+  void know_bonds(std::size_t bonds) { known_.resize(bonds); }
+  // Collective. Makes the lattices of those of the bonds that are wanted whose points have to come as a whole.
+  virtual void find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted);
+  // Parts the pieces of a bond at which this rank looks.
+  virtual CopyChange part(int row, const std::vector<PointOfPiece>& pieces, const CementOptions& options);
 
  private:
   struct Row {
@@ -119,7 +136,6 @@ class Splits {
   const NodeCopies& copies(int body) const { return row(body).copies; }
   Key now(const Key& at_start) const;
   void find_users(Row& row) const;
-  void find_lattices(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<char>& wanted);
   NewPartsOfBonds apply(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const std::vector<CopyChange>& changes);
 
   std::unordered_map<int, Row> rows_;  // of bonds of which something is kept

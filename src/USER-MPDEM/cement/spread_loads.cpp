@@ -51,6 +51,7 @@ void BondedGrains::start_spreading(int n) {
 }
 
 void BondedGrains::spread_loads(int n) {
+  if (n == 1) return;
   for (Grain& g : grains) {
     GrainState& s = *g.state;
     double load[6], before[6];
@@ -69,6 +70,43 @@ void BondedGrains::spread_loads(int n) {
       s.between[3 + d] -= (s.bent[e] * before[f] - s.bent[f] * before[e]) / (n - 1);
     }
   }
+}
+
+void BondedGrains::find_loads(int n) {
+  load_.resize(grains.size());
+  for (std::size_t i = 0; i < grains.size(); ++i) {
+    const GrainState& g = *grains[i].state;
+    for (int d = 0; d < 6; ++d) load_[i][d] = sudden_loads_[i][d] + (n == 1 ? grains[i].force[d] + g.late_load[d] : g.held()[d]);
+  }
+}
+
+void BondedGrains::react(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {
+  if (n == 1) return add_loads_of_cement(dt, books, condensed);
+  for (Grain& g : grains) {
+    std::copy(g.force, g.force + 6, g.kick);
+    std::fill(g.force, g.force + 6, 0.0);
+  }
+  add_loads_of_cement(dt, books, condensed);
+  for (Grain& g : grains)
+    for (int d = 0; d < 6; ++d) {
+      g.of_cement[d] = g.force[d];
+      g.force[d] = g.kick[d] - g.spread(d, n) + g.of_cement[d] / n;
+      g.unshown[d] = 0.0;
+    }
+  for (const OwnedSide& o : owned_) {
+    const GrainSide& s = sides.sides[o.at];
+    const Six impulse = in_box(s, s.impulse, s.impulse + 3);
+    for (int d = 0; d < 6; ++d) {
+      grains[o.grain].unshown[d] += (1.0 - 1.0 / n) * impulse[d];
+      grains[o.grain].state->load[d] -= impulse[d];  // the work of the impulse is that on the nodes
+    }
+  }
+}
+
+void BondedGrains::show_loads(int n) {
+  if (n == 1) return;
+  for (Grain& g : grains)
+    for (int d = 0; d < 6; ++d) g.force[d] += g.of_cement[d] - g.of_cement[d] / n - g.unshown[d] + g.spread(d, n);
 }
 
 }  // namespace mpdem

@@ -47,7 +47,7 @@ void StableStep::find_film() {
 double StableStep::step_for(double of_cement, double relax) const {
   const double eigenvalue = of_cement + of_film_;
   // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
-  const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.options.stability_bound();
+  const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
   const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
   const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
   if (!(step > 0.0))  // a step of zero would pass in a comparison as if nothing limited it
@@ -60,13 +60,19 @@ double StableStep::step_for(double of_cement, double relax) const {
 // The damping that is admitted takes a tenth of the step. With that step, p of step_for() is (B - w^2 dt^2)/(2 dt). It
 // grows by a rate that is proportional to the damping.
 StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
-  constexpr double kKept = 0.9;
   DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
-  if (d.step >= kKept * d.undamped) return d;
-  const double B = scene_.options.stability_bound(), dt = kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
+  if (!d.is_short()) return d;
+  const double B = scene_.stability_limit(), dt = DampedStep::kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
   const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
   d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
   return d;
+}
+
+std::string StableStep::exceeds(double limit) const {
+  const int n = scene_.now.substeps;
+  std::string text = text_of("time step ", n * scene_.now.dt, " exceeds the stable step ", n * limit);
+  if (n > 1) text += text_of(" of ", n, " sub-steps");
+  return text;
 }
 
 // Uses the stiffness K_ss of the bonds of each grain against that grain alone. Since 2 |R_0.K R_1| <= R_0.K R_0 + R_1.K
@@ -106,7 +112,7 @@ EigenvalueEstimate StableStep::eigenvalue() const {
   return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
 }
 
-bool StableStep::bound_alone() const { return scene_.options.updated && scene_.eigenvalue_bound() > 0.0; }
+bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
 
 // Cement whose eigenvalue is known is looked at as coarsely as is enough to see that it holds. The estimate is value and
 // residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is to be known
@@ -157,11 +163,10 @@ double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, 
 // further than those that changed: the new modes are as short as a cell.
 bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
   if (known_ == 0.0) return false;
-  const int n = scene_.now.substeps;
   const double known = known_, limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Look::after_change), scene_.options.relax);
   if (scene_.now.dt > limit)
-    throw BadState(text_of("time step ", n * scene_.now.dt, " exceeds the stable step ", n * limit, n > 1 ? text_of(" of ", n, " sub-steps") : "", " after ", event, " at step ",
-                           scene_.now.number, "; use 'timestep ", 0.9 * n * limit, "' or less, or a smaller share in 'timestep auto'"));
+    throw BadState(text_of(exceeds(limit), " after ", event, " at step ", scene_.now.number, "; use 'timestep ", 0.9 * scene_.now.substeps * limit,
+                           "' or less, or a smaller share in 'timestep auto'"));
   return known_ != known;
 }
 

@@ -10,6 +10,7 @@
 #define MPDEM_CEMENT_STABLE_STEP_H
 
 #include <map>
+#include <string>
 #include <vector>
 
 #include "../mpm/largest_eigenvalue.h"
@@ -32,6 +33,8 @@ class StableStep {
   // Largest stable step for a known eigenvalue, with the damping `relax` of critical. The stiffness of films between the
   // grains counts, too. Throws BadState if no step is stable.
   double step_for(double eigenvalue, double relax) const;
+  // Says that the step is above this limit.
+  std::string exceeds(double limit) const;
   // Collective. Call before, when bonds, grains or what is free of them changed.
   void find_film();
   // Largest step with which grains on massless bonds of this static stiffness would be stable.
@@ -39,7 +42,9 @@ class StableStep {
   // Effect of the damping of `quasistatic` on the step. step: with damping. undamped: without it. admitted: damping
   // that takes a tenth of the step at most.
   struct DampedStep {
+    static constexpr double kKept = 0.9;
     double step, undamped, admitted;
+    bool is_short() const { return step < kKept * undamped; }
   };
   DampedStep damped_step(double eigenvalue) const;
   // Largest rate of any node against its grains by `quasistatic`, with the damping `share` of critical. Free grains are

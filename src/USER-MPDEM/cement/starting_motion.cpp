@@ -84,7 +84,7 @@ void start_velocities(Scene& scene, const std::vector<BondLayout>& layouts) {
     grid.ties.extend(extended.data());
     for (std::size_t i = 0; i < extended.size(); ++i)
       if (is_fresh[i / 3]) grid.velocity[i] = extended[i];
-    if (scene.options.updated) UpdatedPass::start(n.bond->points, grid, 0);
+    scene.formulation->start(*n.bond);
   }
 }
 

@@ -106,7 +106,7 @@ std::vector<double> Cement::packed_state(CementHead head) {
   head.books = scene_.books.gather_on_first(scene_.comm);
   head.eigenvalue = stable_step_.known_eigenvalue();
   std::vector<double> mine_of_copies;
-  for (const auto& row : divisions_.splits.rows_to_keep(scene_.comm))
+  for (const auto& row : divisions_.splits->rows_to_keep(scene_.comm))
     for (const NodeCopies::Entry& e : row.second)
       append(CopyRow{body_of(row.first.field()), {row.first.at(0), row.first.at(1), row.first.at(2)}, e.part, e.copy, e.first, e.volume}, mine_of_copies);
   const std::vector<double> copies = gather_on_first(scene_.comm, mine_of_copies);
@@ -180,7 +180,7 @@ void Cement::restore(const CementHead& head, RecordReader& in, const std::vector
     copies[{field_of(row.body, 0), row.place}].push_back({row.part, row.copy, row.first, row.volume});
   }
   if (!in.trouble().empty()) return;
-  divisions_.splits.restore(head.bodies_started, std::move(copies));
+  divisions_.splits->restore(head.bodies_started, std::move(copies));
   restored_nodes_.keep(std::move(rows), head.nodes);
 }
 

@@ -22,6 +22,10 @@ class Updated : public Kinematics {
  public:
   explicit Updated(const MovingParts& parts) : Kinematics(parts) {}
 
+  // Each step finds the added mass, and books what it gives up.
+  void start_run() override {}
+  void change_step() override { added_.refresh(); }
+
   void advance() override {
     const double dt = scene_.now.dt;
     scene_.timer.start(StepTimer::kLayout);

@@ -4,7 +4,6 @@
 
 #include <array>
 
-#include "../coupling/shared_impulse.h"
 #include "point_sums.h"
 
 namespace mpdem {
@@ -46,7 +45,6 @@ EnergyBooks::StepWork WorkOfStep::over_step(const Power& power) const {
 
 Power WorkOfStep::of_dampers(int first_body) const {
   Power power;
-  if (!scene_.penalty || (scene_.penalty->damping == 0.0 && scene_.options.relax == 0.0)) return power;
   for (const Bond& b : scene_.bonds().awake())
     if (b.body >= first_body) power.add(of_dampers(b));
   return power;
@@ -85,17 +83,16 @@ double WorkOfStep::gravity_power(const Bond& b, const std::vector<double>& veloc
 }
 
 double WorkOfStep::load_power(const Bond& b, const std::vector<double>& velocity) const {
-  const SharedImpulse* pushed = scene_.now.substeps > 1 && scene_.ends_step() ? b.part<SharedImpulse>() : nullptr;
-  return gravity_power(b, velocity) + (pushed ? pushed->power(b.grid, velocity) : 0.0);
+  double power = gravity_power(b, velocity);
+  for (const auto& p : b.parts) power += p->load_power(b.grid, velocity);
+  return power;
 }
 
 double WorkOfStep::inertial_power(const Bond& b, const std::vector<double>& velocity) const {
-  if (scene_.options.mass_order == 1) return 0.0;
   double power = 0.0;
-  for (int i = 0; i < b.grid.size(); ++i) {
-    if (!b.grid.halo.counts_here()[i]) continue;
-    for (int n = 3 * i; n < 3 * i + 3; ++n) power += b.grid.inertial_force[n] * velocity[n];
-  }
+  const std::vector<char>& counts = b.grid.halo.counts_here();
+  for (std::size_t n = 0; n < b.grid.inertial_force.size(); ++n)
+    if (counts[n / 3]) power += b.grid.inertial_force[n] * velocity[n];
   return power;
 }
 

@@ -91,7 +91,7 @@ void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
   }
 }
 
-double SharedImpulse::power(const Grid& grid, const std::vector<double>& velocity) const {
+double SharedImpulse::load_power(const Grid& grid, const std::vector<double>& velocity) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   double power = 0.0;
   for (std::size_t n = 0; n < force_.size(); ++n)

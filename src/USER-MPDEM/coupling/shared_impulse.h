@@ -35,6 +35,8 @@ class SharedImpulse : public BondPart {
   // Must be called before the first push.
   void follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) override;
   void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
+  // Forgets the last push, which acts at the end of its step alone.
+  void add_force(const BondAtWork&, Losses&) override { force_.clear(); }
   // Finds the mass of the points of this rank that hold. Call it before a push. The caller sums holding() over the ranks that share nodes.
   void weigh(const PointStore& points, const Grid& grid, double density);
   std::vector<double>& holding() { return holding_; }
@@ -45,8 +47,8 @@ class SharedImpulse : public BondPart {
   // Takes the change of acceleration of the grains from the sides. Adds the forces to nodes after their sum over ranks,
   // and the reaction to grains before their sum over ranks.
   void push(Grid& grid, GrainSide* side, const AddedMass& added);
-  // Power of the last push on nodes that move with the field `velocity`. Counts the nodes that this rank counts.
-  double power(const Grid& grid, const std::vector<double>& velocity) const;
+  // Power of the last push. Counts the nodes that this rank counts.
+  double load_power(const Grid& grid, const std::vector<double>& velocity) const override;
   std::size_t memory_usage() const override {
     return (share_.capacity() + holding_.capacity() + here_.capacity() + force_.capacity()) * sizeof(double);
   }

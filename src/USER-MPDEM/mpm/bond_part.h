@@ -57,6 +57,8 @@ class BondPart {
 
   // Adds energy that points store, and energy between them and the grains.
   virtual void add_energy(const PointStore&, const Grid&, const GrainSide*, double& /* of_points */, double& /* of_coupling */) const {}
+  // Power of loads of the host that the part brought to the nodes in this step, on nodes that move with the field `velocity`.
+  virtual double load_power(const Grid&, const std::vector<double>& /* velocity */) const { return 0.0; }
   // Add the power that damping and friction take from the nodes.
   virtual void add_damping_power(const Grid&, const GrainSide*, Power&) const {}
   virtual void add_friction_power(const Grid&, Power&) const {}

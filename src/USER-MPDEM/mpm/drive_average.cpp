@@ -48,9 +48,9 @@ int count_holding(const PointStore& points) {
 
 }  // namespace
 
-bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection, bool points_stand) {
+bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection) {
   const int count = count_holding(points);
-  const bool anew = !points_stand || grid.drive_average.empty() || count != holding_;
+  const bool anew = !points_stand_ || grid.drive_average.empty() || count != holding_;
   if (anew) {
     of_points_.find(points, grid);
     counted_.resize(points.blocks.size());
@@ -103,6 +103,10 @@ double DriveAverage::largest(const PointStore& points, const Grid& grid) {
   double most = 0.0;
   for (double mean : grid.drive_average) most = std::max(most, mean);
   return most;
+}
+
+double DriveAverage::largest_to_come(const PointStore& points, const Grid& grid) const {
+  return points_stand_ ? largest(points, grid) : std::numeric_limits<double>::infinity();
 }
 
 void DriveAverage::find_limits(const PointStore& points, Grid& grid, const Law& law, double largest) {

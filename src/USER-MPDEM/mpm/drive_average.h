@@ -68,16 +68,17 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 // every sweep() but the last.
 class DriveAverage {
  public:
-  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, const Imperfection& imperfection = {},
-            bool points_stand = false) {
-    if (start(points, grid, law, imperfection, points_stand)) find_volumes(grid);
+  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, const Imperfection& imperfection = {}) {
+    if (start(points, grid, law, imperfection)) find_volumes(grid);
     for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
-  // Scatters the roots of the norms to the nodes. points_stand: points do not move. Their weights are then found anew
-  // only if a point has failed since the last start(), or if the grid has no average. It has none after its nodes or
-  // ties changed, and all that gives points other lanes or blocks changes these. Returns true if the weights are new:
-  // the volumes of the nodes must then be found anew, too.
-  bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection, bool points_stand = false);
+  // Says whether points stay in their places, which they do not at first. Their weights are then found anew only if a
+  // point has failed since the last start(), or if the grid has no average. It has none after its nodes or ties
+  // changed, and all that gives points other lanes or blocks changes these.
+  void let_points_stand(bool stand) { points_stand_ = stand; }
+  // Scatters the roots of the norms to the nodes. Returns true if the weights are new: the volumes of the nodes must
+  // then be found anew, too.
+  bool start(const PointStore& points, Grid& grid, const Law& law, const Imperfection& imperfection);
   // Finds the volumes of the nodes from the points of this rank. Other ranks may have lost points that this rank does not know of.
   void find_volumes(const Grid& grid);
   // Does sweep k. Between two sweeps the average is gathered at the points and scattered back. The last one sets
@@ -93,6 +94,8 @@ class DriveAverage {
   static void find_limits(const PointStore& points, Grid& grid, const Law& law, double largest);
   // Largest average of these points. Infinite if a point has damage, since damage may grow under any average.
   static double largest(const PointStore& points, const Grid& grid);
+  // Does the same for the steps to come: infinite if points move, since other points are then averaged.
+  double largest_to_come(const PointStore& points, const Grid& grid) const;
 
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
@@ -102,6 +105,7 @@ class DriveAverage {
   }
 
  private:
+  bool points_stand_ = false;
   std::vector<double> inverse_volume_;       // a number for each node
   std::vector<double> volume_, sum_, mean_;  // the same, with room beyond the nodes, see scalar_sums.h
   bool volume_is_new_ = false;               // not in inverse_volume_ yet

@@ -23,29 +23,34 @@ int AutoStep::substeps(const CementOptions& o) const {
 }
 
 void AutoStep::set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own) {
-  constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, for `subcycle auto`
   const CementOptions& o = c.options();
   if (share_ == 0.0 && o.subcycle > 0) return;
   c.stable_step().find_film();
   const EigenvalueEstimate e = c.eigenvalue_of_new_layout();
-  double limit = c.stable_step().step_for(e.most, o.relax);
-  if (o.subcycle > 0) limit *= o.subcycle;
-  else longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * limit);  // as with `timestep auto`
-  if (o.subcycle == 0 && share_ > 0.0 && c.penalty()) limit = std::max(limit, c.grains_step());
+  const double limit = longest_step(c, c.stable_step().step_for(e.most, o.relax));
   if (share_ > 0.0) {
     warn_of_splits(o);
     set_step(limit, e, running, own);
   }
-  if (o.subcycle == 0) tell_substeps(o);
+  tell_substeps(o);
+}
+
+// Returns the longest step of the host by the stable step of the cement. With `subcycle auto` it is limited by the grains
+// if they are coupled, and the cement limits a sub-step.
+double AutoStep::longest_step(Cement& c, double of_cement) {
+  constexpr double kShareOfSubsteps = 0.9;  // share of the stable step of the cement, as with `timestep auto`
+  if (c.options().subcycle > 0) return c.options().subcycle * of_cement;
+  longest_substep_ = std::min(longest_substep_ > 0.0 ? longest_substep_ : HUGE_VAL, kShareOfSubsteps * of_cement);
+  return share_ > 0.0 && c.penalty() ? std::max(of_cement, c.grains_step()) : of_cement;
 }
 
 void AutoStep::tell_substeps(const CementOptions& o) {
-  const int n = substeps(o);
-  if (n > kMostSubsteps)
-    stop_all(lmp, who_ + text_of("'subcycle auto' takes ", n, " sub-steps of the cement in a time step of ", update->dt, ", at most ", kMostSubsteps, " are allowed; use 'timestep ",
+  if (o.subcycle > 0 || substeps(o) == substeps_told_) return;
+  substeps_told_ = substeps(o);
+  if (substeps_told_ > kMostSubsteps)
+    stop_all(lmp, who_ + text_of("'subcycle auto' takes ", substeps_told_, " sub-steps of the cement in a time step of ", update->dt, ", at most ", kMostSubsteps, " are allowed; use 'timestep ",
                                  kMostSubsteps * longest_substep_, "' or less"));
-  if (n != substeps_told_) tell(lmp, text_of(who_, "subcycle auto: ", n, " sub-steps of ", update->dt / n, " in a time step of ", update->dt, "\n"));
-  substeps_told_ = n;
+  tell(lmp, text_of(who_, "subcycle auto: ", substeps_told_, " sub-steps of ", update->dt / substeps_told_, " in a time step of ", update->dt, "\n"));
 }
 
 // Edges that get nodes of their own are not tied any more, so the stable step is shorter where the cement has cracks.

@@ -24,13 +24,14 @@ class AutoStep : protected LAMMPS_NS::Pointers {
   // Collective. Sets step and sub-steps, before other fixes take up the step. Call in the init of fix `running`. own: fix mpm.
   // Throws BadState.
   void set(Cement& c, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
-  // Tells the number of sub-steps if it is another. Stops if there are too many.
+  // With `subcycle auto` it tells the number of sub-steps if it is another. Stops if there are too many.
   void tell_substeps(const CementOptions& o);
 
   void save(CementHead& head) const;
   void restore(const CementHead& head);
 
  private:
+  double longest_step(Cement& c, double of_cement);
   void set_step(double limit, const EigenvalueEstimate& e, const LAMMPS_NS::Fix* running, const LAMMPS_NS::Fix* own);
   void warn_of_splits(const CementOptions& o);
 

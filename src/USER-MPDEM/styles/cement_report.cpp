@@ -80,8 +80,10 @@ const std::vector<BondState>& CementReport::loads(Cement& c) {
 }
 
 namespace {
-std::string of_substeps(const Cement& c) {
-  return c.substeps() > 1 ? text_of(" of ", c.substeps(), " sub-steps") : std::string();
+// Text for cement that is quasistatic, else nothing.
+std::string if_quasistatic(const CementOptions& o, const std::string& text) {
+  if (o.mass_scale > 1.0 || o.relax > 0.0) return text;
+  return {};
 }
 
 // Collective. Returns the number of points that failed without a damage that tells the direction of their crack, as those
@@ -118,8 +120,7 @@ void CementReport::parameters(Cement& c, bigint points) {
     if (c.penalty() && c.penalty()->friction < 0.0 && (!c.law().inert() || c.penalty()->law->fields() > 0))
       text += text_of("  contact   cement that debonded goes through its grain", o.unilateral ? "" : ", and faces of cracks through each other", "; 'friction' of fix mpm/couple makes them touch",
                       o.condense ? ", with 'condense no'" : "", "\n");
-    if (o.mass_scale > 1.0 || o.relax > 0.0)
-      text += text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n");
+    text += if_quasistatic(o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n"));
     text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
     tell(lmp_, text);
     warn(c);
@@ -142,7 +143,7 @@ void CementReport::parameters(Cement& c, bigint points) {
     if (lmp_->comm->me == 0)
       tell(lmp_, text_of("  condensed ", bonds - c.report().awake_bonds(), " of ", bonds, " bonds, with ", all, " solutions found anew", others, "\n"));
   }
-  if (damped.admitted < o.relax) damping(c);
+  if (damped.is_short()) damping(c);
   stop_if_too_long(c, limit);
 }
 
@@ -155,9 +156,9 @@ void CementReport::stop_if_not_positive(const Cement& c) const {
   if (!(c.dt() > 0.0)) stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " must be above 0; use 'timestep', or 'timestep auto 0.5' of fix mpm"));
 }
 
-void CementReport::stop_if_too_long(const Cement& c, double limit) const {
+void CementReport::stop_if_too_long(Cement& c, double limit) const {
   if (c.dt() > kRounding * limit)
-    stop_all(lmp_, text_of(who_, "time step ", lmp_->update->dt, " exceeds the stable step ", c.substeps() * limit, of_substeps(c), " at step ", lmp_->update->ntimestep,
+    stop_all(lmp_, text_of(who_, c.stable_step().exceeds(limit), " at step ", lmp_->update->ntimestep,
                                  "; use 'timestep ", 0.9 * c.substeps() * limit, "' or less, ", c.penalty() && c.penalty()->damping > 0.0 ? text_of("a 'damping' of fix mpm/couple below ", c.penalty()->damping, ", ") : "",
                                  "or a larger cell"));
 }
@@ -175,7 +176,7 @@ void CementReport::damping(Cement& c) {
                                    " to ", damped.step, is_free, "; use 'quasistatic ", o.mass_scale, " ", damped.admitted,
                                    "' or less, which leaves 0.9 of the step");
   if (c.dt() > kRounding * damped.step)
-    stop_all(lmp_, who_ + text_of("time step ", lmp_->update->dt, " exceeds the stable step", of_substeps(c), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
+    stop_all(lmp_, who_ + text_of(c.stable_step().exceeds(damped.step), ": ", text, ", or 'timestep ", 0.9 * c.substeps() * damped.step, "'"));
   if (!reported_ && damped.step < 0.5 * damped.undamped) mpdem::warn(lmp_, who_ + text);
 }
 
@@ -293,7 +294,7 @@ void CementReport::times(Cement& c, bigint points) {
   for (std::size_t i = 0; i + 2 < s.size(); ++i)
     text += text_of(i ? ", " : " ", names[i], " ", std::round(1000.0 * s[i] / std::max(all, 1e-9)) / 10.0, " %");
   if (unmoved[0] > 0.0) text += text_of("; ", unmoved[0], " of ", unmoved[1], " bonds at rest");
-  if (o.mass_scale > 1.0 || o.relax > 0.0) text += text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force);
+  text += if_quasistatic(o, text_of("\n  quasistatic: kinetic share of the energy ", now.kinetic_share, ", unbalanced force ", now.unbalanced_force));
   tell(lmp_, text + "\n");
   constexpr double kMostImbalance = 0.02;
   if (c.penalty() && std::fabs(now.imbalance) > kMostImbalance)

@@ -56,7 +56,7 @@ class CementReport {
   void damping(Cement& c);
   void accelerations(Cement& c);  // warns once if they are imprecise
   void stop_if_not_positive(const Cement& c) const;
-  void stop_if_too_long(const Cement& c, double limit) const;
+  void stop_if_too_long(Cement& c, double limit) const;
   void warn(Cement& c) const;
   static bool is_told(const Cement& c, const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;

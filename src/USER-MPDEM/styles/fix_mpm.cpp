@@ -340,7 +340,7 @@ void FixMpm::end_of_step() {
   if (output_due || first || update->ntimestep % kReportEvery == 0) atoms_.report_trouble();
   atoms_.read(cement_->grains());
   guarded([this] { cement_->end_step(); });
-  if (substeps() > 1) atoms_.write_forces(cement_->grains());
+  atoms_.write_forces(cement_->grains());
   if (output_due || check_due || first) report_->jump(*cement_);
   report_->forget();  // reports asked for earlier do not have the work of this step
   if (check_due) write_events();
@@ -378,7 +378,7 @@ void FixMpm::post_run() {
 void FixMpm::reset_dt() {
   guarded([this] {
     if (!cement_->built()) return;
-    if (options().subcycle == 0) step_->tell_substeps(options());
+    step_->tell_substeps(options());
     report_->check_step(*cement_);
     cement_->change_step();
   });
