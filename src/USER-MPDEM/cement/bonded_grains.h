@@ -94,9 +94,9 @@ class BondedGrains {
   // over sub-steps.
   enum class Loads { none, all, spread };
   // Collective. Finds the accelerations of free grains.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack* condensed = nullptr);
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, Loads loads, CondensedPack& condensed);
   // Add the sums of bonds to those of the grains while the bonds are in cache. Call begin_sums() first, then sum_up()
-  // for each bond that ranks do not cut and whose forces are complete. find_accelerations() comes after them.
+  // for each awake bond once its forces are complete. find_accelerations() comes after them.
   void begin_sums() {
     accelerations_.begin(sides);
     summed_ = true;
@@ -115,9 +115,8 @@ class BondedGrains {
   // weight: acceleration by gravity that acts on the inertia of the bond. Books the work of weight and inertial forces in
   // the second half of the last step on what the jump adds to the velocities of nodes.
   void follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBooks& books);
-  // Collective. Adds the forces of the cement to the grains, once the sides have the forces of all bonds. condensed:
-  // may be null.
-  void react(double dt, EnergyBooks& books, const CondensedPack* condensed);
+  // Collective. Adds the forces of the cement to the grains, once the sides have the forces of all bonds.
+  void react(double dt, EnergyBooks& books, const CondensedPack& condensed);
   // keep_loads() keeps the loads without those of the cement. take_back_loads() goes back to them, so that another
   // react() finds the loads of the cement anew. What was booked of jumps stays. The half step that came to here had
   // the work of the loads that are taken back. book_loads_taken_back() corrects that.
@@ -135,10 +134,10 @@ class BondedGrains {
   // Collective. Applies the load of the host that is not spread (the load so far and what came late in the last step)
   // for n sub-steps at once. Finds the forces of this impulse on nodes and grains, and adds its accelerations to those
   // of the grains.
-  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
+  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed);
   // Collective. Does what react() does, in one of n sub-steps. Adds the n-th part to the loads of the grains, and takes
   // from them what is spread.
-  void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
+  void react_in_substep(double dt, int n, EnergyBooks& books, const CondensedPack& condensed);
   // Sets the loads that are shown after a step: all loads of host and cement.
   void show_loads(int substeps);
   // Collective. Finds the part of the reaction that comes from added mass which followed jumps, or whose nodes changed
@@ -159,7 +158,7 @@ class BondedGrains {
   void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
   // Collective. Leaves in the jumps of the sides what commands did to velocities of free grains. Returns false if they
   // did nothing.
-  bool find_commands(MPI_Comm comm, CondensedPack* condensed);
+  bool find_commands(MPI_Comm comm, CondensedPack& condensed);
   // Collective. Gives the added mass of new bodies the velocity of its grains. Grains that were not seen before have
   // velocities of a full step.
   void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books);
@@ -197,7 +196,7 @@ class BondedGrains {
 
   std::vector<OwnedSide> owned_;
   GrainAccelerations accelerations_, impulses_;
-  bool summed_ = false;  // true: bonds that ranks do not cut are summed already
+  bool summed_ = false;  // true: bonds are summed already
   std::vector<GrainAccelerations::Vector6> load_;
   std::vector<Six> kept_loads_, taken_loads_, sudden_loads_;  // loads of each grain: of the host, of the cement, of jumps and transfers in this step
   bool taken_back_ = false;

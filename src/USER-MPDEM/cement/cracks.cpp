@@ -126,7 +126,7 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
     const Bond* bond = bonds.find(rows[n]);
     if (!bond) continue;
     const int to = bond->body % ranks;
-    if (to == me && !bond->cut_by_ranks()) {
+    if (to == me && bonds.is_whole(*bond)) {
       whole.points[n].reserve(kLanes * bond->points.blocks.size());
       whole.sources[n].reserve(kLanes * bond->points.blocks.size());
       for_each_crack_point(*bond, bonds.body(*bond), parts_are_pieces, [&](int slot, const CrackPoint& p) {
@@ -315,7 +315,7 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
   for (std::size_t b = 0; b < rows.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];
     const int row = rows[b];
-    if (const Bond* bond = bonds.find(row); bond && !bond->film.empty()) {
+    if (const Bond* bond = bonds.find(row)) {
       const Film::Areas film = bond->film.areas();
       const double face = bonds.table[row].spacing * bonds.table[row].spacing;
       found[kWords * b] += film.holding / face;  // as points across the line of centres would count

@@ -135,8 +135,10 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
   borrowed.find_anew(b.points, b.grid, divisions_.splits, nodes);
   const std::vector<double> volumes = divisions_.splits.volumes(keys);
-  if (scene_.options.shares_failed_mass()) b.grid.given_volume.resize(b.grid.size(), -1.0);
-  for (std::size_t n = 0; n < volumes.size() && scene_.options.shares_failed_mass(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  if (scene_.options.shares_failed_mass()) {
+    b.grid.given_volume.resize(b.grid.size(), -1.0);
+    for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  }
   const bool freed = b.grid.tie_anew(nodes, divisions_.splits.ties(keys));
   b.grid.lump_mass(b.points, scene_.inertia);
   if (freed) {
