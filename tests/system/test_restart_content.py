@@ -14,7 +14,7 @@ FIX_HEAD, FIX_BOND, NODE = 65, 22, 14  # numbers of the head of fix mpm's data, 
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
         "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51, "home": 52, "left": 53}
-BOND_NUMBERS = 55
+BOND_NUMBERS = 56
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "left": 18, "time": 24, "coupling": 27, "kn": 28, "law": 31, "bonds": 51,
        "nodes": 52, "copies": 61}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...

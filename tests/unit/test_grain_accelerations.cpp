@@ -95,7 +95,8 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
         b.grid.force[i] = b.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
     const std::vector<std::vector<double>> force = s.forces();
     const std::vector<GrainSide> before = s.sides.sides;
-    s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.sides, true);
+    CondensedPack none;
+    s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.sides, true, none);
     test::Worst node, grain;
     for (Bond& b : s.bonds) {
       b.added.accelerate(b.grid, s.side(b));

@@ -195,7 +195,7 @@ struct Solved {
         p.q.z[l] = q.z();
       }
     }
-    bond = solve_static({b.points, b.grid, b.links, scene.side(b), scene.bodies[0], law});
+    bond = solve_static({b.points, b.grid, b.links, scene.side(b), scene.bodies[0], law, b.film});
   }
 };
 

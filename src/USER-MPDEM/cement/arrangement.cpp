@@ -127,11 +127,10 @@ void Arrangement::remember_axis() {
   if (std::all_of(table.begin(), table.end(), [](const Body& b) { return b.axis_rule != AxisRule::none; })) return;
   std::vector<int> open(table.size(), 0);
   for (const Bond& b : scene_.bonds())
-    for (const PointStore* store : {&b.points, &b.film.points})
+    for (const PointStore* store : b.stores())
       for (const BlockMeta& m : store->meta)
         if (m.framed != m.occupied) open[b.body] = 1;
-  for (std::size_t b = 0; b < table.size(); ++b)
-    if (table[b].pattern > 0) open[b] = 1;
+  for (int row : scene_.bonds().rows_without_points()) open[row] = 1;
   MPI_Allreduce(MPI_IN_PLACE, open.data(), static_cast<int>(open.size()), MPI_INT, MPI_MAX, scene_.comm);
   for (std::size_t b = 0; b < table.size(); ++b) {
     if (!open[b] || table[b].axis_rule != AxisRule::none) continue;

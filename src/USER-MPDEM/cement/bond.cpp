@@ -37,7 +37,10 @@ Bond& Bonds::make(int body) {
 }
 
 void Bonds::drop_empty(const std::vector<int>& rows) {
-  const auto is_empty = [](const Place& b) { return b->points.blocks.empty() && b->film.empty(); };
+  const auto is_empty = [](const Place& b) {
+    const auto stores = b->stores();
+    return std::all_of(stores.begin(), stores.end(), [](const PointStore* s) { return s->blocks.empty(); });
+  };
   const bool some = std::any_of(rows.begin(), rows.end(), [&](int row) {
     const auto at = place_of(row);
     return at != here_.end() && (*at)->body == row && is_empty(*at);
@@ -46,6 +49,13 @@ void Bonds::drop_empty(const std::vector<int>& rows) {
   if (some) awake_is_known_ = false;
   here_.shrink_to_fit();
   table.shrink_to_fit();
+}
+
+std::vector<int> Bonds::rows_without_points() const {
+  std::vector<int> rows;
+  for (std::size_t row = 0; row < table.size(); ++row)
+    if (table[row].pattern > 0) rows.push_back(static_cast<int>(row));
+  return rows;
 }
 
 const std::vector<int>& Bonds::awake_places() const {

@@ -9,6 +9,7 @@
 #define MPDEM_CEMENT_BOND_H
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <memory>
 #include <vector>
@@ -55,24 +56,41 @@ struct Bond {
     return nullptr;
   }
   bool cut_by_ranks() const { return grid.halo.shares_any(); }
-  // Points are in two stores. A number that means a point of either store is its slot, and kFilm more for the film.
+  // Points are in two stores: those on the grid, and the columns of the film. A number that means a point of either store is
+  // its slot there, and kFilm times the number of the store more.
+  enum { kOnGrid, kColumns };
   static constexpr int kFilm = 1 << 30;
-  static int slot_in_store(int slot) { return slot & (kFilm - 1); }
-  const PointStore& store_of(int slot) const { return slot >= kFilm ? film.points : points; }
-  int add(const PointRecord& r, int tag) { return r.film ? kFilm + film.points.add(r, tag) : points.add(r, tag); }
+  static int slot_in_store(int slot) { return slot % kFilm; }
+  static int store_number(int slot) { return slot / kFilm; }
+  std::array<PointStore*, 2> stores() { return {&points, &film.points}; }
+  std::array<const PointStore*, 2> stores() const { return {&points, &film.points}; }
+  const PointStore& store_of(int slot) const { return *stores()[store_number(slot)]; }
+  int add(const PointRecord& r, int tag) {
+    const int number = r.film;
+    return kFilm * number + stores()[number]->add(r, tag);
+  }
   PointRecord record(int slot) const {
     PointRecord r = store_of(slot).record(slot_in_store(slot));
-    r.film = slot >= kFilm;
+    r.film = store_number(slot);
     return r;
   }
-  void release(int slot) { (slot >= kFilm ? film.points : points).release(slot_in_store(slot)); }
-  // Calls f(slot) for the points of both stores.
+  void release(int slot) { stores()[store_number(slot)]->release(slot_in_store(slot)); }
+  // Did the point have its slot when the bond was laid out last?
+  bool is_laid_out(int slot) const {
+    const std::size_t blocks[] = {laid_out_blocks, film.laid_out_blocks()};
+    return static_cast<std::size_t>(slot_in_store(slot)) < kLanes * blocks[store_number(slot)];
+  }
+  // Calls f(slot) for the points of a store, or of both.
+  template <class F>
+  void for_each_slot_of(int number, F f) const {
+    const PointStore& store = *stores()[number];
+    for (std::size_t b = 0; b < store.meta.size(); ++b)
+      for (int l = 0; l < kLanes; ++l)
+        if (store.meta[b].occupied >> l & 1) f(kFilm * number + kLanes * static_cast<int>(b) + l);
+  }
   template <class F>
   void for_each_slot(F f) const {
-    for (const PointStore* store : {&points, &film.points})
-      for (std::size_t b = 0; b < store->meta.size(); ++b)
-        for (int l = 0; l < kLanes; ++l)
-          if (store->meta[b].occupied >> l & 1) f(kLanes * static_cast<int>(b) + l + (store == &points ? 0 : kFilm));
+    for (int number : {kOnGrid, kColumns}) for_each_slot_of(number, f);
   }
   int size() const { return points.size() + film.points.size(); }
   bool changed() const { return points.changed() || film.points.changed(); }
@@ -164,8 +182,13 @@ class Bonds {
     Awake<B> begin() const { return {bonds, places.data()}; }
     Awake<B> end() const { return {bonds, places.data() + places.size()}; }
   };
-  // Calls f(bond, next) for all awake bonds, from the last to the first. next: the bond that follows in this order, or
-  // null.
+  // Calls f(bond, next) for all awake bonds, from the first to the last or backwards. next: the bond that follows in this
+  // order, or null.
+  template <class F>
+  void for_each_awake(F f) {
+    const std::vector<int>& places = awake_places();
+    for (std::size_t n = 0; n < places.size(); ++n) f(*here_[places[n]], n + 1 < places.size() ? here_[places[n + 1]].get() : nullptr);
+  }
   template <class F>
   void for_each_awake_backwards(F f) {
     const std::vector<int>& places = awake_places();
@@ -177,6 +200,11 @@ class Bonds {
   bool is_awake(const Bond& b) const { return !table[b.body].condensed; }
 
   const Body& body(const Bond& b) const { return table[b.body]; }
+  // Are all points of the bond on this rank? Bonds that ranks cut are not whole.
+  bool is_whole(const Bond& b) const { return b.size() == table[b.body].points; }
+  // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. pattern_of(): what they will be.
+  std::vector<int> rows_without_points() const;
+  const PointPattern& pattern_of(int row) const { return patterns[table[row].pattern - 1]; }
   // Returns null if this rank has nothing of the bond.
   Bond* find(int body);
   const Bond* find(int body) const;

@@ -49,9 +49,10 @@ void BondedGrains::replace(std::vector<Grain> now) {
 std::vector<BondedGrains::OwnedSide> BondedGrains::find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const {
   std::vector<OwnedSide> owned;
   std::vector<Key> keys;
+  const auto has_sides = [&](std::size_t row) { return all || !bonds.table[row].condensed; };
   for (std::size_t b = 0; b < bonds.table.size(); ++b)
     for (int s = 0; s < 2; ++s) {
-      if ((bonds.table[b].condensed && !all) || !bonds.table[b].has_grain(s)) continue;
+      if (!has_sides(b) || !bonds.table[b].has_grain(s)) continue;
       const std::size_t grain = place_of(bonds.table[b].grain[s]);
       if (grain == grains.size()) continue;
       owned.push_back({static_cast<int>(grain), -1, static_cast<int>(b), s});
@@ -59,7 +60,7 @@ std::vector<BondedGrains::OwnedSide> BondedGrains::find_sides(MPI_Comm comm, con
     }
   std::vector<int> here;
   for (const Bond& b : bonds)
-    if (all || bonds.is_awake(b)) here.push_back(b.body);
+    if (has_sides(b.body)) here.push_back(b.body);
   found.build(comm, bonds.table, here, keys);
   for (std::size_t k = 0; k < owned.size(); ++k) owned[k].at = found.owned()[k];
   return owned;
@@ -196,22 +197,23 @@ void BondedGrains::watch_late_loads(bool after) {
     for (int d = 0; d < 6; ++d) g.state->late_load[d] = after ? g.state->late_load[d] + g.force[d] : -g.force[d];
 }
 
-void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack* condensed) {
+void BondedGrains::find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack& condensed) {
   find_loads(n);
   solve(comm, bonds, condensed);
 }
 
 // load_ has the loads of the grains.
-void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack* condensed) {
+void BondedGrains::solve(MPI_Comm comm, const Bonds& bonds, CondensedPack& condensed) {
   std::vector<GrainAccelerations::OfBond> of_bonds;
-  for (const Bond& b : bonds.awake())
-    if (!b.added.empty() && !(summed_ && !b.cut_by_ranks())) of_bonds.push_back({&b.added, &b.grid, b.side});
+  if (!summed_)
+    for (const Bond& b : bonds.awake())
+      if (!b.added.empty()) of_bonds.push_back({&b.added, &b.grid, b.side});
   summed_ = false;
   accelerations_.find(comm, of_bonds, grains, load_, sides, fresh_, condensed);
   fresh_ = false;
 }
 
-void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed) {
+void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed) {
   if (!any_free_) return;
   std::vector<SideMoments> moments(sides.sides.size());
   for (const Bond& b : bonds.awake())
@@ -254,7 +256,7 @@ void BondedGrains::share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedP
   }
   for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) grains[n].acceleration[d] = total[6 * n + d] += grains[n].acceleration[d];
-  if (condensed) condensed->set_accelerations(total.data());
+  condensed.set_accelerations(total.data());
 }
 
 void BondedGrains::clear_sudden_forces() {
@@ -274,7 +276,7 @@ void BondedGrains::follow_jumps(Bond& b, double dt, double dt_last, const std::a
   books.do_inertial_work(0.5 * dt_last * power.of_inertial_force);
 }
 
-void BondedGrains::add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack* condensed) {
+void BondedGrains::add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack& condensed) {
   sides.sum_forces();
   for (Grain& g : grains) std::fill(g.state->load, g.state->load + 6, 0.0);
   for (const OwnedSide& o : owned_) {
@@ -286,21 +288,21 @@ void BondedGrains::add_loads_of_cement(double dt, EnergyBooks& books, const Cond
       g.state->load[d] += load[d];
     }
   }
-  for (std::size_t n = 0; condensed && n < grains.size(); ++n) {
+  for (std::size_t n = 0; n < grains.size(); ++n) {
     Grain& g = grains[n];
     double of_jumps = 0.0;
     for (int d = 0; d < 6; ++d) {
-      const double load = condensed->load(n, d) + condensed->inertial_load(n, d);
+      const double load = condensed.load(n, d) + condensed.inertial_load(n, d);
       g.force[d] += load;
       g.state->load[d] += load;
-      of_jumps += condensed->jump_load(n, d) * 0.5 * (g.state->v_before[d] + g.state->v[d]);
+      of_jumps += condensed.jump_load(n, d) * 0.5 * (g.state->v_before[d] + g.state->v[d]);
     }
     if (!taken_back_) books.do_work(-dt * of_jumps);
   }
   react_to_jumps(dt, books);
   for (std::size_t n = 0; n < grains.size(); ++n)
     for (int d = 0; d < 6; ++d) {
-      const double sudden = sudden_loads_[n][d] + (condensed ? condensed->jump_load(n, d) : 0.0);
+      const double sudden = sudden_loads_[n][d] + condensed.jump_load(n, d);
       grains[n].force[d] += sudden;
       grains[n].state->owed[d] = 0.5 * dt * sudden;
     }
@@ -337,7 +339,7 @@ double BondedGrains::push(MPI_Comm comm, const std::vector<Six>& momentum, Conde
   }
   sides.set_accelerations(std::vector<Six>(owned_.size(), Six{}));
   condensed.set_accelerations(std::vector<double>(6 * grains.size(), 0.0).data());
-  impulses_.find_impulse(comm, std::vector<SideMoments>(sides.sides.size()), grains, load_, sides, &condensed);
+  impulses_.find_impulse(comm, std::vector<SideMoments>(sides.sides.size()), grains, load_, sides, condensed);
   double energy = 0.0;
   for (std::size_t n = 0; n < grains.size(); ++n) {
     Grain& g = grains[n];
@@ -388,7 +390,8 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
     if (b.body >= first_body) b.added.add_jumps(b.grid, side_of(b), at_start);
   }
   load_.assign(grains.size(), GrainAccelerations::Vector6::Zero());
-  if (any_free_) solve(comm, bonds, nullptr);
+  CondensedPack none;
+  if (any_free_) solve(comm, bonds, none);
   added_mass_changed();  // what was found of it leaves out condensed bonds
   for (Bond& b : bonds.awake()) b.added.accelerate(b.grid, side_of(b));
   sides.sum_forces();
@@ -404,7 +407,7 @@ void BondedGrains::exchange_momentum(MPI_Comm comm, Bonds& bonds, const std::vec
   }
 }
 
-bool BondedGrains::find_commands(MPI_Comm comm, CondensedPack* condensed) {
+bool BondedGrains::find_commands(MPI_Comm comm, CondensedPack& condensed) {
   int some = 0, any;
   std::vector<Six> jump(owned_.size(), Six{}), of_grains(grains.size(), Six{});
   for (std::size_t n = 0; n < grains.size(); ++n)
@@ -416,9 +419,10 @@ bool BondedGrains::find_commands(MPI_Comm comm, CondensedPack* condensed) {
       some = some || change != 0.0;
     }
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
-  if (any) sides.set_jumps(jump);
-  if (any && condensed) condensed->set_jumps(of_grains.empty() ? nullptr : of_grains.front().data());
-  return any != 0;
+  if (!any) return false;
+  sides.set_jumps(jump);
+  condensed.set_jumps(of_grains.empty() ? nullptr : of_grains.front().data());
+  return true;
 }
 
 void BondedGrains::take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books) {

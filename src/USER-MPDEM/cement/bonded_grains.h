@@ -92,9 +92,9 @@ class BondedGrains {
 
   // Collective. Finds the accelerations of free grains in one of n sub-steps of a step. The load of the host is that so
   // far and what came late in the last step, or what is spread over several sub-steps.
-  void find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack* condensed);
+  void find_accelerations(MPI_Comm comm, const Bonds& bonds, int n, CondensedPack& condensed);
   // Add the sums of bonds to those of the grains while the bonds are in cache. Call begin_sums() first, then sum_up()
-  // for each bond that ranks do not cut and whose forces are complete. find_accelerations() comes after them.
+  // for each awake bond once its forces are complete. find_accelerations() comes after them.
   void begin_sums() {
     accelerations_.begin(sides);
     summed_ = true;
@@ -115,8 +115,7 @@ class BondedGrains {
   void follow_jumps(Bond& b, double dt, double dt_last, const std::array<double, 3>& weight, EnergyBooks& books);
   // Collective. Adds the forces of the cement to the grains in one of n sub-steps of a step, once the sides have the
   // forces of all bonds. The loads of the grains get the n-th part, less what of the load of the host is spread.
-  // condensed: may be null.
-  void react(double dt, int n, EnergyBooks& books, const CondensedPack* condensed);
+  void react(double dt, int n, EnergyBooks& books, const CondensedPack& condensed);
   // keep_loads() keeps the loads without those of the cement. take_back_loads() goes back to them, so that another
   // react() finds the loads of the cement anew. What was booked of jumps stays. The half step that came to here had
   // the work of the loads that are taken back. book_loads_taken_back() corrects that.
@@ -134,7 +133,7 @@ class BondedGrains {
   // Collective. Applies the load of the host that is not spread (the load so far and what came late in the last step)
   // for n sub-steps at once. Finds the forces of this impulse on nodes and grains, and adds its accelerations to those
   // of the grains.
-  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack* condensed);
+  void share_impulses(MPI_Comm comm, Bonds& bonds, int n, CondensedPack& condensed);
   // Sets the loads that are shown after a step of n sub-steps: all loads of host and cement.
   void show_loads(int n);
   // Collective. Finds the part of the reaction that comes from added mass which followed jumps, or whose nodes changed
@@ -155,7 +154,7 @@ class BondedGrains {
   void take_up_commands(MPI_Comm comm, Bonds& bonds, double dt, double dt_last, EnergyBooks& books);
   // Collective. Leaves in the jumps of the sides what commands did to velocities of free grains. Returns false if they
   // did nothing.
-  bool find_commands(MPI_Comm comm, CondensedPack* condensed);
+  bool find_commands(MPI_Comm comm, CondensedPack& condensed);
   // Collective. Gives the added mass of new bodies the velocity of its grains. Grains that were not seen before have
   // velocities of a full step.
   void start_added_mass(MPI_Comm comm, Bonds& bonds, int first_body, bool any_added_mass, EnergyBooks& books);
@@ -186,8 +185,8 @@ class BondedGrains {
 
  private:
   void find_loads(int n);
-  void solve(MPI_Comm comm, const Bonds& bonds, CondensedPack* condensed);
-  void add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack* condensed);
+  void solve(MPI_Comm comm, const Bonds& bonds, CondensedPack& condensed);
+  void add_loads_of_cement(double dt, EnergyBooks& books, const CondensedPack& condensed);
   std::size_t place_of(int tag) const;  // place in `grains`, or their number if the grain is not on this rank
   // Collective. Finds sides of bonds, and returns those that this rank owns.
   std::vector<OwnedSide> find_sides(MPI_Comm comm, const Bonds& bonds, bool all, GrainSides& found) const;
@@ -196,7 +195,7 @@ class BondedGrains {
 
   std::vector<OwnedSide> owned_;
   GrainAccelerations accelerations_, impulses_;
-  bool summed_ = false;  // true: bonds that ranks do not cut are summed already
+  bool summed_ = false;  // true: bonds are summed already
   std::vector<GrainAccelerations::Vector6> load_;
   std::vector<Six> kept_loads_, taken_loads_, sudden_loads_;  // loads of each grain: of the host, of the cement, of jumps and transfers in this step
   bool taken_back_ = false;

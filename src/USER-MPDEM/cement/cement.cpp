@@ -43,7 +43,7 @@ void Cement::couple(const PenaltyParameters* penalty) {
 void Cement::take_up_states() {
   std::string trouble;
   for (Bond& b : scene_.bonds())
-    for (PointStore* store : {&b.points, &b.film.points})
+    for (PointStore* store : b.stores())
       if (trouble.empty()) trouble = mpdem::take_up_states(*store, scene_.law);
   throw_if_any(scene_.comm, trouble);
 }
@@ -100,8 +100,7 @@ void Cement::change_step() {
 
 void Cement::show_points() {
   sync_slots();
-  for (Bond& b : scene_.bonds())
-    if (condensed_.has(b.body)) condensed_.show_strain(b);
+  condensed_.show_strains(scene_.bonds());
 }
 
 // Uses layouts of copies. The layout of the run comes later, when other fixes have taken up the step.
@@ -264,7 +263,7 @@ void Cement::advance() {
   kinematics_->advance();
   forces_.end_pass();
   // accelerations of nodes and grains
-  if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
+  condensed_.pack().find_jump_loads(scene_.now.dt);
   forces_.find_accelerations();
   scene_.books.end_step_of_dampers(work_.over_step(work_.of_dampers(0)), work_.over_step(work_.of_rubbing()));
   kinematics_->account_for_accelerations();
@@ -282,7 +281,7 @@ void Cement::find_forces_anew() {
   scene_.grains.take_back_loads();
   scene_.grains.distribute(scene_.bonds());
   condensed_.follow(scene_.grains, scene_.weight().data());
-  if (condensed_.any()) condensed_.pack()->find_jump_loads(scene_.now.dt);
+  condensed_.pack().find_jump_loads(scene_.now.dt);
   kinematics_->find_internal_force();
   forces_.find_at_start();
   forces_.react();
@@ -317,7 +316,7 @@ void Cement::check_state() {
       trouble = text_of("a node of the grid is not finite at step ", scene_.now.number,
                         "; check the motion of the grains, the time step and the contact model");
   }
-  const int orphan = scene_.grains.sides.orphan() >= 0 ? scene_.grains.sides.sides[scene_.grains.sides.orphan()].tag : condensed_.any() ? condensed_.pack()->orphan() : 0;
+  const int orphan = scene_.grains.sides.orphan() >= 0 ? scene_.grains.sides.sides[scene_.grains.sides.orphan()].tag : condensed_.pack().orphan();
   if (scene_.penalty && orphan != 0)
     trouble = text_of("grain ", orphan, " has cement but was deleted or lost at step ", scene_.now.number,
                       "; keep bonded grains, or use a larger box");

@@ -89,7 +89,7 @@ void CementMaker::fill_by_shape(Fill& f, double most) {
   std::copy(kind.area, kind.area + 2, f.body.attached_area);
   f.body.volume = kind.volume;
   if (!neighbours.empty()) measure(f.points, f.body);
-  f.body.thickness = film.all ? 0.0 : kind.thickness;
+  f.body.thickness = kind.thickness;
 }
 
 void CementMaker::fill_by_file(Fill& f) {
@@ -179,7 +179,7 @@ void CementMaker::make_fills(const Part& part, BondTrouble& trouble) {
     if (!wish_.later) planned += expected;
   }
   // Every rank makes a single fill for itself, since no rank has another one to make meanwhile.
-  const bool each = ranks_ == 1 || fresh.size() == 1;
+  const bool each = fresh.size() == 1;
   for (std::size_t k = 0; k < fresh.size(); ++k)
     if (each || fresh[k] % ranks_ == me_) fill_one(fresh[k], most[k], trouble);
   if (!each) share_numbers(fresh);

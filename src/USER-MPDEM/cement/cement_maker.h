@@ -35,7 +35,13 @@ struct FullPoint {
   int body;
   double width;
 };
-constexpr double kWidthInColumn = 0.5;  // of that cube, over the thickness of the film
+// Width of that cube. 0: the cell of the point is cut. spacing: that of its bond; full: least volume of a cell that is not cut.
+template <class Point>
+double width_filled(const Point& p, double spacing, double full) {
+  constexpr double kWidthInColumn = 0.5;  // over the thickness of the film
+  if (p.film) return kWidthInColumn * (Vector3(p.link[1].foot) - Vector3(p.link[0].foot)).norm();
+  return p.volume < full ? 0.0 : spacing;
+}
 
 // Returns the box around a box that is given in the coordinates of a body. The result is in the coordinates of the
 // simulation box.

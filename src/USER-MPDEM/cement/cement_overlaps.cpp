@@ -109,8 +109,8 @@ std::vector<CementMaker::Overlap> CementMaker::overlaps(const Part& part, int bo
       search.meeting(Box(around).translate(shift), [&](int k) {
         if (static_cast<std::size_t>(k) <= m) return;
         for (const FillPoint& p : f.points) {
-          if (!p.film && p.volume < full) continue;
-          const double width = p.film ? kWidthInColumn * (p.link[1].foot - p.link[0].foot).norm() : wish_.spacing;
+          const double width = width_filled(p, wish_.spacing, full);
+          if (width == 0.0) continue;
           const Vector3 x = of[m].out(p.X);
           if (search.box(k).contains(x + shift) && plan_.box().owns(x)) look(k, there + static_cast<int>(m), of[m], width, x + shift);
         }

@@ -156,12 +156,13 @@ void CementPlan::measure_kinds(BondTrouble& trouble) {
       const Shape& made = shape_of(static_cast<int>(k));
       kind.volume = made.volume();
       for (int s = 0; s < 2; ++s) kind.area[s] = made.attached_area(s);
-      kind.thickness = made.largest_thickness();
       kind.thinnest = made.smallest_thickness();
       const FilmPart& film = film_of(static_cast<int>(k));
-      kind.film_share = film.empty() ? 0.0 : (film.area[0] + film.area[1]) / (kind.area[0] + kind.area[1]);
-      kind.width = film.all ? 0.0 : made.spans() - film.to;
-      if (kind.thickness < 2.0 * wish_.spacing && !film.all)
+      kind.film_share = (film.area[0] + film.area[1]) / (kind.area[0] + kind.area[1]);
+      if (film.all) continue;
+      kind.thickness = made.largest_thickness();
+      kind.width = made.spans() - film.to;
+      if (kind.thickness < 2.0 * wish_.spacing)
         trouble.tell(kind.first, thickness,
                      prefix(kind.first) + text_of("the cement is at most ", kind.thickness, " thick, less than a cell of two points of spacing ",
                                                   wish_.spacing, "; use a spacing of at most ", 0.5 * kind.thickness, " or more cement"));

@@ -72,7 +72,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
   auto s = std::make_shared<Solution>();
   const SidesAtCreation at(body);
   if (b) {
-    const StaticParts parts{b->points, b->grid, b->links, at.side, body, law, &b->film};
+    const StaticParts parts{b->points, b->grid, b->links, at.side, body, law, b->film};
     s->fields = solve_static(comm, &parts, most);
   } else {
     s->fields = solve_static(comm, nullptr, most);
@@ -89,13 +89,13 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::solved(MPI_Comm 
                            body.pattern > 0 ? "'points now' of create_cement, with which such a bond stays resolved, 'overlap skip' where neighbours trimmed it, "
                                             : "'edge tied' where edges are free, points that hold, ", "or 'condense no'"));
   if (!b) return s;
-  find_strain_bounds(b->points, s->fields.strain, law, s->bound);
-  if (!b->film.empty()) {
-    double of_film[6];
-    find_strain_bounds(b->film.points, s->fields.strain_of_film, law, of_film);
-    for (int j = 0; j < 6; ++j) s->bound[j] = std::max(s->bound[j], of_film[j]);
+  const Film::Strains* const strains[] = {&s->fields.strain, &s->fields.strain_of_film};
+  for (int n : {Bond::kOnGrid, Bond::kColumns}) {
+    double bound[6];
+    find_strain_bounds(*b->stores()[n], *strains[n], law, bound);
+    for (int j = 0; j < 6; ++j) s->bound[j] = std::max(s->bound[j], bound[j]);
+    s->sums.add(*b->stores()[n], law, false);
   }
-  for (const PointStore* store : {&b->points, &b->film.points}) s->sums.add(*store, law, false);
   if (s->sums.largest_damage > 0.0)
     for (double& of_motion : s->bound) of_motion *= kDriveOfDamaged;
   b->points.forget_roots_of_norm();
@@ -121,7 +121,7 @@ std::shared_ptr<const CondensedBonds::Solution> CondensedBonds::of_pieces(MPI_Co
   if (b) {
     s->grain_of_node = grains_of_nodes(*b, body);
     s->models = models_of_pieces(*b, s->grain_of_node, middle);
-    for (const PointStore* store : {&b->points, &b->film.points}) s->sums.add(*store, law, false);
+    for (const PointStore* store : b->stores()) s->sums.add(*store, law, false);
   } else {
     s->models.assign(2, CondensedModel());
     for (CondensedModel& m : s->models) m.middle = middle;
@@ -173,7 +173,7 @@ std::vector<int> CondensedBonds::solve(MPI_Comm comm, Bonds& bonds, const std::v
       continue;
     }
     // Halves of a bond that came apart share no nodes, and may be on two ranks.
-    cut[n] = b->cut_by_ranks() || b->size() != bonds.table[row].points;
+    cut[n] = !bonds.is_whole(*b);
     const BondDescription mine = described(*b, bonds.table[row]);
     const std::size_t hash = mine.hash() ^ of_all;
     const auto before = described_.find(row);
@@ -230,9 +230,9 @@ void CondensedBonds::take_patterns(MPI_Comm comm, std::vector<OfPattern> laid_ou
     PatternSolution& p = patterns_[o.pattern];
     p.of = std::move(o);
     p.described = described(p.of.bond, p.of.body).hash() ^ of_all;
-    const auto was = before.find(p.of.pattern);
-    if (was != before.end() && was->second.described == p.described) {
-      p.solution = was->second.solution;
+    const PatternSolution was = std::move(before[p.of.pattern]);
+    if (was.solution && was.described == p.described) {
+      p.solution = was.solution;
       continue;
     }
     try {
@@ -523,8 +523,9 @@ std::vector<int> CondensedBonds::rows_told() const {
 }
 
 std::vector<int> CondensedBonds::rows_without_points(const Bonds& bonds) const {
-  std::vector<int> rows = rows_told();
-  rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return bonds.table[row].pattern == 0; }), rows.end());
+  std::vector<int> rows;
+  for (int row : bonds.rows_without_points())
+    if (tells(row)) rows.push_back(row);
   return rows;
 }
 

@@ -79,7 +79,7 @@ class CondensedBonds {
   void follow(const BondedGrains& grains, const double* gravity);
   // Collective. Does the same, then takes the accelerations that the grains have, and finds the loads by these.
   void resume(const BondedGrains& grains, const double* gravity);
-  CondensedPack* pack() { return any() ? &pack_ : nullptr; }
+  CondensedPack& pack() { return pack_; }
 
   struct Energies {
     double elastic = 0, kinetic = 0, discrete_kinetic = 0;  // discrete_kinetic: the energy that central differences keep
@@ -127,8 +127,9 @@ class CondensedBonds {
     std::vector<double> displacement, velocity, acceleration;
   };
   NodeMotion nodes_of(const Bond& bond, const Body& body, double later) const;
-  // Writes the strain by the present motion to the points of a bond, for code that looks at points.
+  // Write the strain by the present motion to the points of a condensed bond, or of all, for code that looks at points.
   void show_strain(Bond& bond) const;
+  void show_strains(Bonds& bonds) const;
   // Collective. Points and nodes of a bond take up the present motion, in equilibrium with the accelerations of the
   // grains. bond: null if this rank has nothing of it. dt_last: length of the last step; velocities lie half of it
   // behind.

@@ -87,12 +87,17 @@ CondensedBonds::NodeMotion CondensedBonds::nodes_of_pieces(const Bond& bond, con
 
 void CondensedBonds::show_strain(Bond& bond) const { show_strain(bond, part_that_is(bond.body)); }
 
+void CondensedBonds::show_strains(Bonds& bonds) const {
+  for (Bond& b : bonds)
+    if (has(b.body)) show_strain(b);
+}
+
 void CondensedBonds::show_strain(Bond& bond, int part) const {
   const Member& m = members_[part];
   bond.points.forget_roots_of_norm();
   double d[6] = {};
   for (int j = 0; j < 6 && m.piece < 0; ++j) d[j] = pack_.relative(part, j);
-  if (!bond.film.empty() && m.piece < 0) bond.film.set_strain(m.solution->fields.strain_of_film, d);
+  if (m.piece < 0) bond.film.set_strain(m.solution->fields.strain_of_film, d);
   for (std::size_t b = 0; b < bond.points.blocks.size(); ++b) {
     Sym3<vd> e{};
     for (int j = 0; j < 6 && m.piece < 0; ++j) e = e + splat(d[j]) * m.solution->fields.strain[j][b];
@@ -118,9 +123,9 @@ void CondensedBonds::wake(MPI_Comm comm, int body, Bond* bond, const Bonds& bond
     take_up_field(bond->points, grid, turn);
     bond->film.take_up(pack_.sides(part, row).data());
   }
-  const bool cut = cut_.count(body) > 0;
   const std::array<double, 3> along = turned_back(axes_of(row), gravity);
-  if (bond || cut) settle(cut ? comm : MPI_COMM_SELF, bond, row, along.data(), law);
+  const MPI_Comm of_bond = cut_.count(body) > 0 ? comm : bond ? MPI_COMM_SELF : MPI_COMM_NULL;
+  if (of_bond != MPI_COMM_NULL) settle(of_bond, bond, row, along.data(), law);
 }
 
 // The fields are linear. Forces that are left are of the order of the strain, but links are stiff. A step of Newton's
@@ -145,7 +150,7 @@ void CondensedBonds::settle(MPI_Comm comm, Bond* bond, const Body& body, const d
     for (int i = 0; i < grid.size(); ++i)
       for (int d = 0; d < 3; ++d)
         if (grid.ties.row(i) < 0) grid.force[3 * i + d] += grid.mass[i] * (gravity[d] - grid.acceleration[3 * i + d]);
-    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law, &bond->film};
+    const StaticParts parts{bond->points, grid, bond->links, side.data(), body, law, bond->film};
     grid.velocity = static_displacement(comm, &parts, grid.force);
     AdvanceOptions options;
     options.nonlocal = true;  // without averages no damage grows

@@ -88,9 +88,12 @@ std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
   std::vector<int> others;
   for (int row : rows) {
     Body& b = scene_.bonds().table[row];
-    if (b.pattern == 0) others.push_back(row);
-    else if (!b.wants_points) rows_that_want_points_.push_back(row);
-    if (b.pattern > 0) b.wants_points = true;
+    if (b.pattern == 0) {
+      others.push_back(row);
+      continue;
+    }
+    if (!b.wants_points) rows_that_want_points_.push_back(row);
+    b.wants_points = true;
   }
   return others;
 }
@@ -169,7 +172,7 @@ void Condensing::wake() {
 bool Condensing::rests(Bond& b) {
   constexpr double kBelow = 0.95;  // so that it does not wake at once
   const Body& body = scene_.bonds().body(b);
-  if (b.cut_by_ranks() || b.size() != body.points) return false;
+  if (!scene_.bonds().is_whole(b)) return false;
   if (!body.has_grain(0) || !body.has_grain(1)) return false;  // dust may be far from the grain that is left
   // looks that are still to come, which condensed bonds do not get
   const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.looked_at) != 0; };
@@ -249,7 +252,7 @@ void Condensing::condense_again() {
     for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
   condensed_.bind(scene_.comm, scene_.bonds(), grains);
   condensed_.follow(grains, scene_.weight().data());
-  again_.to_grains = grains.push(scene_.comm, momentum, *condensed_.pack());
+  again_.to_grains = grains.push(scene_.comm, momentum, condensed_.pack());
 }
 
 }  // namespace mpdem

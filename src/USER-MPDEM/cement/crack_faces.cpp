@@ -85,7 +85,6 @@ void CrackFaces::find_normals(const PointStore& points, Grid& grid) {
   });
   grid.ties.pull_back(gradient_.data());
   grid.ties.pull_back_scalars(volume_.data());
-  if (!grid.halo.shares_any()) return;
   grid.halo.sum(gradient_.data(), 3);
   grid.halo.sum(volume_.data(), 1);
 }

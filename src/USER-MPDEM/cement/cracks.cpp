@@ -80,11 +80,8 @@ double count_broken(const PointStore& points) {
 
 double count_broken(const Bond& b) { return count_broken(b.points) + count_broken(b.film.points); }
 
-// Least width of a bridge, see Neighbours. Where nodes split as points fail, a narrower one than a cell of the grid
-// carries next to nothing.
-int cells_across(const Body& body, const CementOptions& options) {
-  return options.split ? std::max(1, static_cast<int>(std::lround(options.cell / body.spacing))) : 1;
-}
+// Least width of a bridge in spacings, see Neighbours.
+int cells_across(const Body& body, const CementOptions& options) { return std::max(1, static_cast<int>(std::lround(options.narrowest_bridge() / body.spacing))); }
 
 // Bonds as a whole, each on one rank.
 struct WholeBonds {
@@ -124,7 +121,7 @@ WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& ro
     const Bond* bond = bonds.find(rows[n]);
     if (!bond) continue;
     const int to = bond->body % ranks;
-    if (to == me && !bond->cut_by_ranks()) {
+    if (to == me && bonds.is_whole(*bond)) {
       whole.points[n].reserve(kLanes * bond->points.blocks.size());
       whole.sources[n].reserve(kLanes * bond->points.blocks.size());
       for_each_crack_point(*bond, bonds.body(*bond), parts_are_pieces, [&](int slot, const CrackPoint& p) {
@@ -196,6 +193,8 @@ Separation Cracks::look_at(const Body& body, int row, const CementOptions& optio
   const double reach = skins ? 0.0 : options.half_band;
   return separate(points, face, states_[row].separation.separated, cells_across(body, options), reach);
 }
+
+std::string Cracks::mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
 
 bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.body].broken_seen; }
 
@@ -310,7 +309,7 @@ std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, cons
   for (std::size_t b = 0; b < rows.size(); ++b) {
     const std::vector<CrackPoint>& points = whole.points[b];
     const int row = rows[b];
-    if (const Bond* bond = bonds.find(row); bond && !bond->film.empty()) {
+    if (const Bond* bond = bonds.find(row)) {
       const Film::Areas film = bond->film.areas();
       const double face = bonds.table[row].spacing * bonds.table[row].spacing;
       found[kWords * b] += film.holding / face;  // as points across the line of centres would count

@@ -81,7 +81,7 @@ class Cracks {
   // Returns `debonding`, `internal` or `mixed`.
   static const char* mode_of(const SeparatingSurface& s);
   // Returns the mode of a broken bond, or `intact`.
-  std::string mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
+  std::string mode(std::size_t row) const;
 
  private:
   void note(const Bond& bond, int slot);

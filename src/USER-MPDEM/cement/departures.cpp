@@ -106,8 +106,7 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
     else if (outside && !dust) leaving.attached_outside.push_back(b.points.tag(slot));
   }
   // A film is of both grains. Once the bond is separated it is dust, and goes with the first grain that does.
-  b.for_each_slot([&](int slot) {
-    if (slot < Bond::kFilm) return;
+  b.for_each_slot_of(Bond::kColumns, [&](int slot) {
     const int tag = b.film.points.tag(Bond::slot_in_store(slot));
     if (as_a_whole || (separated && (gone != 0 || has(departing.outside, b.body, slot) || has(departing.deleted, b.body, slot)))) leaving.slots[b.body].push_back(slot);
     else if (has(departing.deleted, b.body, slot)) leaving.attached_deleted.push_back(tag);
@@ -178,7 +177,7 @@ double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std:
   double power = 0.0;
   for (const BondedGrains::OwnedSide& o : scene_.grains.owned()) {
     const auto of_row = std::lower_bound(of_rows.begin(), of_rows.end(), o.body, [](const Share& s, int row) { return s.row < row; });
-    if (of_row == of_rows.end() || of_row->row != o.body || scene_.bonds().table[o.body].condensed) continue;
+    if (of_row == of_rows.end() || of_row->row != o.body) continue;
     if (!of_row->all && !(sides_in(scene_.bonds().table[o.body], grains) >> o.side & 1)) continue;
     const GrainSide& s = scene_.grains.sides.sides[o.at];
     for (int d = 0; d < 6; ++d) {
@@ -243,7 +242,7 @@ std::vector<int> Departures::carry_out(const Leaving& leaving) {
   arrangement_.lay_out_again(leaving.rows, {}, {});
   for (const Bond& b : scene_.bonds().awake())
     if (has(leaving.rows, b.body)) add_awake(b, -1.0, left, ahead);
-  if (condensed_.any()) condensed_.drop(scene_.comm, emptied, scene_.bonds(), scene_.grains);
+  condensed_.drop(scene_.comm, emptied, scene_.bonds(), scene_.grains);
   condensing_.condense(leaving.rows, false);
   for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
   scene_.books.leave(left);

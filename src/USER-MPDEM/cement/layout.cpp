@@ -190,7 +190,6 @@ class LayoutMaker {
 
 // Columns are along the line of centres, so that is their axis with `axis radial`, too: it lies between the normals of their ends.
 void lay_out_film(Film& film, const Body& body, const CementOptions& options, const std::shared_ptr<const Law>& law) {
-  if (film.empty()) return;
   film.lay_out(body, law);
   CementOptions of_film(options);
   if (options.axis == AxisRule::radial) of_film.axis = AxisRule::bond;

@@ -44,7 +44,7 @@ void LoadWatch::add(const BondedGrains& grains, const std::vector<Body>& table, 
   int at = -1;  // the first side of the bond whose motion is known
   RelativeMotion<double> motion;
   for (const BondedGrains::OwnedSide& o : grains.owned()) {
-    if (static_cast<std::size_t>(o.body) >= sums_.size() || table[o.body].condensed) continue;
+    if (static_cast<std::size_t>(o.body) >= sums_.size()) continue;
     const GrainSide* sides = &grains.sides.sides[o.at - o.side];
     if (o.at - o.side != at) motion = relative_motion(table[o.body], sides);
     at = o.at - o.side;
@@ -77,14 +77,15 @@ std::vector<LoadWatch::Sums> LoadWatch::gather_on_first(MPI_Comm comm) {
 // Most looks end no window, so times go to all ranks first, and loads and motions of those rows alone whose window ends.
 std::vector<int> LoadWatch::look(MPI_Comm comm, const std::vector<Body>& table, double shear_speed) {
   std::vector<double> time;
-  for (const Sums& s : sums_) time.push_back(s[0]);
+  for (std::size_t r = 0; r < sums_.size(); ++r) {
+    if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
+    time.push_back(sums_[r][0]);
+  }
   if (!time.empty()) MPI_Allreduce(MPI_IN_PLACE, time.data(), static_cast<int>(time.size()), MPI_DOUBLE, MPI_SUM, comm);
   std::vector<int> rows;
   std::vector<Sums> found;
   for (std::size_t r = 0; r < time.size(); ++r) {
-    if (table[r].condensed) sums_[r] = Sums{};  // a window does not go on after a sleep
-    const double radius = radius_of(table[r]);
-    if (radius == 0.0 || table[r].condensed || time[r] * shear_speed < window_way(table[r])) continue;
+    if (radius_of(table[r]) == 0.0 || time[r] * shear_speed < window_way(table[r])) continue;
     rows.push_back(static_cast<int>(r));
     found.push_back(sums_[r]);
     sums_[r] = Sums{};

@@ -50,7 +50,6 @@ void NodalForces::follow_links(Bond& b) {
 
 // Columns of a film follow the grains, which are where they will be at the end of the step.
 void NodalForces::advance_film(Bond& b) {
-  if (b.film.empty()) return;
   AdvanceResult of_film;
   b.film.advance(scene_.grains.side_of(b), *scene_.law, scene_.penalty ? scene_.penalty->law.get() : nullptr, scene_.now.dt, scene_.options.advance, of_film);
   scene_.books.dissipate(of_film.dissipated);
@@ -69,6 +68,10 @@ void NodalForces::add_forces(Bond& b) {
   scene_.books.release(losses.released);
   scene_.books.rub(losses.rubbed);
   advance_film(b);
+  end_forces(b);
+}
+
+void NodalForces::end_forces(Bond& b) {
   b.grid.ties.pull_back(b.grid.force.data());
   if (!b.cut_by_ranks()) complete(b);
 }
@@ -82,7 +85,7 @@ void NodalForces::complete(Bond& b) {
       for (int d = 0; d < 3; ++d) b.grid.force[3 * i + d] += b.grid.mass[i] * weight[d];
   scene_.host().add_node_forces(b);
   for (const auto& p : b.parts) p->add_contact(at_work(b));
-  if (!b.cut_by_ranks()) scene_.grains.sum_up(b);
+  scene_.grains.sum_up(b);
 }
 
 void NodalForces::begin(double kick) {
@@ -93,14 +96,13 @@ void NodalForces::begin(double kick) {
 
 void NodalForces::find_accelerations() {
   scene_.timer.start(StepTimer::kHalo);
-  shared_.sum([](Grid& g) { return g.force.data(); }, 3);
+  shared_.sum([](Bond& b) { return b.grid.force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
-  for (Bond& b : scene_.bonds().awake())
-    if (b.cut_by_ranks()) complete(b);
+  for (Bond* b : shared_.cut_bonds()) complete(*b);
   if (scene_.options.mass_order > 1) add_inertial_forces();
   find_grain_accelerations();
   if (scene_.now.substeps > 1 && scene_.ends_step()) share_impulses();
-  if (condensed_.any()) condensed_.pack()->find_inertial_loads();
+  condensed_.pack().find_inertial_loads();
   // Goes backwards, since the last bonds are those that are still in cache. The next step begins with the first bonds.
   scene_.bonds().for_each_awake_backwards([this](Bond& b, const Bond* next) {
     if (next) next->prefetch_nodes();
@@ -130,7 +132,7 @@ void NodalForces::add_inertial_forces() {
     scene_.timer.start(StepTimer::kNodes);
   }
   scene_.timer.start(StepTimer::kHalo);
-  shared_.sum([](Grid& g) { return g.inertial_force.data(); }, 3);
+  shared_.sum([](Bond& b) { return b.grid.inertial_force.data(); }, 3);
   scene_.timer.start(StepTimer::kNodes);
   for (Bond& b : scene_.bonds().awake())
     for (std::size_t n = 0; n < b.grid.force.size(); ++n) b.grid.force[n] += b.grid.inertial_force[n];
@@ -138,14 +140,9 @@ void NodalForces::add_inertial_forces() {
 
 void NodalForces::share_impulses() {
   scene_.timer.start(StepTimer::kCoupling);
-  std::vector<double*> of_bonds;
-  for (Bond& b : scene_.bonds().awake()) {
-    SharedImpulse* shared = b.part<SharedImpulse>();
-    if (!shared) continue;
-    shared->weigh(b.points, b.grid, scene_.inertia);
-    if (b.cut_by_ranks()) of_bonds.push_back(shared->holding().data());
-  }
-  if (scene_.penalty) shared_.sum(of_bonds, 1);
+  for (Bond& b : scene_.bonds().awake())
+    if (SharedImpulse* shared = b.part<SharedImpulse>()) shared->weigh(b.points, b.grid, scene_.inertia);
+  if (scene_.penalty) shared_.sum([](Bond& b) { return b.part<SharedImpulse>()->holding().data(); }, 1);
   scene_.grains.share_impulses(scene_.comm, scene_.bonds(), scene_.now.substeps, condensed_.pack());
   scene_.timer.start(StepTimer::kNodes);
 }
@@ -166,13 +163,12 @@ void NodalForces::find_at_start() {
   for (Bond& b : scene_.bonds().awake()) {
     b.jump.clear();
     b.links.add_force(b.grid, scene_.grains.side_of(b));
-    if (!b.film.empty()) b.film.add_force(scene_.grains.side_of(b), *scene_.law);
+    b.film.add_force(scene_.grains.side_of(b), *scene_.law);
     BondAtWork as_it_is = at_work(b);
     as_it_is.dt = 0.0;
     Losses none;
     for (const auto& p : b.parts) p->add_force(as_it_is, none);
-    b.grid.ties.pull_back(b.grid.force.data());
-    if (!b.cut_by_ranks()) complete(b);
+    end_forces(b);
   }
   find_accelerations();
 }

@@ -49,6 +49,7 @@ class NodalForces {
   BondAtWork at_work(Bond& b);
   void follow_links(Bond& b);
   void advance_film(Bond& b);
+  void end_forces(Bond& b);
   void complete(Bond& b);
   bool grains_need_accelerations() const { return (added_.any() || condensed_.any()) && scene_.grains.any_free(); }
   void find_grain_accelerations();

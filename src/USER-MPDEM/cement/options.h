@@ -42,6 +42,8 @@ struct CementOptions {
   int check_every = 100;                 // steps between two checks
   double most_bytes = std::numeric_limits<double>::infinity();  // limit for the grids of a rank
 
+  // Where nodes split as points fail, a bridge narrower than a cell of the grid carries next to nothing.
+  double narrowest_bridge() const { return split ? cell : 0.0; }
   // Do the nodes beside a crack share the mass of what failed there, see fracture/node_copies.h? Points that may be
   // stiff again keep their mass at their own nodes. The bound of the step rests on that.
   bool shares_failed_mass() const { return !unilateral; }

@@ -20,7 +20,7 @@ std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, B
   std::vector<LayoutRequest> requests;
   std::vector<int> rows;
   for (Bond& b : alone) {
-    for (PointStore* store : {&b.points, &b.film.points}) {
+    for (PointStore* store : b.stores()) {
       const std::string trouble = mpdem::take_up_states(*store, scene.law);
       if (!trouble.empty()) throw BadState(trouble);
     }

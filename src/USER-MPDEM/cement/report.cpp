@@ -135,7 +135,7 @@ CementTotals Report::totals(double reach_of_box) const {
       add_condensed(bond.body);
       continue;
     }
-    for (const PointStore* store : {&bond.points, &bond.film.points}) of_points.add(*store, *scene_.law, true);
+    for (const PointStore* store : bond.stores()) of_points.add(*store, *scene_.law, true);
     of_nodes.add(bond.grid, scene_.bonds().body(bond), 0.5 * scene_.dt_last);
     const GrainSide* side = scene_.grains.side_of(bond);
     const double inertial = bond.added.energy(bond.grid, side, 0.5 * scene_.dt_last, 0.5 * scene_.dt_last);
@@ -345,7 +345,7 @@ std::vector<double> Report::added_mass_of_sides() const {
 double Report::cement_mass() const {
   double sum = 0.0;
   for (const Bond& bond : scene_.bonds())
-    for (const PointStore* store : {&bond.points, &bond.film.points})
+    for (const PointStore* store : bond.stores())
       for (const PointBlock& b : store->blocks) sum += scene_.inertia * sum_lanes(b.volume);
   for (int row : condensed_.rows_without_points(scene_.bonds())) sum += scene_.inertia * scene_.bonds().table[row].volume;
   return sum;
@@ -381,11 +381,12 @@ void Report::motion_of_points(const Bond& bond, std::vector<PointMotionNow>& mot
 void Report::motion_of_film(const Bond& bond, std::vector<PointMotionNow>& motion) const {
   motion.resize(bond.film.laid_out_blocks());
   const double half = 0.5 * scene_.dt_last;
-  const bool asleep = condensed_.has(bond.body);
-  const std::array<GrainSide, 2> of_condensed = asleep && !motion.empty() ? condensed_.sides_of(bond.body, scene_.bonds()) : std::array<GrainSide, 2>{};
-  const GrainSide* side = asleep ? of_condensed.data() : scene_.grains.side_of(bond);
+  if (motion.empty()) return;
+  CondensedBonds::Sides side;
+  if (condensed_.has(bond.body)) side = condensed_.sides_of(bond.body, scene_.bonds());
+  else std::copy(scene_.grains.side_of(bond), scene_.grains.side_of(bond) + 2, side.begin());
   for (std::size_t b = 0; b < motion.size(); ++b) {
-    bond.film.motion(static_cast<int>(b), side, half, motion[b].u, motion[b].v);
+    bond.film.motion(static_cast<int>(b), side.data(), half, motion[b].u, motion[b].v);
     for (int d = 0; d < 3; ++d) motion[b].u[d] -= bond.film.points.blocks[b].X[d];
   }
 }

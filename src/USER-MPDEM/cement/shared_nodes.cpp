@@ -6,8 +6,12 @@ namespace mpdem {
 
 void SharedNodes::bind() {
   std::vector<const HaloSum*> halos;
-  for (Bond& b : scene_.bonds().awake())
-    if (b.cut_by_ranks()) halos.push_back(&b.grid.halo);
+  cut_bonds_.clear();
+  for (Bond& b : scene_.bonds().awake()) {
+    if (!b.cut_by_ranks()) continue;
+    cut_bonds_.push_back(&b);
+    halos.push_back(&b.grid.halo);
+  }
   sums_.build(halos);
   if (!scene_.options.advance.nonlocal) return;
   const int cut = !halos.empty();
@@ -16,10 +20,9 @@ void SharedNodes::bind() {
   any_bond_is_cut_ = any != 0;
 }
 
-void SharedNodes::sum(double* (*values)(Grid&), int width) {
+void SharedNodes::sum(double* (*values)(Bond&), int width) {
   std::vector<double*> of_bonds;
-  for (Bond& b : scene_.bonds().awake())
-    if (b.cut_by_ranks()) of_bonds.push_back(values(b.grid));
+  for (Bond* b : cut_bonds_) of_bonds.push_back(values(*b));
   sums_.sum(of_bonds, width);
 }
 

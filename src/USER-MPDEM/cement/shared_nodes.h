@@ -20,15 +20,16 @@ class SharedNodes {
   // Collective. Call after a layout, or when bonds wake or are condensed.
   void bind();
   // Collective. Sums numbers of the nodes, `width` a node, of all bonds that ranks cut.
-  void sum(double* (*values)(Grid&), int width);
-  // The same. of_bonds: the numbers of each of these bonds, ascending.
-  void sum(const std::vector<double*>& of_bonds, int width) { sums_.sum(of_bonds, width); }
+  void sum(double* (*values)(Bond&), int width);
+  // Awake bonds of this rank that others cut, too, ascending.
+  const std::vector<Bond*>& cut_bonds() const { return cut_bonds_; }
   // Do ranks cut any bond, on any rank? Known with nonlocal damage only.
   bool any_bond_is_cut() const { return any_bond_is_cut_; }
 
  private:
   Scene& scene_;
   HaloSums sums_;
+  std::vector<Bond*> cut_bonds_;
   bool any_bond_is_cut_ = false;
 };
 

@@ -285,7 +285,7 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
   for (const SentTag& s : all_to_all(comm, out).data) failed[s.body].push_back(s.tag);
   std::vector<char> wanted(n, 0);
   for (const auto& f : failed) wanted[f.first] = row(f.first).lattice ? kLookedAt : kToCome;
-  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, wanted.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   find_lattices(comm, bonds, options, wanted);
   for (Bond& bond : bonds)
     if (wanted[bond.body])
@@ -302,7 +302,7 @@ Splits::Found Splits::look(MPI_Comm comm, Bonds& bonds, const CementOptions& opt
     changed[r] = !changes.back().rows.empty();
   }
   found.parts = apply(comm, bonds, rows, changes);
-  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, changed.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, changed.data(), n, MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (int r : rows)
     if (changed[r]) found.lay_out.push_back(r);
   return found;
@@ -366,10 +366,9 @@ void Splits::bring(MPI_Comm comm, const Bonds& bonds) {
   std::vector<char> moved(known_.size(), 0);
   for (const Bond& b : bonds)
     if (b.points.changed() && b.body < first()) moved[b.body] = 1;
-  if (ranks > 1) MPI_Allreduce(MPI_IN_PLACE, moved.data(), first(), MPI_SIGNED_CHAR, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, moved.data(), first(), MPI_SIGNED_CHAR, MPI_MAX, comm);
   for (int r = 0; r < first(); ++r)
     if (moved[r]) known_[r].edges = false;
-  if (ranks == 1) return;
   std::vector<std::vector<int>> ask(ranks);
   for (int r = 0; r < first(); ++r) {
     if (r % ranks == me) continue;

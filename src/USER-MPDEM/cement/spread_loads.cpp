@@ -80,7 +80,7 @@ void BondedGrains::find_loads(int n) {
   }
 }
 
-void BondedGrains::react(double dt, int n, EnergyBooks& books, const CondensedPack* condensed) {
+void BondedGrains::react(double dt, int n, EnergyBooks& books, const CondensedPack& condensed) {
   if (n == 1) return add_loads_of_cement(dt, books, condensed);
   for (Grain& g : grains) {
     std::copy(g.force, g.force + 6, g.kick);

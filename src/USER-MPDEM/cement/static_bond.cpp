@@ -226,9 +226,9 @@ StaticBond solve_static(MPI_Comm comm, const StaticParts* parts, int most) {
   }
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) bond.stiffness(i, j) = bond.stiffness(j, i) = energy(i, j);
-  if (parts && parts->film && !parts->film->empty()) {
-    bond.strain_of_film = parts->film->strains(parts->side, bond.frame.middle);
-    bond.stiffness_of_film = parts->film->stiffness(bond.strain_of_film, parts->law);
+  if (parts) {
+    bond.strain_of_film = parts->film.strains(parts->side, bond.frame.middle);
+    bond.stiffness_of_film = parts->film.stiffness(bond.strain_of_film, parts->law);
   }
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) bond.stiffness(i, j) += equations.all(bond.stiffness_of_film(i, j));

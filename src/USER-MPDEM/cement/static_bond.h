@@ -53,7 +53,7 @@ struct StaticParts {
   const GrainSide* side;
   const Body& body;
   const Law& law;
-  const Film* film = nullptr;  // it adds its stiffness and moves no node
+  const Film& film;  // it adds its stiffness and moves no node
 };
 
 struct StaticBond {

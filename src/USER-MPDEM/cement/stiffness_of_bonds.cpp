@@ -82,7 +82,7 @@ class StiffnessFinder {
     std::map<int, StiffnessOfBond> solved;
     for (CondensedBonds::OfPattern& o : laid_out) {
       const SidesAtCreation at(o.body);
-      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_, &o.bond.film}), solved[o.pattern]);
+      write(solve_static({o.bond.points, o.bond.grid, o.bond.links, at.side, o.body, law_, o.bond.film}), solved[o.pattern]);
     }
     for (const BondedGrains::OwnedSide& o : grains_.owned) {
       const int pattern = table_[o.body].pattern;
@@ -150,7 +150,7 @@ class StiffnessFinder {
       return;
     }
     BondLayout& l = layouts_[layout];
-    const StaticParts parts{l.points, l.grid, l.links, side_of(row), table_[row], law_, &l.film};
+    const StaticParts parts{l.points, l.grid, l.links, side_of(row), table_[row], law_, l.film};
     write(solve_static(comm, &parts), found_[row]);
   }
 
@@ -210,31 +210,29 @@ StiffnessOfBond stiffness_of_film(Film film, const Body& body, const Scene& scen
 }  // namespace
 
 std::vector<StiffnessOfBond> stiffness_of_films(const Scene& scene) {
-  const std::vector<Body>& table = scene.bonds().table;
-  const std::vector<PointPattern>& patterns = scene.bonds().patterns;
-  const auto has_film = [](const PointPattern& p) { return std::any_of(p.points.begin(), p.points.end(), [](const PatternPoint& point) { return point.film; }); };
-  int mine = std::any_of(patterns.begin(), patterns.end(), has_film), any;
-  for (const Bond& b : scene.bonds()) mine = mine || !b.film.empty();
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, scene.comm);
-  if (!any) return {};
-  std::vector<StiffnessOfBond> found(table.size(), StiffnessOfBond{});
-  for (const Bond& b : scene.bonds())
-    if (!b.film.empty()) found[b.body] = stiffness_of_film(b.film, scene.bonds().body(b), scene);
-  std::map<int, StiffnessOfBond> of_pattern;
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    const Body& body = table[row];
-    if (body.pattern == 0 || !scene.grains.find(body.grain[0])) continue;
-    const auto known = of_pattern.find(body.pattern);
-    if (known != of_pattern.end()) {
-      found[row] = known->second;
-      continue;
-    }
+  const Bonds& bonds = scene.bonds();
+  std::map<int, StiffnessOfBond> mine;  // by row
+  const auto add = [&](int row, const Film& film) {
+    if (!film.empty()) mine[row] = stiffness_of_film(film, bonds.table[row], scene);
+  };
+  for (const Bond& b : bonds) add(b.body, b.film);
+  std::map<int, int> first_of_pattern;
+  for (int row : bonds.rows_without_points()) {
+    if (!scene.grains.find(bonds.table[row].grain[0])) continue;
+    const auto [first, fresh] = first_of_pattern.try_emplace(bonds.table[row].pattern, row);
+    if (const auto known = mine.find(first->second); known != mine.end()) mine[row] = known->second;
+    if (!fresh) continue;
     Film film;
-    const PointPattern& p = patterns[body.pattern - 1];
+    const PointPattern& p = bonds.pattern_of(row);
     for (std::size_t n = 0; n < p.points.size(); ++n)
-      if (p.points[n].film) film.points.add(p.record(n, static_cast<int>(row), body), static_cast<int>(n) + 1);
-    if (!film.empty()) found[row] = of_pattern[body.pattern] = stiffness_of_film(std::move(film), body, scene);
+      if (p.points[n].film) film.points.add(p.record(n, row, bonds.table[row]), static_cast<int>(n) + 1);
+    add(row, film);
   }
+  int some = !mine.empty(), any;
+  MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, scene.comm);
+  if (!any) return {};
+  std::vector<StiffnessOfBond> found(bonds.table.size(), StiffnessOfBond{});
+  for (const auto& s : mine) found[s.first] = s.second;
   constexpr int kNumbers = sizeof(StiffnessOfBond) / sizeof(double);
   std::vector<double> axes;  // ranks that share a bond have the same axis, and add up its stiffness
   for (StiffnessOfBond& s : found) {

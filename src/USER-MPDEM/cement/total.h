@@ -28,11 +28,8 @@ class Total : public Kinematics {
     average_drives(scene_, shared_.any_bond_is_cut());
     scene_.grains.sides.clear_forces();
     if (added_.any()) scene_.grains.expect_sudden_forces();
-    const auto range = scene_.bonds().awake();
-    for (auto at = range.begin(); at != range.end();) {
-      Bond& b = *at;
-      ++at;
-      if (at != range.end()) (*at).prefetch_step();
+    scene_.bonds().for_each_awake([&](Bond& b, const Bond* next) {
+      if (next) next->prefetch_step();
       scene_.timer.start(StepTimer::kNodes);
       b.jump.clear();
       before(b);
@@ -48,7 +45,7 @@ class Total : public Kinematics {
       forces_.take_failed(b);
       forces_.let_go(b);
       after(b);
-    }
+    });
     scene_.dt_last = dt;
   }
 

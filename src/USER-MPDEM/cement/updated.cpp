@@ -43,8 +43,8 @@ class Updated : public Kinematics {
                                     : text_of("material point ", lost, " moved more than two cells in step ", scene_.now.number,
                                               " or is not finite; check the motion of the grains and the time step"));
     scene_.timer.start(StepTimer::kHalo);
-    shared_.sum([](Grid& g) { return g.mass.own().data(); }, 1);
-    shared_.sum([](Grid& g) { return g.momentum.data(); }, 3);
+    shared_.sum([](Bond& b) { return b.grid.mass.own().data(); }, 1);
+    shared_.sum([](Bond& b) { return b.grid.momentum.data(); }, 3);
     scene_.grains.sides.clear_forces();
     std::size_t n = 0;
     for (Bond& b : scene_.bonds()) {
@@ -72,7 +72,7 @@ class Updated : public Kinematics {
 
   void find_internal_force() override {
     for (Bond& b : scene_.bonds()) UpdatedPass::project(b.points, b.grid, *scene_.law, scene_.inertia, scene_.options.transfer);
-    shared_.sum([](Grid& g) { return g.mass.own().data(); }, 1);
+    shared_.sum([](Bond& b) { return b.grid.mass.own().data(); }, 1);
   }
 
  private:

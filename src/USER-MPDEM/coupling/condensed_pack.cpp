@@ -89,8 +89,8 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   blocks_.clear();
   tags_.clear();
   slot_of_owned_.clear();
-  jump_load_.clear();
-  weight_.clear();
+  for (auto* of_slots : {&load_, &jump_load_, &inertial_load_, &weight_, &mass_}) of_slots->clear();
+  coupling_ = 0.0;
   if (!any_) return;
   for (const Grain& g : grains) tags_.push_back(g.tag);
   for (const Part& p : parts) tags_.insert(tags_.end(), p.body->grain, p.body->grain + 2);
@@ -360,6 +360,7 @@ bool CondensedPack::at_rest() const {
 }
 
 void CondensedPack::take_coupling(double* of_owned) {
+  if (!any_) return;
   rate_.assign(6 * tags_.size(), 0.0);
   apply(acceleration_, rate_);
   for (std::size_t n = 0; n < slot_of_owned_.size(); ++n)

@@ -38,7 +38,8 @@ class CondensedPack {
   };
   // Collective. grains: those that this rank owns, ascending in tag.
   void build(MPI_Comm comm, const std::vector<Part>& parts, const std::vector<Grain>& grains);
-  // empty(): this rank has no condensed bonds. any(): some rank has one.
+  // empty(): this rank has no condensed bonds. any(): some rank has one. A pack without any has no loads and no mass, and
+  // is ready from its creation on.
   bool empty() const { return blocks_.empty(); }
   bool any() const { return any_; }
 
@@ -57,12 +58,12 @@ class CondensedPack {
   void find_inertial_loads();
 
   // Component d of the loads on an owned grain.
-  double load(int grain, int d) const { return load_[6 * slot_of_owned_[grain] + d]; }
-  double jump_load(int grain, int d) const { return jump_load_.empty() ? 0.0 : jump_load_[6 * slot_of_owned_[grain] + d]; }
-  double inertial_load(int grain, int d) const { return inertial_load_[6 * slot_of_owned_[grain] + d]; }
-  double weight(int grain, int d) const { return weight_.empty() ? 0.0 : weight_[6 * slot_of_owned_[grain] + d]; }
-  // mass() is the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling of all bonds.
-  const double* mass(int grain) const { return &mass_[kSym6 * slot_of_owned_[grain]]; }
+  double load(int grain, int d) const { return of_owned(load_, 6, grain, d); }
+  double jump_load(int grain, int d) const { return of_owned(jump_load_, 6, grain, d); }
+  double inertial_load(int grain, int d) const { return of_owned(inertial_load_, 6, grain, d); }
+  double weight(int grain, int d) const { return of_owned(weight_, 6, grain, d); }
+  // mass() has the numbers of the sum of M_ss of an owned grain. coupling() is the largest CondensedModel::coupling of all bonds.
+  double mass(int grain, int k) const { return of_owned(mass_, kSym6, grain, k); }
   double coupling() const { return coupling_; }
   // Subtracts sum M_st a_t from the six numbers of each owned grain.
   void take_coupling(double* of_owned);
@@ -105,6 +106,8 @@ class CondensedPack {
   void add_loads(const Block& b, const RelativeMotion<vd>& m, const vd* generalized, std::vector<double>& to) const;
   void apply(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
   void hand_out(double* values, int width);
+  // Number i of an owned grain; 0 if there are none.
+  double of_owned(const std::vector<double>& values, int width, int grain, int i) const { return values.empty() ? 0.0 : values[width * slot_of_owned_[grain] + i]; }
 
   static constexpr int kMotion = 24;  // present, x, q, omega, v, a, jump, mass_ratio
   enum { kX = 1, kQ = 4, kOmega = 8, kV = 11, kA = 14, kJump = 17, kRatio = 23 };

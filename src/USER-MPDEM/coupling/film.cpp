@@ -111,6 +111,7 @@ Film::Areas Film::areas() const {
 }
 
 void Film::lay_out(const Body& body, const std::shared_ptr<const Law>& law) {
+  if (empty()) return;
   points.set_law(law);
   points.arrange(1e6 * (body.radius[0] + body.radius[1]), Basis::quadratic);  // one cell for all, about the origin
   second_grain_ = body.grain[1];
@@ -313,11 +314,13 @@ void Film::write_faces(int b) {
 }
 
 void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* faces, double dt, const AdvanceOptions& given, AdvanceResult& result) {
+  failed.clear();
+  debonded.clear();
+  if (empty()) return;
   AdvanceOptions options(given);
   options.nonlocal = false;  // a column is its own neighbourhood: it softens by its thickness
   const Turns turns_now = turns(side);
   Loads loads;
-  debonded.clear();
   with_law(of_any_kind, [&](const auto& law) {
     using L = std::decay_t<decltype(law)>;
     if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, turns_now, side, result); });
@@ -362,6 +365,7 @@ void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* f
 }
 
 void Film::add_force(GrainSide* side, const Law& of_any_kind) const {
+  if (empty()) return;
   const Turns turns_now = turns(side);
   Loads loads;
   with_law(of_any_kind, [&](const auto& law) {
@@ -417,8 +421,9 @@ void Film::set_strain(const Strains& strains, const double* d) {
 }
 
 Film::Strains Film::strains(const GrainSide* side, const Eigen::Vector3d& middle) const {
-  const Turns turns_now = turns(side);
   Strains all;
+  if (empty()) return all;
+  const Turns turns_now = turns(side);
   for (auto& of_motion : all) of_motion.resize(points.blocks.size());
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const PointBlock& p = points.blocks[b];

@@ -96,7 +96,7 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
 
 // Sets up the equations. Returns a bound of the spectral radius.
 double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh,
-                                  const CondensedPack* condensed, bool loads_of_condensed) {
+                                  const CondensedPack& condensed, bool loads_of_condensed) {
   const std::vector<int>& owned = sides.owned();
   unknowns_.assign((grains.size() + kLanes - 1) / kLanes, Unknowns{});
   couplings_.clear();
@@ -109,16 +109,15 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
       continue;
     }
     const Grain& grain = grains[g];
-    double D[kSym6] = {};
-    if (condensed) std::copy(condensed->mass(static_cast<int>(g)), condensed->mass(static_cast<int>(g)) + kSym6, D);
+    double D[kSym6];
+    for (int k = 0; k < kSym6; ++k) D[k] = condensed.mass(static_cast<int>(g), k);
     Matrix6 W = Matrix6::Zero();
-    if (condensed && fresh)
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) W(i, j) = condensed->coupling() * D[lower_triangle(i, j)];
+    for (int i = 0; fresh && i < 6; ++i)
+      for (int j = 0; j < 6; ++j) W(i, j) = condensed.coupling() * D[lower_triangle(i, j)];
     Vector6 sum = load[g];
     for (int i = 0; i < 6; ++i) {
       D[lower_triangle(i, i)] += i < 3 ? grain.mass : grain.inertia;
-      if (condensed && loads_of_condensed) sum[i] += condensed->load(static_cast<int>(g), i) + condensed->jump_load(static_cast<int>(g), i);
+      if (loads_of_condensed) sum[i] += condensed.load(static_cast<int>(g), i) + condensed.jump_load(static_cast<int>(g), i);
     }
     for (int k : grain.sides) {
       const int at = owned[k], other = at + (sides.sides[at].side == 0 ? 1 : -1);
@@ -162,14 +161,14 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
 }
 
 // One sweep of block Jacobi, accelerated by omega.
-void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed) {
+void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides, CondensedPack& condensed) {
   from_others_.assign(6 * kLanes * unknowns_.size(), 0.0);
   for (const Coupling& c : couplings_) {
     const GrainSide& s = sides.sides[c.other];
     const Vector6 b = c.B.leftCols<3>() * Eigen::Map<const Vector3>(s.a) + c.B.rightCols<3>() * Eigen::Map<const Vector3>(s.alpha);
     for (int d = 0; d < 6; ++d) from_others_[6 * c.grain + d] += b[d];
   }
-  if (condensed && !(first && condensed->at_rest())) condensed->take_coupling(from_others_.data());
+  if (!(first && condensed.at_rest())) condensed.take_coupling(from_others_.data());
   for (std::size_t b = 0; b < unknowns_.size(); ++b) {
     Unknowns& u = unknowns_[b];
     const double* from = &from_others_[6 * kLanes * b];
@@ -191,7 +190,7 @@ void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides
 }
 
 void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                              GrainSides& sides, bool fresh, CondensedPack* condensed) {
+                              GrainSides& sides, bool fresh, CondensedPack& condensed) {
   if (!begun_) begin(sides);
   for (const OfBond& b : bonds) add(b, sides);
   begun_ = false;
@@ -207,7 +206,7 @@ void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, s
 }
 
 void GrainAccelerations::find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                                      GrainSides& sides, CondensedPack* condensed) {
+                                      GrainSides& sides, CondensedPack& condensed) {
   sum_.assign(kWidth * sides.sides.size(), 0.0);
   for (std::size_t i = 0; i < mass.size(); ++i)
     for (int n = 0; n < MassMoments::kSize; ++n) {
@@ -219,7 +218,7 @@ void GrainAccelerations::find_impulse(MPI_Comm comm, const std::vector<SideMomen
 }
 
 void GrainAccelerations::solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh,
-                               CondensedPack* condensed, bool loads_of_condensed) {
+                               CondensedPack& condensed, bool loads_of_condensed) {
   const double radius = set_up(grains, load, sides, fresh, condensed, loads_of_condensed);
   if (fresh) {
     double most[2] = {radius, couplings_.empty() ? 0.0 : 1.0};
@@ -240,7 +239,7 @@ void GrainAccelerations::solve(MPI_Comm comm, std::vector<Grain>& grains, const 
       for (int at : grains[g].sides) std::copy(grains[g].acceleration, grains[g].acceleration + 6, found_[at].begin());
     }
     sides.set_accelerations(found_);
-    if (condensed) condensed->set_accelerations(of_grains_.data());
+    condensed.set_accelerations(of_grains_.data());
   }
 }
 

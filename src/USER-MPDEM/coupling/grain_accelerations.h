@@ -79,12 +79,12 @@ class GrainAccelerations {
   // on nodes must be complete, and forces of links must be in the sides of this rank. load: that on each grain, without
   // that of links and of condensed bonds. fresh: the added mass or the condensed bonds changed since the last call.
   void find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-            GrainSides& sides, bool fresh, CondensedPack* condensed = nullptr);
+            GrainSides& sides, bool fresh, CondensedPack& condensed);
 
   // Collective. Finds the accelerations due to a load on the grains alone. `mass` has the moments of each side on this
   // rank, and the mass of condensed bonds is added. The sides must have no forces, and the grains no accelerations.
   void find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                    GrainSides& sides, CondensedPack* condensed);
+                    GrainSides& sides, CondensedPack& condensed);
 
   int sweeps() const { return sweeps_; }
   // Did some call end before its precision, for want of sweeps? So it is if links of both grains share nodes, and grains
@@ -103,11 +103,11 @@ class GrainAccelerations {
     int grain, other;  // place in the grains, and place of the other side in the sides
     Matrix6 B;  // maps accelerations of the other side, in its axes, to loads in the axes of the box
   };
-  void solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh, CondensedPack* condensed,
+  void solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh, CondensedPack& condensed,
              bool loads_of_condensed);
-  double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh, const CondensedPack* condensed,
+  double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh, const CondensedPack& condensed,
                 bool loads_of_condensed);
-  void sweep(double omega, bool first, const GrainSides& sides, CondensedPack* condensed);
+  void sweep(double omega, bool first, const GrainSides& sides, CondensedPack& condensed);
 
   std::vector<double> sum_;
   bool begun_ = false;

@@ -44,7 +44,7 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
     const Link& k = points.links[i];
-    if (!holds(points, k) && !k.inert) continue;
+    if (!is_bonded(points, k) && !k.inert) continue;
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
     items.push_back({{body.grain[0] == k.grain ? 0 : 1, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]}, static_cast<int>(i)});
@@ -95,7 +95,7 @@ void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& point
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
   h.inert |= bit;
-  if (holds(points, k)) h.attached |= bit;
+  if (is_bonded(points, k)) h.attached |= bit;
   b.area[lane] = k.area;
   const double point_mass = density_ * points.blocks[k.slot / kLanes].volume[k.slot % kLanes];
   if (!dampers_.empty()) dampers_[block][lane] = 2.0 * p_.damping * std::sqrt(k.area * point_mass);

@@ -167,7 +167,7 @@ class PenaltyLinks {
   };
 
   // True if the link is attached and no skin.
-  bool holds(const PointStore& points, const Link& k) const {
+  bool is_bonded(const PointStore& points, const Link& k) const {
     return k.attached && !(p_.law->keeps_skins() && points.has_failed(k.slot));
   }
   double created(const PointStore& points, const Link& k, int d) const;

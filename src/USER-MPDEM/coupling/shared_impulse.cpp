@@ -25,18 +25,16 @@ void SharedImpulse::follow_grains(const Grid& grid, const Body& body, const std:
 
 // If nothing failed, the mass is to the bit that of the nodes.
 void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double density) {
-  const bool cut = grid.halo.shares_any();
   if (stale_) {
     const bool some_failed = points.any_failed();
     here_.clear();
-    if (cut || some_failed) {
+    if (some_failed || grid.halo.shares_any()) {
       here_ = grid.mass_here(points, density, true);
       grid.ties.give_to_heirs(here_.data(), 1);
     }
     stale_ = false;
-    holding_ = here_;
   }
-  if (cut) holding_ = here_;
+  holding_ = here_;
 }
 
 // Share of the mass of a node that belongs to points that hold.

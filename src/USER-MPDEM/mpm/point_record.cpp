@@ -33,8 +33,10 @@ std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
     for (int d = 0; d < 3; ++d) square += std::pow(link.foot[d] - of.centre[side][d], 2);
     found.check("the distance of the foot of a link from the centre of the grain", std::sqrt(square), from(0.99 * of.radius[side], 1.01 * of.radius[side]));
   }
-  if (p.film && (p.links != PointRecord::kMaxLinks || p.link[0].grain == p.link[1].grain)) found.tell("it is film, and has no link to either grain of its bond");
-  if (p.film && p.places > 0) found.tell("it is film, and has freed places");
+  if (p.film) {
+    if (p.links != PointRecord::kMaxLinks || p.link[0].grain == p.link[1].grain) found.tell("it is film, and has no link to either grain of its bond");
+    if (p.places > 0) found.tell("it is film, and has freed places");
+  }
   for (int k = 0; k < p.places; ++k) {
     const FreedPlace& place = p.place[k];
     if (place.grain != of.grain[0] && place.grain != of.grain[1])

@@ -93,9 +93,8 @@ bool AtomVecMpdem::is_in_motion() const {
 
 // Collective. A command may have deleted all points, or they left.
 bool AtomVecMpdem::has_cement() const {
-  int some = 0, any;
+  int some = !bonds.rows_without_points().empty(), any;
   for (int i = 0; i < atom->nlocal; ++i) some |= is_point(i);
-  for (const mpdem::Body& b : bonds.table) some |= b.pattern > 0;
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, world);
   return any != 0;
 }

@@ -60,7 +60,6 @@ class AtomVecMpdem : public AtomVecSphere {
   } last_run;
 
   bool is_point(int i) const { return slot[i] >= 0; }
-  bool is_film(int i) const { return slot[i] >= mpdem::Bond::kFilm; }
   // The store of atom i, which has to be a point, and its slot there.
   const mpdem::PointStore& points_of(int i) const { return bonds.find(bond[i])->store_of(slot[i]); }
   mpdem::PointRecord record_of(int i) const { return bonds.find(bond[i])->record(slot[i]); }

@@ -204,13 +204,20 @@ const std::vector<Key>& keywords() {
   return all;
 }
 
-// Chooses defaults that hang on other words. An average of the drive ends at a crack only where its sides have nodes of their own. Nodes
-// that points give their velocity to are free, see mpm/edge_ties.h.
+// Chooses defaults that hang on other words, and goes with these. An average of the drive ends at a crack only where its sides have
+// nodes of their own.
 void choose_defaults(WordsOfScript& w) {
   CementOptions& o = w.options;
-  if (!w.cracks_given) o.split = o.advance.nonlocal && !o.reprojects() && !o.condense;
-  if (!w.cracks_given && o.split) w.said.push_back({"cracks split"});
-  if (!w.tied_given && o.reprojects()) o.tied = false;
+  const auto may_say = [&](const char* words) {
+    std::vector<SceneWords> all = w.said;
+    all.push_back({words});
+    return words_that_exclude(all).empty();
+  };
+  if (!w.cracks_given && o.advance.nonlocal && !o.condense && may_say("cracks split")) {
+    o.split = true;
+    w.said.push_back({"cracks split"});
+  }
+  if (!w.tied_given) o.tied = may_say("edge tied");
 }
 
 }  // namespace

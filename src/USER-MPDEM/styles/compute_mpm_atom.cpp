@@ -125,7 +125,7 @@ void ComputeMpmAtom::compute_peratom() {
   const AtomVecMpdem* avec = cement_->cement();
   for (int i = 0; i < atom->nlocal; ++i) vector_atom[i] = 0.0;
   for (const mpdem::Bond& bond : avec->bonds) {
-    for (const mpdem::PointStore* points : {&bond.points, &bond.film.points}) {
+    for (const mpdem::PointStore* points : bond.stores()) {
       find_values(*points, avec->bonds.body(bond));
       for (std::size_t b = 0; b < points->blocks.size(); ++b)
         for (int l = 0; l < kLanes; ++l) {

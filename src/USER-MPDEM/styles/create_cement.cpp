@@ -225,8 +225,8 @@ void CreateCement::check_words(const Arguments& args, const CementWish& wish, bo
     if (wish.later) args.complain(text_of("'points later' belongs to shapes; those of 'file ", wish.file, "' are made now"));
     if (wish.grid[0] != 0.0 || wish.grid[1] != 0.0 || wish.grid[2] != 0.0)
       args.complain("'grid' belongs to shapes; a file says itself where its points lie");
-    if (!wish.shapes.empty() || has_inner || has_film)
-      args.complain(text_of("'file ", wish.file, "' and '", has_inner ? "inner" : has_film ? "film" : "shape", "': points are either read or made, use one of them"));
+    const char* of_shapes = has_inner ? "inner" : has_film ? "film" : wish.shapes.empty() ? nullptr : "shape";
+    if (of_shapes) args.complain(text_of("'file ", wish.file, "' and '", of_shapes, "': points are either read or made, use one of them"));
     return;
   }
   for (double g : wish.grid)
@@ -395,26 +395,19 @@ std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
   std::vector<mpdem::FullPoint> found;
   for (int i = 0; i < atom->nlocal; ++i) {
     if (!avec->is_point(i)) continue;
-    const int b = avec->slot_of(i) / mpdem::kLanes, l = avec->slot_of(i) % mpdem::kLanes;
-    const int body = avec->bond[i];
-    const bool film = avec->is_film(i);
-    if (body >= bodies || (!film && avec->points_of(i).blocks[b].volume[l] < full[body])) continue;
-    double width = table[body].spacing;
-    if (film) {
-      const mpdem::PointRecord r = avec->record_of(i);
-      width = mpdem::kWidthInColumn * (Vector3(r.link[1].foot) - Vector3(r.link[0].foot)).norm();
-    }
-    found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), body, width});
+    const int row = avec->bond[i];
+    if (row >= bodies) continue;
+    const double width = mpdem::width_filled(avec->record_of(i), table[row].spacing, full[row]);
+    if (width > 0.0) found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), row, width});
   }
-  for (int row = 0; row < bodies; ++row) {
+  for (int row : avec->bonds.rows_without_points()) {
+    if (row >= bodies) break;
     const Body& body = table[row];
-    if (body.pattern == 0) continue;
     const mpdem::Mat3<double> axes = mpdem::axes_of(body);
-    for (const mpdem::PatternPoint& p : avec->bonds.patterns[body.pattern - 1].points) {
-      if (!p.film && p.volume < full[row]) continue;
-      const double width = p.film ? mpdem::kWidthInColumn * (Vector3(p.link[1].foot) - Vector3(p.link[0].foot)).norm() : body.spacing;
+    for (const mpdem::PatternPoint& p : avec->bonds.pattern_of(row).points) {
+      const double width = mpdem::width_filled(p, body.spacing, full[row]);
       const Vector3 x(mpdem::place_in_box(body, axes, p.X).data());
-      if (box_.owns(x)) found.push_back({x, row, width});
+      if (width > 0.0 && box_.owns(x)) found.push_back({x, row, width});
     }
   }
   return found;

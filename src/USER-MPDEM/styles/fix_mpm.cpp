@@ -132,10 +132,9 @@ void FixMpm::make_points_of_run() {
   std::vector<int> rows;
   std::vector<mpdem::SceneWords> later;
   const std::vector<mpdem::Body>& table = avec_->bonds.table;
-  for (std::size_t row = 0; row < table.size(); ++row) {
-    if (table[row].pattern == 0) continue;
+  for (int row : avec_->bonds.rows_without_points()) {
     if (!all_points_ && later.empty()) later.push_back({"points later", text_of("the cement of grains ", table[row].grain[0], " and ", table[row].grain[1])});
-    if (all_points_ || !coupled || table[row].wants_points) rows.push_back(static_cast<int>(row));
+    if (all_points_ || !coupled || table[row].wants_points) rows.push_back(row);
   }
   refuse(who(), later);
   if (rows.empty()) return;
@@ -166,8 +165,7 @@ bool FixMpm::in_motion() const {
 }
 
 bool FixMpm::wants_points() const {
-  const std::vector<mpdem::Body>& table = avec_->bonds.table;
-  return all_points_ && std::any_of(table.begin(), table.end(), [](const mpdem::Body& b) { return b.pattern > 0; });
+  return all_points_ && !avec_->bonds.rows_without_points().empty();
 }
 
 void FixMpm::set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said) {
@@ -194,8 +192,8 @@ void FixMpm::add_film(std::vector<mpdem::SceneWords>& words) {
   int mine = INT_MAX, first;
   for (const mpdem::Bond& b : avec_->bonds)
     if (!b.film.empty()) mine = std::min(mine, b.body);
-  for (std::size_t row = 0; row < table.size(); ++row)
-    if (table[row].pattern > 0 && avec_->bonds.patterns[table[row].pattern - 1].points.back().film) mine = std::min(mine, static_cast<int>(row));
+  for (int row : avec_->bonds.rows_without_points())
+    if (avec_->bonds.pattern_of(row).points.back().film) mine = std::min(mine, row);
   MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
   if (first < INT_MAX) words.push_back({"film joined", text_of("the cement of grains ", table[first].grain[0], " and ", table[first].grain[1])});
 }

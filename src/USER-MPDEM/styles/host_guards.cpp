@@ -52,9 +52,11 @@ Found group_of(View v, const Fix& fix) { return text_of("group '", v.lmp->group-
 bool has_cement(View v, const Fix& fix) { return &fix != v.mpm && (v.groups().some & fix.groupbit); }
 // Names cement whose points are in one of these groups, or in none of them: by its grains if the points are made later.
 std::string cement_in(View v, int groups, bool in, const std::string& else_what) {
-  for (const Body& b : v.cement->bonds.table)
-    if (b.pattern > 0 && ((v.cement->bonds.patterns[b.pattern - 1].head.mask & groups) != 0) == in)
+  for (int row : v.cement->bonds.rows_without_points())
+    if (((v.cement->bonds.pattern_of(row).head.mask & groups) != 0) == in) {
+      const Body& b = v.cement->bonds.table[row];
       return text_of("the cement of grains ", b.grain[0], " and ", b.grain[1], ", made later,");
+    }
   return else_what;
 }
 bool comes_before_mpm(View v, const Fix& fix) { return v.lmp->modify->find_fix(fix.id) < v.lmp->modify->find_fix(v.mpm->id); }
@@ -366,8 +368,7 @@ const HostView::Groups& HostView::groups() const {
   const auto add = [&](int mask) { bits[0] |= mask, bits[1] |= ~mask; };
   for (int i = 0; i < lmp->atom->nlocal; ++i)
     if (cement->is_point(i)) add(lmp->atom->mask[i]);
-  for (const Body& b : cement->bonds.table)
-    if (b.pattern > 0) add(cement->bonds.patterns[b.pattern - 1].head.mask);
+  for (int row : cement->bonds.rows_without_points()) add(cement->bonds.pattern_of(row).head.mask);
   MPI_Allreduce(MPI_IN_PLACE, bits, 2, MPI_INT, MPI_BOR, lmp->world);
   return groups_.emplace(Groups{bits[0], ~bits[1]});
 }
@@ -383,7 +384,8 @@ double HostView::made_for(int tag) const {
 
 bigint points_made(const AtomVecMpdem& cement) {
   bigint made = 0;
-  for (const Body& b : cement.bonds.table) made += b.pattern == 0 ? static_cast<bigint>(b.points) : 0;
+  for (const Body& b : cement.bonds.table) made += b.points;
+  for (int row : cement.bonds.rows_without_points()) made -= cement.bonds.table[row].points;
   return made;
 }
 
@@ -392,8 +394,7 @@ Densities densities(const HostView& view) {
   const auto add = [&](double density) { ends[0] = std::min(ends[0], density), ends[1] = std::min(ends[1], -density); };
   for (int i = 0; i < atoms(view).nlocal; ++i)
     if (is_point(view, i)) add(atoms(view).density[i]);
-  for (const Body& b : view.cement->bonds.table)
-    if (b.pattern > 0) add(view.cement->bonds.patterns[b.pattern - 1].head.density);
+  for (int row : view.cement->bonds.rows_without_points()) add(view.cement->bonds.pattern_of(row).head.density);
   MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPI_DOUBLE, MPI_MIN, view.lmp->world);
   return {ends[0], -ends[1]};
 }

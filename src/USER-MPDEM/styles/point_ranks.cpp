@@ -116,7 +116,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
     if (for_run) {
       to = body.home > 0 ? bricks_[body.home - 1] : place_of(i);
       for (int d = 0; d < 3; ++d) next[d] = step_towards(here[d], to[d], comm->procgrid[d], domain->periodicity[d] != 0);
-    } else if (!avec.is_film(i) && avec.slot[i] >= kLanes * static_cast<int>(avec.bonds.find(avec.bond[i])->laid_out_blocks)) {
+    } else if (!avec.bonds.find(avec.bond[i])->is_laid_out(avec.slot[i])) {
       continue;  // its true place could not be shown again
     }
     mine[kOnTheWay] |= next != to;
@@ -134,7 +134,7 @@ bool PointRanks::show_homes(AtomVecMpdem& avec, bool for_run) {
 std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) const {
   std::map<int, MovableBond> found;
   for (const Bond& b : avec.bonds.awake())
-    if (!b.cut_by_ranks() && b.size() == avec.bonds.body(b).points) found[b.body] = {b.body, comm->me, static_cast<double>(avec.bonds.body(b).points), {}, {-1, -1, -1}};
+    if (avec.bonds.is_whole(b)) found[b.body] = {b.body, comm->me, static_cast<double>(avec.bonds.body(b).points), {}, {-1, -1, -1}};
   for (int i = 0; i < atom->nlocal; ++i) {
     const auto at = avec.is_point(i) ? found.find(avec.bond[i]) : found.end();
     if (at == found.end()) continue;
@@ -153,7 +153,7 @@ std::vector<MovableBond> PointRanks::movable_bonds(const AtomVecMpdem& avec) con
 }
 
 bool PointRanks::is_uneven(const AtomVecMpdem& avec) {
-  if (!balance_ || comm->nprocs == 1) return false;
+  if (!balance_) return false;
   double mine = 0.0;
   for (const Bond& b : avec.bonds) {
     if (!avec.bonds.is_awake(b)) mine += kWorkOfCondensed;
