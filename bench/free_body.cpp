@@ -98,7 +98,6 @@ void FreeBody::start(double dt, const std::function<Point(const Point&)>& veloci
     take_momentum(g);
   }
   cement_->check_state();
-  cement_->take_up_commands();
 }
 
 // Nodal values that give the points their velocities, M v = sum_p m_p N_I v_p. Nodes are no places of a spline: their values would
@@ -141,6 +140,8 @@ void FreeBody::step() {
   load_seconds_ = 0.0;
   const double from = cpu_seconds();
   cement_->set_step(now_);
+  cement_->start_step(false);
+  cement_->grains_moved();
   cement_->step();
   cement_->end_step();
   seconds_ += cpu_seconds() - from - load_seconds_;

@@ -8,6 +8,7 @@
 #include "../parallel/ranks.h"
 #include "bond_motion.h"
 #include "mechanisms.h"
+#include "nonlocal.h"
 #include "starting_motion.h"
 
 namespace mpdem {
@@ -169,7 +170,7 @@ void Arrangement::adopt(std::vector<BondLayout>& layouts) {
     b.links = std::move(l.links);
     lay_out_film(b.film, scene_.bonds().body(b), scene_.options, scene_.law);
     start_anew(b);
-    b.near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b.points, *scene_.law);
+    find_near_threshold(scene_, b);
     b.failed.clear();
     b.laid_out_blocks = b.points.blocks.size();
     if (!l.new_slot.empty()) b.updated.blocks_when_arranged = b.points.blocks.size();

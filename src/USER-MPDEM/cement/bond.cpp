@@ -51,6 +51,13 @@ void Bonds::drop_empty(const std::vector<int>& rows) {
   table.shrink_to_fit();
 }
 
+std::vector<int> Bonds::awake_rows() const {
+  std::vector<int> rows;
+  for (std::size_t row = 0; row < table.size(); ++row)
+    if (!table[row].condensed) rows.push_back(static_cast<int>(row));
+  return rows;
+}
+
 std::vector<int> Bonds::rows_without_points() const {
   std::vector<int> rows;
   for (std::size_t row = 0; row < table.size(); ++row)

@@ -202,6 +202,8 @@ class Bonds {
   const Body& body(const Bond& b) const { return table[b.body]; }
   // Are all points of the bond on this rank? Bonds that ranks cut are not whole.
   bool is_whole(const Bond& b) const { return b.size() == table[b.body].points; }
+  // Rows of the bonds that are not condensed, ascending, the same on all ranks.
+  std::vector<int> awake_rows() const;
   // Rows of the bonds whose points are not made yet, ascending, the same on all ranks. pattern_of(): what they will be.
   std::vector<int> rows_without_points() const;
   const PointPattern& pattern_of(int row) const { return patterns[table[row].pattern - 1]; }

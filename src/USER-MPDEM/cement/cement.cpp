@@ -111,8 +111,8 @@ EigenvalueEstimate Cement::eigenvalue_of_new_layout() const {
   for (const BondLayout& l : layouts) of_layouts.push_back({&l.points, &l.grid, scene_.options.unilateral});
   const int ranks = ranks_of(scene_.comm), me = rank_in(scene_.comm);
   std::vector<int> patterns;
-  for (const Body& b : scene_.bonds().table)
-    if (b.pattern > 0 && b.pattern % ranks == me) patterns.push_back(b.pattern);
+  for (int row : scene_.bonds().rows_without_points())
+    if (scene_.bonds().table[row].pattern % ranks == me) patterns.push_back(scene_.bonds().table[row].pattern);
   sort_unique(patterns);
   const std::vector<CondensedBonds::OfPattern> of_patterns = layouts_of_patterns(scene_, patterns, nullptr);
   for (const CondensedBonds::OfPattern& p : of_patterns) of_layouts.push_back({&p.bond.points, &p.bond.grid, scene_.options.unilateral});
@@ -216,7 +216,7 @@ void Cement::start_bodies() {
 void Cement::start_step(bool commands) {
   go_on("start_step", Stage::between_steps, Stage::step_started);
   if (commands) take_up_commands();
-  if (scene_.now.substeps > 1) substeps_.begin();
+  substeps_.begin();
 }
 
 void Cement::grains_moved() {

@@ -52,9 +52,9 @@ std::size_t hash_of_run(const PenaltyParameters& links, double inertia) {
 // Nodes may hold by next to nothing where points failed, or where edges are free. Such a bond has its fields soon, or
 // is not condensed. A bond that is condensed already is solved again with the full number of steps.
 struct Rim {
-  int failed = 0, tied = 0;
-  explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), tied(b && !b->grid.ties.empty()) {}
-  int most_steps(const Body& body) const { return !body.in_motion && (failed || !tied) ? kMostStepsOfCandidate : kMostStaticSteps; }
+  int failed = 0, ties = 0;
+  explicit Rim(const Bond* b) : failed(b && b->points.any_failed()), ties(b ? static_cast<int>(b->grid.ties.size()) : 0) {}
+  int most_steps(const Body& body) const { return !body.in_motion && (failed || ties == 0) ? kMostStepsOfCandidate : kMostStaticSteps; }
 };
 
 // Sums over the ranks that have nodes of the bond.
@@ -138,7 +138,7 @@ bool CondensedBonds::solve_cut(MPI_Comm comm, Bonds& bonds, int row, const Law& 
     s = of_pieces(comm, b, body, law);
   } else {
     Rim rim(b);
-    for (int* of_any : {&rim.failed, &rim.tied}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
+    for (int* of_any : {&rim.failed, &rim.ties}) MPI_Allreduce(MPI_IN_PLACE, of_any, 1, MPI_INT, MPI_MAX, comm);
     try {
       s = solved(comm, b, body, law, rim.most_steps(body));
     } catch (const BadState&) {
@@ -270,10 +270,10 @@ void CondensedBonds::bind(MPI_Comm comm, const Bonds& bonds, const BondedGrains&
     }
     if (teller[row] == std::numeric_limits<int>::max()) continue;
     const auto own = solutions_.find(row);
-    const bool in_pieces = is_in_pieces(row);
-    for (int n = 0; n < (in_pieces ? 2 : 1); ++n) {
-      const int piece = in_pieces ? n : -1;
-      if (in_pieces && !body.has_grain(n)) continue;
+    const int pieces = is_in_pieces(row) ? 2 : 1;
+    for (int n = 0; n < pieces; ++n) {
+      const int piece = pieces == 2 ? n : -1;
+      if (piece >= 0 && !body.has_grain(piece)) continue;
       if (own != solutions_.end()) {
         members_.push_back({row, teller[row] == me, own->second, piece});
         keys.push_back({row, n, 0, 0});

@@ -164,7 +164,7 @@ void Condensing::wake() {
     Bond* b = scene_.bonds().find(row);
     if (!b) continue;
     b->unmoved = false;
-    b->near_threshold = scene_.options.advance.nonlocal && is_near_threshold(b->points, *scene_.law);
+    find_near_threshold(scene_, *b);
   }
   added_.refresh(rows);
 }

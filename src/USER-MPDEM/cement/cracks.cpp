@@ -213,8 +213,8 @@ std::vector<int> Cracks::rows_to_look_at(MPI_Comm comm, const Bonds& bonds, bool
   for (int row : rows) states_[row].path_cut = false;
   rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
   if (debris) {
-    for (std::size_t row = from; row < bonds.table.size(); ++row)
-      if (states_[row].separation.separated && !bonds.table[row].condensed) rows.push_back(static_cast<int>(row));
+    for (int row : bonds.awake_rows())
+      if (row >= from && states_[row].separation.separated) rows.push_back(row);
   }
   std::sort(rows.begin(), rows.end());
   std::vector<double> now(2 * rows.size(), 0.0);  // broken so far; 1 if the film holds on a rank

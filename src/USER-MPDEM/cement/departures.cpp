@@ -81,10 +81,11 @@ void Departures::choose_points(Bond& b, const std::vector<char>& held, const Dep
   const int gone = sides_in(body, departing.grains);
   const bool separated = divisions_.cracks.separated(b.body), awake = scene_.bonds().is_awake(b);
   std::vector<signed char> grain_of_node;  // empty: no piece goes
-  if (separated)
+  if (separated) {
     for (std::size_t slot = 0; slot < held.size(); ++slot)
       if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1) b.points.set_holds(static_cast<int>(slot), b.points.has_failed(static_cast<int>(slot)) ? 0 : held[slot]);
-  if (separated && gone != 0 && awake) grain_of_node = grains_that_hold_nodes(b);
+    if (gone != 0 && awake) grain_of_node = grains_that_hold_nodes(b);
+  }
   const auto goes_with_grain = [&](int slot) {
     const BlockMeta& m = b.points.meta[slot / kLanes];
     if (!awake) {  // as grains_of_nodes() has it

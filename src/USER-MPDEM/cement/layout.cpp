@@ -86,7 +86,7 @@ class LayoutMaker {
       BondLayout& l = layouts_[n];
       l.grid = std::move(grids[n]);
       l.grid.tie(ties[n], any[n], !rules_.options.split);
-      if (rules_.options.shares_failed_mass()) l.grid.given_volume = splits.volumes(l.grid.keys);
+      l.grid.given_volume = splits.volumes(l.grid.keys, rules_.options);
       l.grid.lump_mass(l.points, rules_.density);
     }
     if (!rules_.options.split) splits.drop_edges(rows_);

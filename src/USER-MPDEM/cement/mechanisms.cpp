@@ -13,7 +13,7 @@ namespace mpdem {
 
 Bond::Parts parts_of(const Scene& scene, const Bond& b, const Splits& splits) {
   const CementOptions& o = scene.options;
-  const double friction = scene.touches() ? scene.penalty->friction : 0.0;
+  const double friction = scene.friction();
   const Body& body = scene.bonds().body(b);
   Bond::Parts parts;
   if (scene.touches()) parts.push_back(std::make_unique<FreedPlaces>(b.points, body, *scene.penalty, b.grid));

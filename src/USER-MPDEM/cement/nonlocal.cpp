@@ -54,6 +54,8 @@ void average_cut_drives(Scene& scene, const std::vector<int>& rows) {
   }
 }
 
+void find_near_threshold(const Scene& scene, Bond& b) { b.near_threshold = scene.options.advance.nonlocal && is_near_threshold(b.points, *scene.law); }
+
 void average_drives(Scene& scene, bool any_bond_is_cut) {
   if (!scene.options.advance.nonlocal) return;
   scene.timer.start(StepTimer::kPoints);

@@ -11,6 +11,9 @@
 
 namespace mpdem {
 
+// Finds out whether the points of a bond have to be averaged in the next step.
+void find_near_threshold(const Scene& scene, Bond& b);
+
 // Collective. Leaves the averages with the grids, for the pass over the points. Does nothing without nonlocal damage.
 // any_bond_is_cut: do ranks cut a bond, on any rank?
 void average_drives(Scene& scene, bool any_bond_is_cut);

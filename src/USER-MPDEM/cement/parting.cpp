@@ -147,8 +147,8 @@ std::vector<int> Parting::part_nodes(Bond& b, const NewParts& parts) {
   std::vector<Key> keys;
   for (int i : nodes) keys.push_back(b.grid.keys[i]);
   borrowed.find_anew(b.points, b.grid, *divisions_.splits, nodes);
-  const std::vector<double> volumes = divisions_.splits->volumes(keys);
-  if (scene_.options.shares_failed_mass()) {
+  const std::vector<double> volumes = divisions_.splits->volumes(keys, scene_.options);
+  if (!volumes.empty()) {
     b.grid.given_volume.resize(b.grid.size(), -1.0);
     for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
   }

@@ -352,7 +352,8 @@ double Report::cement_mass() const {
 }
 
 int Report::awake_bonds() const {
-  return static_cast<int>(std::count_if(scene_.bonds().table.begin(), scene_.bonds().table.end(), [](const Body& b) { return b.points > 0 && !b.condensed; }));
+  const std::vector<int> rows = scene_.bonds().awake_rows();
+  return static_cast<int>(std::count_if(rows.begin(), rows.end(), [this](int row) { return scene_.bonds().table[row].points > 0; }));
 }
 
 // Velocities are v_n = v_n-1/2 + dt a_n / 2. Points made since the grid was laid out are not on it yet and stay where

@@ -98,6 +98,7 @@ struct Scene {
   // Can points fail, or links let go?
   bool can_break() const { return penalty && !(law->inert() && penalty->law->fields() == 0); }
   // Do places that let go still touch? Do faces of cracks touch?
+  double friction() const { return penalty ? std::max(penalty->friction, 0.0) : 0.0; }
   bool touches() const { return penalty && penalty->friction >= 0.0; }
   // Do places that let go move on to other points in this step?
   bool places_move() const { return touches() && watches(); }

@@ -197,7 +197,8 @@ std::vector<EdgeTie> Splits::ties(const std::vector<Key>& keys) const {
   return ties;
 }
 
-std::vector<double> Splits::volumes(const std::vector<Key>& keys) const {
+std::vector<double> Splits::volumes(const std::vector<Key>& keys, const CementOptions& options) const {
+  if (!options.shares_failed_mass()) return {};
   if (keys.empty() || copies(body_of(keys.front().field())).empty()) return {};
   const NodeCopies& copies = this->copies(body_of(keys.front().field()));
   std::vector<double> given(keys.size(), -1.0);

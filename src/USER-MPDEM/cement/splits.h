@@ -106,7 +106,7 @@ class Splits {
   Key next(const Key& at_start, int direction) const;
   // Volumes of the copies that these nodes of one bond stand for. 0: another node stands for the copy. -1: the node is
   // whole. Returns an empty list if all are.
-  std::vector<double> volumes(const std::vector<Key>& keys) const;
+  std::vector<double> volumes(const std::vector<Key>& keys, const CementOptions& options) const;
   // Ties of a grid that has these keys.
   virtual std::vector<EdgeTie> ties(const std::vector<Key>& keys) const;
 

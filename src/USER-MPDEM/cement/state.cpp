@@ -56,12 +56,12 @@ std::vector<KeptWords> kept_words(const CementHead& h) {
   return {
       {text_of("cell ", h.cell), {h.cell}},
       {text_of("basis ", name_of(h.basis))},
-      {text_of("kinematics ", h.updated ? "updated" : "total")},
+      {text_of("kinematics ", word_of(h.updated, "updated", "total"))},
       {text_of("elastic vti ", e[0], " ", e[1], " ", e[2], " ", e[3], " ", e[4]), {e, e + 5}, kPrinted},
       {text_of("quasistatic ", h.mass_scale, " Z"), {h.mass_scale}, kPrinted},
-      {text_of("cracks ", h.split ? "split" : "bonds")},
-      {text_of("unilateral ", h.unilateral ? "yes" : "no")},
-      {text_of("edge ", h.tied ? "tied" : "free")},
+      {text_of("cracks ", word_of(h.split, "split", "bonds"))},
+      {text_of("unilateral ", word_of(h.unilateral, "yes", "no"))},
+      {text_of("edge ", word_of(h.tied, "tied", "free"))},
   };
 }
 

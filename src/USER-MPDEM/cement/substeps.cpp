@@ -35,6 +35,7 @@ double Substeps::Way::velocity(int d, double time, double t) const {
 
 void Substeps::begin() {
   const int n = scene_.now.substeps;
+  if (n == 1) return;
   for (Grain& g : scene_.grains.grains)
     for (int d = 0; d < 6; ++d) {
       g.start[d] = g.velocity[d];

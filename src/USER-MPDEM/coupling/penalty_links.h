@@ -57,7 +57,8 @@ struct PenaltyParameters {
 
  private:
   double with_friction(const TractionStiffness& k) const {
-    return std::max(friction > 0.0 ? k.kn * std::sqrt(1.0 + friction * friction) : k.kn, k.kt);
+    const double mu = std::max(friction, 0.0);
+    return std::max(k.kn * std::sqrt(1.0 + mu * mu), k.kt);
   }
 };
 

@@ -19,12 +19,12 @@ vd mass_of(const PointBlock& p, const BlockMeta& m, MassOf which, double density
 
 void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, const std::vector<double>& field,
                          std::vector<double>& out) {
-  std::vector<double> tied;
+  std::vector<double> completed;
   if (!grid.ties.empty()) {
-    tied = field;
-    grid.ties.take_of_heirs(tied.data(), 3);
+    completed = field;
+    grid.ties.take_of_heirs(completed.data(), 3);
   }
-  const double* of_nodes = tied.empty() ? field.data() : tied.data();
+  const double* of_nodes = completed.empty() ? field.data() : completed.data();
   const double inverse_h = 1.0 / grid.h;
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {

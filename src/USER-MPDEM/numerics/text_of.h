@@ -17,6 +17,9 @@ std::string text_of(const T&... parts) {
   return s.str();
 }
 
+// Returns the word of a choice between two.
+inline const char* word_of(bool choice, const char* if_true, const char* if_false) { return choice ? if_true : if_false; }
+
 }  // namespace mpdem
 
 #endif

@@ -66,10 +66,12 @@ void check_links(LAMMPS* lmp, const std::string& who, const AtomVecMpdem& avec, 
   if (law.fields() > 0) return;
   for (const Bond& bond : avec.bonds)
     for (const Link& k : bond.points.links) {
-      const bool skin = k.attached && bond.points.has_failed(k.slot);
-      if ((k.state[0] == 0.0 && !skin) || !trouble.empty()) continue;
+      std::string of_other_laws;
+      if (k.attached && bond.points.has_failed(k.slot)) of_other_laws = " holds a point that failed";
+      else if (k.state[0] != 0.0) of_other_laws = text_of(" has the damage ", k.state[0]);
+      if (of_other_laws.empty() || !trouble.empty()) continue;
       const Body& body = avec.bonds.body(bond);
-      trouble = text_of(who, "a link of the cement of grains ", body.grain[0], " and ", body.grain[1], skin ? " holds a point that failed" : text_of(" has the damage ", k.state[0]),
+      trouble = text_of(who, "a link of the cement of grains ", body.grain[0], " and ", body.grain[1], of_other_laws,
                         ", of which 'interface ", law.name(), "' does not know; use 'interface cohesive', or leave the columns 'damage_i damage_j' out of the file");
     }
   stop_if_any(lmp, trouble);

@@ -116,10 +116,10 @@ void CementReport::parameters(Cement& c, bigint points) {
         ", Gzp ", e.Gzp, ", C33 ", c.law().elasticity().C33, "\n  axis      ", axis_name(o.axis, o.axis_direction), "\n");
     text += c.law().report(o.cell);
     if (o.imperfection > 0.0) text += text_of("  one side of each bond bears ", o.imperfection, " more strain than the other ('imperfection')\n");
-    if (!c.law().inert()) text += text_of("  cracks    ", o.split ? "split" : "bonds", "\n");
+    if (!c.law().inert()) text += text_of("  cracks    ", word_of(o.split, "split", "bonds"), "\n");
     if (c.penalty() && c.penalty()->friction < 0.0 && (!c.law().inert() || c.penalty()->law->fields() > 0))
-      text += text_of("  contact   cement that debonded goes through its grain", o.unilateral ? "" : ", and faces of cracks through each other", "; 'friction' of fix mpm/couple makes them touch",
-                      o.condense ? ", with 'condense no'" : "", "\n");
+      text += text_of("  contact   cement that debonded goes through its grain", word_of(o.unilateral, "", ", and faces of cracks through each other"), "; 'friction' of fix mpm/couple makes them touch",
+                      word_of(o.condense, ", with 'condense no'", ""), "\n");
     text += if_quasistatic(o, text_of("  quasistatic: inertia ", o.mass_scale, " times that of the calcite, damping ", o.relax, " of critical\n"));
     text += text_of("  time step ", c.dt(), c.substeps() > 1 ? text_of(" of the cement, ", c.substeps(), " in one of ", lmp_->update->dt) : "", ", stable up to ", limit, c.stable_step().eigenvalue_is_known() ? "" : " at least", "\n");
     tell(lmp_, text);
@@ -353,7 +353,7 @@ void CementReport::modes(Cement& c) {
 
 // Does the report at the end of a run have a line for this bond?
 bool CementReport::is_told(const Cement& c, const BondState& bond) {
-  return bond.failed != 0.0 || bond.separated != 0.0 || (c.keeps_skins() && links_let_go(bond) != 0.0);
+  return bond.failed != 0.0 || bond.separated != 0.0 || links_let_go(bond) != 0.0;
 }
 
 // Tells a sum of modes where not every bond has a line.

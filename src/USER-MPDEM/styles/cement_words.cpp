@@ -100,8 +100,8 @@ void take_regularization(Arguments& args, const Key&, WordsOfScript& w) {
   CementOptions& o = w.options;
   const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
   if (how == "crackband") w.crack_band = args.positive("regularization crackband");
-  o.advance.nonlocal = how == "nonlocal";
-  if (!o.advance.nonlocal) return;
+  if (how != "nonlocal") return;
+  o.advance.nonlocal = true;
   o.length = args.positive("regularization nonlocal");
   o.imperfection = kUsualImperfection;
   for (;;) {
@@ -124,16 +124,17 @@ void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
   try {
     if (w.crack_band > 0.0) law.set_crack_energy(w.crack_band, o.cell);
     if (!o.advance.nonlocal) return;
+    const double L = o.length;
     // a length that is a little less comes from rounding of numbers in a script
-    if (o.length < 0.999999 * o.cell)
-      args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ", o.length,
+    if (L < 0.999999 * o.cell)
+      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ", L,
                             "' or less"));
     constexpr double kMostCells = 100.0;  // an average of more takes thousands of sweeps a step
-    if (o.length > kMostCells * o.cell)
-      args.complain(text_of("'regularization nonlocal ", o.length, "': the length must be at most ", kMostCells, " cells, which are ", kMostCells * o.cell,
+    if (L > kMostCells * o.cell)
+      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at most ", kMostCells, " cells, which are ", kMostCells * o.cell,
                             ", in the units of the box; take a length of one to four cells"));
     word = "'regularization nonlocal ... energy'";
-    law.set_nonlocal(o.length, w.nonlocal_energy);
+    law.set_nonlocal(L, w.nonlocal_energy);
   } catch (const std::domain_error& e) {
     args.complain(word + ": " + e.what());
   }

@@ -10,6 +10,13 @@
 
 namespace mpdem {
 
+namespace {
+
+// mu: below 0 for none.
+std::string with_friction(double mu, const char* none) { return mu < 0.0 ? none : text_of("'friction ", mu, "'"); }
+
+}  // namespace
+
 std::string CouplingHistory::take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p) {
   if (!id_.empty() && id != id_) return text_of("cement '", cement, "' is coupled by fix '", id_, "' already; unfix one of them");
   if (ran_.kind == LinksSoFar::kNone)
@@ -30,9 +37,9 @@ std::string CouplingHistory::take(const std::string& id, const std::string& ceme
     const std::vector<double> values = p.law->parameters();
     bool same = traction_law_number(*p.law) == ran_.law;
     for (std::size_t i = 0; i < values.size(); ++i) same = same && !differ(values[i], ran_.parameter[i]);
-    if (p.friction != ran_.friction && (p.friction < 0.0 || ran_.friction < 0.0 || differ(p.friction, ran_.friction)))
-      return text_of(p.friction < 0.0 ? std::string("no 'friction'") : text_of("'friction ", p.friction, "'"), ", but the steps before were made with ",
-                     ran_.friction < 0.0 ? std::string("none") : text_of("'friction ", ran_.friction, "'"), ", and the load of the bonds would jump; use that");
+    if (p.friction != ran_.friction && differ(p.friction, ran_.friction))
+      return text_of(with_friction(p.friction, "no 'friction'"), ", but the steps before were made with ", with_friction(ran_.friction, "none"),
+                     ", and the load of the bonds would jump; use that");
     if (!same) return text_of("'interface ", p.law->name(), "' with these words is not that of the steps before: '", words_so_far(), "'; use that");
   }
   id_ = id;

@@ -290,10 +290,11 @@ void FixMpm::final_integrate() { hidden_.show(); }
 // Finds the orientation of bonded grains, since LIGGGHTS' integrators for spheres keep omega only.
 void FixMpm::post_integrate() {
   atoms_.read(cement_->grains());
-  const bool divided = substeps() > 1;
-  if (divided) atoms_.read_places(cement_->grains());
-  guarded([this] { cement_->grains_moved(); });
-  if (divided) atoms_.write_motion(cement_->grains());
+  const auto moved = [this] { guarded([this] { cement_->grains_moved(); }); };
+  if (substeps() == 1) return moved();
+  atoms_.read_places(cement_->grains());
+  moved();
+  atoms_.write_motion(cement_->grains());
 }
 
 void FixMpm::pre_exchange() {

@@ -178,17 +178,17 @@ double make_points(LAMMPS* lmp, const std::vector<int>& rows) {
   double x[3], v[3];
   for (std::size_t n = 0; n < rows.size(); ++n) {
     Body& body = avec.bonds.table[rows[n]];
-    const PointPattern& pattern = avec.bonds.patterns[body.pattern - 1];
+    const PointPattern& of_bond = avec.bonds.patterns[body.pattern - 1];
     const RigidBody rigid(body, &grains[2 * n]);
     int mine = 0;
     for (const bool count : {true, false}) {
       if (!count) atoms.reserve(mine, n + 1 < rows.size());
-      for (std::size_t p = 0; p < pattern.points.size() && (count || mine > 0); ++p) {
+      for (std::size_t p = 0; p < of_bond.points.size() && (count || mine > 0); ++p) {
         int image[3] = {0, 0, 0};
-        rigid.find(pattern.points[p].X, x, v);
+        rigid.find(of_bond.points[p].X, x, v);
         if (!box.take_in(x, image)) continue;
         if (count) ++mine;
-        else std::copy(v, v + 3, lmp->atom->v[atoms.add(pattern.record(p, rows[n], body), pattern.head, tag + static_cast<int>(p), x, image)]);
+        else std::copy(v, v + 3, lmp->atom->v[atoms.add(of_bond.record(p, rows[n], body), of_bond.head, tag + static_cast<int>(p), x, image)]);
       }
     }
     tag += body.points;
