@@ -46,7 +46,6 @@ EnergyBooks::StepWork WorkOfStep::over_step(const Power& power) const {
 
 Power WorkOfStep::of_dampers(int first_body) const {
   Power power;
-  if (!scene_.penalty || (scene_.penalty->damping == 0.0 && scene_.options.relax == 0.0)) return power;
   for (const Bond& b : scene_.bonds().awake())
     if (b.body >= first_body) power.add(of_dampers(b));
   return power;
@@ -54,7 +53,6 @@ Power WorkOfStep::of_dampers(int first_body) const {
 
 Power WorkOfStep::of_dampers(const Bond& b) const {
   Power power;
-  if (!scene_.penalty) return power;
   power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
   for (const auto& p : b.parts) p->add_damping_power(b.grid, scene_.grains.side_of(b), power);
   return power;
