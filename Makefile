@@ -64,7 +64,7 @@ long: all
 tables:
 	/usr/bin/python3 tools/reliability.py $(BUILD)/figures doc/reliability.md
 
-# Stress, 20 minutes of fuzzing and the preset `sanitize`, in pieces. Called again it goes on where it was stopped.
+# Stress, pairs of options, changes, 20 minutes of fuzzing and the preset `sanitize`, in pieces. Called again it goes on where it was stopped.
 check-deep:
 	tools/check_deep.py --build $(BUILD) --jobs $(JOBS) $(PIECES)
 

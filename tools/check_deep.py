@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-2.0-or-later
 # Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-"""What is too long for every change: `make stress`, every pair of options in other scenes, 20 minutes of fuzzing, and all tests of the preset `sanitize`.
+"""What is too long for every change: `make stress`, every pair of options in other scenes, the changes of tests/changes, 20 minutes of fuzzing, and all tests of the preset `sanitize`.
 
     tools/check_deep.py [--build build] [--jobs 2] [PIECE...]
 
@@ -33,6 +33,7 @@ def pieces(root, build, jobs):
     found["tables"] = f"{make} tables"
     for seed in range(2, 2 + PAIRS):
         found[f"pairs.{seed}"] = f"{make} all && MPDEM_PAIRS_SEED={seed} ctest --test-dir {build} -R '^system.option_pairs$' --output-on-failure"
+    found["changes"] = f"tools/check_changes.py --build {build} --jobs {jobs}"
     found["fuzz"] = f"{make} fuzz MINUTES=20 INPUTS=1000000"
     sanitize = f"cmake --preset sanitize && cmake --build --preset sanitize --parallel {jobs}"
     found["sanitize.build"] = sanitize

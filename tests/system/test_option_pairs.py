@@ -66,10 +66,10 @@ def has(chosen, term):
 
 
 def exclusion(chosen, rules):
-    """The first rule that words are against, once they have all options that the rule names with `without`."""
+    """The first rule that words are against, once they have all options of what the rule names with `without`."""
     for a, b, why in rules:
         left_out = [term.split(" without ")[1] for term in (a, b) if " without " in term]
-        if all(name in chosen for name in left_out) and all(any(has(chosen, term) for term in side.split(" | ")) for side in (a, b)):
+        if all(term.split()[0] in chosen for term in left_out) and all(any(has(chosen, term) for term in side.split(" | ")) for side in (a, b)):
             return a, b, why
     return None
 

@@ -52,7 +52,6 @@ Power WorkOfStep::of_dampers(int first_body) const {
 
 Power WorkOfStep::of_dampers(const Bond& b) const {
   Power power;
-  if (!scene_.penalty) return power;
   power.add(b.links.damper_power(b.grid, scene_.grains.side_of(b)));
   for (const auto& p : b.parts) p->add_damping_power(b.grid, scene_.grains.side_of(b), power);
   return power;
