@@ -72,6 +72,10 @@ def test_a_change_costs_little(name, tmp_path):
     assert not [path for path, t in files.items() if t.new == (folder / path).exists()]
     assert apply(CHANGES / f"{name}.patch", folder) == ""
     assert all((folder / path).exists() for path in files)
+    pages = {Path(path).name for path, t in files.items() if t.new and path.startswith("doc/")}
+    index = folder / "doc" / "index.md"
+    linked = set(re.findall(r"\]\((\w+\.md)\)", index.read_text())) if index.exists() else set()
+    assert pages <= linked and {page for page in linked if not (ROOT / "doc" / page).exists()} == pages, "the index has the page of this patch alone"
 
 
 def test_they_go_together(tmp_path):
