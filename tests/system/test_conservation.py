@@ -38,8 +38,8 @@ def test_breaking_pair(tmp_path, figures):
     assert table["f_bond[17]"][-1] > 1000 and table["f_bond[22]"][-1] == 1 and abs(force[-40:].mean()) < 0.1 * force.max(), "not broken"
     linear, angular = drift(table)
     figures.below("breaking pair: drift of momentum", linear, 1e-13)
-    # Mass goes back to nodes that are not tied any more, which moves the middle of the cement by a hair.
-    figures.below("breaking pair: drift of angular momentum", angular, 1e-8)
+    # Mass goes back to nodes beside the crack, which are not tied any more. That moves the middle of the cement by a hair.
+    figures.below("breaking pair: drift of angular momentum", angular, 1e-6)
 
 
 # A free grain is pressed on the cement, which breaks, lets go and touches again. Added mass comes and goes with places that touch, and transfers
@@ -78,7 +78,7 @@ def test_grains_take_impulses_in_two_halves(tmp_path, figures, words):
     assert not different, different
 
 
-@pytest.mark.parametrize("cracks, limit", [("bonds", 2e-8), ("split", 5e-6)])
+@pytest.mark.parametrize("cracks, limit", [("bonds", 6e-7), ("split", 5e-6)])
 def test_breaking_pair_with_ties(tmp_path, figures, cracks, limit):
     """Edges are tied, so mass goes back to nodes where ties are given up: nodes that split give up most."""
     script = (pair(1.5e-4, gap=6e-4, cement="outer 1.5e-3", half_box=3 * (18e-3,))

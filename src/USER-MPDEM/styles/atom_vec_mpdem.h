@@ -81,7 +81,7 @@ class AtomVecMpdem : public AtomVecSphere {
   // Behind the head come the bodies, the bytes again, the number of numbers of the patterns, these numbers, and the
   // bytes again.
   static constexpr char kRestartMagic[8] = {'M', 'P', 'D', 'E', 'M', 'r', 's', 't'};
-  static constexpr int kRestartVersion = 26, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
+  static constexpr int kRestartVersion = 27, kRestartHead = 5, kRestartSealed = 4;  // kRestartSealed: place of the seal in the head
   static inline bool restart_is_sealed = false;
 
   // Numbers that the next restart file has with the points of a bond of this rank, kNumbersOfRow for each row. They are

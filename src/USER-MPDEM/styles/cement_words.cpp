@@ -218,7 +218,7 @@ void choose_defaults(WordsOfScript& w) {
     o.split = true;
     w.said.push_back({"cracks split"});
   }
-  if (!w.tied_given) o.tied = may_say("edge tied");
+  if (o.tied && !w.tied_given) o.tied = may_say("edge tied");
 }
 
 }  // namespace
