@@ -13,7 +13,7 @@ SEAL = 40
 FIX_HEAD, FIX_BOND, NODE = 65, 22, 14  # numbers of the head of fix mpm's data, of a bond in them, and of a node with a point
 # Of the numbers of a bond.
 BOND = {"first": 0, "second": 1, "origin": 2, "turn": 5, "radius": 9, "centre": 11, "orientation": 17, "shift": 25, "area": 31, "box": 33, "axis": 36,
-        "in motion": 40, "condensed": 41, "volume": 42, "spacing": 43, "lattice": 44, "regular": 47, "thickness": 48, "points": 49, "pattern": 50, "wants points": 51, "home": 52, "left": 53}
+        "in motion": 40, "condensed": 41, "calm": 42, "volume": 43, "spacing": 44, "lattice": 45, "regular": 48, "thickness": 49, "points": 50, "pattern": 51, "wants points": 52, "home": 53, "left": 54}
 BOND_NUMBERS = 56
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "left": 18, "time": 24, "coupling": 27, "kn": 28, "law": 31, "bonds": 51,
        "nodes": 52, "copies": 61}
@@ -123,7 +123,7 @@ def test_unchanged(tmp_path, files):
     ("head", "size", 44, "44 numbers"), ("head", "bonds", 0, "0 bonds, which is not how many it has"), ("head", "bonds", 2, "2 bonds, which is not how many it has"),
     ("head", "bonds", -1, "-1 bonds"), ("head", "bonds", 1 << 20, "truncated"),
     ("bond", "first", -7.0, "first grain is -7"), ("bond", "first", 0.5, "first grain is 0.5"), ("bond", "second", 1.0, "from 2"), ("bond", "second", NAN, "second grain"),
-    ("bond", "orientation", 7.0, "orientation"), ("bond", "turn", 7.0, "axes"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
+    ("bond", "orientation", 7.0, "orientation"), ("bond", "turn", 7.0, "axes"), ("bond", "radius", -5e-3, "radius"), ("bond", "axis", 4.0, "axis is 4"), ("bond", "in motion", 0.5, "motion' is 0.5"), ("bond", "condensed", 0.5, "condensed' is 0.5"), ("bond", "calm", -1e-6, "pieces were at rest"), ("bond", "area", 1.0, "attached area"), ("bond", "origin", NAN, "origin"),
     ("bond", "spacing", 1e-300, "spacing"), ("bond", "lattice", HUGE, "lattice"), ("bond", "points", NAN, "number of points"), ("bond", "pattern", 7.0, "pattern"), ("bond", "pattern", -1.0, "pattern"), ("bond", "wants points", 0.5, "points' is 0.5"), ("bond", "home", -1.0, "rank that has its points"), ("bond", "home", 0.5, "rank that has its points"),
     ("fix", "cell", NAN, "cell"), ("fix", "basis", 3.0, "basis is 3"), ("fix", "basis", -1.0, "basis is -1"), ("fix", "basis", NAN, "basis is nan"),
     ("fix", "updated", 2.0, "'kinematics updated' is 2"), ("fix", "tied", -1.0, "'edge tied' is -1"), ("fix", "started", 2.0, "bonds that have moved"),
@@ -135,7 +135,7 @@ def test_unchanged(tmp_path, files):
     ("point", "part", 1e9, "part"), ("point", "film", 1.0, "it is film, and has no link to either grain"), ("point", "film", 0.5, "'is film'"), ("point", "moving", 1.0, "ends before its number of links"), ("point", "links", 0.0, "of a freed place"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
     ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage is 1.5"), ("point", "law", 100.0, "law of damage is 100"), ("point", "links", 3.0, "links"), ("point", "state", 1.5, "the state of a link is 1.5"), ("point", "state", -0.1, "the state of a link is -0.1"), ("point", "state", NAN, "the state of a link is nan"),
     ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'velocities are known' of a bonded grain is 2"),
-    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'place is known'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius")])
+    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'place is known'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius"), ("atom", 12, 0.0, "mass")])
 def test_named(tmp_path, files, part, name, value, needed):
     """A number out of its range is named, with its value."""
     f = files["total"]

@@ -281,7 +281,7 @@ std::string AtomVecMpdem::trouble_in_atom(const double* buf, int total, int own)
     found.check("its angular velocity", buf[14 + d], mpdem::kFinite);
   }
   found.check("its radius", buf[11], mpdem::kNotNegative);
-  found.check("its mass", buf[12], mpdem::kNotNegative);
+  found.check("its mass", buf[12], mpdem::kPositive);
   found.check("its density", buf[13], mpdem::kNotNegative);
   if (!found.trouble().empty()) return found.trouble();
 
