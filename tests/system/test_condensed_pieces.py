@@ -122,11 +122,11 @@ STATE = MOMENTUM_COLUMNS + [AWAKE, SEPARATED] + [f"f_cem[{n}]" for n in (2, 5, 6
 
 
 def test_a_run_in_parts(tmp_path):
-    """Ended and gone on with in the very step in which the bond wakes, or is condensed, and from files of these steps: the same to the bit."""
+    """Ended and gone on with in the very step in which the bond wakes, or is condensed, or while its pieces are found at rest, and from files of these steps: the same to the bit."""
     script, steps = free("yes"), 14000
     whole = run(script + MOMENTA + thermo(1, STATE) + f"run {steps}\n", tmp_path).table()
     wakes, _, rests = when(whole)
-    for at in (wakes, rests):
+    for at in (wakes, rests - 25, rests):
         parts = run(script + MOMENTA + thermo(1, STATE) + f"run {at}\nwrite_restart r\nrun {steps - at}\n", tmp_path, name="in.parts").table()
         fixes = script[script.index("timestep"):script.index("variable     vx")] + "fix          motion grains nve/sphere\n"
         again = run(restarted("r") + fixes + MOMENTA + thermo(1, STATE) + f"run {steps - at}\n", tmp_path, name="in.again").table()

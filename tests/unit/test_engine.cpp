@@ -197,7 +197,6 @@ TEST(AddedMasses, OfStiffLinksKeepMomentum) {
   host.setup();
   const std::vector<double> added = host.cement->report().added_mass_of_sides();
   ASSERT_EQ(added.size(), 4u);
-
   for (double m : added) EXPECT_GT(m, 0.0);
   EXPECT_NEAR(added[0] / added[3], 1.0, 1e-9);  // the row is its own mirror image
   EXPECT_NEAR(added[1] / added[2], 1.0, 1e-9);
