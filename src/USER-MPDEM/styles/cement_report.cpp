@@ -312,7 +312,7 @@ void CementReport::modes(Cement& c) {
   std::vector<int> holding;
   std::size_t lines = 0;
   for (std::size_t b = 0; b < std::min(state.size(), cracks.size()) && lines < kMostLines; ++b) {
-    told[b] = is_told(c, state[b]);
+    told[b] = is_told(state[b]);
     if (told[b] && !cracks.separated(b)) holding.push_back(static_cast<int>(b));
     lines += told[b];
   }
@@ -352,7 +352,7 @@ void CementReport::modes(Cement& c) {
 }
 
 // Does the report at the end of a run have a line for this bond?
-bool CementReport::is_told(const Cement& c, const BondState& bond) {
+bool CementReport::is_told(const BondState& bond) {
   return bond.failed != 0.0 || bond.separated != 0.0 || links_let_go(bond) != 0.0;
 }
 
@@ -361,7 +361,7 @@ void CementReport::sum_of_modes(const Cement& c, int lines) const {
   std::map<std::string, int> count;
   int damaged = 0;
   for (std::size_t b = 0; b < bonds_->size(); ++b) {
-    if (!is_told(c, (*bonds_)[b])) continue;
+    if (!is_told((*bonds_)[b])) continue;
     ++count[c.cracks().mode(b)];
     ++damaged;
   }

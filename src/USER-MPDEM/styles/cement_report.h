@@ -58,7 +58,7 @@ class CementReport {
   void stop_if_not_positive(const Cement& c) const;
   void stop_if_too_long(Cement& c, double limit) const;
   void warn(Cement& c) const;
-  static bool is_told(const Cement& c, const BondState& bond);
+  static bool is_told(const BondState& bond);
   void sum_of_modes(const Cement& c, int lines) const;
   double limit_of_jumps(const Cement& c) const;
 

@@ -19,12 +19,12 @@ struct WordsOfScript : CementWords {
   LawChoice damage{&law_entries().front(), {}};
   double crack_band = 0.0, nonlocal_energy = 0.0;  // energies of a crack per area; 0: none
 };
-using Key = Keyword<WordsOfScript>;
+using ScriptKeyword = Keyword<WordsOfScript>;
 
 constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
 constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
 
-void take_transfer(Arguments& args, const Key& key, WordsOfScript& w) {
+void take_transfer(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
   CementOptions& o = w.options;
   const std::string name = args.choice(key.name, {"pic", "flip", "apic", "xpic"});
   if (name == "pic") {
@@ -43,7 +43,7 @@ void take_transfer(Arguments& args, const Key& key, WordsOfScript& w) {
   }
 }
 
-void take_skip(Arguments& args, const Key&, WordsOfScript& w) {
+void take_skip(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   CementOptions& o = w.options;
   const bool of_old_scripts = args.accept("detached");
   const std::string name = of_old_scripts ? "detached" : args.choice("skip", {"undamaged", "failed", "resting", "all"});
@@ -55,7 +55,7 @@ void take_skip(Arguments& args, const Key&, WordsOfScript& w) {
   if (name == "resting" || name == "all") o.advance.skip_resting = on;
 }
 
-void take_elastic(Arguments& args, const Key&, WordsOfScript& w) {
+void take_elastic(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   VtiConstants& constants = w.elastic;
   if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
     const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
@@ -73,7 +73,7 @@ void take_elastic(Arguments& args, const Key&, WordsOfScript& w) {
   w.has_elastic = true;
 }
 
-void take_axis(Arguments& args, const Key&, WordsOfScript& w) {
+void take_axis(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   CementOptions& o = w.options;
   const std::string rule = args.choice("axis", {"radial", "bond", "global"});
   o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
@@ -88,7 +88,7 @@ void take_axis(Arguments& args, const Key&, WordsOfScript& w) {
   for (double& a : o.axis_direction) a /= length;
 }
 
-void take_timestep(Arguments& args, const Key&, WordsOfScript& w) {
+void take_timestep(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   if (!args.accept("auto")) args.complain("'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
                                           "time is set by LIGGGHTS' own command timestep");
   const double share = args.number("timestep auto");
@@ -96,7 +96,7 @@ void take_timestep(Arguments& args, const Key&, WordsOfScript& w) {
   w.step_fraction = share;
 }
 
-void take_regularization(Arguments& args, const Key&, WordsOfScript& w) {
+void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   CementOptions& o = w.options;
   const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
   if (how == "crackband") w.crack_band = args.positive("regularization crackband");
@@ -149,25 +149,25 @@ void check_strength(const Arguments& args, const Law& law, const std::string& na
   args.complain(text_of("'damage ", name, "': cement would fail at a strain of ", s.failure_strain, " with a strength of ", s.tensile_strength, "; both must be finite, ", law.advice_on_strain()));
 }
 
-void take_kinetic_share(Arguments& args, const Key&, WordsOfScript& w) {
+void take_kinetic_share(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   const double share = args.accept("no") ? 0.0 : args.positive("kinetic_share", " or 'no'");
   if (share > 1.0)
     args.complain(text_of("'kinetic_share ", share, "': share of the energy above which cement should not begin to fail, must lie in (0, 1], or be 'no'; 0.003 for instance"));
   w.kinetic_share = share;
 }
 
-void take_reproject(Arguments& args, const Key& key, WordsOfScript& w) {
+void take_reproject(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
   if (args.accept("auto")) w.options.reproject_distortion = args.positive("reproject auto");
   else w.options.reproject_every = args.integer(key.name, 1, std::numeric_limits<int>::max(), " or 'auto'");
 }
 
-void take_quasistatic(Arguments& args, const Key& key, WordsOfScript& w) {
+void take_quasistatic(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
   CementOptions& o = w.options;
   o.mass_scale = args.between(key.name, 1.0, kMostInertia, "factor on the inertia");
   o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
 }
 
-void take_condense(Arguments& args, const Key&, WordsOfScript& w) {
+void take_condense(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
   CementOptions& o = w.options;
   o.condense = args.yes_no("condense");
   if (!args.accept("wake")) return;
@@ -175,32 +175,32 @@ void take_condense(Arguments& args, const Key&, WordsOfScript& w) {
   if (!(o.wake > 0.0 && o.wake <= 1.0)) args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
 }
 
-const std::vector<Key>& keywords() {
-  static const std::vector<Key> all = {
-      {"cell", "length", "", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.cell = args.positive(k.name); }},
-      {"basis", "linear, quadratic or cubic", "quadratic", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.basis = static_cast<Basis>(args.place_of_choice(k.name, Bases::names())); }},
-      {"mass_order", "1 or 2", "1", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.mass_order = args.integer(k.name, 1, 2); }},
-      {"edge", "tied or free", "tied; free with updated and reproject", [](Arguments& args, const Key& k, WordsOfScript& w) { w.tied_given = w.options.tied = k.is(args, "tied"); }},
-      {"kinematics", "total or updated", "total", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.updated = k.is(args, "updated"); }},
+const std::vector<ScriptKeyword>& keywords() {
+  static const std::vector<ScriptKeyword> all = {
+      {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.cell = args.positive(k.name); }},
+      {"basis", "linear, quadratic or cubic", "quadratic", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.basis = static_cast<Basis>(args.place_of_choice(k.name, Bases::names())); }},
+      {"mass_order", "1 or 2", "1", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.mass_order = args.integer(k.name, 1, 2); }},
+      {"edge", "tied or free", "tied; free with updated and reproject", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.tied_given = w.options.tied = k.is(args, "tied"); }},
+      {"kinematics", "total or updated", "total", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.updated = k.is(args, "updated"); }},
       {"reproject", "N or auto D", "", take_reproject},
       {"transfer", "pic, flip A, apic or xpic M", "apic, where there is a transfer", take_transfer},
       {"elastic", "vti Ep Ez nu_p nu_zp Gzp or isotropic E nu", "", take_elastic},
       {"axis", "radial, bond or global nx ny nz", "radial", take_axis},
-      {"damage", names_listed(law_entries()), "none", [](Arguments& args, const Key& k, WordsOfScript& w) { w.damage = read_choice(args, k.name, law_entries()); }},
+      {"damage", names_listed(law_entries()), "none", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.damage = read_choice(args, k.name, law_entries()); }},
       {"regularization", "none, crackband G or nonlocal L [energy G] [imperfection E]", "none", take_regularization},
-      {"cracks", "bonds or split", "bonds; split with regularization nonlocal", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
-      {"unilateral", "yes or no", "no", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.unilateral = k.is(args, "yes"); }},
+      {"cracks", "bonds or split", "bonds; split with regularization nonlocal", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
+      {"unilateral", "yes or no", "no", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.unilateral = k.is(args, "yes"); }},
       {"condense", "yes or no, then [wake W]", "no", take_condense},
       {"timestep", "auto S", "", take_timestep},
-      {"subcycle", "N, auto or no", "no", [](Arguments& args, const Key& k, WordsOfScript& w) {
+      {"subcycle", "N, auto or no", "no", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) {
          w.options.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer(k.name, 1, kMostSubsteps, ", 'no' or 'auto'");
        }},
       {"quasistatic", "S Z", "1 0", take_quasistatic},
       {"kinetic_share", "X or no", "0.003", take_kinetic_share},
-      {"balance", "yes or no", "no", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.balance = k.is(args, "yes"); }},
+      {"balance", "yes or no", "no", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.balance = k.is(args, "yes"); }},
       {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // each thing that may be skipped has one
-      {"check", "N", "100", [](Arguments& args, const Key& k, WordsOfScript& w) { w.options.check_every = args.integer(k.name, 1); }},
-      {"events", "file", "", [](Arguments& args, const Key&, WordsOfScript& w) { w.events = args.word("a file name for 'events'"); }},
+      {"check", "N", "100", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.check_every = args.integer(k.name, 1); }},
+      {"events", "file", "", [](Arguments& args, const ScriptKeyword&, WordsOfScript& w) { w.events = args.word("a file name for 'events'"); }},
   };
   return all;
 }

@@ -37,21 +37,21 @@ constexpr double kContactOverC33 = 5.0;
 constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
 
 using Words = mpdem::CouplingWords;
-using Key = mpdem::Keyword<Words>;
+using CoupleKeyword = mpdem::Keyword<Words>;
 
-double stiffness(Arguments& args, const Key& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
+double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
 
-const std::vector<Key>& keywords() {
+const std::vector<CoupleKeyword>& keywords() {
   using mpdem::traction_entries;
-  static const std::vector<Key> all = {
-      {"kn", "auto or pressure", "auto", [](Arguments& args, const Key& k, Words& w) { w.kn = stiffness(args, k); }},
-      {"kt", "auto or pressure", "auto", [](Arguments& args, const Key& k, Words& w) { w.kt = stiffness(args, k); }},
-      {"length", "cell or length", "cell", [](Arguments& args, const Key& k, Words& w) { w.length = args.accept("cell") ? -1.0 : args.positive(k.name, " or 'cell'"); }},
-      {"at", "surface or points", "surface", [](Arguments& args, const Key& k, Words& w) { w.at_surface = k.is(args, "surface"); }},
-      {"damping", "ratio", "0", [](Arguments& args, const Key& k, Words& w) { w.damping = args.between(k.name, 0.0, mpdem::kMostDamping, "share of critical damping"); }},
-      {"interface", mpdem::names_listed(traction_entries()), "penalty", [](Arguments& args, const Key& k, Words& w) { w.interface = mpdem::read_choice(args, k.name, traction_entries()); }},
-      {"friction", "mu", "", [](Arguments& args, const Key& k, Words& w) { w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction"); }},
-      {"csv", "N file", "", [](Arguments& args, const Key& k, Words& w) {
+  static const std::vector<CoupleKeyword> all = {
+      {"kn", "auto or pressure", "auto", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.kn = stiffness(args, k); }},
+      {"kt", "auto or pressure", "auto", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.kt = stiffness(args, k); }},
+      {"length", "cell or length", "cell", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.length = args.accept("cell") ? -1.0 : args.positive(k.name, " or 'cell'"); }},
+      {"at", "surface or points", "surface", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.at_surface = k.is(args, "surface"); }},
+      {"damping", "ratio", "0", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.damping = args.between(k.name, 0.0, mpdem::kMostDamping, "share of critical damping"); }},
+      {"interface", mpdem::names_listed(traction_entries()), "penalty", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.interface = mpdem::read_choice(args, k.name, traction_entries()); }},
+      {"friction", "mu", "", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction"); }},
+      {"csv", "N file", "", [](Arguments& args, const CoupleKeyword& k, Words& w) {
          w.table_every = args.integer(k.name, 1);
          w.table_name = args.word("a file name for 'csv'");
        }},
