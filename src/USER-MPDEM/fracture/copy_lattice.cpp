@@ -387,42 +387,48 @@ int CopyLattice::free_part(const Class& c, const std::vector<RowNow*>& rows) con
 
 // Finds the connections from the classes, since these know the copy of each of their nodes.
 void CopyLattice::find_towards(NodeCopies& copies) const {
-  std::map<Place, std::map<int, std::array<int, 6>>> found;
   constexpr int kUnknown = -2, kNone = -1;
+  NodeCopies::Towards& towards = copies.towards();
+  towards.clear();
+  const auto entry = [&](const Place& node, int first) -> std::array<int, 6>& {
+    std::vector<NodeCopies::Toward>& row = towards[node];
+    for (NodeCopies::Toward& t : row)
+      if (t.first == first) return t.to;
+    row.push_back({first, {}});
+    row.back().to.fill(kUnknown);
+    return row.back().to;
+  };
+  std::vector<int> parts, first(S_ * S_ * S_);
   for (const auto& b : base_) {
-    std::map<int, char> parts;
-    for (int n = b.second.first; n < b.second.second; ++n) parts[points_[by_base_[n]].part] = 1;
     bool near = false;
     for_each_node(b.first.data(), [&](const Place& n, int) { near = near || copies.row(n); });
     if (!near) continue;
-    for (const auto& p : parts)
-      for_each_node(b.first.data(), [&](const Place& n, int) {
-        std::array<int, 6> unknown;
-        unknown.fill(kUnknown);
-        std::array<int, 6>& to = found[n].emplace(copies.at(p.first, n).first, unknown).first->second;
+    parts.clear();
+    for (int n = b.second.first; n < b.second.second; ++n) parts.push_back(points_[by_base_[n]].part);
+    sort_unique(parts);
+    for (int part : parts) {
+      for_each_node(b.first.data(), [&](const Place& n, int i) { first[i] = copies.at(part, n).first; });
+      for_each_node(b.first.data(), [&](const Place& n, int i) {
+        std::array<int, 6>& to = entry(n, first[i]);
+        const int stride[3] = {S_ * S_, S_, 1};
         for (int f = 0; f < 6; ++f) {
-          Place next = n;
-          next[f / 2] += f % 2 == 0 ? -1 : 1;
-          const int d = f / 2;
-          if (next[d] < b.first[d] || next[d] >= b.first[d] + S_) continue;
-          const int first = copies.at(p.first, next).first;
-          to[f] = to[f] == kUnknown || to[f] == first ? first : kNone;
+          const int d = f / 2, step = f % 2 == 0 ? -1 : 1;
+          if (n[d] + step < b.first[d] || n[d] + step >= b.first[d] + S_) continue;
+          const int next = first[i + step * stride[d]];
+          to[f] = to[f] == kUnknown || to[f] == next ? next : kNone;
         }
       });
+    }
   }
-  copies.towards().clear();
   // If only cells without split nodes have a pair of neighbours, both nodes are whole.
-  for (const auto& n : found) {
+  for (auto& n : towards) {
     const bool split = copies.row(n.first);
-    for (const auto& c : n.second) {
-      NodeCopies::Toward t{c.first, c.second};
+    for (NodeCopies::Toward& t : n.second)
       for (int f = 0; f < 6; ++f) {
         Place next = n.first;
         next[f / 2] += f % 2 == 0 ? -1 : 1;
         if (t.to[f] == kUnknown) t.to[f] = split || copies.row(next) ? kNone : 0;
       }
-      copies.towards()[n.first].push_back(t);
-    }
   }
 }
 

@@ -79,12 +79,13 @@ class NodeCopies {
     int first;
     std::array<int, 6> to;
   };
-  std::map<Place, std::vector<Toward>>& towards() { return towards_; }
-  const std::map<Place, std::vector<Toward>>& towards() const { return towards_; }
+  using Towards = std::unordered_map<Place, std::vector<Toward>, PlaceHash, SamePlace>;
+  Towards& towards() { return towards_; }
+  const Towards& towards() const { return towards_; }
 
  private:
   Rows rows_;
-  std::map<Place, std::vector<Toward>> towards_;  // for nodes that are split at the start, and for their neighbours
+  Towards towards_;  // for nodes that are split at the start, and for their neighbours
 };
 
 // A point of the bond, as CopyLattice needs it.
