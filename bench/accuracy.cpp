@@ -74,8 +74,8 @@ struct Load {
       }
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        T.a[i][j] = s.method().updated ? tau.a[i][j]
-                                       : (tau.a[i][0] * cof.a[0][j] + tau.a[i][1] * cof.a[1][j] + tau.a[i][2] * cof.a[2][j]) / J;
+        T.a[i][j] =
+            s.method().updated ? tau.a[i][j] : (tau.a[i][0] * cof.a[0][j] + tau.a[i][1] * cof.a[1][j] + tau.a[i][2] * cof.a[2][j]) / J;
         T.a[i][j] = select(here, -p.volume * T.a[i][j], vd{});
       }
     return T;
@@ -259,8 +259,7 @@ int run(int argc, char** argv) {
   for (const Run& r : chosen) {
     const std::vector<int>& cells = r.problem->cells;
     if (list) std::printf("%s\n", r.name.c_str());
-    for (int i = 0; !list && i < (quick ? r.problem->quick : static_cast<int>(cells.size())); ++i)
-      measure(*r.problem, *r.method, cells[i]);
+    for (int i = 0; !list && i < (quick ? r.problem->quick : static_cast<int>(cells.size())); ++i) measure(*r.problem, *r.method, cells[i]);
   }
   return 0;
 }

@@ -61,7 +61,8 @@ struct Cube {
   bool damaging;
 
   Cube(const Method& m, int cells, bool damaging, Places places = Places::anywhere)
-      : s(m, kCell, cube_of_points(cells, places), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity), points(8 * cells * cells * cells),
+      : s(m, kCell, cube_of_points(cells, places), kCell * kCell * kCell / 8, std::make_shared<TensorDamage>(cement()), kDensity),
+        points(8 * cells * cells * cells),
         damaging(damaging) {
     s.start(kStep, [&](const Point&) { return kVelocity; });
     if (damaging) strain_tenth(0.1 * cells * kCell);
@@ -134,9 +135,7 @@ constexpr double flops(Places places) { return kFlopsEverywhere + (places == Pla
 
 // Bytes between memory and core: all of the block read, F, frame and strain written, the
 // block's meta data, and 280 bytes a node in the drift, the pass and the acceleration.
-double bytes_moved(const Cube& c) {
-  return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid().size() / c.points;
-}
+double bytes_moved(const Cube& c) { return 8.0 * (23 + 19) + sizeof(BlockMeta) / 8.0 + 280.0 * c.s.grid().size() / c.points; }
 
 void full_step(benchmark::State& state, const Method& m, int cells, bool damaging, Places places = Places::anywhere) {
   Cube& c = cube(m, cells, damaging, places);
@@ -218,10 +217,10 @@ std::vector<std::string> register_all() {
   add("scalar/total/quadratic/none/elastic", scalar_step);
   for (const Method& m : all_methods())
     for (bool damaging : {false, true})
-      add("step/" + m.name() + (damaging ? "/damaging" : "/elastic"),
-          [=](benchmark::State& s) { full_step(s, m, 24, damaging); });
+      add("step/" + m.name() + (damaging ? "/damaging" : "/elastic"), [=](benchmark::State& s) { full_step(s, m, 24, damaging); });
   for (bool damaging : {false, true})
-    add(damaging ? "lattice/damaging" : "lattice/elastic", [=](benchmark::State& s) { full_step(s, Method(), 24, damaging, Places::lattice); });
+    add(damaging ? "lattice/damaging" : "lattice/elastic",
+        [=](benchmark::State& s) { full_step(s, Method(), 24, damaging, Places::lattice); });
   for (int cells : {11, 23, 50, 79})
     add("size/" + std::to_string(8 * cells * cells * cells), [=](benchmark::State& s) { full_step(s, Method(), cells, false); });
   return names;

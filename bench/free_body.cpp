@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "cement/kinematics.h"
+#include "cement/step/kinematics.h"
 #include "mpm/consistent_mass.h"
 #include "mpm/gather.h"
 #include "mpm/scatter.h"
@@ -43,9 +43,14 @@ CementOptions options_of(const Method& method, double h) {
 
 std::string Method::name() const {
   const char* bases[] = {"linear", "quadratic", "cubic"};
-  const std::string transfer_name = transfer.method == Transfer::flip ? "flip" : transfer.method == Transfer::apic ? "apic" : transfer.order == 1 ? "pic" : "xpic2";
+  const std::string transfer_name = transfer.method == Transfer::flip   ? "flip"
+                                    : transfer.method == Transfer::apic ? "apic"
+                                    : transfer.order == 1               ? "pic"
+                                                                        : "xpic2";
   return std::string(updated ? "updated/" : "total/") + bases[static_cast<int>(basis)] + "/" +
-         (transfers ? transfer_name : mass_order == 2 ? "order2" : "none");
+         (transfers         ? transfer_name
+          : mass_order == 2 ? "order2"
+                            : "none");
 }
 
 const std::vector<Method>& all_methods() {
@@ -55,7 +60,8 @@ const std::vector<Method>& all_methods() {
       for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
         if (!updated)
           for (int order : {1, 2}) all.push_back({false, basis, false, {}, order});
-        for (const Transfer& t : {Transfer{Transfer::xpic, 1.0, 1}, Transfer{Transfer::flip}, Transfer{Transfer::apic}, Transfer{Transfer::xpic, 1.0, 2}})
+        for (const Transfer& t :
+             {Transfer{Transfer::xpic, 1.0, 1}, Transfer{Transfer::flip}, Transfer{Transfer::apic}, Transfer{Transfer::xpic, 1.0, 2}})
           all.push_back({updated, basis, true, t, 1});
       }
     return all;
@@ -65,14 +71,16 @@ const std::vector<Method>& all_methods() {
 
 FreeBody::FreeBody(const Method& method, double h, const std::vector<Point>& X, double volume, std::shared_ptr<const Law> law,
                    double density)
-    : method_(method), density_(density), cement_(std::make_unique<Cement>(MPI_COMM_SELF, bonds_, options_of(method, h), std::move(law), *this)) {
-  Body body;
-  body.grain[0] = 1;
-  body.grain[1] = 2;
-  body.points = static_cast<int>(X.size());
-  body.volume = volume * static_cast<double>(X.size());
-  body.spacing = std::cbrt(volume);
-  bonds_.table.push_back(body);
+    : method_(method),
+      density_(density),
+      cement_(std::make_unique<Cement>(MPI_COMM_SELF, bonds_, options_of(method, h), std::move(law), *this)) {
+  BondRecord record;
+  record.grain[0] = 1;
+  record.grain[1] = 2;
+  record.points = static_cast<int>(X.size());
+  record.volume = volume * static_cast<double>(X.size());
+  record.spacing = std::cbrt(volume);
+  bonds_.table.push_back(record);
   int tag = 0;
   for (const Point& x : X) {
     PointRecord r;
@@ -82,7 +90,7 @@ FreeBody::FreeBody(const Method& method, double h, const std::vector<Point>& X, 
     bonds_.add(r, ++tag);
   }
   cement_->set_density(density);
-  cement_->take_up_states();
+  cement_->read_point_states();
 }
 
 void FreeBody::start(double dt, const std::function<Point(const Point&)>& velocity) {
@@ -119,7 +127,7 @@ void FreeBody::set_velocity(const std::function<Point(const Point&)>& velocity) 
       with_weights<decltype(type)>(p, m, 1.0 / g.h, [&](const auto& w) { scatter_value(given.data(), m.column, w, momentum); });
     }
   });
-  g.ties.give_to_heirs(given.data(), 3);
+  g.ties.add_to_mass_receivers(given.data(), 3);
   for (int i = 0; i < g.size(); ++i) {
     const Point v = velocity(place_of_node(i));
     std::copy(v.begin(), v.end(), &g.velocity[3 * i]);
@@ -159,7 +167,7 @@ void FreeBody::add_node_forces(Bond& bond) {
   if (load) {
     std::vector<double> force(g.force.size(), 0.0);
     load(*this, time(), force);
-    g.ties.pull_back(force.data());
+    g.ties.gather_to_masters(force.data());
     for (std::size_t i = 0; i < force.size(); ++i) g.force[i] += force[i];
   }
   for (int i = 0; i < g.size() && held; ++i)

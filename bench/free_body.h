@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "cement/cement.h"
+#include "cement/engine/cement.h"
 #include "material/laws.h"
 #include "mpm/point_state.h"
 
@@ -57,7 +57,7 @@ class FreeBody : public CementHost {
   const Grid& grid() const { return bonds_.begin()->grid; }
   double time() const { return static_cast<double>(now_.number) * now_.dt; }
   double dt() const { return now_.dt; }
-  double seconds() const { return seconds_; }  // of CPU in step(), loads left out
+  double seconds() const { return seconds_; }                            // of CPU in step(), loads left out
   int crossings() const { return bonds_.begin()->updated.crossings(); }  // in the last step
   const Law& law() const { return cement_->law(); }
   double density() const { return density_; }
@@ -66,7 +66,10 @@ class FreeBody : public CementHost {
   // As fix mpm: lambda of these points where they stay, the bound for any place where they move; for tents, which have none, that of these
   // points with 20 % on top.
   double stable_step();
-  double energy() { const CementTotals t = cement_->report().totals(0.0); return t.kinetic + t.elastic; }
+  double energy() {
+    const CementTotals t = cement_->report().totals(0.0);
+    return t.kinetic + t.elastic;
+  }
   // f(block, lane)
   template <class F>
   void for_points(F f) const {
@@ -78,7 +81,7 @@ class FreeBody : public CementHost {
  private:
   std::array<double, 3> initial_velocity(int) override { return {0, 0, 0}; }
   void points_failed(const Bond&) override {}
-  void links_let_go(const Bond&) override {}
+  void links_debonded(const Bond&) override {}
   void slots_changed(const Bond&) override {}
   void add_node_forces(Bond& bond) override;
   void set_velocity(const std::function<Point(const Point&)>& velocity);

@@ -127,9 +127,12 @@ void measure(const std::string& name, double exponent, bool quick) {
     if (step < 2.5 * finest) continue;
     const Numbers n = run(law, paths, turning, step);
     const auto eD = errors(n.D, D, 6, 1.0), es = errors(n.stress, stress, 6, f_t), eW = errors(n.energy, energy, 1, p.B0);
-    const auto at = [](const std::vector<double>& e, double share) { return e[static_cast<std::size_t>(share * static_cast<double>(e.size() - 1))]; };
-    std::printf("%s,%g,%.3g,%.4g,%.3g,%.3g,%.3g,%.3g,%.3g,%.3g\n", name.c_str(), step, static_cast<double>(n.evaluations) / static_cast<double>(n.steps),
-                1e9 * n.seconds / static_cast<double>(n.steps), at(eD, 0.5), at(eD, 0.9), at(es, 0.5), at(es, 0.9), at(eW, 0.5), at(eW, 0.9));
+    const auto at = [](const std::vector<double>& e, double share) {
+      return e[static_cast<std::size_t>(share * static_cast<double>(e.size() - 1))];
+    };
+    std::printf("%s,%g,%.3g,%.4g,%.3g,%.3g,%.3g,%.3g,%.3g,%.3g\n", name.c_str(), step,
+                static_cast<double>(n.evaluations) / static_cast<double>(n.steps), 1e9 * n.seconds / static_cast<double>(n.steps),
+                at(eD, 0.5), at(eD, 0.9), at(es, 0.5), at(es, 0.9), at(eW, 0.5), at(eW, 0.9));
     std::fflush(stdout);
   }
 }

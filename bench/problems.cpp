@@ -38,12 +38,8 @@ struct Bar : Problem {
     high = {1, width, width};
   }
   bool loaded() const override { return false; }
-  Point displacement(const Point& X, double t) const override {
-    return {v0 / w * std::sin(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0};
-  }
-  Point velocity(const Point& X, double t) const override {
-    return {v0 * std::cos(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0};
-  }
+  Point displacement(const Point& X, double t) const override { return {v0 / w * std::sin(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0}; }
+  Point velocity(const Point& X, double t) const override { return {v0 * std::cos(w * t) * std::sin(0.5 * kPi * X[0]), 0, 0}; }
 };
 
 // Axis-aligned manufactured solution (Wallstedt & Guilkey, J. Comput. Phys. 227 (2008) 9628) in
@@ -84,9 +80,7 @@ struct Cube : Problem {
     for (int i = 0; i < 3; ++i) v[i] = A[i] * c[i] * kPi * std::sin(kPi * X[i]) * std::cos(c[i] * kPi * t);
     return v;
   }
-  double stretch(const Point& X, int i, double t) const {
-    return 1.0 + A[i] * kPi * std::cos(kPi * X[i]) * std::sin(c[i] * kPi * t);
-  }
+  double stretch(const Point& X, int i, double t) const { return 1.0 + A[i] * kPi * std::cos(kPi * X[i]) * std::sin(c[i] * kPi * t); }
   double kirchhoff(const Point& X, int i, double t) const {
     double tau = 0.0;
     for (int k = 0; k < 3; ++k) tau += C[i][k] * std::log(stretch(X, k, t));
@@ -115,9 +109,7 @@ struct Cube : Problem {
           }
     return all;
   }
-  double traction(const Facet& f, double t) const override {
-    return kirchhoff(f.X, f.normal, t) / stretch(f.X, f.normal, t);
-  }
+  double traction(const Facet& f, double t) const override { return kirchhoff(f.X, f.normal, t) / stretch(f.X, f.normal, t); }
 };
 
 // Generalized vortex (Kamojjala, Brannon, Sadeghirad & Guilkey, Eng. Comput. 31 (2015) 193): circles
@@ -145,8 +137,8 @@ struct Vortex : Problem {
     density = 1000.0;
     looks = {0.5, 1.0};
     if (neo) of_stable = 0.1;  // mu (1 + g^2) is the stiffness along the circles in the end
-    if (neo) in_plane = 4;       // points drift apart by a factor of seven along the circles
-    scale = 1.0;  // set below
+    if (neo) in_plane = 4;     // points drift apart by a factor of seven along the circles
+    scale = 1.0;               // set below
     double sum = 0, all = 0;
     for (int i = 0; i < 1000; ++i) {
       const double R = 0.75 + 0.5 * (i + 0.5) / 1000;

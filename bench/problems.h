@@ -20,8 +20,8 @@ class Problem {
   std::vector<int> cells;  // a unit length
   int quick;               // the first so many of them in a short run
   double density = 1.0, end = 1.0;
-  double of_stable = 0.55;  // share of the step that is stable at the start
-  int in_plane = 2;         // points a cell along x and along y; two along z
+  double of_stable = 0.55;    // share of the step that is stable at the start
+  int in_plane = 2;           // points a cell along x and along y; two along z
   std::vector<double> looks;  // times of comparison, ascending; the last is `end`
   double energy_until = 0.0;  // free motion goes on so long for the drift of energy, 0: has a load
 
@@ -31,7 +31,7 @@ class Problem {
   virtual void box(double h, Point& low, Point& high) const = 0;
   virtual Point displacement(const Point& X, double t) const = 0;
   virtual Point velocity(const Point& X, double t) const = 0;  // also of nodes around the body
-  virtual bool held(const Point&) const { return false; }  // is a node there at rest?
+  virtual bool held(const Point&) const { return false; }      // is a node there at rest?
   virtual bool loaded() const { return true; }
   virtual Point body_force(const Point&, double) const { return {0, 0, 0}; }  // per mass
   // Lame's constants if the stress is that of a neo-Hookean body, which the package has no law for, and

@@ -19,8 +19,8 @@ void rotation(const double* q, M R) {
 
 void spin(const double* q, double vx, double vy, double vz, double* out) {
   const double x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
-  const double p[4] = {q[0] - x * q[1] - y * q[2] - z * q[3], q[1] + x * q[0] + y * q[3] - z * q[2],
-                       q[2] + y * q[0] + z * q[1] - x * q[3], q[3] + z * q[0] + x * q[2] - y * q[1]};
+  const double p[4] = {q[0] - x * q[1] - y * q[2] - z * q[3], q[1] + x * q[0] + y * q[3] - z * q[2], q[2] + y * q[0] + z * q[1] - x * q[3],
+                       q[3] + z * q[0] + x * q[2] - y * q[1]};
   const double n = 1.0 / std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
   for (int i = 0; i < 4; ++i) out[i] = n * p[i];
 }
@@ -64,14 +64,13 @@ std::vector<ScalarPoint> scalar_points(const FreeBody& s) {
     for (int i = 0; i < 4; ++i) r.q[i] = q[i][l];
     const vd* e = &p.strain.xx;
     for (int i = 0; i < 6; ++i) r.strain[i] = e[i][l];
-    if (!s.grid().find_columns(field_of(m.body, m.part), r.base, r.column)) throw std::logic_error("a point has no nodes");
+    if (!s.grid().find_columns(field_of(m.row, m.layer), r.base, r.column)) throw std::logic_error("a point has no nodes");
     all.push_back(r);
   });
   return all;
 }
 
-long scalar_advance(std::vector<ScalarPoint>& points, const double* velocity, double* force, double h,
-                    const TensorDamage& law, double dt) {
+long scalar_advance(std::vector<ScalarPoint>& points, const double* velocity, double* force, double h, const TensorDamage& law, double dt) {
   const double inverse_h = 1.0 / h, B2 = law.parameters().B0 * law.parameters().B0;
   long over = 0;
   for (ScalarPoint& p : points) {

@@ -21,8 +21,7 @@ std::vector<ScalarPoint> scalar_points(const FreeBody& s);
 
 // Adds the internal force at the end of the step; returns the number of points over the bound
 // of TensorDamage::square_bound.
-long scalar_advance(std::vector<ScalarPoint>& points, const double* velocity, double* force, double h,
-                    const TensorDamage& law, double dt);
+long scalar_advance(std::vector<ScalarPoint>& points, const double* velocity, double* force, double h, const TensorDamage& law, double dt);
 
 }  // namespace mpdem::bench
 

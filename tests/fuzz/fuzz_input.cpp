@@ -130,7 +130,8 @@ Outcome judge(int status, const std::string& output) {
     ++errors;
     if (line.find("USER-MPDEM") == std::string::npos) continue;
     named = false;
-    for (const char* name : {"fix mpm (id", "fix mpm/couple (id", "fix check/timestep/mpm (id", "compute mpm/atom (id", "create_cement: ", "create_cement pair ",
+    for (const char* name : {"fix mpm (id", "fix mpm/couple (id", "fix check/timestep/mpm (id", "compute mpm/atom (id",
+                             "create_cement: ", "create_cement pair ",
                              "write_cement: ", "bond_stiffness: ", "read_restart: ", "atom_style mpdem: ", "write_restart: "})
       named = named || line.find(name) != std::string::npos;
   }
@@ -346,9 +347,9 @@ int main(int argc, char** argv) {
     const Counts one = counts->of(s);
     json << (s ? ",\n " : "[") << "{\"test\": \"test_fuzz\", \"case\": \"" << fuzz::kSceneNames[s]
          << "\", \"what\": \"Scripts, point files and restart files with changed words and bytes, under AddressSanitizer and "
-            "UndefinedBehaviorSanitizer\", \"figure\": \"ends without a message that names its command, of " << counts->total()
-         << " inputs\", \"value\": " << one.findings() << ", \"limit\": 0, \"met\": " << (one.findings() ? "false" : "true")
-         << ", \"seed\": " << o.seed << ", \"counts\": {";
+            "UndefinedBehaviorSanitizer\", \"figure\": \"ends without a message that names its command, of "
+         << counts->total() << " inputs\", \"value\": " << one.findings()
+         << ", \"limit\": 0, \"met\": " << (one.findings() ? "false" : "true") << ", \"seed\": " << o.seed << ", \"counts\": {";
     std::printf("%-12s", fuzz::kSceneNames[s]);
     for (int k = 0; k < kOutcomes; ++k) {
       std::printf("%10ld", counts->outcome[s][k]);

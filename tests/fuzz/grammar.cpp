@@ -15,17 +15,25 @@ namespace {
 using Lines = std::vector<std::string>;
 using Words = std::vector<std::string>;
 
-const Lines kHost = {"units si", "atom_style mpdem", "atom_modify map array first grains", "boundary f f f", "newton off",
-                     "communicate single vel yes"};
+const Lines kHost = {"units si",       "atom_style mpdem", "atom_modify map array first grains",
+                     "boundary f f f", "newton off",       "communicate single vel yes"};
 const Lines kNeighbours = {"communicate single vel yes group grains", "neighbor 0.0005 bin", "neigh_modify include grains delay 0"};
-const Lines kTwoGrains = {"region box block -0.006 0.006 -0.006 0.006 -0.0125 0.0125 units box", "create_box 2 box",
-                          "create_atoms 1 single 0 0 -0.005 units box", "create_atoms 1 single 0 0 0.005 units box",
-                          "set type 1 diameter 0.01 density 2500", "group grains type 1"};
+const Lines kTwoGrains = {"region box block -0.006 0.006 -0.006 0.006 -0.0125 0.0125 units box",
+                          "create_box 2 box",
+                          "create_atoms 1 single 0 0 -0.005 units box",
+                          "create_atoms 1 single 0 0 0.005 units box",
+                          "set type 1 diameter 0.01 density 2500",
+                          "group grains type 1"};
 const Lines kMotion = {"group first id 1", "group second id 2", "fix hold first move linear 0 0 0", "fix pull second move linear 0 0 0.1",
                        "timestep 1e-9"};
 // The second grain follows its own mass, pushed before and after the package.
-const Lines kFreeMotion = {"group first id 1", "group second id 2", "fix hold first move linear 0 0 0", "fix pull second nve/sphere",
-                           "fix push second addforce 1 0 5", "fix keep second setforce NULL 0 NULL", "timestep 4e-9"};
+const Lines kFreeMotion = {"group first id 1",
+                           "group second id 2",
+                           "fix hold first move linear 0 0 0",
+                           "fix pull second nve/sphere",
+                           "fix push second addforce 1 0 5",
+                           "fix keep second setforce NULL 0 NULL",
+                           "timestep 4e-9"};
 
 const Lines kCreate = {
     "create_cement calcite pair 1 2 shape flat inner 1e-3 outer 2e-3 film grid spacing 4e-4",
@@ -47,17 +55,21 @@ const Lines kPointFiles = {
 const Lines kMpm = {
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 axis bond damage tensor B0 9.6e3 cutoff 0.9 zeta 0.1 interface 0.5",
-    "fix cem calcite mpm cell 8e-4 basis quadratic kinematics total elastic vti 60e9 40e9 0.25 0.2 18e9 axis global 0 0 1 reproject 2 check 1",
+    "fix cem calcite mpm cell 8e-4 basis quadratic kinematics total elastic vti 60e9 40e9 0.25 0.2 18e9 axis global 0 0 1 reproject 2 "
+    "check 1",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer apic damage tensor B0 9.6e3 check 2",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer xpic 3 basis cubic",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer flip 0.9 basis linear",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 kinematics updated transfer pic",
     "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 basis cubic timestep auto 0.9 reproject auto 0.2 transfer apic",
-    "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 quasistatic 100 0.2 kinetic_share 0.01 balance yes skip resting no skip all yes",
+    "fix cem calcite mpm cell 8e-4 elastic vti 60e9 40e9 0.25 0.2 18e9 quasistatic 100 0.2 kinetic_share 0.01 balance yes skip resting no "
+    "skip all yes",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 viscosity 1e-6 evolution full events events.csv",
     "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization crackband 10 axis radial",
-    "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization nonlocal 8e-4 energy 40 imperfection 1e-3 axis radial",
-    "fix cem calcite mpm cell 8e-4 basis linear edge free transfer flip 1 reproject 1 elastic isotropic 60e9 0.25 damage none regularization none",
+    "fix cem calcite mpm cell 8e-4 elastic isotropic 60e9 0.25 damage tensor B0 9.6e3 regularization nonlocal 8e-4 energy 40 imperfection "
+    "1e-3 axis radial",
+    "fix cem calcite mpm cell 8e-4 basis linear edge free transfer flip 1 reproject 1 elastic isotropic 60e9 0.25 damage none "
+    "regularization none",
     "fix cem calcite mpm cell 4e-4 elastic isotropic 60e9 0.25 skip undamaged no skip failed no skip detached no",
 };
 const Lines kCouple = {
@@ -68,24 +80,103 @@ const Lines kCouple = {
 };
 const Lines kCheck = {"fix ts all check/timestep/mpm 1 cem 0.9", "fix ts all check/timestep/mpm 2 cem 0.5 warn",
                       "fix ts calcite check/timestep/mpm 1 cem 0.9 stop"};
-const Words kQuantities = {"damage", "damage_xx", "damage_yz", "drive", "stress_xx", "stress_zz", "stress_xy", "stress_max", "pressure",
-                           "strain_xx", "strain_xy", "attached", "grain", "failed", "volume", "axis_x", "axis_z", "bond"};
+const Words kQuantities = {"damage",    "damage_xx", "damage_yz", "drive", "stress_xx", "stress_zz", "stress_xy", "stress_max", "pressure",
+                           "strain_xx", "strain_xy", "attached",  "grain", "failed",    "volume",    "axis_x",    "axis_z",     "bond"};
 const Lines kWrite = {"write_cement out.txt", "write_cement out.txt pair 1 2", "write_cement no/such/folder/out.txt pair 2 1",
                       "bond_stiffness out.csv", "bond_stiffness no/such/folder/out.csv"};
 const Lines kStyle = {"atom_style mpdem", "atom_style hybrid mpdem molecular", "atom_style hybrid sphere mpdem", "atom_style sphere"};
 // Ours is what follows from these, not what LIGGGHTS makes of them: they are not mutated.
-const Lines kOther = {"unfix cem", "unfix bond", "unfix hold", "run 0", "run 1", "run 3", "delete_atoms group calcite compress no",
-                      "delete_atoms group second compress no", "delete_atoms group second", "displace_atoms calcite move 0 0 1e-5 units box",
-                      "velocity all set 0 0 1", "velocity calcite set 1e4 0 0", "velocity calcite ramp vz -1e7 1e7 z -1e-3 1e-3", "timestep 1e-3",
-                      "timestep 1e-30", "write_restart a.restart", "group calcite subtract all all", "set group all density 1e-300",
-                      "group calcite union all grains", "neigh_modify delay 3 every 7", "fix more all nve/sphere", "fix g all gravity 9.81 vector 0 0 -1",
-                      "fix more grains freeze", "change_box all boundary p p p", "change_box all x final -1 1 units box",
-                      "set group second diameter 1e-5", "set group grains x 1e300", "reset_timestep 1000000", "clear",
-                      "create_atoms 1 single 0.003 0 0 units box", "thermo 1"};
-const Words kOdd = {"0", "-1", "1", "2", "1e308", "-1e308", "1e-308", "4.9e-324", "nan", "-nan", "inf", "-inf", "1e999", "0x1p3", "2147483647", "2147483648",
-                    "-2147483648", "9223372036854775808", "1e-9", "1e9", "0.5", "90", "180", "360", "1e300", "1e-300", "NULL", "all", "auto", "none", "yes", "no",
-                    "calcite", "grains", "cem", "bond", "1e", "e5", "--", "+", ".", "1.2.3", "1,2", "µm", "\xff\xfe", "日本", "%s%n%d", "/dev/null", "/", "..",
-                    "*", "?", "\\", "cell", "v_x", "c_1", "f_cem", "1:2", std::string(300, 'a'), std::string(300, '9')};
+const Lines kOther = {"unfix cem",
+                      "unfix bond",
+                      "unfix hold",
+                      "run 0",
+                      "run 1",
+                      "run 3",
+                      "delete_atoms group calcite compress no",
+                      "delete_atoms group second compress no",
+                      "delete_atoms group second",
+                      "displace_atoms calcite move 0 0 1e-5 units box",
+                      "velocity all set 0 0 1",
+                      "velocity calcite set 1e4 0 0",
+                      "velocity calcite ramp vz -1e7 1e7 z -1e-3 1e-3",
+                      "timestep 1e-3",
+                      "timestep 1e-30",
+                      "write_restart a.restart",
+                      "group calcite subtract all all",
+                      "set group all density 1e-300",
+                      "group calcite union all grains",
+                      "neigh_modify delay 3 every 7",
+                      "fix more all nve/sphere",
+                      "fix g all gravity 9.81 vector 0 0 -1",
+                      "fix more grains freeze",
+                      "change_box all boundary p p p",
+                      "change_box all x final -1 1 units box",
+                      "set group second diameter 1e-5",
+                      "set group grains x 1e300",
+                      "reset_timestep 1000000",
+                      "clear",
+                      "create_atoms 1 single 0.003 0 0 units box",
+                      "thermo 1"};
+const Words kOdd = {"0",
+                    "-1",
+                    "1",
+                    "2",
+                    "1e308",
+                    "-1e308",
+                    "1e-308",
+                    "4.9e-324",
+                    "nan",
+                    "-nan",
+                    "inf",
+                    "-inf",
+                    "1e999",
+                    "0x1p3",
+                    "2147483647",
+                    "2147483648",
+                    "-2147483648",
+                    "9223372036854775808",
+                    "1e-9",
+                    "1e9",
+                    "0.5",
+                    "90",
+                    "180",
+                    "360",
+                    "1e300",
+                    "1e-300",
+                    "NULL",
+                    "all",
+                    "auto",
+                    "none",
+                    "yes",
+                    "no",
+                    "calcite",
+                    "grains",
+                    "cem",
+                    "bond",
+                    "1e",
+                    "e5",
+                    "--",
+                    "+",
+                    ".",
+                    "1.2.3",
+                    "1,2",
+                    "µm",
+                    "\xff\xfe",
+                    "日本",
+                    "%s%n%d",
+                    "/dev/null",
+                    "/",
+                    "..",
+                    "*",
+                    "?",
+                    "\\",
+                    "cell",
+                    "v_x",
+                    "c_1",
+                    "f_cem",
+                    "1:2",
+                    std::string(300, 'a'),
+                    std::string(300, '9')};
 
 void split(const std::string& line, Words& words) {
   std::istringstream s(line);
@@ -111,8 +202,7 @@ const Words& pool() {
 
 std::string odd_word(const std::string& word, Random& r) {
   switch (r.below(6)) {
-    case 0:
-      return r.of(pool());
+    case 0: return r.of(pool());
     case 1: {  // a number a little or much off
       char* end;
       const double v = std::strtod(word.c_str(), &end);
@@ -133,8 +223,7 @@ std::string odd_word(const std::string& word, Random& r) {
         if (c == '$' || c == '"' || c == '\'' || c == '&' || c == '#') c = '_';
       return w.empty() ? "x" : w;
     }
-    default:
-      return r.of(kOdd);
+    default: return r.of(kOdd);
   }
 }
 
@@ -207,7 +296,8 @@ void extras(Script& s, Random& r, int odds) {
 // A ring of points on a lattice, with some of the columns.
 std::string valid_points(Random& r) {
   constexpr double a = 4e-4, R = 5e-3;
-  const bool axis = r.one_in(2), tensor = r.one_in(3), principal = !tensor && r.one_in(3), failed = r.one_in(3), grains = r.one_in(3), area = r.one_in(3);
+  const bool axis = r.one_in(2), tensor = r.one_in(3), principal = !tensor && r.one_in(3), failed = r.one_in(3), grains = r.one_in(3),
+             area = r.one_in(3);
   std::ostringstream s;
   s << "# points\nx y z volume" << (axis ? " ax ay az" : "") << (tensor ? " dxx dyy dzz dyz dxz dxy" : "")
     << (principal ? " d1 d2 d3 v1x v1y v1z v2x v2y v2z" : "") << (failed ? " failed" : "") << (grains ? " grain_i grain_j" : "")

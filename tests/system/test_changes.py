@@ -25,8 +25,8 @@ COSTS = {
     "interface_brittle": (["coupling"], {"coupling/traction_laws.h": LIST}),
     "shape_notch": (["geometry"], {"geometry/shape_styles.cpp": (1, 0)}),
     # a mechanism of bonds: its field, its row, what it does not go with, the include and the line that makes it
-    "fix_mpm_drag": (["mpm", "coupling", "cement"], {"cement/options.h": (1, 0), "styles/cement_words.cpp": (1, 0), "styles/word_rules.cpp": (1, 0),
-                                                     "cement/mechanisms.cpp": (2, 0)}),
+    "fix_mpm_drag": (["mpm", "coupling", "cement"], {"cement/bond/options.h": (1, 0), "styles/words/fix_mpm_words.cpp": (1, 0), "styles/words/word_rules.cpp": (1, 0),
+                                                     "cement/layout/mechanisms.cpp": (2, 0)}),
 }
 
 

@@ -311,8 +311,8 @@ def test_files_that_pages_name_are_there():
 
 
 def test_page_of_refused_settings():
-    """doc/refused_settings.md has the rows of the table in styles/host_guards.cpp."""
-    table = (ROOT / "src/USER-MPDEM/styles/host_guards.cpp").read_text().split("const Guard kGuards[] = {\n")[1].split("\n};")[0]
+    """doc/refused_settings.md has the rows of the table in styles/guards/host_guards.cpp."""
+    table = (ROOT / "src/USER-MPDEM/styles/guards/host_guards.cpp").read_text().split("const Guard kGuards[] = {\n")[1].split("\n};")[0]
     text = r'((?:"(?:[^"\\]|\\.)*"\s*)+)'
     found = re.findall(rf"^    {{[\w |]+,\s*{text},\s*{text},\s*{text},", table, re.M)
     rows = [[" ".join("".join(re.findall(r'"(.*?)"', words)).replace("\\n", " ").split()) for words in row] for row in found]

@@ -12,7 +12,7 @@ import option_conditions  # noqa: E402
 MOST, MOST_OF_SEVERAL = 193, 15
 
 TREE = {
-    "cement/options.h": """\
+    "cement/bond/options.h": """\
 struct CementOptions {
   bool split = false, updated = false;  // if (split) is no condition here
   int mass_order = 1;
@@ -39,7 +39,7 @@ bool wide(const CementOptions& o) { return o.tied; }
 void local(const CementOptions& o) { if (wide(o)) f(); }
 """,
     "cement/elsewhere.cpp": "void local(const Wide& w) {\n  if (wide(w)) f();  // another function of that name\n}\n",
-    "cement/splits.cpp": "void own(const CementOptions& o) {\n  if (o.split) f();\n}\n",
+    "cement/failure/node_splitting.cpp": "void own(const CementOptions& o) {\n  if (o.split) f();\n}\n",
 }
 
 

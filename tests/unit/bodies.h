@@ -21,10 +21,8 @@ constexpr double kDegree = M_PI / 180;
 // 1e-14 of the whole, or to `floor` where the whole may vanish.
 template <class F>
 double integrate(F f, double a, double b, double floor = 0.0) {
-  static const double x[5] = {0.14887433898163122, 0.43339539412924721, 0.67940956829902444, 0.86506336668898454,
-                              0.97390652851717174};
-  static const double w[5] = {0.29552422471475287, 0.26926671930999635, 0.21908636251598204, 0.14945134915058059,
-                              0.06667134430868814};
+  static const double x[5] = {0.14887433898163122, 0.43339539412924721, 0.67940956829902444, 0.86506336668898454, 0.97390652851717174};
+  static const double w[5] = {0.29552422471475287, 0.26926671930999635, 0.21908636251598204, 0.14945134915058059, 0.06667134430868814};
   struct Rule {
     F& f;
     double operator()(double lo, double hi) const {
@@ -165,7 +163,9 @@ void expect_volumes_in_range(Solve size_for, Volume volume_of) {
     for (const double inner : {0.0, 5e-4}) {
       const GrainPair pair{3e-3, 5e-3, gap, Eigen::Vector3d(0, 0, 1)};
       const auto error = [&](double V) { return shape_error([&] { size_for(pair, V, inner); }); };
-      const auto named = [](const std::string& why, const std::string& word) { return std::stod(why.substr(why.find(word) + word.size())); };
+      const auto named = [](const std::string& why, const std::string& word) {
+        return std::stod(why.substr(why.find(word) + word.size()));
+      };
       const double least = named(error(1.0), "at least "), most = named(error(1.0), "at most ");
       EXPECT_LT(least, 0.2 * most);
       if (gap > 0.0) {
@@ -186,9 +186,7 @@ void expect_inverts(const std::vector<Case>& cases, double Case::*size, Volume v
 }
 
 // Volume of cement in a pair of grains, content by mass of the grains: glass, calcite.
-inline double volume_of_content(double content, double R) {
-  return content * 2500.0 * 2.0 * (4.0 / 3.0) * M_PI * R * R * R / 2710.0;
-}
+inline double volume_of_content(double content, double R) { return content * 2500.0 * 2.0 * (4.0 / 3.0) * M_PI * R * R * R / 2710.0; }
 
 }  // namespace mpdem::test
 

@@ -38,9 +38,8 @@ class Cement {
   std::vector<int> slots;  // slots of the points, in the order they were given
 
   // All points have one volume. The material frame is turned by q.
-  Cement(double h, const std::vector<Vector>& X, double volume,
-         const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(), Basis basis = Basis::quadratic, int margin = 0,
-         const std::vector<int>& part = {}, bool join = false) {
+  Cement(double h, const std::vector<Vector>& X, double volume, const Eigen::Quaterniond& q = Eigen::Quaterniond::Identity(),
+         Basis basis = Basis::quadratic, int margin = 0, const std::vector<int>& layer = {}, bool join = false) {
     std::vector<int> tags(X.size());
     std::iota(tags.begin(), tags.end(), 1);
     for (std::size_t i = 0; i < X.size(); ++i) {
@@ -48,7 +47,7 @@ class Cement {
       r.has_frame = true;
       for (int d = 0; d < 3; ++d) r.X[d] = X[i][d];
       r.volume = volume;
-      if (!part.empty()) r.part = part[i];
+      if (!layer.empty()) r.layer = layer[i];
       r.q[0] = q.w();
       r.q[1] = q.x();
       r.q[2] = q.y();
@@ -58,18 +57,14 @@ class Cement {
     const std::vector<int> place = points.arrange(h, basis, {}, join);
     for (int& s : slots) s = place[s];
     std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column, m.joined});
+    for (BlockMeta& m : points.meta) cells.push_back({field_of(m.row, m.layer), m.base, m.column, m.joined});
     std::vector<char> fresh;
     grid.basis = basis;
     grid.build(MPI_COMM_SELF, h, cells, NodeKinematics(), fresh, margin);
   }
 
-  Vector place(int node) const {
-    return grid.h * Vector(grid.keys[node].at(0), grid.keys[node].at(1), grid.keys[node].at(2));
-  }
-  Vector at(const std::vector<double>& nodal, int node) const {
-    return {nodal[3 * node], nodal[3 * node + 1], nodal[3 * node + 2]};
-  }
+  Vector place(int node) const { return grid.h * Vector(grid.keys[node].at(0), grid.keys[node].at(1), grid.keys[node].at(2)); }
+  Vector at(const std::vector<double>& nodal, int node) const { return {nodal[3 * node], nodal[3 * node + 1], nodal[3 * node + 2]}; }
   template <class F>
   void set_velocity(F f) {
     for (int n = 0; n < grid.size(); ++n) {
@@ -98,8 +93,7 @@ inline TiedNodes edges_of(const Grid& grid) { return {grid.keys, {grid.mass.begi
 // Points at random in [0, n h]^3. Every node between has points all over its support.
 inline std::vector<Vector> scattered(Random& random, double h, int n, int per_cell) {
   std::vector<Vector> X;
-  for (int i = 0; i < n * n * n * per_cell; ++i)
-    X.push_back(h * Vector(random.uniform(0, n), random.uniform(0, n), random.uniform(0, n)));
+  for (int i = 0; i < n * n * n * per_cell; ++i) X.push_back(h * Vector(random.uniform(0, n), random.uniform(0, n), random.uniform(0, n)));
   return X;
 }
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "cement/cement.h"
+#include "cement/engine/cement.h"
 #include "coupling/penalty_traction.h"
 #include "material/no_damage.h"
 #include "material/tensor_damage.h"
@@ -33,30 +33,30 @@ struct Way {
 struct Row {
   int bonds = 1;
   bool updated = false;
-  bool free_middle = false;  // grains between the first and the last follow forces
-  bool whole_bonds = false;  // each bond on one rank; else points are dealt out by x
+  bool free_middle = false;           // grains between the first and the last follow forces
+  bool whole_bonds = false;           // each bond on one rank; else points are dealt out by x
   double B0 = 9.6e3, exponent = 1.0;  // parameters of the damage law
-  double length = 0.0;       // length that the strain is averaged over
+  double length = 0.0;                // length that the strain is averaged over
   int mass_order = 1;
-  double speed = 4.0;        // at which the last grain leaves the first, after the ramp
-  double ramp = 4e-6;        // time until that speed is reached
+  double speed = 4.0;               // at which the last grain leaves the first, after the ramp
+  double ramp = 4e-6;               // time until that speed is reached
   std::function<Way(double)> path;  // way of the last grain in place of the ramp; the first grain stays where it is
-  double friction = -1.0;    // friction of places that let go; below 0: none
-  bool loose = false;        // links to the first grain are not attached from the start
-  bool skin_failed = false;  // and their points have failed
-  int cracked = 0;           // this many layers in the middle have failed, an odd one above it
-  double crumbled = 0.0;     // points at x above this have failed and hold to no grain; 0: none
+  double friction = -1.0;           // friction of places that let go; below 0: none
+  bool loose = false;               // links to the first grain are not attached from the start
+  bool skin_failed = false;         // and their points have failed
+  int cracked = 0;                  // this many layers in the middle have failed, an odd one above it
+  double crumbled = 0.0;            // points at x above this have failed and hold to no grain; 0: none
   bool unilateral = false;
-  bool split = false;        // nodes are split where material parts
-  double interface = 1.0;    // parameter of the damage law for points with links
-  int substeps = 1;          // number of steps of the cement in a step of the host
-  bool free_ends = false;    // all grains follow forces
+  bool split = false;      // nodes are split where material parts
+  double interface = 1.0;  // parameter of the damage law for points with links
+  int substeps = 1;        // number of steps of the cement in a step of the host
+  bool free_ends = false;  // all grains follow forces
   double grain_mass = 2e-5;
-  double contact = 0.0;      // stiffness of a spring of the host along z between the first grain and the second
+  double contact = 0.0;        // stiffness of a spring of the host along z between the first grain and the second
   double pull[3] = {0, 0, 0};  // a force of the host on the last grain, the opposite on the first
-  bool condense = false;     // bonds are condensed while they are far from their threshold
-  double relax = 0.0;        // damping, as a share of critical
-  double stiffer = 1.0;      // stiffness of the links over kPenalty; forty adds mass to the nodes
+  bool condense = false;       // bonds are condensed while they are far from their threshold
+  double relax = 0.0;          // damping, as a share of critical
+  double stiffer = 1.0;        // stiffness of the links over kPenalty; forty adds mass to the nodes
 };
 
 // SI units. There is no Poisson's ratio, so that the cement between wide grains is springs side by side.
@@ -70,13 +70,13 @@ class RowOfGrains : public CementHost {
   std::unique_ptr<Cement> cement;
   int number = 0;
   double dt = kStep;
-  double work = 0.0;  // work of prescribed grains of this rank on the cement
+  double work = 0.0;                          // work of prescribed grains of this rank on the cement
   std::vector<std::array<int, 2>> failed;     // step and tag of points of this rank
   std::vector<std::array<int, 2>> separated;  // step and bond, the same on all ranks
 
   // Data that goes into a restart file. Each rank has its own.
   struct Saved {
-    std::vector<double> state;  // state of all ranks, held on all
+    std::vector<double> state;             // state of all ranks, held on all
     std::vector<double> nodes, all_nodes;  // nodes of the rank before this one; nodes of all ranks
     std::map<int, PointRecord> points;
     std::map<int, GrainState> states;
@@ -92,7 +92,7 @@ class RowOfGrains : public CementHost {
       if (g % ranks_ != rank_) continue;
       Grain grain;
       grain.tag = 1 + g;
-      grain.x[2] = place_of(g, 0.0);
+      grain.x[2] = grid_index_of(g, 0.0);
       grain.radius = kRadius;
       grain.mass = row_.grain_mass;
       grain.inertia = 0.4 * grain.mass * kRadius * kRadius;
@@ -100,12 +100,12 @@ class RowOfGrains : public CementHost {
       for (bool& f : grain.free) f = free;
       GrainState& s = states_[grain.tag];
       std::copy(grain.x, grain.x + 3, s.x);
-      s.place_known = true;
+      s.position_known = true;
       own_.push_back(grain);
     }
     init();
   }
-  RowOfGrains(MPI_Comm comm, const Row& row, const Saved& from, const std::vector<Body>& table) : comm_(comm), row_(row) {
+  RowOfGrains(MPI_Comm comm, const Row& row, const Saved& from, const std::vector<BondRecord>& table) : comm_(comm), row_(row) {
     start();
     bonds.table = table;
     for (const auto& p : from.points) slot_[p.first] = bonds.add(p.second, p.first);
@@ -127,7 +127,7 @@ class RowOfGrains : public CementHost {
   void points_failed(const Bond& bond) override {
     for (int slot : bond.failed) failed.push_back({number, bond.points.tags[slot / kLanes][slot % kLanes]});
   }
-  void links_let_go(const Bond&) override {}
+  void links_debonded(const Bond&) override {}
   void slots_changed(const Bond& bond) override {
     for_points(bond, [&](int slot, int tag) { slot_[tag] = slot; });
   }
@@ -307,7 +307,7 @@ class RowOfGrains : public CementHost {
     return 0.5 * row_.contact * way * way;
   }
   // Distance by which the last grain has moved away from the first along z.
-  double stretch() const { return place_of(row_.bonds, time_) - place_of(0, time_) - row_.bonds * (2 * kRadius + kGap); }
+  double stretch() const { return grid_index_of(row_.bonds, time_) - grid_index_of(0, time_) - row_.bonds * (2 * kRadius + kGap); }
 
  private:
   void start() {
@@ -391,7 +391,7 @@ class RowOfGrains : public CementHost {
   }
   void prescribe(Grain& g) const {
     if (!row_.path) {
-      g.x[2] = place_of(g.tag - 1, time_);
+      g.x[2] = grid_index_of(g.tag - 1, time_);
       g.velocity[2] = velocity_of(g.tag - 1, time_);
     } else if (g.tag - 1 == row_.bonds) {
       const Way w = row_.path(time_);
@@ -403,7 +403,7 @@ class RowOfGrains : public CementHost {
   }
   // The first grain and the last leave each other to either side. The others stay where they are.
   double share_of(int g) const { return g == 0 ? -0.5 : g == row_.bonds ? 0.5 : 0.0; }
-  double place_of(int g, double t) const {
+  double grid_index_of(int g, double t) const {
     if (row_.path) return g * (2 * kRadius + kGap);
     const double way = t < row_.ramp ? 0.5 * row_.speed * t * t / row_.ramp : row_.speed * (t - 0.5 * row_.ramp);
     return g * (2 * kRadius + kGap) + share_of(g) * way;
@@ -413,26 +413,26 @@ class RowOfGrains : public CementHost {
   void make_bond(int row) {
     const Flat shape(GrainPair{kRadius, kRadius, kGap, Vector3(0, 0, 1)}, kOuter, 0.0);
     const std::vector<FillPoint> fill = fill_with_points(shape, kSpacing);
-    Body body;
+    BondRecord record;
     for (int s = 0; s < 2; ++s) {
-      body.grain[s] = 1 + row + s;
-      body.radius[s] = kRadius;
+      record.grain[s] = 1 + row + s;
+      record.radius[s] = kRadius;
       const Vector3 centre = shape.pair().centre(s);
-      std::copy(centre.data(), centre.data() + 3, body.centre[s]);
-      body.attached_area[s] = shape.attached_area(s);
+      std::copy(centre.data(), centre.data() + 3, record.centre[s]);
+      record.attached_area[s] = shape.attached_area(s);
     }
-    body.origin[2] = place_of(row, 0.0) + kRadius + 0.5 * kGap;
-    body.volume = shape.volume();
-    body.spacing = kSpacing;
-    body.thickness = shape.largest_thickness();
-    body.points = static_cast<int>(fill.size());
-    bonds.table.push_back(body);
+    record.origin[2] = grid_index_of(row, 0.0) + kRadius + 0.5 * kGap;
+    record.volume = shape.volume();
+    record.spacing = kSpacing;
+    record.thickness = shape.largest_thickness();
+    record.points = static_cast<int>(fill.size());
+    bonds.table.push_back(record);
     for (std::size_t n = 0; n < fill.size(); ++n) {
       const FillPoint& p = fill[n];
       const int slice = static_cast<int>((p.X[0] / kOuter + 1.0) / 2.0 * ranks_);
       if ((row_.whole_bonds ? row % ranks_ : std::max(0, std::min(ranks_ - 1, slice))) != rank_) continue;
       PointRecord r;
-      r.body = row;
+      r.row = row;
       std::copy(p.X.data(), p.X.data() + 3, r.X);
       r.volume = p.volume;
       r.failed = p.X[2] > -kSpacing * (row_.cracked / 2) && p.X[2] < kSpacing * ((row_.cracked + 1) / 2);
@@ -441,7 +441,7 @@ class RowOfGrains : public CementHost {
       if (r.failed) r.damage[2] = 0.9;  // along z
       r.links = p.links;
       for (int k = 0; k < p.links; ++k) {
-        r.link[k].grain = body.grain[p.link[k].side];
+        r.link[k].grain = record.grain[p.link[k].side];
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;
         const bool loose = row_.loose && p.link[k].side == 0;
@@ -497,8 +497,8 @@ inline void expect_same_bits(const std::map<int, std::vector<double>>& a, const 
   int different = 0, first = 0;
   for (auto i = a.begin(), j = b.begin(); i != a.end(); ++i, ++j) {
     ASSERT_EQ(i->first, j->first);
-    const bool same = i->second.size() == j->second.size() &&
-                      std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) == 0;
+    const bool same =
+        i->second.size() == j->second.size() && std::memcmp(i->second.data(), j->second.data(), i->second.size() * sizeof(double)) == 0;
     if (!same && different++ == 0) first = i->first;
   }
   EXPECT_EQ(different, 0) << "of " << a.size() << " points and grains, the first is " << first;

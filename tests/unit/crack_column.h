@@ -67,7 +67,7 @@ inline void make_random(std::vector<CrackPoint>& points, Random& random, double 
     p.damage = static_cast<float>(0.9 * random.index(values) / values);
     if (random.uniform(0.0, 1.0) < share) fail(p);
     for (bool& a : p.attached) a = a && random.index(3) > 0;
-    if (kind == 1) p.part = p.cell[0] < 0 ? 0 : 2;
+    if (kind == 1) p.layer = p.cell[0] < 0 ? 0 : 2;
     for (float& s : p.space) s = kind == 2 && random.index(2) > 0 ? 0.2f : 0.0f;
   }
 }

@@ -42,8 +42,7 @@ inline Matrix from_voigt(const Vector6& v, double shear_factor) {
 
 class DamageReference {
  public:
-  explicit DamageReference(const VtiConstants& c)
-      : S_(compliance(c)), C_(Eigen::FullPivLU<Matrix6>(S_).inverse()) {}
+  explicit DamageReference(const VtiConstants& c) : S_(compliance(c)), C_(Eigen::FullPivLU<Matrix6>(S_).inverse()) {}
 
   Matrix elastic_stress(const Matrix& strain) const { return from_voigt(C_ * voigt(strain, 2.0), 1.0); }
   Matrix elastic_strain(const Matrix& stress) const { return from_voigt(S_ * voigt(stress, 1.0), 2.0); }
@@ -58,17 +57,13 @@ class DamageReference {
     return symmetric(s.eigenvectors() * x * s.eigenvectors().transpose());
   }
   // M : s
-  static Matrix amplified(const Matrix& s, const Matrix& D) {
-    return symmetric((Matrix::Identity() - D).inverse() * s);
-  }
+  static Matrix amplified(const Matrix& s, const Matrix& D) { return symmetric((Matrix::Identity() - D).inverse() * s); }
 
   double psi(const Matrix& strain, const Matrix& D) const {
     const Matrix e = effective(strain, D);
     return 0.5 * contract(e, elastic_stress(e));
   }
-  Matrix stress(const Matrix& strain, const Matrix& D) const {
-    return effective(elastic_stress(effective(strain, D)), D);
-  }
+  Matrix stress(const Matrix& strain, const Matrix& D) const { return effective(elastic_stress(effective(strain, D)), D); }
   // -d psi/dD
   Matrix force(const Matrix& strain, const Matrix& D) const {
     const Matrix phi = (Matrix::Identity() - D).inverse();

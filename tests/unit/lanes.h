@@ -67,9 +67,7 @@ inline vmask only_lane(int l) {
 
 inline Matrix symmetric(const Matrix& m) { return 0.5 * (m + m.transpose()); }
 inline double contract(const Matrix& a, const Matrix& b) { return a.cwiseProduct(b).sum(); }
-inline Matrix rotation(const Vector& axis, double angle) {
-  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-}
+inline Matrix rotation(const Vector& axis, double angle) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
 
 // The distributions of the standard library differ between libraries; these do not.
 class Random {
@@ -101,9 +99,7 @@ class Random {
     const Matrix q = frame();
     return symmetric(q * values.asDiagonal() * q.transpose());
   }
-  Matrix damage(double largest) {
-    return with_values({uniform(0, largest), uniform(0, largest), uniform(0, largest)});
-  }
+  Matrix damage(double largest) { return with_values({uniform(0, largest), uniform(0, largest), uniform(0, largest)}); }
 
  private:
   std::mt19937_64 engine_;

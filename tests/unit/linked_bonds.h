@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cement.h"
-#include "cement/bond.h"
+#include "cement/bond/bond.h"
 #include "coupling/penalty_traction.h"
 
 namespace mpdem::test {
@@ -28,61 +28,60 @@ inline void copy(const Eigen::Quaterniond& q, double* to) {
 }
 
 struct Scene {
-  std::vector<Body> bodies{2};
+  std::vector<BondRecord> records{2};
   std::vector<Bond> bonds{2};
   std::vector<int> slots[2];  // slots of the points of either bond, in the order they were made
-  GrainSides sides;
-  std::vector<GrainSides::Motion> motion{4};  // motion of body 0 sides 0 and 1, then of body 1 sides 0 and 1
+  BondEnds ends;
+  std::vector<BondEnds::Motion> motion{4};  // motion of body 0 sides 0 and 1, then of body 1 sides 0 and 1
   Random random;
 
   // parts: number of parts of the second body; width: points lie within this of the origin along each axis
-  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15)
-      : random(seed) {
+  Scene(std::uint64_t seed, const PenaltyParameters& p, Basis basis = Basis::quadratic, int parts = 2, double width = 0.15) : random(seed) {
     int tag = 1;
     for (int b = 0; b < 2; ++b) {
-      Body& body = bodies[b];
-      bonds[b].body = b;
+      BondRecord& record = records[b];
+      bonds[b].row = b;
       const Vector n = random.direction();
-      copy(random.vector(), body.origin);
+      copy(random.vector(), record.origin);
       for (int s = 0; s < 2; ++s) {
-        body.grain[s] = 10 * b + s + 1;
-        body.radius[s] = 1.0 + 0.3 * s;
-        copy((s ? 1.0 : -1.0) * (body.radius[s] + 0.02) * n, body.centre[s]);
-        copy(Eigen::Quaterniond(random.frame()), body.orientation[s]);
-        copy(10.0 * random.vector(), body.shift[s]);
+        record.grain[s] = 10 * b + s + 1;
+        record.radius[s] = 1.0 + 0.3 * s;
+        copy((s ? 1.0 : -1.0) * (record.radius[s] + 0.02) * n, record.centre[s]);
+        copy(Eigen::Quaterniond(random.frame()), record.orientation[s]);
+        copy(10.0 * random.vector(), record.shift[s]);
       }
       for (int i = 0; i < 60; ++i) {
         PointRecord r;
-        r.body = b;
-        r.part = b * random.index(parts);
+        r.row = b;
+        r.layer = b * random.index(parts);
         r.volume = random.uniform(0.5, 1.0) * kH * kH * kH / 8;
         const Vector X = width * random.vector();
         copy(X, r.X);
         for (int s = 0; s < 2; ++s) {
           if (random.index(3) == 0) continue;
-          const Vector centre = Eigen::Map<const Vector>(body.centre[s]);
+          const Vector centre = Eigen::Map<const Vector>(record.centre[s]);
           Link& k = r.link[r.links++];
-          k.grain = body.grain[s];
+          k.grain = record.grain[s];
           k.area = random.uniform(0.5, 1.0) * kH * kH / 4;
           k.attached = 1;
-          copy(centre + body.radius[s] * (X - centre).normalized(), k.foot);
+          copy(centre + record.radius[s] * (X - centre).normalized(), k.foot);
         }
         slots[b].push_back(bonds[b].points.add(r, tag++));
       }
       lay_out(bonds[b], p, basis);
     }
     const std::vector<Key> all{{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 1, 0, 0}};
-    sides.build(MPI_COMM_SELF, bodies, {0, 1}, all);
-    for (Bond& b : bonds) b.side = sides.find(b.body, 0);
+    ends.build(MPI_COMM_SELF, records, {0, 1}, all);
+    for (Bond& b : bonds) b.first_end = ends.find(b.row, 0);
     place_grains(0.0, 0.0);
   }
 
   void lay_out(Bond& b, const PenaltyParameters& p, Basis basis) {
     const std::vector<int> place = b.points.arrange(kH, basis);
-    for (int& slot : slots[b.body]) slot = place[slot];
-    b.links = PenaltyLinks(b.points, bodies[b.body], p, kH, kDensity, basis);
+    for (int& slot : slots[b.row]) slot = place[slot];
+    b.links = PenaltyLinks(b.points, records[b.row], p, kH, kDensity, basis);
     std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : b.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    for (BlockMeta& m : b.points.meta) cells.push_back({field_of(m.row, m.layer), m.base, m.column});
     b.links.add_cells(cells);
     std::vector<char> fresh;
     b.grid.basis = basis;
@@ -91,38 +90,38 @@ struct Scene {
   }
   // Links made from the store as it is now, on the grid as it is.
   PenaltyLinks links_anew(const Bond& b) const {
-    PenaltyLinks links(b.points, bodies[b.body], b.links.parameters(), kH, kDensity, b.grid.basis);
+    PenaltyLinks links(b.points, records[b.row], b.links.parameters(), kH, kDensity, b.grid.basis);
     EXPECT_TRUE(links.find_columns(b.grid));
     return links;
   }
   void tie() {
     for (Bond& b : bonds) {
-      b.grid.tie(find_edge_ties(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
+      b.grid.tie(find_extension_constraints(MPI_COMM_SELF, b.grid.basis, edges_of(b.grid)), true);
       b.grid.lump_mass(b.points, kDensity);
     }
   }
-  GrainSide* side(const Bond& b) { return &sides.sides[b.side]; }
-  const GrainSide* side(const Bond& b) const { return &sides.sides[b.side]; }
+  BondEnd* ends_of(const Bond& b) { return &ends.ends[b.first_end]; }
+  const BondEnd* ends_of(const Bond& b) const { return &ends.ends[b.first_end]; }
   // Row sums of the stiffness of the links: two numbers a node, one for the links to each side.
   std::vector<double> row_sums(const Bond& b, double dt = kDt) const {
     std::vector<double> k(2 * b.grid.size(), 0.0);
-    b.links.add_stiffness(b.grid, side(b), dt, k.data());
+    b.links.add_stiffness(b.grid, ends_of(b), dt, k.data());
     return k;
   }
   // Sets all the mass that the penalty asks for, and the mass that a cement of eigenvalue `lambda` asks for.
   void set_added_mass(double dt = kDt, double lambda = 0.0) {
-    for (Bond& b : bonds) b.added.find(b.links, b.grid, side(b), {dt, lambda, false, kBound});
+    for (Bond& b : bonds) b.added.find(b.links, b.grid, ends_of(b), {dt, lambda, false, kBound});
   }
 
   // Gives grains and nodes random displacements and velocities.
   void place_grains(double displacement, double velocity) {
     for (int i = 0; i < 4; ++i) {
-      const Body& body = bodies[i / 2];
-      const Eigen::Map<const Vector> centre(body.centre[i % 2]), origin(body.origin), shift(body.shift[i % 2]);
+      const BondRecord& record = records[i / 2];
+      const Eigen::Map<const Vector> centre(record.centre[i % 2]), origin(record.origin), shift(record.shift[i % 2]);
       copy(origin - shift + centre + displacement * random.vector(), motion[i].x);
       copy(velocity * random.vector(), motion[i].v);
       copy(velocity * random.vector(), motion[i].omega);
-      const double* q = body.orientation[i % 2];
+      const double* q = record.orientation[i % 2];
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(displacement * random.uniform(-1, 1), random.direction()));
       copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), motion[i].q);
     }
@@ -134,31 +133,31 @@ struct Scene {
       b.grid.ties.extend(b.grid.displacement.data());
       b.grid.ties.extend(b.grid.velocity.data());
     }
-    sides.distribute(bodies, motion);
+    ends.distribute(records, motion);
   }
   // Gives grains random accelerations.
   void accelerate_grains() {
-    for (GrainSides::Motion& m : motion) {
+    for (BondEnds::Motion& m : motion) {
       copy(random.vector(), m.a);
       copy(random.vector(), m.alpha);
     }
-    sides.distribute(bodies, motion);
+    ends.distribute(records, motion);
   }
   double spring_energy() const {
     double energy = 0.0;
-    for (const Bond& b : bonds) b.links.add_spring_energy(b.grid, side(b), energy);
+    for (const Bond& b : bonds) b.links.add_spring_energy(b.grid, ends_of(b), energy);
     return energy;
   }
   double energy() {
-    sides.distribute(bodies, motion);
+    ends.distribute(records, motion);
     return spring_energy();
   }
   void add_force() {
-    sides.distribute(bodies, motion);
-    sides.clear_forces();
+    ends.distribute(records, motion);
+    ends.clear_forces();
     for (Bond& b : bonds) {
       b.grid.clear_force();
-      b.links.add_force(b.grid, side(b));
+      b.links.add_force(b.grid, ends_of(b));
       b.grid.sum_force();
     }
   }
@@ -187,9 +186,9 @@ struct Scene {
         F_size += force.norm();
         M_size += x.norm() * force.norm();
       };
-      for (int n = 0; n < b.grid.size(); ++n) add(node(b.grid, n), at(f[b.body], n), Vector::Zero());
+      for (int n = 0; n < b.grid.size(); ++n) add(node(b.grid, n), at(f[b.row], n), Vector::Zero());
       for (int s = 0; s < 2; ++s) {
-        const GrainSide& g = side(b)[s];
+        const BondEnd& g = ends_of(b)[s];
         add(Eigen::Map<const Vector>(g.x), Eigen::Map<const Vector>(g.force), Eigen::Map<const Vector>(g.torque));
       }
       EXPECT_GT(F_size, 0.0);

@@ -17,8 +17,7 @@ int main(int argc, char** argv) {
    public:
     explicit FailuresOnly(int rank) : rank_(rank) {}
     void OnTestPartResult(const ::testing::TestPartResult& r) override {
-      if (r.failed())
-        std::printf("rank %d: %s:%d: %s\n", rank_, r.file_name() ? r.file_name() : "", r.line_number(), r.message());
+      if (r.failed()) std::printf("rank %d: %s:%d: %s\n", rank_, r.file_name() ? r.file_name() : "", r.line_number(), r.message());
     }
 
    private:

@@ -15,8 +15,8 @@ namespace {
 
 using test::copy;
 using test::kBound;
-using test::kDt;
 using test::kDensity;
+using test::kDt;
 using test::kH;
 using test::Scene;
 using test::Vector;
@@ -89,8 +89,8 @@ TEST_P(AddedMassOfLinks, RowSumsBoundTheStiffness) {
   std::vector<double> row_sums[2];
   double largest = 0.0;
   for (const Bond& b : s.bonds) {
-    row_sums[b.body] = s.row_sums(b);
-    for (double k : row_sums[b.body]) largest = std::max(largest, k);
+    row_sums[b.row] = s.row_sums(b);
+    for (double k : row_sums[b.row]) largest = std::max(largest, k);
   }
   test::Worst row, tight, matrix, step, asymmetry;
   for (Bond& b : s.bonds) {
@@ -102,12 +102,11 @@ TEST_P(AddedMassOfLinks, RowSumsBoundTheStiffness) {
     asymmetry.add((K - K.transpose()).cwiseAbs().maxCoeff() / K.cwiseAbs().maxCoeff());
     std::vector<double> penalty, mass;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      penalty.push_back(row_sum(row_sums[b.body], nodes[i]));
+      penalty.push_back(row_sum(row_sums[b.row], nodes[i]));
       mass.push_back(grid.mass[nodes[i]] + b.added.of_nodes()[nodes[i]]);
       if (penalty[i] == 0.0) continue;
       double sum = 0.0;
-      for (std::size_t j = 0; j < nodes.size(); ++j)
-        sum += K.block<3, 3>(3 * i, 3 * j).jacobiSvd().singularValues()[0];
+      for (std::size_t j = 0; j < nodes.size(); ++j) sum += K.block<3, 3>(3 * i, 3 * j).jacobiSvd().singularValues()[0];
       row.add((sum - penalty[i]) / largest, std::to_string(nodes[i]));
       tight.add(sum / std::max(penalty[i], 1e-3 * largest));
     }
@@ -115,7 +114,7 @@ TEST_P(AddedMassOfLinks, RowSumsBoundTheStiffness) {
     step.add(kDt * kDt * largest_eigenvalue(K, mass) / kBound);
     for (int n = 0; n < grid.size(); ++n)
       if (grid.ties.row(n) >= 0) {
-        EXPECT_EQ(row_sum(row_sums[b.body], n), 0.0);
+        EXPECT_EQ(row_sum(row_sums[b.row], n), 0.0);
       }
   }
   expect_within(asymmetry, 1e-12, "asymmetry of the stiffness");
@@ -138,13 +137,13 @@ TEST_P(AddedMassOfLinks, IsEnoughAndNoMore) {
         for (bool is_bound : {false, true}) {
           for (Bond& b : s.bonds) {
             const double lambda = share * bound / (dt * dt);
-            b.added.find(b.links, b.grid, s.side(b), {dt, lambda, is_bound, bound});
+            b.added.find(b.links, b.grid, s.ends_of(b), {dt, lambda, is_bound, bound});
             const std::vector<double> row_sums = s.row_sums(b, dt);
             ASSERT_EQ(b.added.of_nodes().size(), b.grid.mass.size());
             for (int n = 0; n < b.grid.size(); ++n) {
               const double m = b.grid.mass[n], a = b.added.of_nodes()[n], k = row_sum(row_sums, n);
-              const double of_cement = std::min(bound, dt * dt * lambda * (is_bound ? b.grid.tie_factor(n) : 1.0));
-              const double load = of_cement * m + dt * dt * k;
+              const double cement_load = std::min(bound, dt * dt * lambda * (is_bound ? b.grid.tie_factor(n) : 1.0));
+              const double load = cement_load * m + dt * dt * k;
               raised += is_bound && share > 0.0 && b.grid.tie_factor(n) > 1.001;
               EXPECT_LE(load, bound * (m + a) * (1 + 1e-14));
               if (k == 0.0) {
@@ -210,10 +209,8 @@ TEST_P(AddedMassOfLinks, ActionIsReaction) {
   EXPECT_LT(stiff, nodes);
   // Weights are negative in part at a place outside the cell of its point, and with ties; sizes count.
   const auto& [at_surface, tied, basis] = GetParam();
-  if (at_surface || tied)
-    EXPECT_GT(row_sums, stiffness);
-  else
-    test::expect_within(std::fabs(row_sums / stiffness - 1.0), 1e-13, "sum of the stiffness");
+  if (at_surface || tied) EXPECT_GT(row_sums, stiffness);
+  else test::expect_within(std::fabs(row_sums / stiffness - 1.0), 1e-13, "sum of the stiffness");
   s.add_force();
   const std::vector<std::vector<double>> springs = s.forces();
   for (Bond& b : s.bonds)
@@ -222,7 +219,7 @@ TEST_P(AddedMassOfLinks, ActionIsReaction) {
         for (int d = 0; d < 3; ++d) b.grid.force[3 * n + d] += 0.01 * s.random.uniform(-1, 1);  // of the cement
   const std::vector<std::vector<double>> all = s.forces();
   for (Bond& b : s.bonds) {
-    b.added.accelerate(b.grid, s.side(b));
+    b.added.accelerate(b.grid, s.ends_of(b));
   }
   // what the springs put on the nodes is balanced by the grains; take the rest away
   std::vector<std::vector<double>> rate = momentum_of(s, &Grid::acceleration);
@@ -235,11 +232,11 @@ TEST_P(AddedMassOfLinks, SidesHaveWhatNodesHave) {
   Scene s = scene(152);
   s.set_added_mass();
   for (const Bond& b : s.bonds) {
-    double of_nodes = 0, of_sides[2] = {0, 0};
+    double of_nodes = 0, of_ends[2] = {0, 0};
     for (double m : b.added.of_nodes()) of_nodes += m;
-    b.added.add_to_sides(b.grid, of_sides);
+    b.added.add_to_ends(b.grid, of_ends);
     EXPECT_GT(of_nodes, 0.0);
-    test::expect_within(std::fabs((of_sides[0] + of_sides[1]) / of_nodes - 1.0), 1e-13, "sum over sides against that over nodes");
+    test::expect_within(std::fabs((of_ends[0] + of_ends[1]) / of_nodes - 1.0), 1e-13, "sum over sides against that over nodes");
   }
 }
 
@@ -260,16 +257,16 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
   }
   EXPECT_LT(bytes(scenes[0]), 0.75 * bytes(scenes[2]));
   const auto answer = [](Scene& s) {
-    s.sides.clear_forces();
+    s.ends.clear_forces();
     for (Bond& b : s.bonds) b.grid.clear_force();
     s.add_force();
     for (Bond& b : s.bonds) {
-      b.grid.ties.pull_back(b.grid.force.data());
-      b.added.accelerate(b.grid, s.side(b));
+      b.grid.ties.gather_to_masters(b.grid.force.data());
+      b.added.accelerate(b.grid, s.ends_of(b));
     }
     std::vector<double> all;
     for (const Bond& b : s.bonds) all.insert(all.end(), b.grid.acceleration.begin(), b.grid.acceleration.end());
-    for (const GrainSide& g : s.sides.sides) all.insert(all.end(), g.force, g.force + 3);
+    for (const BondEnd& g : s.ends.ends) all.insert(all.end(), g.force, g.force + 3);
     return all;
   };
   const std::vector<double> whole = answer(scenes[2]);
@@ -280,14 +277,14 @@ TEST_P(AddedMassOfLinks, EqualBondsHoldTheirListsTogether) {
     Bond& b = s->bonds[0];
     ASSERT_FALSE(b.points.links.empty());
     double released = 0.0;
-    b.links.let_go(b.points, {b.points.links.front().slot}, b.grid, s->side(b), 0.0, released);
+    b.links.debond(b.points, {b.points.links.front().slot}, b.grid, s->ends_of(b), 0.0, released);
     EXPECT_TRUE(b.links.drop_inertia(b.points));
     std::vector<int> order(b.points.links.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(order.size() - 1 - i);
     std::reverse(b.points.links.begin(), b.points.links.end());
     b.links.renumber(order);
     for (double& m : b.grid.mass.own()) m *= 2.0;
-    b.added.find(b.links, b.grid, s->side(b), {kDt, 0.0, false, kBound});
+    b.added.find(b.links, b.grid, s->ends_of(b), {kDt, 0.0, false, kBound});
   }
   const std::vector<double> other = answer(scenes[2]);
   EXPECT_NE(other, whole);
@@ -300,15 +297,15 @@ TEST_P(AddedMassOfLinks, CarriedByGrains) {
   Scene s = scene(153);
   s.place_grains(0.1, 1.0);
   s.set_added_mass();
-  s.sides.clear_forces();
+  s.ends.clear_forces();
   for (Bond& b : s.bonds) {
     b.grid.clear_force();
-    b.added.accelerate(b.grid, s.side(b));
+    b.added.accelerate(b.grid, s.ends_of(b));
     for (double a : b.grid.acceleration) EXPECT_EQ(a, 0.0);
   }
   s.accelerate_grains();
   for (Bond& b : s.bonds) {
-    b.added.accelerate(b.grid, s.side(b));
+    b.added.accelerate(b.grid, s.ends_of(b));
   }
   s.expect_balanced(momentum_of(s, &Grid::acceleration), 1e-13, "carried");
 }
@@ -324,28 +321,28 @@ TEST_P(AddedMassOfLinks, ExertsNothingWhereNodesMoveWithTheGrain) {
     const Grid& grid = s.bonds[b].grid;
     const Vector a = s.random.vector(), alpha = s.random.vector();
     for (int i = 2 * b; i < 2 * b + 2; ++i) {
-      const Vector x = Eigen::Map<const Vector>(s.sides.sides[i].x);
+      const Vector x = Eigen::Map<const Vector>(s.ends.ends[i].x);
       copy(a + alpha.cross(x), s.motion[i].a);
       copy(alpha, s.motion[i].alpha);
     }
     field[b].resize(3 * grid.size());
     for (int n = 0; n < grid.size(); ++n) copy(a + alpha.cross(s.node(grid, n)), &field[b][3 * n]);
   }
-  s.sides.distribute(s.bodies, s.motion);
-  s.sides.clear_forces();
+  s.ends.distribute(s.records, s.motion);
+  s.ends.clear_forces();
   double size = 0.0;
   test::Worst node, grain;
   for (Bond& b : s.bonds) {
-    const std::vector<double>& of_body = field[b.body];
+    const std::vector<double>& of_body = field[b.row];
     const SharedList<double>& added = b.added.of_nodes();
     for (std::size_t i = 0; i < of_body.size(); ++i) b.grid.force[i] = b.grid.mass[i / 3] * of_body[i];  // of the cement
-    b.added.accelerate(b.grid, s.side(b));
+    b.added.accelerate(b.grid, s.ends_of(b));
     for (std::size_t i = 0; i < of_body.size(); ++i) size = std::max(size, std::fabs(added[i / 3] * of_body[i]));
     for (std::size_t i = 0; i < of_body.size(); ++i)
       if (added[i / 3] > 0.0) node.add(std::fabs(b.grid.acceleration[i] - of_body[i]));
   }
   EXPECT_GT(size, 0.0);
-  for (const GrainSide& g : s.sides.sides)
+  for (const BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) grain.add(std::max(std::fabs(g.force[d]), std::fabs(g.torque[d])) / size);
   expect_within(node, 1e-13, "acceleration of nodes with added mass");
   expect_within(grain, 1e-11, "force and moment on grains, over what carries the mass of a node");
@@ -353,7 +350,7 @@ TEST_P(AddedMassOfLinks, ExertsNothingWhereNodesMoveWithTheGrain) {
 
 double added_energy(const Scene& s, double early = 0.0, double late = 0.0) {
   double energy = 0.0;
-  for (const Bond& b : s.bonds) energy += b.added.energy(b.grid, s.side(b), early, late);
+  for (const Bond& b : s.bonds) energy += b.added.energy(b.grid, s.ends_of(b), early, late);
   return energy;
 }
 
@@ -367,12 +364,11 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   const auto energy = [&] {
     double cement = 0.0;
     for (const Bond& b : s.bonds)
-      for (std::size_t i = 0; i < b.grid.velocity.size(); ++i)
-        cement += 0.5 * b.grid.mass[i / 3] * b.grid.velocity[i] * b.grid.velocity[i];
+      for (std::size_t i = 0; i < b.grid.velocity.size(); ++i) cement += 0.5 * b.grid.mass[i / 3] * b.grid.velocity[i] * b.grid.velocity[i];
     return cement + added_energy(s);
   };
   const double before = energy(), inertial = added_energy(s);
-  for (GrainSides::Motion& m : s.motion) {
+  for (BondEnds::Motion& m : s.motion) {
     copy(s.random.vector(), m.jump);
     copy(s.random.vector(), m.jump + 3);
     for (int d = 0; d < 3; ++d) {
@@ -380,19 +376,19 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
       m.omega[d] += m.jump[3 + d];
     }
   }
-  s.sides.distribute(s.bodies, s.motion);
+  s.ends.distribute(s.records, s.motion);
   double ahead = 0.0;
-  for (const Bond& b : s.bonds) ahead += b.added.energy_ahead(b.grid, s.side(b), 0.0);
+  for (const Bond& b : s.bonds) ahead += b.added.energy_ahead(b.grid, s.ends_of(b), 0.0);
   EXPECT_NEAR(ahead, inertial, 1e-12 * inertial);
   EXPECT_GT(std::fabs(added_energy(s) - inertial), 0.1 * inertial);
-  s.sides.clear_forces();
-  s.sides.clear_sudden_forces();
-  for (Bond& b : s.bonds) b.added.follow_jumps(b.grid, s.side(b), 1.0, 1.0, {});
+  s.ends.clear_forces();
+  s.ends.clear_sudden_forces();
+  for (Bond& b : s.bonds) b.added.follow_jumps(b.grid, s.ends_of(b), 1.0, 1.0, {});
   const std::vector<std::vector<double>> momentum = momentum_of(s, &Grid::acceleration);
   double work = 0.0;
   for (Bond& b : s.bonds)
     for (std::size_t i = 0; i < b.grid.velocity.size(); ++i) b.grid.velocity[i] += b.grid.acceleration[i];
-  for (GrainSide& g : s.sides.sides)
+  for (BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) {
       g.force[d] = g.jump_force[d];
       g.torque[d] = g.jump_force[3 + d];
@@ -402,16 +398,16 @@ TEST_P(AddedMassOfLinks, FollowsJumps) {
   EXPECT_NEAR(energy() - before, work, 1e-11 * before);
 
   // Forces give the same change. This is how momentum is exchanged at once.
-  s.sides.clear_forces();
+  s.ends.clear_forces();
   test::Worst node, grain;
   for (Bond& b : s.bonds) {
     const std::vector<double> followed(b.grid.acceleration);
     b.grid.clear_force();
-    b.added.add_jumps(b.grid, s.side(b), false);
-    b.added.accelerate(b.grid, s.side(b));
+    b.added.add_jumps(b.grid, s.ends_of(b), false);
+    b.added.accelerate(b.grid, s.ends_of(b));
     for (std::size_t i = 0; i < followed.size(); ++i) node.add(std::fabs(b.grid.acceleration[i] - followed[i]));
   }
-  for (const GrainSide& g : s.sides.sides)
+  for (const BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) grain.add(std::max(std::fabs(g.force[d] - g.jump_force[d]), std::fabs(g.torque[d] - g.jump_force[3 + d])));
   expect_within(node, 1e-13, "change of velocity");
   expect_within(grain, 1e-13, "momentum of the grains");
@@ -423,8 +419,8 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
   Scene s = scene(158);
   s.place_grains(0.1, 1.0);
   s.set_added_mass();
-  s.sides.clear_forces();
-  s.sides.clear_sudden_forces();
+  s.ends.clear_forces();
+  s.ends.clear_sudden_forces();
   test::Worst kept, same;
   double lost = 0.0, kinetic = 0.0;
   int slowed = 0;
@@ -434,30 +430,33 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
     grid.ties.extend(grid.velocity.data());
     std::vector<AddedMass::Share> before = b.added.shares();
     const std::vector<AddedMass::Share> now = before;
-    const auto side_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the side whose mass changes
-    for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[side_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
+    const auto ends_of = [&](std::size_t n) { return now[n].mass[0] > 0.0 ? 0 : 1; };  // the side whose mass changes
+    for (std::size_t n = 0; n < now.size(); ++n) before[n].mass[ends_of(n)] *= n % 3 == 0 ? 0.0 : n % 3 == 1 ? 0.3 : 2.0;
     const std::vector<double> first = grid.velocity;
     std::vector<AddedMass::Share> listed;
-    std::copy_if(before.begin(), before.end(), std::back_inserter(listed), [](const AddedMass::Share& a) { return a.mass[0] + a.mass[1] > 0.0; });
+    std::copy_if(before.begin(), before.end(), std::back_inserter(listed),
+                 [](const AddedMass::Share& a) { return a.mass[0] + a.mass[1] > 0.0; });
     const auto grains_go_on = [&](double time) {
       for (int n = 0; n < 2; ++n)
-        for (int d = 0; d < 3; ++d) s.side(b)[n].x[d] += time * s.side(b)[n].v[d];
+        for (int d = 0; d < 3; ++d) s.ends_of(b)[n].x[d] += time * s.ends_of(b)[n].v[d];
     };
     grains_go_on(1.0);
-    lost += b.added.take_up(listed, grid, s.side(b), 0.0, 1.0);
+    lost += b.added.add_to_nodes(listed, grid, s.ends_of(b), 0.0, 1.0);
     grains_go_on(-1.0);
     for (std::size_t n = 0; n < now.size(); ++n) {
-      const int node = now[n].node, side = side_of(n);
+      const int node = now[n].node, side = ends_of(n);
       double r[3], of_grain[3], was = 0.0, is = 0.0, change = 0.0;
-      lever_arm(grid, node, s.side(b)[side], r);
-      velocity_at(s.side(b)[side], r, of_grain);
+      lever_arm(grid, node, s.ends_of(b)[side], r);
+      velocity_at(s.ends_of(b)[side], r, of_grain);
       for (int d = 0; d < 3; ++d) {
         was += std::pow(first[3 * node + d] - of_grain[d], 2);
         is += std::pow(grid.velocity[3 * node + d] - of_grain[d], 2);
         change += std::fabs(grid.velocity[3 * node + d] - first[3 * node + d]);
       }
       if (n % 3 == 2) same.add(change);
-      else kept.add(std::fabs(is / was - (grid.mass[node] + before[n].mass[0] + before[n].mass[1]) / (grid.mass[node] + now[n].mass[0] + now[n].mass[1])));
+      else
+        kept.add(std::fabs(is / was - (grid.mass[node] + before[n].mass[0] + before[n].mass[1]) /
+                                          (grid.mass[node] + now[n].mass[0] + now[n].mass[1])));
       slowed += n % 3 != 2 && is < was;
     }
     for (std::size_t i = 0; i < first.size(); ++i) {
@@ -471,7 +470,7 @@ TEST_P(AddedMassOfLinks, TakesUpMassWithoutGainOfEnergy) {
   EXPECT_GT(slowed, 20);
   expect_within(kept, 1e-12, "energy against the grain");
   expect_within(same, 1e-14, "velocity of the other nodes");
-  for (GrainSide& g : s.sides.sides)
+  for (BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) {
       g.force[d] = g.transfer_force[d];
       g.torque[d] = g.transfer_force[3 + d];
@@ -486,13 +485,13 @@ TEST_P(AddedMassOfLinks, LinksOfFreeGrainsCountMore) {
   Scene s = scene(156);
   const std::vector<double> held[2] = {s.row_sums(s.bonds[0]), s.row_sums(s.bonds[1])};
   s.motion[0].mass_ratio = 0.6;  // the first grain of the first body
-  s.sides.distribute(s.bodies, s.motion);
+  s.ends.distribute(s.records, s.motion);
   test::Worst worst;
   for (const Bond& b : s.bonds) {
     const std::vector<double> free = s.row_sums(b);
     for (std::size_t i = 0; i < free.size(); ++i) {
-      const bool of_first = b.body == 0 && i % 2 == 0;
-      if (held[b.body][i] > 0.0) worst.add(std::fabs(free[i] / ((of_first ? 1.6 : 1.0) * held[b.body][i]) - 1.0));
+      const bool of_first = b.row == 0 && i % 2 == 0;
+      if (held[b.row][i] > 0.0) worst.add(std::fabs(free[i] / ((of_first ? 1.6 : 1.0) * held[b.row][i]) - 1.0));
     }
   }
   expect_within(worst, 1e-12, "row sums against (1 + t) times those of grains that are held");
@@ -509,17 +508,16 @@ TEST_P(AddedMassOfLinks, EnergyIsBilinearInTheVelocity) {
   s.accelerate_grains();
   // velocities of nodes and grains: share of the first ones, and so long of acceleration
   const std::vector<double> first[2] = {s.bonds[0].grid.velocity, s.bonds[1].grid.velocity};
-  const std::vector<GrainSides::Motion> motion = s.motion;
+  const std::vector<BondEnds::Motion> motion = s.motion;
   const auto energy = [&](double share, double time, double early, double late) {
     for (Bond& b : s.bonds)
-      for (std::size_t i = 0; i < b.grid.velocity.size(); ++i)
-        b.grid.velocity[i] = share * first[b.body][i] + time * b.grid.acceleration[i];
+      for (std::size_t i = 0; i < b.grid.velocity.size(); ++i) b.grid.velocity[i] = share * first[b.row][i] + time * b.grid.acceleration[i];
     for (std::size_t i = 0; i < motion.size(); ++i)
       for (int d = 0; d < 3; ++d) {
         s.motion[i].v[d] = share * motion[i].v[d] + time * motion[i].a[d];
         s.motion[i].omega[d] = share * motion[i].omega[d] + time * motion[i].alpha[d];
       }
-    s.sides.distribute(s.bodies, s.motion);
+    s.ends.distribute(s.records, s.motion);
     return added_energy(s, early, late);
   };
   const double E = energy(1.0, 0.0, t, t);
@@ -536,33 +534,33 @@ TEST_P(AddedMassOfLinks, DroppedWithLinksThatLetGo) {
   const std::vector<double> whole = s.row_sums(b);
   std::vector<int> failed;
   for (const Link& k : b.points.links)
-    if (k.grain == s.bodies[0].grain[0]) failed.push_back(k.slot);
+    if (k.grain == s.records[0].grain[0]) failed.push_back(k.slot);
   std::sort(failed.begin(), failed.end());
   EXPECT_GT(failed.size(), 10u);
   double released = 0;
-  b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
+  b.links.debond(b.points, failed, b.grid, s.ends_of(b), 0.0, released);
   for (const Link& k : b.points.links)
-    if (k.grain == s.bodies[0].grain[0]) {
+    if (k.grain == s.records[0].grain[0]) {
       EXPECT_FALSE(k.attached);
     }
   EXPECT_EQ(s.row_sums(b), whole);
   s.set_added_mass();
   double held[2] = {0, 0}, left[2] = {0, 0};
-  b.added.add_to_sides(b.grid, held);
+  b.added.add_to_ends(b.grid, held);
   EXPECT_GT(held[0], 0.0);
 
   b.links.drop_inertia(b.points);
   s.set_added_mass();
   const std::vector<double> dropped = s.row_sums(b);
-  b.added.add_to_sides(b.grid, left);
+  b.added.add_to_ends(b.grid, left);
   EXPECT_EQ(left[0], 0.0);
   EXPECT_GT(left[1], 0.0);
-  s.sides.clear_forces();
-  s.sides.clear_sudden_forces();
+  s.ends.clear_forces();
+  s.ends.clear_sudden_forces();
   const std::vector<double> field(b.grid.force.size(), 1.0);
-  b.added.add_reaction(b.grid, field, 1.0, s.side(b));
-  for (int d = 0; d < 3; ++d) EXPECT_EQ(s.sides.sides[0].force[d], 0.0);
-  for (double f : s.sides.sides[0].transfer_force) EXPECT_EQ(f, 0.0);
+  b.added.add_reaction(b.grid, field, 1.0, s.ends_of(b));
+  for (int d = 0; d < 3; ++d) EXPECT_EQ(s.ends.ends[0].force[d], 0.0);
+  for (double f : s.ends.ends[0].transfer_force) EXPECT_EQ(f, 0.0);
 
   b.links = s.links_anew(b);
   const std::vector<double> rest = s.row_sums(b);

@@ -47,9 +47,9 @@ void expect_law_at_every_point(const L& law, bool fails = true) {
         for (int i = 0; i < L::kFields; ++i)
           for (int k = 0; k < kLanes; ++k) number(s, i, k) = number(was, i, l);
         const double strength = before.meta[b].linked >> l & 1 ? law.interface() : 1.0;
-        const auto u = law.update(test::on_all_lanes(test::tensor(before.blocks[b].strain, l)),
-                                  test::on_all_lanes(test::tensor(c.points.blocks[b].strain, l)), s, test::only_lane(0),
-                                  splat(strength), growth);
+        const auto u =
+            law.update(test::on_all_lanes(test::tensor(before.blocks[b].strain, l)),
+                       test::on_all_lanes(test::tensor(c.points.blocks[b].strain, l)), s, test::only_lane(0), splat(strength), growth);
         // Points whose damage grows travel in vectors with others: not a bit may tell.
         for (int i = 0; i < L::kFields; ++i) EXPECT_EQ(number(now, i, l), number(s, i, 0));
         dissipated += u.dissipated[0] * c.points.blocks[b].volume[l];
@@ -140,8 +140,7 @@ TEST(AdvancePoints, ElasticForceDerivesFromTheEnergy) {
   const std::vector<Vector> X = test::scattered(random, kCell, 3, 7);
   const auto energy_of = [&](const Cement& c) {
     double U = 0;
-    for (const PointBlock& p : c.points.blocks)
-      U += 0.5 * sum_lanes(p.volume * contract(p.strain, law.elasticity().stress(p.strain)));
+    for (const PointBlock& p : c.points.blocks) U += 0.5 * sum_lanes(p.volume * contract(p.strain, law.elasticity().stress(p.strain)));
     return U;
   };
   const auto error_at = [&](double size) {
@@ -154,8 +153,7 @@ TEST(AdvancePoints, ElasticForceDerivesFromTheEnergy) {
     c.set_velocity([&](const Vector&) { return Vector(size * kCell / kDt * same.vector()); });
     c.advance(law, kDt);
     double work = 0;
-    for (std::size_t i = 0; i < force.size(); ++i)
-      work -= 0.5 * (force[i] + c.grid.force[i]) * kDt * c.grid.velocity[i];
+    for (std::size_t i = 0; i < force.size(); ++i) work -= 0.5 * (force[i] + c.grid.force[i]) * kDt * c.grid.velocity[i];
     return std::fabs(energy_of(c) - U - work) / U;
   };
   const double coarse = error_at(8e-4), fine = error_at(4e-4);

@@ -32,7 +32,8 @@ struct Lump {
   int layouts = 0, moved = 0;
 
   Lump(test::Random& random, Basis basis, const Transfer& t, int per_cell = 8)
-      : c(kCell, test::scattered(random, kCell, 4, per_cell), kCell * kCell * kCell / per_cell, Eigen::Quaterniond::Identity(), basis, UpdatedPass::kMargin),
+      : c(kCell, test::scattered(random, kCell, 4, per_cell), kCell * kCell * kCell / per_cell, Eigen::Quaterniond::Identity(), basis,
+          UpdatedPass::kMargin),
         method(t) {
     c.grid.lump_mass(c.points, kCalcite);
     c.points.let_move();
@@ -52,13 +53,12 @@ struct Lump {
   void take_nodes() {
     c.grid.update_acceleration();
     for (int i = 0; i < c.grid.size(); ++i)
-      for (int d = 0; d < 3; ++d)
-        c.grid.velocity[3 * i + d] = c.grid.mass[i] > 0 ? c.grid.momentum[3 * i + d] / c.grid.mass[i] : 0.0;
+      for (int d = 0; d < 3; ++d) c.grid.velocity[3 * i + d] = c.grid.mass[i] > 0 ? c.grid.momentum[3 * i + d] / c.grid.mass[i] : 0.0;
   }
   // The grid for the blocks as they are.
   void lay_out() {
     std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : c.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    for (BlockMeta& m : c.points.meta) cells.push_back({field_of(m.row, m.layer), m.base, m.column});
     std::vector<char> fresh;
     c.grid.build(MPI_COMM_SELF, kCell, cells, NodeKinematics(), fresh, UpdatedPass::kMargin);
     c.grid.lump_mass(c.points, kCalcite);
@@ -112,15 +112,14 @@ TEST_P(Updated, Translation) {
       ++left;
       const PointStore& s = lump.c.points;
       strain.add(test::tensor(s.blocks[b].strain, l), 1.0);
-      for (int d = 0; d < 3; ++d)
-        place.add(std::fabs(s.blocks[b].X[d][l] - s.motion[b].X0[d][l] - steps * lump.dt * v[d]) / kCell);
+      for (int d = 0; d < 3; ++d) place.add(std::fabs(s.blocks[b].X[d][l] - s.motion[b].X0[d][l] - steps * lump.dt * v[d]) / kCell);
     });
     EXPECT_EQ(left, points);
     EXPECT_GT(lump.moved, 10 * points);
     // points of a cell are in as few blocks as they fit into, but for cells that gained some since they last lost one
     std::map<Key, std::array<int, 2>> cells;  // points, blocks
     for (const BlockMeta& m : lump.c.points.meta) {
-      std::array<int, 2>& n = cells[{field_of(m.body, m.part), m.base[0], m.base[1], m.base[2]}];
+      std::array<int, 2>& n = cells[{field_of(m.row, m.layer), m.base[0], m.base[1], m.base[2]}];
       n[0] += __builtin_popcount(m.occupied);
       n[1] += m.occupied != 0;
     }
@@ -180,8 +179,13 @@ TEST_P(Updated, RelocationKeepsThePass) {
   for (int i = 0; i < g.size(); ++i)
     if (g.mass[i] > 0.0)
       // of the forces a step leaves the accelerations
-      nodes[g.keys[i]] = {g.mass[i], g.momentum[3 * i], g.momentum[3 * i + 1], g.momentum[3 * i + 2],
-                          g.mass[i] * g.acceleration[3 * i], g.mass[i] * g.acceleration[3 * i + 1], g.mass[i] * g.acceleration[3 * i + 2]};
+      nodes[g.keys[i]] = {g.mass[i],
+                          g.momentum[3 * i],
+                          g.momentum[3 * i + 1],
+                          g.momentum[3 * i + 2],
+                          g.mass[i] * g.acceleration[3 * i],
+                          g.mass[i] * g.acceleration[3 * i + 1],
+                          g.mass[i] * g.acceleration[3 * i + 2]};
   lump.c.points.arrange(kCell, GetParam());
   lump.lay_out();
   lump.project();

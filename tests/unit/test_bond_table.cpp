@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The columns of the table of bonds.
-#include "cement/bond_table.h"
-#include "cement/cement_values.h"
+#include "cement/engine/bond_table.h"
+#include "cement/engine/cement_values.h"
 
 #include <fstream>
 #include <set>
@@ -19,7 +19,7 @@ namespace {
 using test::Row;
 using test::RowOfGrains;
 
-int place_of(const std::string& name) {
+int grid_index_of(const std::string& name) {
   for (std::size_t n = 0; n < bond_columns().size(); ++n)
     if (bond_columns()[n].name == name) return static_cast<int>(n);
   ADD_FAILURE() << "no column " << name;
@@ -27,17 +27,44 @@ int place_of(const std::string& name) {
 }
 
 double value(RowOfGrains& host, int bond, const std::string& name) {
-  const BondColumn& c = bond_columns()[place_of(name)];
+  const BondColumn& c = bond_columns()[grid_index_of(name)];
   return c.of_all() ? c.value(host.cement->report().totals(0.1)) : c.value(host.cement->report().bond_states()[bond]);
 }
 
 // Scripts number the columns.
 TEST(BondTable, PlacesStay) {
-  const std::vector<std::string> first = {
-      "fx1", "fy1", "fz1", "mx1", "my1", "mz1", "fx2", "fy2", "fz2", "mx2", "my2", "mz2", "gap", "tension", "points", "attached",
-      "debonded", "failed", "largest_damage", "mean_damage", "peak_tension", "separated", "share_grain1", "share_grain2",
-      "elastic_energy", "kinetic_energy", "coupling_energy", "dissipated_energy", "released_energy", "damped_energy",
-      "external_work", "energy_imbalance"};
+  const std::vector<std::string> first = {"fx1",
+                                          "fy1",
+                                          "fz1",
+                                          "mx1",
+                                          "my1",
+                                          "mz1",
+                                          "fx2",
+                                          "fy2",
+                                          "fz2",
+                                          "mx2",
+                                          "my2",
+                                          "mz2",
+                                          "gap",
+                                          "tension",
+                                          "points",
+                                          "attached",
+                                          "debonded",
+                                          "failed",
+                                          "largest_damage",
+                                          "mean_damage",
+                                          "peak_tension",
+                                          "separated",
+                                          "share_grain1",
+                                          "share_grain2",
+                                          "elastic_energy",
+                                          "kinetic_energy",
+                                          "coupling_energy",
+                                          "dissipated_energy",
+                                          "released_energy",
+                                          "damped_energy",
+                                          "external_work",
+                                          "energy_imbalance"};
   ASSERT_GE(bond_columns().size(), first.size());
   std::set<std::string> names;
   for (std::size_t n = 0; n < bond_columns().size(); ++n) {
@@ -82,8 +109,8 @@ TEST(BondTable, SumsGoOverRanksNotOverBonds) {
   host.run(480);
   double links[3] = {}, gone[3] = {}, failed[3] = {};
   for (const Bond& b : host.bonds) {
-    for (const Link& k : b.points.links) (k.attached ? links : gone)[b.body] += 1.0;
-    for (const BlockMeta& m : b.points.meta) failed[b.body] += __builtin_popcount(m.failed);
+    for (const Link& k : b.points.links) (k.attached ? links : gone)[b.row] += 1.0;
+    for (const BlockMeta& m : b.points.meta) failed[b.row] += __builtin_popcount(m.failed);
   }
   for (int b = 0; b < 3; ++b) {
     EXPECT_EQ(value(host, b, "points"), host.bonds.table[b].points);
@@ -127,10 +154,11 @@ TEST(BondTable, AttachedShareIsThatOfTheArea) {
     double area[2] = {0.0, 0.0};
     for (const Bond& b : whole.bonds)
       for (const Link& k : b.points.links) area[k.grain - 1] += k.attached ? k.area : 0.0;
-    const double cap = 2.0 * M_PI * test::kRadius * (test::kRadius - std::sqrt(test::kRadius * test::kRadius - test::kOuter * test::kOuter));
+    const double cap =
+        2.0 * M_PI * test::kRadius * (test::kRadius - std::sqrt(test::kRadius * test::kRadius - test::kOuter * test::kOuter));
     const double share[2] = {value(whole, 0, "attached_grain1"), value(whole, 0, "attached_grain2")};
     for (int s = 0; s < 2; ++s) EXPECT_NEAR(share[s], whole.sum(area[s]) / cap, 1e-12);
-    EXPECT_EQ(share[0] + share[1] < 2.0 - 1e-9, value(whole, 0, "debonded") > 0.0);
+    EXPECT_EQ(share[0] + share[1]<2.0 - 1e-9, value(whole, 0, "debonded")> 0.0);
     EXPECT_LE(share[0] + share[1], last + 1e-12);
     steps_of_loss += share[0] + share[1] < last - 1e-9;
     last = share[0] + share[1];

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // The engine without LIGGGHTS, on 1, 2 and 4 ranks.
-#include "cement/cement.h"
+#include "cement/engine/cement.h"
 
 #include <chrono>
 #include <cstring>
@@ -49,7 +49,7 @@ TEST(Bonds, StayWhereTheyAre) {
   for (int n = 0; n < 49; ++n) bonds.make(n * 18 % 49);
   EXPECT_EQ(bonds.find(49), first);
   int row = 0;
-  for (const Bond& b : bonds) EXPECT_EQ(b.body, row++);
+  for (const Bond& b : bonds) EXPECT_EQ(b.row, row++);
   EXPECT_EQ(row, 50);
 }
 
@@ -77,7 +77,7 @@ TEST_P(Kinematic, PulledThroughFailure) {
   int checked = 0;
   host.setup();
   alone.setup();
-  for (int part = 0; part < 75; ++part) {
+  for (int layer = 0; layer < 75; ++layer) {
     host.run(20);
     alone.run(20);
     peak = std::max(peak, host.tension(0));
@@ -123,12 +123,13 @@ TEST_P(Kinematic, RestartsToTheBit) {
     // with a shorter step from here on: the velocities that were kept lie half of the old one behind
     const double dt = (at == 300 ? 0.8 : 0.7) * test::kStep;
     test::expect_restart_to_the_bit(whole, r, at, 100, dt, [&](RowOfGrains& again) {
-      EXPECT_EQ(again.cement->bodies_started(), 2);
+      EXPECT_EQ(again.cement->rows_started(), 2);
       const CementTotals a = whole.cement->report().totals(0.1), b = again.cement->report().totals(0.1);
       for (double CementTotals::*sum : {&CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
         EXPECT_NEAR(a.*sum, b.*sum, 1e-12 * a.external_work);
       EXPECT_EQ(a.separated, b.separated);
-      for (int bond = 0; bond < 2; ++bond) EXPECT_EQ(whole.cement->report().bond_states()[bond].tension, again.cement->report().bond_states()[bond].tension);
+      for (int bond = 0; bond < 2; ++bond)
+        EXPECT_EQ(whole.cement->report().bond_states()[bond].tension, again.cement->report().bond_states()[bond].tension);
     });
   }
   EXPECT_GT(whole.cement->report().totals(0.1).failed, 50.0);
@@ -138,7 +139,8 @@ TEST_P(Kinematic, RestartsToTheBit) {
 // other steps it goes on to rounding: an exchange lays the links out anew and finds the added mass anew.
 TEST_P(Kinematic, HandsABondOver) {
   if (test::ranks() == 1) GTEST_SKIP() << "there is no other rank";
-  if (test::ranks() > 2 && !(GetParam().updated && GetParam().nonlocal)) GTEST_SKIP() << "on two ranks, and that which has most to hand over here";
+  if (test::ranks() > 2 && !(GetParam().updated && GetParam().nonlocal))
+    GTEST_SKIP() << "on two ranks, and that which has most to hand over here";
   Row r = row();
   r.bonds = 3;
   r.free_middle = true;
@@ -148,7 +150,8 @@ TEST_P(Kinematic, HandsABondOver) {
   stays.setup();
   goes.setup();
   const int next = (1 + test::ranks() / 2) % test::ranks();
-  for (const auto& [at, row, to] : {std::tuple(141, 1, next), std::tuple(321, 1, 0), std::tuple(341, 0, test::ranks() - 1), std::tuple(521, 1, next)}) {
+  for (const auto& [at, row, to] :
+       {std::tuple(141, 1, next), std::tuple(321, 1, 0), std::tuple(341, 0, test::ranks() - 1), std::tuple(521, 1, next)}) {
     goes.hand_over_at(at, row, to);
     stays.hand_over_at(at, -1, 0);  // with `updated` kinematics points are arranged at any exchange
     const int steps = at + 2 - goes.number;
@@ -165,9 +168,12 @@ TEST_P(Kinematic, HandsABondOver) {
   EXPECT_GT(stays.all_failed().size(), 50u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cement, Kinematic, ::testing::Values(Method{false, false}, Method{true, false}, Method{false, true}, Method{true, true}, Method{false, false, 2}),
+INSTANTIATE_TEST_SUITE_P(Cement, Kinematic,
+                         ::testing::Values(Method{false, false}, Method{true, false}, Method{false, true}, Method{true, true},
+                                           Method{false, false, 2}),
                          [](const ::testing::TestParamInfo<Method>& p) {
-                           return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") + (p.param.mass_order > 1 ? "_order2" : "");
+                           return std::string(p.param.updated ? "updated" : "total") + (p.param.nonlocal ? "_nonlocal" : "") +
+                                  (p.param.mass_order > 1 ? "_order2" : "");
                          });
 
 // A link lets go, and then its point fails. Each is something new to look at.
@@ -178,14 +184,14 @@ TEST(Cracks, SeePointsFailWhoseLinksLetGoBefore) {
   CementOptions options = host.cement->options();
   options.split = true;
   Cracks cracks;
-  cracks.take_up(1);
-  const auto look = [&] { cracks.look(MPI_COMM_SELF, host.bonds, options, true, false); };
+  cracks.add_bonds(1);
+  const auto look = [&] { cracks.detect_separations(MPI_COMM_SELF, host.bonds, options, true, false); };
   look();
   EXPECT_TRUE(cracks.has_seen(bond));
   Link& link = bond.points.links.front();
   link.attached = false;
   EXPECT_FALSE(cracks.has_seen(bond));
-  bond.link_step.let_go = {0};
+  bond.link_step.debond = {0};
   cracks.watch_links(bond);
   ASSERT_TRUE(cracks.some_path_is_cut(MPI_COMM_SELF));
   look();

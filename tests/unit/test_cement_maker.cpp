@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Cement planned and made without LIGGGHTS, on 1, 2 and 3 ranks: what comes out is the same on any number of them.
-#include "cement/cement_maker.h"
+#include "cement/creation/cement_maker.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "cement/contacts.h"
+#include "cement/creation/contacts.h"
 #include "mpi_ranks.h"
 #include "parallel/agree.h"
 #include "parallel/gather_ranks.h"
@@ -40,7 +40,7 @@ class RowScene : public CementMakerHost {
  public:
   MPI_Comm comm;
   SceneBox box;
-  std::vector<Body> table;
+  std::vector<BondRecord> table;
   CementWish wish;
   std::vector<GrainToBond> grains;
   struct Point {
@@ -51,7 +51,8 @@ class RowScene : public CementMakerHost {
   std::string said;
   std::vector<std::pair<const void*, std::size_t>> lists;  // of points that were given
 
-  RowScene(MPI_Comm comm, int n, bool periodic = false, double gap = 0.0) : comm(comm), box(box_of(comm, n * (2.0 * kRadius + gap), periodic)) {
+  RowScene(MPI_Comm comm, int n, bool periodic = false, double gap = 0.0)
+      : comm(comm), box(box_of(comm, n * (2.0 * kRadius + gap), periodic)) {
     std::vector<Vector3> centres;
     for (int g = 0; g < n; ++g)
       centres.emplace_back((kRadius + 0.5 * gap) + g * (2.0 * kRadius + gap), 0.5 * box.high[0], 0.5 * box.high[0]);
@@ -104,7 +105,8 @@ class RowScene : public CementMakerHost {
   std::vector<FullPoint> full_points(int bodies) override {
     std::vector<FullPoint> full;
     for (const Point& p : points)
-      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3)) full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row, table[p.row].spacing});
+      if (p.row < bodies && p.volume > 0.95 * std::pow(table[p.row].spacing, 3))
+        full.push_back({Vector3(p.x[0], p.x[1], p.x[2]), p.row, table[p.row].spacing});
     return full;
   }
   std::size_t create_points(const std::vector<NewBond>& bonds, bool) override {
@@ -114,7 +116,7 @@ class RowScene : public CementMakerHost {
       for (std::size_t n = 0; n < b.points.size(); ++n) {
         Point p{b.first_tag + static_cast<int>(n), b.row, {}, b.points[n].volume};
         int image[3] = {0, 0, 0};
-        for (int c = 0; c < 3; ++c) p.x[c] = b.body.origin[c] + b.points[n].X[c];
+        for (int c = 0; c < 3; ++c) p.x[c] = b.record.origin[c] + b.points[n].X[c];
         if (box.take_in(p.x, image)) points.push_back(p);
       }
     }
@@ -169,7 +171,7 @@ TEST(CementMaker, MakesTheSameOnAnyNumberOfRanks) {
   EXPECT_NEAR(sums.volume, 6 * exact, 1e-9 * exact);
   EXPECT_NEAR(sums.mass, 2710.0 * sums.volume, 1e-9 * sums.mass);
   for (std::size_t b = 0; b < 6; ++b) {
-    const Body &mine = together.table[b], &other = alone.table[b];
+    const BondRecord &mine = together.table[b], &other = alone.table[b];
     EXPECT_EQ(mine.grain[0], other.grain[0]);
     EXPECT_EQ(mine.points, other.points);
     for (int c = 0; c < 3; ++c) EXPECT_EQ(mine.origin[c], other.origin[c]);
@@ -206,7 +208,7 @@ TEST(CementMaker, KeepsPatternsForLater) {
   ASSERT_EQ(later.patterns.size(), 1u);
   ASSERT_EQ(later.table.size(), 5u);
   std::vector<RowScene::Point> points = now.all_points();
-  for (const Body& b : later.table) {
+  for (const BondRecord& b : later.table) {
     EXPECT_EQ(b.pattern, 1);
     ASSERT_EQ(static_cast<std::size_t>(b.points), later.patterns[0].size());
   }
@@ -229,7 +231,8 @@ TEST(CementMaker, CementInCementIsRefusedOrLeftOut) {
       EXPECT_EQ(s.all_points().size(), points / 2 * 3);
       EXPECT_EQ(s.all_points().back().row, 2);
     } else {
-      EXPECT_EQ(why.find("create_cement pair 1 2: the cement of grains 1 and 2 overlaps that of grains 1 and 2, in a volume of "), 0u) << why;
+      EXPECT_EQ(why.find("create_cement pair 1 2: the cement of grains 1 and 2 overlaps that of grains 1 and 2, in a volume of "), 0u)
+          << why;
       EXPECT_EQ(s.table.size(), 2u);
     }
   }
@@ -267,8 +270,10 @@ TEST(CementMaker, ComplainsOfTheFirstBondThatCannotBe) {
   EXPECT_EQ(why(nothing, {{1, 2}, {2, 4}}).find("create_cement pair 2 4: grains 2 and 4 are not neighbours: their gap 2 "), 0u);
   EXPECT_NE(why(nothing, {{1, 9}}).find("grain 9 does not exist"), std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.cemented = {{1, 2}}; }, {{1, 2}}).find("have cement already"), std::string::npos);
-  EXPECT_NE(why([](RowScene& s) { s.wish.spacing = 0.5; }, {{1, 2}}).find("less than a cell of two points of spacing 0.5"), std::string::npos);
-  EXPECT_NE(why([](RowScene& s) { s.box.high[1] = s.box.low[1] + 5.1; }, {{1, 2}}).find("points lie outside the simulation box"), std::string::npos);
+  EXPECT_NE(why([](RowScene& s) { s.wish.spacing = 0.5; }, {{1, 2}}).find("less than a cell of two points of spacing 0.5"),
+            std::string::npos);
+  EXPECT_NE(why([](RowScene& s) { s.box.high[1] = s.box.low[1] + 5.1; }, {{1, 2}}).find("points lie outside the simulation box"),
+            std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.last_tag = 2147483647; }, {{1, 2}}).find("exceed the number of atom IDs"), std::string::npos);
   EXPECT_NE(why([](RowScene& s) { s.wish.file = "no such file"; }, {{1, 2}}).find("'no such file' cannot be read"), std::string::npos);
   const auto in_the_way = [](RowScene& s) { s.set_grains({{2, 5, 5}, {4, 5, 5}, {3, 6.2, 5}}); };

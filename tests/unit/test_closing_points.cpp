@@ -28,7 +28,8 @@ class FailedBody : public ::testing::Test {
       const Mat3<vd> Q = rotation_matrix(p.q);
       double n[3];
       for (int i = 0; i < 3; ++i) n[i] = Q.a[0][i][l] * normal[0] + Q.a[1][i][l] * normal[1] + Q.a[2][i][l] * normal[2];
-      const double D[6] = {0.9 * n[0] * n[0], 0.9 * n[1] * n[1], 0.9 * n[2] * n[2], 0.9 * n[1] * n[2], 0.9 * n[0] * n[2], 0.9 * n[0] * n[1]};
+      const double D[6] = {0.9 * n[0] * n[0], 0.9 * n[1] * n[1], 0.9 * n[2] * n[2],
+                           0.9 * n[1] * n[2], 0.9 * n[0] * n[2], 0.9 * n[0] * n[1]};
       body.points.set_state(kLanes * b + l, D);
       body.points.meta[b].failed |= static_cast<std::uint8_t>(1u << l);
       body.points.meta[b].damaged = true;
@@ -180,7 +181,9 @@ TEST_F(FailedBody, BeginsWithTheProductOfBothEndsOfAStep) {
   for (int n = 0; n < body.grid.size(); ++n)
     for (int d = 0; d < 3; ++d) body.grid.velocity[3 * n + d] = -0.002 / kDt * normal.dot(body.place(n)) * normal[d];
   displace([&](const Vector& X) { return Vector(-0.01 * normal.dot(X) * normal); });
-  const auto begun = [&](const std::vector<int>& slots, double dt) { return closing.energy_at_beginning(body.points, body.grid, slots, dt); };
+  const auto begun = [&](const std::vector<int>& slots, double dt) {
+    return closing.energy_at_beginning(body.points, body.grid, slots, dt);
+  };
   EXPECT_NEAR(begun(all, 0.0), energy(), 1e-9 * energy());
   EXPECT_NEAR(begun(all, kDt), std::sqrt(energy_of(0.01) * energy_of(0.008)), 1e-9 * energy());
   EXPECT_EQ(begun({}, kDt), 0.0);
@@ -196,7 +199,9 @@ TEST_F(FailedBody, CountsForTheEigenvalueAsWhole) {
     c->grid.lump_mass(c->points, test::kCalcite);
   }
   std::copy(whole.points.blocks.begin(), whole.points.blocks.end(), body.points.blocks.begin());  // frames too
-  const auto found = [&](test::Cement& c, bool hold) { return largest_eigenvalue(MPI_COMM_SELF, {{&c.points, &c.grid, hold}}, *law).value; };
+  const auto found = [&](test::Cement& c, bool hold) {
+    return largest_eigenvalue(MPI_COMM_SELF, {{&c.points, &c.grid, hold}}, *law).value;
+  };
   const double expected = found(whole, false);
   EXPECT_NEAR(found(body, true), expected, 2e-3 * expected);
   EXPECT_LT(found(body, false), 1e-6 * expected);
@@ -252,7 +257,7 @@ class Sliding : public FailedBody {
     for (std::size_t i = 0; i < was.size(); ++i) body.grid.velocity[i] = (body.grid.displacement[i] - was[i]) / kDt;
     body.grid.clear_force();
     const Losses losses = closing.add_force(body.points, body.grid, kDt);
-    rubbed += losses.rubbed;
+    frictional += losses.frictional;
     for (std::size_t i = 0; i < was.size(); ++i) work -= 0.5 * (force[i] + body.grid.force[i]) * (body.grid.displacement[i] - was[i]);
   }
   test::Matrix pressed_and_slid(double press, const Vector& slide) const {
@@ -263,7 +268,8 @@ class Sliding : public FailedBody {
     Vector sum = Vector::Zero();
     double volume = 0.0;
     body.for_points([&](int b, int l) { volume += body.points.blocks[b].volume[l]; });
-    for (int n = 0; n < body.grid.size(); ++n) sum -= normal.dot(body.place(n) + body.at(body.grid.displacement, n)) * body.at(body.grid.force, n);
+    for (int n = 0; n < body.grid.size(); ++n)
+      sum -= normal.dot(body.place(n) + body.at(body.grid.displacement, n)) * body.at(body.grid.force, n);
     return sum / volume;
   }
   // Shear over the pressure, where the crack is wider than in the reference by no more than the pressure makes it.
@@ -272,7 +278,7 @@ class Sliding : public FailedBody {
     return (t - t.dot(normal) * normal).norm() / -t.dot(normal);
   }
   Vector across;
-  double rubbed = 0.0, work = 0.0;
+  double frictional = 0.0, work = 0.0;
 };
 
 TEST_F(Sliding, BearsMuTimesThePressure) {
@@ -283,7 +289,7 @@ TEST_F(Sliding, BearsMuTimesThePressure) {
   const double sticks = shear_over_pressure();
   EXPECT_GT(sticks, 0.0);
   EXPECT_LT(sticks, kMu);
-  EXPECT_EQ(rubbed, 0.0);
+  EXPECT_EQ(frictional, 0.0);
   for (int n = 1; n <= 100; ++n) go(pressed_and_slid(kPressed, 0.01 * n * kSlide * along));
   test::expect_within(std::fabs(shear_over_pressure() / kMu - 1.0), 1e-6, "shear over pressure, over mu");
   EXPECT_GT(traction().dot(along), 0.0);
@@ -303,12 +309,13 @@ TEST_F(Sliding, KeepsTheBooks) {
     const double turn = 2.0 * M_PI * n / kSteps, press = kPressed * std::sin(0.5 * turn);
     const Vector slide = kSlide * ((std::cos(turn) - 1.0) * along + 0.5 * std::sin(2.0 * turn) * across);
     go(test::rotation(across, 0.3 * std::sin(turn)) * pressed_and_slid(press, slide));
-    EXPECT_GE(rubbed, (1.0 - 1e-9) * most);
-    most = std::max(most, rubbed);
-    test::expect_within(std::fabs(work - energy() - rubbed) / energy_of(kPressed), 1e-2, "work less energies, over that of the pressure");
+    EXPECT_GE(frictional, (1.0 - 1e-9) * most);
+    most = std::max(most, frictional);
+    test::expect_within(std::fabs(work - energy() - frictional) / energy_of(kPressed), 1e-2,
+                        "work less energies, over that of the pressure");
   }
-  EXPECT_GT(rubbed, 0.9 * work);
-  EXPECT_GT(rubbed, 10.0 * energy_of(kPressed));
+  EXPECT_GT(frictional, 0.9 * work);
+  EXPECT_GT(frictional, 10.0 * energy_of(kPressed));
 }
 
 // What a crack slid while it was open is no matter when it closes, and a crack that failed in a sheared state starts without shear.
@@ -342,11 +349,11 @@ TEST_F(Sliding, StartsWithoutShearWhereAPointFails) {
   go(F);
   EXPECT_GT(energy(), 0.0);
   EXPECT_LT(shear_over_pressure(), 1e-9);
-  EXPECT_LT(rubbed, 1e-20 * energy());
+  EXPECT_LT(frictional, 1e-20 * energy());
   EXPECT_TRUE(body.points.slip.empty());
   go(pressed_and_slid(kPressed, 0.1 * along + 1e-3 * across));
   test::expect_within(std::fabs(shear_over_pressure() / kMu - 1.0), 1e-6, "shear over pressure, over mu");
-  EXPECT_GT(rubbed, 0.0);
+  EXPECT_GT(frictional, 0.0);
 }
 
 // Points fail at the end of a step in which a crack that was closed and sheared opened. Their crack is new, so it has nothing to slide off.
@@ -366,7 +373,7 @@ TEST_F(Sliding, DoesNotSlideInTheStepInWhichAPointFails) {
   closing.add(body.points, law->elasticity(), slots);
   go(F);
   EXPECT_EQ(energy(), 0.0);
-  EXPECT_EQ(rubbed, 0.0);
+  EXPECT_EQ(frictional, 0.0);
   EXPECT_TRUE(body.points.slip.empty());
 }
 
@@ -395,7 +402,7 @@ TEST_F(FailedBody, DistortedPointsAreDebrisForGood) {
   EXPECT_EQ(body.grid.force, std::vector<double>(body.grid.force.size(), 0.0));
   displace(squeeze(0.0));
   EXPECT_EQ(energy(), 0.0);
-  body.for_points([&](int b, int l) { EXPECT_TRUE(body.points.record(kLanes * b + l).debris); });
+  body.for_points([&](int b, int l) { EXPECT_TRUE(body.points.record(kLanes * b + l).fragment); });
   EXPECT_EQ(ClosingPoints(body.points, law->elasticity(), 0.0).energy(body.points, body.grid), 0.0);
 }
 

@@ -15,8 +15,8 @@ struct CoatingCase {
   GrainPair pair;
   double thickness, cap, inner;
   std::string name() const {
-    return test::name_of(pair) + ", thickness " + std::to_string(1e3 * thickness) + " mm, cap " +
-           std::to_string(cap / test::kDegree) + ", inner " + std::to_string(1e3 * inner) + " mm";
+    return test::name_of(pair) + ", thickness " + std::to_string(1e3 * thickness) + " mm, cap " + std::to_string(cap / test::kDegree) +
+           ", inner " + std::to_string(1e3 * inner) + " mm";
   }
 };
 
@@ -152,13 +152,11 @@ TEST(Coating, RefusesWhatIsNoBody) {
     return test::shape_error([&] { Coating(pair, t, cap, inner); });
   };
   EXPECT_EQ(error(p, 1e-4, M_PI, 0), "");
-  for (double bad : {0.0, -1e-4, 3.1e-3, nan})
-    EXPECT_NE(error(p, bad, M_PI, 0).find("thickness"), std::string::npos) << bad;
+  for (double bad : {0.0, -1e-4, 3.1e-3, nan}) EXPECT_NE(error(p, bad, M_PI, 0).find("thickness"), std::string::npos) << bad;
   for (double bad : {0.0, -1.0, 2.0, 4.0, nan}) EXPECT_NE(error(p, 1e-4, bad, 0).find("cap"), std::string::npos) << bad;
   EXPECT_NE(error(p, 1e-4, 1 * test::kDegree, 0).find("cap"), std::string::npos);
   EXPECT_NE(error(apart, 4e-4, M_PI, 0).find("gap"), std::string::npos);
-  for (double bad : {-1e-6, 2e-3, nan})
-    EXPECT_NE(error(p, 1e-4, M_PI, bad).find("inner radius"), std::string::npos) << bad;
+  for (double bad : {-1e-6, 2e-3, nan}) EXPECT_NE(error(p, 1e-4, M_PI, bad).find("inner radius"), std::string::npos) << bad;
   // the ring in which the coatings meet may be wider than a small grain
   const GrainPair unequal{5e-3, 1e-3, 0.0, Vector(0, 0, 1)};
   EXPECT_EQ(error(unequal, 8e-4, M_PI, 9.9e-4), "");
@@ -173,8 +171,9 @@ TEST(Coating, RefusesWhatIsNoBody) {
 }
 
 TEST(Coating, MeetsVolumesFromTheLeastToTheLargest) {
-  test::expect_volumes_in_range([](const GrainPair& pair, double V, double inner) { return Coating::thickness_for_volume(pair, V, M_PI, inner); },
-                                [](const GrainPair& pair, double size, double inner) { return Coating(pair, size, M_PI, inner).volume(); });
+  test::expect_volumes_in_range(
+      [](const GrainPair& pair, double V, double inner) { return Coating::thickness_for_volume(pair, V, M_PI, inner); },
+      [](const GrainPair& pair, double size, double inner) { return Coating(pair, size, M_PI, inner).volume(); });
 }
 
 }  // namespace

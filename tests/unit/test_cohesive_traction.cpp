@@ -29,7 +29,7 @@ struct Path {
   CohesiveTraction law{kStiff, values()};
   CohesiveTraction::State state{};
   double n = 0, t = 0, work = 0, dissipated = 0, released = 0, stored = 0, peak = 0, d = 0;
-  bool let_go = false;
+  bool debond = false;
 
   void go(double to_n, double to_t, int steps) {
     const double from_n = n, from_t = t;
@@ -41,7 +41,7 @@ struct Path {
       const double pressed = law.secant(separation(), state).kn[0];
       const TractionUpdate u = law.update(separation(), state);
       dissipated += u.dissipated[0];
-      let_go = let_go || u.let_go[0];
+      debond = debond || u.debond[0];
       const TractionSecant k = law.secant(separation(), state);
       if (n < 0.0) released += 0.5 * (pressed - k.kn[0]) * n * n;
       work += 0.5 * ((before.kn[0] * old_n + k.kn[0] * n) * dn + (before.kt[0] * old_t + k.kt[0] * t) * dt);
@@ -61,7 +61,7 @@ TEST(CohesiveTraction, TakesItsStrengthAndEnergyOfEitherMode) {
     shear.go(0.0, -2.01 * kGt / kTt, steps);
     for (const Path* p : {&opening, &shear}) {
       const bool open = p == &opening;
-      EXPECT_TRUE(p->let_go);
+      EXPECT_TRUE(p->debond);
       EXPECT_EQ(p->d, 1.0);
       EXPECT_EQ(p->stored, 0.0);
       EXPECT_EQ(p->released, 0.0);
@@ -72,7 +72,7 @@ TEST(CohesiveTraction, TakesItsStrengthAndEnergyOfEitherMode) {
     }
     Path held;
     held.go(1.99 * kGn / kTn, 0.0, steps);
-    EXPECT_FALSE(held.let_go);
+    EXPECT_FALSE(held.debond);
   }
 }
 
@@ -82,7 +82,7 @@ TEST(CohesiveTraction, MixesByEnergyAndStress) {
     Path p;
     const double cn = std::cos(angle), ct = std::sin(angle), e = kStiff.kn * cn * cn + kStiff.kt * ct * ct, B = kStiff.kt * ct * ct / e;
     p.go(cn, ct, 200000);
-    EXPECT_TRUE(p.let_go);
+    EXPECT_TRUE(p.debond);
     EXPECT_NEAR(p.dissipated * ((1 - B) / kGn + B / kGt), 1.0, 1e-12);
     EXPECT_NEAR(p.work * ((1 - B) / kGn + B / kGt), 1.0, 1e-3);
     const double a = 1.0 / std::hypot(kStiff.kn * cn / kTn, kStiff.kt * ct / kTt);  // where the stresses reach the strength
@@ -123,7 +123,7 @@ TEST(CohesiveTraction, EnergyBalancesOnAnyPath) {
       EXPECT_NEAR(p.work, p.stored + p.dissipated + p.released, 1e-3 * kGn) << trial << ' ' << leg;
     }
     EXPECT_GT(p.d, 0.0);
-    ++(!p.let_go ? held : p.released > 0.0 ? pressed : open);
+    ++(!p.debond ? held : p.released > 0.0 ? pressed : open);
   }
   EXPECT_GT(open, 0);
   EXPECT_GT(pressed, 0);
@@ -136,7 +136,7 @@ TEST(CohesiveTraction, ReleasesWhatPressureStores) {
   Path p;
   p.go(-kIn, 0.0, 10);
   p.go(-kIn, 2.01 * kGt / kTt, 20000);
-  EXPECT_TRUE(p.let_go);
+  EXPECT_TRUE(p.debond);
   EXPECT_EQ(p.stored, 0.0);
   EXPECT_NEAR(p.dissipated / kGt, 1.0, 1e-12);
   EXPECT_NEAR(p.released / (0.5 * kStiff.kn * kIn * kIn), 1.0, 1e-12);
@@ -149,7 +149,9 @@ TEST(CohesiveTraction, ReleasesWhatPressureStores) {
 TEST(CohesiveTraction, ANodeThatBouncesGainsLittle) {
   const CohesiveTraction law(kStiff, values());
   const double mass = 1.05 * kStiff.kn / 4.0;  // the step is 1
-  const double mean = test::energy_after_bounce(test::Random(91), [&](double x) { return law.secant({splat(x), splat(x * x)}, {splat(0.9999)}).kn[0] / mass; });
+  const double mean = test::energy_after_bounce(test::Random(91), [&](double x) {
+    return law.secant({splat(x), splat(x * x)}, {splat(0.9999)}).kn[0] / mass;
+  });
   EXPECT_GT(mean, 0.9);
   EXPECT_LT(mean, 1.05);
 }
@@ -167,7 +169,7 @@ TEST(CohesiveTraction, EnergyOfTwoModesIsThatOfThePath) {
     EXPECT_NEAR(p.d, 0.5, 1e-12);
     p.go(0.0, 0.0, 1);
     p.go(last == 0 ? end : 0.0, last == 1 ? end : 0.0, 20000);
-    EXPECT_TRUE(p.let_go);
+    EXPECT_TRUE(p.debond);
     EXPECT_NEAR(p.dissipated / G, 1.0 + 1.0 / (r[first] + 1.0) - 1.0 / (r[last] + 1.0), 1e-9);
     EXPECT_NEAR(p.dissipated / G, first == 0 ? 1.3234 : 0.6766, 1e-4);
     EXPECT_NEAR(p.work / p.dissipated, 1.0, 1e-3);
@@ -191,26 +193,26 @@ TEST(CohesiveTraction, LinksKeepItsStateAndLetGo) {
     std::vector<Link>& links = b.points.links;
     double area = 0.0, spent = 0.0;
     for (const Link& k : links) area += k.attached * k.area;
-    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.ends_of(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
     EXPECT_GT(spent, 0.0);
     EXPECT_TRUE(std::any_of(links.begin(), links.end(), [](const Link& k) { return k.attached && k.state[0] > 0.0 && k.state[0] < 1.0; }));
-    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.ends_of(b), test::kDt, b.link_step);
     EXPECT_EQ(b.link_step.dissipated, 0.0);
-    EXPECT_TRUE(b.link_step.let_go.empty());
+    EXPECT_TRUE(b.link_step.debond.empty());
 
     PenaltyLinks anew = s.links_anew(b);
     double stored = 0.0, of_anew = 0.0;
-    b.links.add_spring_energy(b.grid, s.side(b), stored);
-    anew.add_spring_energy(b.grid, s.side(b), of_anew);
+    b.links.add_spring_energy(b.grid, s.ends_of(b), stored);
+    anew.add_spring_energy(b.grid, s.ends_of(b), of_anew);
     EXPECT_GT(stored, 0.0);
     EXPECT_NEAR(of_anew / stored, 1.0, 1e-14);
 
     const auto held = std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; });
     for (double& u : b.grid.displacement) u *= 100.0;
-    b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+    b.links.follow_and_add_force(b.points, b.grid, s.ends_of(b), test::kDt, b.link_step);
     spent += b.link_step.dissipated;
-    const std::vector<int>& gone = b.link_step.let_go;
+    const std::vector<int>& gone = b.link_step.debond;
     EXPECT_TRUE(std::is_sorted(gone.begin(), gone.end()));
     for (int k : gone) EXPECT_TRUE(!links[k].attached && links[k].inert && links[k].state[0] == 1.0);
     EXPECT_EQ(held - static_cast<long>(gone.size()), std::count_if(links.begin(), links.end(), [](const Link& k) { return k.attached; }));
@@ -232,14 +234,16 @@ TEST(CohesiveTraction, PressureThatEndsIsReleasedByItsWork) {
     for (Bond& b : s.bonds) {
       for (Link& k : b.points.links) k.state[0] = 1.0 - 1e-9;
       b.links = s.links_anew(b);
-      const Body& body = s.bodies[b.body];
-      const test::Vector n = (Eigen::Map<const test::Vector>(body.centre[1]) - Eigen::Map<const test::Vector>(body.centre[0])).normalized(), t = n.unitOrthogonal();
+      const BondRecord& record = s.records[b.row];
+      const test::Vector n = (Eigen::Map<const test::Vector>(record.centre[1]) - Eigen::Map<const test::Vector>(record.centre[0]))
+                                 .normalized(),
+                         t = n.unitOrthogonal();
       const test::Vector pressed = -kIn * n, moves = pressed + kSlide * t;
       const auto find_forces = [&](double& energy) {
         b.grid.clear_force();
-        b.links.add_force(b.grid, s.side(b));
+        b.links.add_force(b.grid, s.ends_of(b));
         energy = 0.0;
-        b.links.add_spring_energy(b.grid, s.side(b), energy);
+        b.links.add_spring_energy(b.grid, s.ends_of(b), energy);
         return b.grid.force;
       };
       for (std::size_t i = 0; i < b.grid.displacement.size(); ++i) b.grid.displacement[i] = pressed[i % 3];
@@ -249,7 +253,7 @@ TEST(CohesiveTraction, PressureThatEndsIsReleasedByItsWork) {
         b.grid.velocity[i] = moves[i % 3] / test::kDt;
         b.grid.displacement[i] += moves[i % 3];
       }
-      b.links.follow_and_add_force(b.points, b.grid, s.side(b), test::kDt, b.link_step);
+      b.links.follow_and_add_force(b.points, b.grid, s.ends_of(b), test::kDt, b.link_step);
       const std::vector<double> g = find_forces(after);
       for (std::size_t i = 0; i < f.size(); ++i) work += 0.5 * (f[i] + g[i]) * moves[i % 3];
       EXPECT_GT(before, 0.0);

@@ -102,9 +102,9 @@ TEST(Columns, PointsAnywhere) {
 TEST(Columns, PartsKeepTheLattice) {
   for (double shift : {0.0, 0.07}) {
     PointStore moved = points_of_a_cell(shift, 0), fresh = moved;
-    const std::map<int, int> part = {{1, 3}, {4, 3}, {6, 3}};
-    moved.move_to_parts(part, kColumnCell, Basis::quadratic);
-    fresh.arrange(kColumnCell, Basis::quadratic, part, true);
+    const std::map<int, int> layer = {{1, 3}, {4, 3}, {6, 3}};
+    moved.move_to_layers(layer, kColumnCell, Basis::quadratic);
+    fresh.arrange(kColumnCell, Basis::quadratic, layer, true);
     ASSERT_EQ(moved.blocks.size(), 2u);
     ASSERT_EQ(fresh.blocks.size(), 2u);
     for (int b = 0; b < 2; ++b) {

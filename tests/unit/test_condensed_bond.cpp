@@ -8,7 +8,7 @@
 #include <array>
 #include <vector>
 
-#include "cement/rigid_pieces.h"
+#include "cement/condensed/rigid_pieces.h"
 #include "coupling/condensed_pack.h"
 
 #include "lanes.h"
@@ -22,15 +22,15 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 class CondensedBond : public ::testing::Test {
  protected:
   test::Random random{5};
-  Body body;
+  BondRecord record;
   CondensedModel model;
-  GrainSide side[2] = {};
+  BondEnd ends[2] = {};
 
   CondensedBond() {
     for (int s = 0; s < 2; ++s) {
-      body.radius[s] = 1.0 + 0.2 * s;
-      set(body.centre[s], (s ? 1.3 : -1.1) * Vector3(0.36, -0.48, 0.8));
-      write(body.orientation[s], Eigen::Quaterniond(random.frame()));
+      record.radius[s] = 1.0 + 0.2 * s;
+      set(record.centre[s], (s ? 1.3 : -1.1) * Vector3(0.36, -0.48, 0.8));
+      write(record.orientation[s], Eigen::Quaterniond(random.frame()));
     }
     model.middle = Vector3(0.05, 0.02, 0.04);
     Eigen::Matrix<double, 6, 6> A;
@@ -56,14 +56,14 @@ class CondensedBond : public ::testing::Test {
     const Vector3 way = random.vector();
     for (int s = 0; s < 2; ++s) {
       const Eigen::Quaterniond own(Eigen::AngleAxisd(apart * random.uniform(0.5, 1), random.direction()));
-      const double* q = body.orientation[s];
+      const double* q = record.orientation[s];
       double turned[4];
       write(turned, own * turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
-      side[s].R = rotation_of(turned);
-      set(side[s].x, way + turn * CondensedMotion::vector(body.centre[s]) + apart * random.vector());
+      ends[s].R = rotation_of(turned);
+      set(ends[s].x, way + turn * CondensedMotion::vector(record.centre[s]) + apart * random.vector());
     }
   }
-  void move(GrainSide& s, int component, double by) const {
+  void move(BondEnd& s, int component, double by) const {
     if (component < 3) {
       s.x[component] += by;
       return;
@@ -73,18 +73,18 @@ class CondensedBond : public ::testing::Test {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) s.R.a[i][j] = T(i, 0) * R.a[0][j] + T(i, 1) * R.a[1][j] + T(i, 2) * R.a[2][j];
   }
-  double energy(const GrainSide* at) const { return CondensedMotion(model, body, at).energy(model); }
+  double energy(const BondEnd* at) const { return CondensedMotion(model, record, at).energy(model); }
 };
 
 TEST_F(CondensedBond, LoadsAreDerivativesOfTheEnergy) {
   for (double apart : {1e-6, 0.01, 0.8}) {
     place(apart);
-    const GrainLoads loads = CondensedMotion(model, body, side).elastic(model);
+    const GrainLoads loads = CondensedMotion(model, record, ends).elastic(model);
     const double h = 1e-4 * apart + 1e-9;
     double worst = 0.0, most = 0.0;
     for (int s = 0; s < 2; ++s)
       for (int c = 0; c < 6; ++c) {
-        GrainSide plus[2] = {side[0], side[1]}, minus[2] = {side[0], side[1]};
+        BondEnd plus[2] = {ends[0], ends[1]}, minus[2] = {ends[0], ends[1]};
         move(plus[s], c, h);
         move(minus[s], c, -h);
         worst = std::max(worst, std::fabs(loads.of[s][c] + (energy(plus) - energy(minus)) / (2 * h)));
@@ -96,25 +96,25 @@ TEST_F(CondensedBond, LoadsAreDerivativesOfTheEnergy) {
 }
 
 TEST_F(CondensedBond, KeepsMomentumAndDoesNotSeeAMotionOfBoth) {
-  EXPECT_LT(energy(side), 1e-24);  // as made, but turned
+  EXPECT_LT(energy(ends), 1e-24);  // as made, but turned
   place(0.5);
-  const double before = energy(side);
-  const GrainLoads l = CondensedMotion(model, body, side).elastic(model);
+  const double before = energy(ends);
+  const GrainLoads l = CondensedMotion(model, record, ends).elastic(model);
   Vector3 F = Vector3::Zero(), M = F;
   for (int s = 0; s < 2; ++s) {
     const Vector3 f(l.of[s][0], l.of[s][1], l.of[s][2]);
     F += f;
-    M += Vector3(l.of[s][3], l.of[s][4], l.of[s][5]) + CondensedMotion::vector(side[s].x).cross(f);
+    M += Vector3(l.of[s][3], l.of[s][4], l.of[s][5]) + CondensedMotion::vector(ends[s].x).cross(f);
   }
   EXPECT_LT(F.norm() + M.norm(), 1e-12);
   const Eigen::Matrix3d T(random.frame());
-  for (GrainSide& s : side) {
+  for (BondEnd& s : ends) {
     const Mat3<double> R = s.R;
     set(s.x, T * CondensedMotion::vector(s.x) + Vector3(1, 2, 3));
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) s.R.a[i][j] = T(i, 0) * R.a[0][j] + T(i, 1) * R.a[1][j] + T(i, 2) * R.a[2][j];
   }
-  test::expect_within(std::fabs(energy(side) / before - 1.0), 1e-12, "energy after a motion of both");
+  test::expect_within(std::fabs(energy(ends) / before - 1.0), 1e-12, "energy after a motion of both");
 }
 
 TEST_F(CondensedBond, MassIsThatOfItsNodes) {
@@ -141,21 +141,21 @@ TEST_F(CondensedBond, MassIsThatOfItsNodes) {
   EXPECT_NEAR(0.5 * q.dot(rigid.M * q), energy, 1e-12 * energy);
   for (int s = 0; s < 2; ++s)
     for (int c = 0; c < 3; ++c) {
-      side[s].omega[c] = w[c];
-      side[s].v[c] = 0.0;
+      ends[s].omega[c] = w[c];
+      ends[s].v[c] = 0.0;
     }
   // and a resultant of centripetal forces
   for (int s = 0; s < 2; ++s) {
-    set(side[s].x, CondensedMotion::vector(body.centre[s]));
-    side[s].R = rotation_of(body.orientation[s]);
+    set(ends[s].x, CondensedMotion::vector(record.centre[s]));
+    ends[s].R = rotation_of(record.orientation[s]);
   }
-  const CondensedMotion motion(rigid, body, side);
-  const CondensedMotion::Vector12 f = motion.centripetal(rigid, side);
+  const CondensedMotion motion(rigid, record, ends);
+  const CondensedMotion::Vector12 f = motion.centripetal(rigid, ends);
   const Vector3 resultant = f.segment<3>(0) + f.segment<3>(6), expected = w.cross(w.cross(centre));
   EXPECT_LT((resultant - expected).norm(), 1e-12);
 }
 
-// A piece that is rigid with a grain, as a bond between the grain and itself (cement/rigid_pieces.h), after any turn: loads against a sum over its nodes,
+// A piece that is rigid with a grain, as a bond between the grain and itself (cement/condensed/rigid_pieces.h), after any turn: loads against a sum over its nodes,
 // in the pack and alone.
 // It is the largest eigenvalue of the coupling blocks in the metric of the others.
 TEST_F(CondensedBond, CouplingIsAnEigenvalue) {
@@ -178,7 +178,7 @@ TEST_F(CondensedBond, CouplingIsAnEigenvalue) {
 TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
   for (int s = 0; s < 2; ++s) {
     place(0.9);
-    const Body piece = body_of_piece(body, s);
+    const BondRecord piece = record_of_piece(record, s);
     CondensedModel rigid;
     rigid.middle = model.middle;
     std::vector<std::pair<double, Vector3>> nodes;
@@ -208,18 +208,21 @@ TEST_F(CondensedBond, RigidPieceIsTheSumOfItsNodes) {
     pack.set_accelerations(rate.data());
     pack.find_inertial_loads();
 
-    const Eigen::Matrix3d turn = Eigen::Quaterniond(state.q[0], state.q[1], state.q[2], state.q[3]).toRotationMatrix() *
-                                 Eigen::Quaterniond(body.orientation[s][0], body.orientation[s][1], body.orientation[s][2], body.orientation[s][3]).conjugate();
+    const Eigen::Matrix3d turn =
+        Eigen::Quaterniond(state.q[0], state.q[1], state.q[2], state.q[3]).toRotationMatrix() *
+        Eigen::Quaterniond(record.orientation[s][0], record.orientation[s][1], record.orientation[s][2], record.orientation[s][3])
+            .conjugate();
     const Vector3 w = CondensedMotion::vector(state.v + 3);
     Vector3 force = Vector3::Zero(), moment = force;
     for (const auto& n : nodes) {
-      const Vector3 r = turn * (n.second - CondensedMotion::vector(body.centre[s]));
-      const Vector3 f = n.first * (Vector3(gravity[0], gravity[1], gravity[2]) - rate.head<3>() - Vector3(rate.tail<3>()).cross(r) - w.cross(w.cross(r)));
+      const Vector3 r = turn * (n.second - CondensedMotion::vector(record.centre[s]));
+      const Vector3 f =
+          n.first * (Vector3(gravity[0], gravity[1], gravity[2]) - rate.head<3>() - Vector3(rate.tail<3>()).cross(r) - w.cross(w.cross(r)));
       force += f;
       moment += r.cross(f);
     }
-    const auto side = pack.sides(0, piece);
-    const GrainLoads alone = CondensedMotion(rigid, piece, side.data()).all(rigid, side.data(), gravity);
+    const auto bond_ends = pack.ends(0, piece);
+    const GrainLoads alone = CondensedMotion(rigid, piece, bond_ends.data()).all(rigid, bond_ends.data(), gravity);
     double worst = 0.0;
     for (int d = 0; d < 6; ++d) {
       const double expected = d < 3 ? force[d] : moment[d - 3];
@@ -251,26 +254,26 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
       }
     }
     std::vector<CondensedModel> models(kBonds, model);
-    std::vector<Body> bodies(kBonds, body);
+    std::vector<BondRecord> records(kBonds, record);
     const double bound[6] = {1, 2, 3, 4, 5, 6};
-    std::vector<CondensedPack::Part> parts;
+    std::vector<CondensedPack::Entry> entries;
     std::vector<std::array<int, 2>> ends;
     for (int b = 0; b < kBonds; ++b) {
       const int first = b % (kGrains - 1), second = first + 1 + (b % 3) % (kGrains - 1 - first);
       ends.push_back({first, second});
       for (int s = 0; s < 2; ++s) {
         const int g = ends.back()[s];
-        bodies[b].grain[s] = grains[g].tag;
-        write(bodies[b].orientation[s], Eigen::Quaterniond(random.frame()).slerp(0.9, Eigen::Quaterniond::Identity()));
+        records[b].grain[s] = grains[g].tag;
+        write(records[b].orientation[s], Eigen::Quaterniond(random.frame()).slerp(0.9, Eigen::Quaterniond::Identity()));
         const Vector3 centre = turn.inverse() * CondensedMotion::vector(grains[g].x) + 0.1 * random.vector();
-        set(bodies[b].centre[s], centre);
-        for (int d = 0; d < 3; ++d) bodies[b].shift[s][d] = random.uniform(-0.01, 0.01) * apart;
+        set(records[b].centre[s], centre);
+        for (int d = 0; d < 3; ++d) records[b].shift[s][d] = random.uniform(-0.01, 0.01) * apart;
       }
       models[b].add_node(0.7 + 0.1 * b, random.vector(), Eigen::Matrix<double, 3, 6>::Constant(0.1 * b));
-      parts.push_back({&models[b], &bodies[b], bound});
+      entries.push_back({&models[b], &records[b], bound});
     }
     CondensedPack pack;
-    pack.build(MPI_COMM_SELF, parts, grains);
+    pack.build(MPI_COMM_SELF, entries, grains);
     const double gravity[3] = {0.3, -0.2, -9.81}, dt = 0.5;
     pack.distribute(grains);
     pack.find_loads(gravity);
@@ -281,27 +284,27 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
     pack.find_inertial_loads();
 
     std::array<double, kBonds> tension{};
-    pack.each_tension([&](std::size_t part, double t) { tension.at(part) += t; });
+    pack.each_tension([&](std::size_t member, double t) { tension.at(member) += t; });
     double sum[kGrains][6] = {}, still[kGrains][6] = {}, jump[kGrains][6] = {}, most = 0.0, worst = 0.0, worst_d = 0.0, worst_tension = 0.0;
     for (int b = 0; b < kBonds; ++b) {
-      auto side = pack.sides(b, bodies[b]);
-      const CondensedMotion motion(models[b], bodies[b], side.data());
+      auto bond_ends = pack.ends(b, records[b]);
+      const CondensedMotion motion(models[b], records[b], bond_ends.data());
       double level = 0.0;
       for (int j = 0; j < 6; ++j) {
         worst_d = std::max(worst_d, std::fabs(motion.relative()[j] - pack.relative(b, j)));
         level += bound[j] * std::fabs(motion.relative()[j]);
       }
       EXPECT_NEAR(pack.level(b), level, 1e-11 * (1 + level));
-      const GrainLoads all = motion.all(models[b], side.data(), gravity);
-      const Vector3 apart = CondensedMotion::vector(side[1].x) - CondensedMotion::vector(side[0].x);
+      const GrainLoads all = motion.all(models[b], bond_ends.data(), gravity);
+      const Vector3 apart = CondensedMotion::vector(bond_ends[1].x) - CondensedMotion::vector(bond_ends[0].x);
       const Vector3 pull = 0.5 * (CondensedMotion::vector(all.of[0]) - CondensedMotion::vector(all.of[1]));
       worst_tension = std::max(worst_tension, std::fabs(tension[b] - pull.dot(apart) / apart.norm()));
-      const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.of_sides(side[0].jump, side[1].jump)));
-      for (GrainSide& s : side) {
+      const GrainLoads of_jump = motion.loads(-1.0 / dt * (models[b].M * motion.of_ends(bond_ends[0].jump, bond_ends[1].jump)));
+      for (BondEnd& s : bond_ends) {
         std::fill(s.a, s.a + 3, 0.0);
         std::fill(s.alpha, s.alpha + 3, 0.0);
       }
-      const GrainLoads without = motion.all(models[b], side.data(), gravity);
+      const GrainLoads without = motion.all(models[b], bond_ends.data(), gravity);
       for (int s = 0; s < 2; ++s)
         for (int d = 0; d < 6; ++d) {
           sum[ends[b][s]][d] += all.of[s][d];
@@ -313,8 +316,8 @@ TEST_F(CondensedBond, PackIsTheSumOfItsBonds) {
     for (int g = 0; g < kGrains; ++g)
       for (int d = 0; d < 6; ++d) {
         most = std::max({most, std::fabs(sum[g][d]), std::fabs(jump[g][d])});
-        worst = std::max({worst, std::fabs(pack.load(g, d) - still[g][d]), std::fabs(pack.load(g, d) + pack.inertial_load(g, d) - sum[g][d]),
-                          std::fabs(pack.jump_load(g, d) - jump[g][d])});
+        worst = std::max({worst, std::fabs(pack.load(g, d) - still[g][d]),
+                          std::fabs(pack.load(g, d) + pack.inertial_load(g, d) - sum[g][d]), std::fabs(pack.jump_load(g, d) - jump[g][d])});
       }
     EXPECT_GT(most, 1.0);
     test::expect_within(worst / most, 1e-13, "loads on grains, in lanes and one by one");

@@ -31,7 +31,7 @@ class MassOfPoints : public ::testing::TestWithParam<Basis> {
 
   void tie() {
     c.grid.lump_mass(c.points, kCalcite);  // by which edges are found
-    c.grid.tie(find_edge_ties(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
+    c.grid.tie(find_extension_constraints(MPI_COMM_SELF, GetParam(), test::edges_of(c.grid)), true);
     ASSERT_GT(c.grid.ties.size(), 5u);
   }
   std::vector<double> any_field() {
@@ -135,7 +135,9 @@ TEST_P(MassOfPoints, InertialForceOfWhatHoldsHasNoResultant) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bases, MassOfPoints, ::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
-                         [](const ::testing::TestParamInfo<Basis>& p) { return std::string(p.param == Basis::linear ? "linear" : p.param == Basis::quadratic ? "quadratic" : "cubic"); });
+                         [](const ::testing::TestParamInfo<Basis>& p) {
+                           return std::string(p.param == Basis::linear ? "linear" : p.param == Basis::quadratic ? "quadratic" : "cubic");
+                         });
 
 }  // namespace
 }  // namespace mpdem

@@ -118,10 +118,9 @@ TEST_P(TenRevolutions, StrainStaysAndStressDamageAndAxisReturn) {
     const Mat3<vd> R = rotation_matrix(p.q);
     const Sym3<vd> s = law.stress(p.strain, D);
     for (int l = 0; l < kLanes; ++l) {
-      const Matrix turn = test::rotation(axis[l], 2 * M_PI * step / n), Rl = test::matrix(R, l),
-                   R0 = test::matrix(R_begin, l), sl = Rl * test::tensor(s, l) * Rl.transpose(),
-                   s0 = R0 * test::tensor(stress, l) * R0.transpose(), Dl = Rl * test::tensor(D, l) * Rl.transpose(),
-                   D0 = R0 * test::tensor(D_begin, l) * R0.transpose();
+      const Matrix turn = test::rotation(axis[l], 2 * M_PI * step / n), Rl = test::matrix(R, l), R0 = test::matrix(R_begin, l),
+                   sl = Rl * test::tensor(s, l) * Rl.transpose(), s0 = R0 * test::tensor(stress, l) * R0.transpose(),
+                   Dl = Rl * test::tensor(D, l) * Rl.transpose(), D0 = R0 * test::tensor(D_begin, l) * R0.transpose();
       // at every step, not only after whole turns
       const Matrix e0 = test::tensor(begin.strain, l);
       strain_change.add(test::tensor(p.strain, l) - e0, e0.norm());

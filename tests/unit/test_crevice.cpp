@@ -21,19 +21,19 @@ constexpr double kSpacing = 0.25, kCell = 0.5;
 constexpr int kSub = 6, kHalf = 14;  // of lattice cells
 constexpr double kThick = 1.0, kWide = 2.4;
 
-Crevice look(std::vector<SheetPoint> points, Basis basis = Basis::quadratic, const Vector& lattice = Vector::Zero(), double regular = 1) {
-  Body body;
-  body.spacing = kSpacing;
-  body.regular = regular;
-  for (int d = 0; d < 3; ++d) body.lattice[d] = lattice[d];
-  return find_crevice(points, body, basis, kCell);
+Crevice look(std::vector<CrevicePoint> points, Basis basis = Basis::quadratic, const Vector& lattice = Vector::Zero(), double regular = 1) {
+  BondRecord record;
+  record.spacing = kSpacing;
+  record.regular = regular;
+  for (int d = 0; d < 3; ++d) record.lattice[d] = lattice[d];
+  return find_crevice(points, record, basis, kCell);
 }
 
 // Half the width of the wedge at x.
 using Opening = std::function<double(double)>;
 
-std::vector<SheetPoint> layers(const Eigen::Quaterniond& turn, const Vector& shift, const Opening& opening) {
-  std::vector<SheetPoint> points;
+std::vector<CrevicePoint> layers(const Eigen::Quaterniond& turn, const Vector& shift, const Opening& opening) {
+  std::vector<CrevicePoint> points;
   for (int i = -kHalf; i < kHalf; ++i)
     for (int j = -kHalf; j < kHalf; ++j)
       for (int k = -kHalf; k < kHalf; ++k) {
@@ -48,7 +48,7 @@ std::vector<SheetPoint> layers(const Eigen::Quaterniond& turn, const Vector& shi
           ++count;
         }
         if (count == 0) continue;
-        SheetPoint p;
+        CrevicePoint p;
         const Vector X = sum / count;
         for (int d = 0; d < 3; ++d) p.X[d] = X[d];
         p.cell[0] = i;
@@ -66,7 +66,8 @@ std::vector<std::pair<Eigen::Quaterniond, Vector>> placements() {
   test::Random random(23);
   for (int n = 0; n < 3; ++n)
     for (double angle : {0.0, 0.4, 0.75}) {
-      const Vector shift(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25), angle == 0.0 && n == 0 ? 0.0 : random.uniform(-0.25, 0.25));
+      const Vector shift(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25),
+                         angle == 0.0 && n == 0 ? 0.0 : random.uniform(-0.25, 0.25));
       all.push_back({Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector(0.6, 0.8, 0.0))), shift});
     }
   return all;
@@ -94,7 +95,8 @@ TEST(Crevice, EndsWhereTheWedgeDoes) {
           for (int k = -8; k <= 8; ++k) {
             const Vector x = at.first * (kCell * Vector(i, j, k) - at.second);
             if (std::fabs(x[2]) > 0.6 * kCell || std::fabs(x[1]) > 1.2 || std::fabs(x[0]) > 1.2) continue;
-            if (std::binary_search(c.joined.begin(), c.joined.end(), std::array<int, 3>{i, j, k})) farthest_joined = std::max(farthest_joined, x[0]);
+            if (std::binary_search(c.joined.begin(), c.joined.end(), std::array<int, 3>{i, j, k}))
+              farthest_joined = std::max(farthest_joined, x[0]);
             else nearest_apart = std::min(nearest_apart, x[0]);
           }
       EXPECT_GT(nearest_apart, kTip + 0.1 * kCell) << slope << " " << at.second.transpose();
@@ -108,7 +110,7 @@ TEST(Crevice, EndsWhereTheWedgeDoes) {
 TEST(Crevice, DoesNotDependOnTheOrder) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
-    std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+    std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
     const Crevice a = look(points, basis);
     std::reverse(points.begin(), points.end());
     const Crevice b = look(points, basis);
@@ -122,23 +124,24 @@ TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(M_PI / 4.0, Vector::UnitY()));
   for (Basis basis : {Basis::linear, Basis::quadratic, Basis::cubic}) {
-    std::vector<SheetPoint> one = layers(turn, Vector::Zero(), wedge), other;
-    for (SheetPoint& p : one) p.middle = std::fabs((turn * Vector(p.X[0], p.X[1], p.X[2]))[2]) < 1e-6;
+    std::vector<CrevicePoint> one = layers(turn, Vector::Zero(), wedge), other;
+    for (CrevicePoint& p : one) p.middle = std::fabs((turn * Vector(p.X[0], p.X[1], p.X[2]))[2]) < 1e-6;
     other = one;
-    for (SheetPoint& p : other) p.sheet = p.sheet || p.middle;
+    for (CrevicePoint& p : other) p.sheet = p.sheet || p.middle;
     const Crevice c = look(one, basis);
     EXPECT_TRUE(c.found);
     EXPECT_EQ(c.joined, look(other, basis).joined);
     EXPECT_TRUE(std::is_sorted(c.joined.begin(), c.joined.end()));
     EXPECT_EQ(std::adjacent_find(c.joined.begin(), c.joined.end()), c.joined.end());
     int middle = 0, missing = 0;
-    for (const SheetPoint& p : one) {
+    for (const CrevicePoint& p : one) {
       if (!p.middle) continue;
       ++middle;
       int base[3];
       for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d], 1.0 / kCell, cell_shift(basis));
       for (int n = 0, S = support(basis); n < S * S * S; ++n)
-        missing += !std::binary_search(c.joined.begin(), c.joined.end(), std::array<int, 3>{base[0] + n % S, base[1] + n / S % S, base[2] + n / S / S});
+        missing += !std::binary_search(c.joined.begin(), c.joined.end(),
+                                       std::array<int, 3>{base[0] + n % S, base[1] + n / S % S, base[2] + n / S / S});
     }
     EXPECT_GT(middle, 50);
     EXPECT_EQ(missing, 0);
@@ -148,10 +151,10 @@ TEST(Crevice, OfPointsInTheMiddleTheSheetDoesNotMatter) {
 // All coordinates are shifted by whole cells of the grid, and the lattice with them.
 TEST(Crevice, LatticeOffTheOrigin) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
-  std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
   const Crevice a = look(points);
   const Vector lattice(2 * kCell, -kCell, 3 * kCell);
-  for (SheetPoint& p : points)
+  for (CrevicePoint& p : points)
     for (int d = 0; d < 3; ++d) p.X[d] += lattice[d];
   Crevice b = look(points, Basis::quadratic, lattice);
   for (auto& n : b.joined)
@@ -163,21 +166,19 @@ TEST(Crevice, LatticeOffTheOrigin) {
 // Points anywhere in their cells, as files may have them, do not cut a bond.
 TEST(Crevice, PointsThatAreNoLattice) {
   const auto wedge = [](double x) { return 0.4 * std::max(0.0, x); };
-  std::vector<SheetPoint> points = layers(placements()[1].first, placements()[1].second, wedge);
+  std::vector<CrevicePoint> points = layers(placements()[1].first, placements()[1].second, wedge);
   const std::size_t joined = look(points, Basis::quadratic, Vector::Zero(), 0).joined.size();
   EXPECT_GT(joined, look(points).joined.size());
-  for (SheetPoint& p : points)
+  for (CrevicePoint& p : points)
     for (int d = 0; d < 3; ++d) p.X[d] += 0.3 * kSpacing;
   EXPECT_EQ(look(points, Basis::quadratic, Vector::Zero(), 0).joined.size(), joined);
   // every other plane of cells empty, since the spacing is not that of the points: one sheet
-  for (SheetPoint& p : points)
+  for (CrevicePoint& p : points)
     for (int d = 0; d < 3; ++d) p.cell[d] *= 2;
   EXPECT_FALSE(look(points).found);
 }
 
-TEST(Crevice, OfNothing) {
-  EXPECT_FALSE(look({}).found);
-}
+TEST(Crevice, OfNothing) { EXPECT_FALSE(look({}).found); }
 
 }  // namespace
 }  // namespace mpdem

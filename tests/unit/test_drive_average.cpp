@@ -32,26 +32,26 @@ void set_roots(Cement& c, F root) {
   }
 }
 
-Body equal_grains() {
-  Body body;
-  body.spacing = kCell / 2;
+BondRecord equal_grains() {
+  BondRecord record;
+  record.spacing = kCell / 2;
   for (int side = 0; side < 2; ++side) {
-    body.radius[side] = 50 * kCell;
-    body.centre[side][2] = (side == 0 ? -1 : 1) * 51 * kCell;  // a gap of two cells about z = 0
+    record.radius[side] = 50 * kCell;
+    record.centre[side][2] = (side == 0 ? -1 : 1) * 51 * kCell;  // a gap of two cells about z = 0
   }
-  return body;
+  return record;
 }
 
-Body swapped(const Body& body) {
-  Body other = body;
+BondRecord swapped(const BondRecord& record) {
+  BondRecord other = record;
   for (int side = 0; side < 2; ++side) {
-    other.radius[side] = body.radius[1 - side];
-    std::copy_n(body.centre[1 - side], 3, other.centre[side]);
+    other.radius[side] = record.radius[1 - side];
+    std::copy_n(record.centre[1 - side], 3, other.centre[side]);
   }
   return other;
 }
 
-void average(Cement& c, const AverageSweeps& s, const Imperfection& imperfection = {}) {
+void average(Cement& c, const SmoothingPasses& s, const Imperfection& imperfection = {}) {
   DriveAverage average;
   average.find(c.points, c.grid, kLaw, s, imperfection);
 }
@@ -59,7 +59,8 @@ void average(Cement& c, const AverageSweeps& s, const Imperfection& imperfection
 double average_of(const Cement& c, int b, int l) {
   double f = 0.0;
   with_basis(c.grid.basis, [&](auto type) {
-    with_weights<decltype(type)>(c.points.blocks[b], c.points.meta[b], 1.0 / c.grid.h, [&](const auto& s) { f = average_at(c.grid, c.points.meta[b], s)[l]; });
+    with_weights<decltype(type)>(c.points.blocks[b], c.points.meta[b], 1.0 / c.grid.h,
+                                 [&](const auto& s) { f = average_at(c.grid, c.points.meta[b], s)[l]; });
   });
   return f;
 }
@@ -74,12 +75,14 @@ double volume_times_average(const Cement& c) {
 }
 double volume_times_root(const Cement& c) {
   double sum = 0.0;
-  c.for_points([&](int b, int l) { sum += holds(c, b, l) ? c.points.blocks[b].volume[l] * root_of_norm(kLaw, c.points.blocks[b].strain)[l] : 0.0; });
+  c.for_points(
+      [&](int b, int l) { sum += holds(c, b, l) ? c.points.blocks[b].volume[l] * root_of_norm(kLaw, c.points.blocks[b].strain)[l] : 0.0; });
   return sum;
 }
 
 void fail(Cement& c, std::size_t every) {
-  for (std::size_t i = 0; i < c.slots.size(); i += every) c.points.meta[c.slots[i] / kLanes].failed |= static_cast<std::uint8_t>(1u << c.slots[i] % kLanes);
+  for (std::size_t i = 0; i < c.slots.size(); i += every)
+    c.points.meta[c.slots[i] / kLanes].failed |= static_cast<std::uint8_t>(1u << c.slots[i] % kLanes);
 }
 
 TEST(DriveAverage, KeepsConstantsBesideFailedPoints) {
@@ -110,7 +113,7 @@ TEST(DriveAverage, KeepsConstantsAndTheSumWithTiedNodes) {
   test::Random random(304);
   Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6);
   c.grid.lump_mass(c.points, test::kCalcite);
-  c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+  c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
   ASSERT_GT(c.grid.ties.size(), 10u);
   set_roots(c, [](int, int) { return 3.0; });
   average(c, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
@@ -146,7 +149,8 @@ TEST_P(Variance, IsThatOfTheLength) {
 }
 
 INSTANTIATE_TEST_SUITE_P(DriveAverage, Variance,
-                         ::testing::Combine(::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic), ::testing::Values(1.0, 1.3, 2.0)));
+                         ::testing::Combine(::testing::Values(Basis::linear, Basis::quadratic, Basis::cubic),
+                                            ::testing::Values(1.0, 1.3, 2.0)));
 
 // A crack that no node reaches across ends the average.
 TEST(DriveAverage, EndsAtAWideCrack) {
@@ -167,7 +171,7 @@ TEST(DriveAverage, EndsAtAWideCrack) {
   expect_within(worst, 1e-13, "what comes across");
 }
 
-// The length may be the cell but for rounding (cement_words.cpp), and cubic splines need one sweep there.
+// The length may be the cell but for rounding (fix_mpm_words.cpp), and cubic splines need one sweep there.
 TEST(DriveAverage, KeepsConstantsWhereTheLengthIsTheCell) {
   test::Random random(306);
   for (double ratio : {1.0 - 5e-7, 1.0, 1.0 + 5e-7}) {
@@ -187,10 +191,10 @@ TEST(DriveAverage, WeightsThatStand) {
   for (std::size_t i = 0; i < X.size(); i += 2) X[i] += 0.2 * kCell * random.vector();
   Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [&](int, int) { return random.uniform(0, 2); });
-  const AverageSweeps sweeps = sweeps_for(1.7 * kCell, kCell, Basis::quadratic);
-  Body body = equal_grains();
-  for (auto& centre : body.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
-  const Imperfection imperfection{&body, 0.1};
+  const SmoothingPasses sweeps = sweeps_for(1.7 * kCell, kCell, Basis::quadratic);
+  BondRecord record = equal_grains();
+  for (auto& centre : record.centre) centre[2] += 2 * kCell;  // the middle is that of the lattice
+  const Imperfection imperfection{&record, 0.1};
   DriveAverage kept;
   kept.let_points_stand(true);
   for (const char* state : {"fresh", "the same", "some failed", "in other blocks", "nodes tied"}) {
@@ -202,7 +206,7 @@ TEST(DriveAverage, WeightsThatStand) {
     if (state == std::string("some failed")) fail(c, 6);
     if (state == std::string("nodes tied")) {
       c.grid.lump_mass(c.points, test::kCalcite);
-      c.grid.tie(find_edge_ties(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
+      c.grid.tie(find_extension_constraints(MPI_COMM_SELF, Basis::quadratic, test::edges_of(c.grid)), true);
       ASSERT_GT(c.grid.ties.size(), 10u);
     }
     kept.find(c.points, c.grid, kLaw, sweeps, imperfection);
@@ -215,15 +219,15 @@ TEST(DriveAverage, WeightsThatStand) {
 // The stronger side bears more by the share, the weaker side bears what it bears alone, and between them is no more and no less.
 TEST(DriveAverage, Imperfection) {
   const double share = 0.05;
-  const Body body = equal_grains();
+  const BondRecord record = equal_grains();
   std::vector<Vector> X = test::lattice(kCell, 8);
   Vector middle = Vector::Zero();
   for (const Vector& x : X) middle += x / X.size();
   for (Vector& x : X) x -= middle;
   Cement c(kCell, X, kCell * kCell * kCell / 8);
   set_roots(c, [](int, int) { return 2.0; });
-  const AverageSweeps one{1, 1.0};  // reaches 3 cells
-  average(c, one, {&body, share});
+  const SmoothingPasses one{1, 1.0};  // reaches 3 cells
+  average(c, one, {&record, share});
   const double strong = 2.0 / std::sqrt(1.0 + share);  // the root of the strain by 1 + share
   int above = 0, below = 0, between = 0;
   c.for_points([&](int b, int l) {
@@ -244,7 +248,7 @@ TEST(DriveAverage, Imperfection) {
   EXPECT_GT(below, 100);
   EXPECT_GT(between, 100);
   const std::vector<double> of_body = c.grid.drive_average;
-  const Body other = swapped(body);
+  const BondRecord other = swapped(record);
   average(c, one, {&other, share});
   EXPECT_EQ(of_body, c.grid.drive_average) << "the order of the grains does not matter";
   // With `updated` a side is where points were made, not where they went.
@@ -252,7 +256,7 @@ TEST(DriveAverage, Imperfection) {
     c.points.motion.emplace_back();
     for (int d = 0; d < 3; ++d) c.points.motion.back().X0[d] = d == 2 ? -b.X[d] : b.X[d];
   }
-  average(c, one, {&body, share});
+  average(c, one, {&record, share});
   c.for_points([&](int b, int l) {
     const double z = c.points.blocks[b].X[2][l];
     if (std::fabs(z) > 3.1 * kCell) {
@@ -263,10 +267,10 @@ TEST(DriveAverage, Imperfection) {
 
 TEST(Imperfection, IsOnTheSideOfTheSmallerGrain) {
   for (int larger : {0, 1}) {
-    Body body = equal_grains();
-    body.radius[larger] *= 1.01;
-    body.centre[larger][2] *= 1.01 * 50 / 51 + 1.0 / 51;  // its surface stays
-    for (const Body& b : {body, swapped(body)}) {
+    BondRecord record = equal_grains();
+    record.radius[larger] *= 1.01;
+    record.centre[larger][2] *= 1.01 * 50 / 51 + 1.0 / 51;  // its surface stays
+    for (const BondRecord& b : {record, swapped(record)}) {
       const double z = (larger == 0 ? 1 : -1) * 0.2 * kCell;
       const vd X[3] = {{}, {}, {z, -z}};
       EXPECT_EQ(bits(on_stronger_side(b, X)) & 3, 1) << "larger grain " << larger;
@@ -279,12 +283,12 @@ TEST(Imperfection, OfEqualGrainsIsOnTheSideOfLargerCoordinates) {
   const Vector lines[] = {{0, 0, 1}, {0, 1, -1}, {1, -1, -1}, {-1e-4, 0, 1}, {-0.3, 0.1, 1}, {-0.2, 1, 0}};
   for (const Vector& line : lines)
     for (int first : {0, 1}) {
-      Body body = equal_grains();
+      BondRecord record = equal_grains();
       for (int side = 0; side < 2; ++side)
-        for (int d = 0; d < 3; ++d) body.centre[side][d] = (side == first ? -1 : 1) * 51 * kCell * line.normalized()[d];
+        for (int d = 0; d < 3; ++d) record.centre[side][d] = (side == first ? -1 : 1) * 51 * kCell * line.normalized()[d];
       vd X[3];
       for (int d = 0; d < 3; ++d) X[d] = vd{0.2, -0.2, 0.0} * kCell * line.normalized()[d];
-      EXPECT_EQ(bits(on_stronger_side(body, X)) & 7, 1) << line.transpose() << ", first grain " << first;
+      EXPECT_EQ(bits(on_stronger_side(record, X)) & 7, 1) << line.transpose() << ", first grain " << first;
     }
 }
 
@@ -319,7 +323,8 @@ TEST(DriveAverage, RootsThatStand) {
   }
   ASSERT_GE(damaged, blocks() / 2);
   ASSERT_LT(damaged, blocks());
-  const int first = static_cast<int>(std::find_if(c.points.meta.begin(), c.points.meta.end(), [](const BlockMeta& m) { return m.damaged; }) - c.points.meta.begin());
+  const int first = static_cast<int>(
+      std::find_if(c.points.meta.begin(), c.points.meta.end(), [](const BlockMeta& m) { return m.damaged; }) - c.points.meta.begin());
   PointStore other = c.points;
   other.take(c.points, 0, kLanes * first);
   EXPECT_FALSE(other.knows_root_of_norm(first));
@@ -327,7 +332,7 @@ TEST(DriveAverage, RootsThatStand) {
   for (int b = first; b < blocks(); b += 3)
     for (int l = 0; l < kLanes; l += 2)
       if (c.points.meta[b].occupied >> l & 1) part[kLanes * b + l] = 1;
-  c.points.move_to_parts(part, kCell, Basis::quadratic);
+  c.points.move_to_layers(part, kCell, Basis::quadratic);
   EXPECT_GT(known(), 0);
   EXPECT_LT(known(), damaged);
   c.points.forget_roots_of_norm();
@@ -338,14 +343,17 @@ TEST(DriveAverage, RootsThatStand) {
 // it, and where all have grown by that it is there. Single points may be far above the threshold. It is that of points at a grain where these are weaker.
 TEST(DriveAverage, LimitsOfTheDrive) {
   test::Random random(307);
-  for (const auto& [basis, interface, weakest] : {std::tuple(Basis::quadratic, 1.0, 1.0), {Basis::cubic, 1.0, 1.0}, {Basis::quadratic, 0.25, 0.25}, {Basis::quadratic, 4.0, 1.0}}) {
+  for (const auto& [basis, interface, weakest] :
+       {std::tuple(Basis::quadratic, 1.0, 1.0), {Basis::cubic, 1.0, 1.0}, {Basis::quadratic, 0.25, 0.25}, {Basis::quadratic, 4.0, 1.0}}) {
     const TensorDamage law = test::law_of(1.0, interface);
     const double threshold = root_of_drive<TensorDamage>(splat(weakest * kLaw.threshold()))[0];
     Cement c(kCell, test::scattered(random, kCell, 4, 6), kCell * kCell * kCell / 6, Eigen::Quaterniond::Identity(), basis);
-    const AverageSweeps sweeps = sweeps_for(1.7 * kCell, kCell, basis);
+    const SmoothingPasses sweeps = sweeps_for(1.7 * kCell, kCell, basis);
     std::map<int, double> roots;
     for (int slot : c.slots) roots[slot] = threshold * (random.index(50) == 0 ? 1.3 : random.uniform(0.3, 0.8));
-    const auto set = [&](auto grown) { set_roots(c, [&](int b, int l) { return roots.count(kLanes * b + l) ? roots[kLanes * b + l] + grown() : 0.0; }); };
+    const auto set = [&](auto grown) {
+      set_roots(c, [&](int b, int l) { return roots.count(kLanes * b + l) ? roots[kLanes * b + l] + grown() : 0.0; });
+    };
     set([] { return 0.0; });
     average(c, sweeps);
     const double lacking = threshold - DriveAverage::largest(c.points, c.grid);
@@ -380,7 +388,7 @@ TEST(DriveAverage, NoLimitsAtTheThresholdOrWithDamage) {
   test::Random random(308);
   Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
   const double threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
-  const AverageSweeps sweeps = sweeps_for(kCell, kCell, Basis::quadratic);
+  const SmoothingPasses sweeps = sweeps_for(kCell, kCell, Basis::quadratic);
   for (double share : {0.9, 1.1}) {
     set_roots(c, [&](int, int) { return share * threshold; });
     average(c, sweeps);
@@ -440,7 +448,8 @@ TEST(DriveAverage, BoundsOfFieldsHoldForAverages) {
       average.find(c.points, c.grid, law, sweeps_for(1.7 * kCell, kCell, Basis::quadratic));
       return largest_root_of_drive(c.points, law, &c.grid);
     };
-    const double times = bound_of_averages(law), first = 1.0 / bound[0], root = root_of_average(first, 0.0), level = times * first * bound[0];
+    const double times = bound_of_averages(law), first = 1.0 / bound[0], root = root_of_average(first, 0.0),
+                 level = times * first * bound[0];
     EXPECT_LE(root, level * (1.0 + 1e-12));
     nearest = std::max(nearest, root / level);
     const double most = random.uniform(1.001, 1.1) * root, margin = margin_of_average(law, level, root, most);
@@ -458,9 +467,11 @@ TEST(DriveAverage, NearWhereSomePointIs) {
   Cement c(kCell, test::scattered(random, kCell, 3, 6), kCell * kCell * kCell / 6);
   const double at_threshold = root_of_drive<TensorDamage>(splat(kLaw.threshold()))[0];
   const int slot = c.slots[c.slots.size() / 2];
-  for (const auto& [interface, weakest] : {std::pair(1.0, 1.0), std::pair(0.25, 0.25), std::pair(4.0, 1.0)})  // points at a grain may be the weakest
+  for (const auto& [interface, weakest] :
+       {std::pair(1.0, 1.0), std::pair(0.25, 0.25), std::pair(4.0, 1.0)})  // points at a grain may be the weakest
     for (const auto& [share, near] : {std::pair(0.85, false), std::pair(0.95, true)}) {
-      set_roots(c, [&, share = share * weakest](int b, int l) { return kLanes * b + l == slot ? std::pow(share, 0.25) * at_threshold : 0.0; });
+      set_roots(c,
+                [&, share = share * weakest](int b, int l) { return kLanes * b + l == slot ? std::pow(share, 0.25) * at_threshold : 0.0; });
       EXPECT_EQ(is_near_threshold(c.points, test::law_of(1.0, interface)), near) << share << " of the threshold, interface " << interface;
     }
   c.points.meta[slot / kLanes].failed |= static_cast<std::uint8_t>(1u << slot % kLanes);

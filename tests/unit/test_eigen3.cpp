@@ -59,8 +59,7 @@ void expect_positive_part(const std::vector<Matrix>& all, double tolerance) {
       const double norm = a.norm() > 0.0 ? a.norm() : 1.0;
       const Matrix exact = norm * test::positive_part(a / norm);
       std::ostringstream where;
-      where << "eigenvalues " << Eigen::SelfAdjointEigenSolver<Matrix>(a / norm).eigenvalues().transpose() << " of "
-            << norm;
+      where << "eigenvalues " << Eigen::SelfAdjointEigenSolver<Matrix>(a / norm).eigenvalues().transpose() << " of " << norm;
       worst.add(test::tensor(p, l) - exact, norm, where.str());
       if (norm > 1e-140 && norm < 1e140) squares.add(std::fabs(square[l] - exact.squaredNorm()) / (norm * norm), where.str());
     }

@@ -4,7 +4,7 @@
 // The engine without LIGGGHTS, on 1 and 2 ranks: order of its calls, condensed bonds, added mass, stable step, cracks,
 // report. Without Poisson's ratio the cement between wide flat grains is springs side by side, so forces and energies
 // have closed forms.
-#include "cement/cement.h"
+#include "cement/engine/cement.h"
 
 #include <stdexcept>
 
@@ -67,7 +67,7 @@ TEST(Engine, ForceAndEnergyAreThoseOfASpring) {
     r.condense = condense;
     RowOfGrains host(MPI_COMM_WORLD, r);
     host.setup();
-    EXPECT_EQ(host.cement->report().awake_bonds(), condense ? 0 : 1);
+    EXPECT_EQ(host.cement->report().resolved_bonds(), condense ? 0 : 1);
     host.run(20000);
     const double stretch = host.stretch(), K = spring(host.bonds.table[0].attached_area[0]);
     ASSERT_GT(stretch, 1e-7);
@@ -113,18 +113,18 @@ TEST(Engine, ACondensedBondWakesBreaksAndIsCondensedAgain) {
   RowOfGrains host(MPI_COMM_WORLD, r);
   host.setup();
   resolved.setup();
-  EXPECT_EQ(host.cement->report().awake_bonds(), 0);
+  EXPECT_EQ(host.cement->report().resolved_bonds(), 0);
   double peak[2] = {0.0, 0.0};
-  std::vector<int> awake;
+  std::vector<int> bonds;
   for (int n = 0; n < 500; ++n) {
     host.run(20);
     resolved.run(20);
     peak[0] = std::max(peak[0], resolved.tension(0));
     peak[1] = std::max(peak[1], host.tension(0));
-    awake.push_back(host.cement->report().awake_bonds());
+    bonds.push_back(host.cement->report().resolved_bonds());
   }
-  EXPECT_TRUE(std::count(awake.begin(), awake.end(), 1) > 0);
-  EXPECT_EQ(awake.back(), 0);
+  EXPECT_TRUE(std::count(bonds.begin(), bonds.end(), 1) > 0);
+  EXPECT_EQ(bonds.back(), 0);
   EXPECT_TRUE(host.cement->cracks().separated(0));
   EXPECT_NEAR(peak[1] / peak[0], 1.0, 5e-3);
   const auto tags = [](const std::vector<std::array<int, 2>>& events) {
@@ -146,9 +146,9 @@ TEST(Engine, CondensedBondsRestartToTheBit) {
   r.ramp = 8e-6;
   RowOfGrains whole(MPI_COMM_WORLD, r);
   whole.setup();
-  EXPECT_EQ(whole.cement->report().awake_bonds(), 0);
+  EXPECT_EQ(whole.cement->report().resolved_bonds(), 0);
   test::expect_restart_to_the_bit(whole, r, 50, 2000, test::kStep, [&](RowOfGrains& again) {
-    EXPECT_EQ(again.cement->report().awake_bonds(), whole.cement->report().awake_bonds());
+    EXPECT_EQ(again.cement->report().resolved_bonds(), whole.cement->report().resolved_bonds());
     EXPECT_FALSE(whole.all_failed().empty());
   });
 }

@@ -31,23 +31,24 @@ std::shared_ptr<const Law> brittle(double B0) {
 }
 
 struct FilmOfPair {
-  Body body;
+  BondRecord record;
   Film film;
-  GrainSide side[2];
+  BondEnd ends[2];
   std::shared_ptr<const Law> law;
 
-  explicit FilmOfPair(std::shared_ptr<const Law> of_points = undamaged(), const Vector& along = Vector(0, 0, 1)) : law(std::move(of_points)) {
+  explicit FilmOfPair(std::shared_ptr<const Law> of_points = undamaged(), const Vector& along = Vector(0, 0, 1))
+      : law(std::move(of_points)) {
     const GrainPair pair{kR, kR, 0.0, along.normalized()};
-    body.grain[0] = 1;
-    body.grain[1] = 2;
+    record.grain[0] = 1;
+    record.grain[1] = 2;
     for (int s = 0; s < 2; ++s) {
-      body.radius[s] = kR;
-      for (int d = 0; d < 3; ++d) body.centre[s][d] = pair.centre(s)[d];
+      record.radius[s] = kR;
+      for (int d = 0; d < 3; ++d) record.centre[s][d] = pair.centre(s)[d];
     }
-    body.spacing = 2e-4;
+    record.spacing = 2e-4;
     int tag = 0;
     const Flat flat(pair, kOuter, kInner);
-    for (const FillPoint& p : fill_film(pair, film_part(flat, body.spacing))) {
+    for (const FillPoint& p : fill_film(pair, film_fill(flat, record.spacing))) {
       PointRecord r;
       r.film = r.has_frame = true;
       const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vector(0, 0, 1), pair.n);
@@ -57,28 +58,28 @@ struct FilmOfPair {
       r.volume = p.volume;
       r.links = 2;
       for (int k = 0; k < 2; ++k) {
-        r.link[k].grain = body.grain[p.link[k].side];
+        r.link[k].grain = record.grain[p.link[k].side];
         std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, r.link[k].foot);
         r.link[k].area = p.link[k].area;
         r.link[k].attached = true;
       }
       film.points.add(r, ++tag);
     }
-    film.lay_out(body, law);
+    film.lay_out(record, law);
     for (int s = 0; s < 2; ++s) place(s, Vector::Zero(), Matrix::Identity());
   }
   // Moves grain s by `way` and turns it about its centre.
   void place(int s, const Vector& way, const Matrix& turn) {
-    side[s] = GrainSide{};
+    ends[s] = BondEnd{};
     for (int d = 0; d < 3; ++d) {
-      side[s].x[d] = body.centre[s][d] + way[d];
-      for (int e = 0; e < 3; ++e) side[s].R.a[d][e] = turn(d, e);
+      ends[s].x[d] = record.centre[s][d] + way[d];
+      for (int e = 0; e < 3; ++e) ends[s].R.a[d][e] = turn(d, e);
     }
   }
   // Moves both grains as one.
   void place_all(const Vector& way, const Matrix& turn) {
     for (int s = 0; s < 2; ++s) {
-      const Vector c = Eigen::Map<const Vector>(body.centre[s]);
+      const Vector c = Eigen::Map<const Vector>(record.centre[s]);
       place(s, way + turn * c - c, turn);
     }
   }
@@ -86,17 +87,17 @@ struct FilmOfPair {
   void add(int s, const Vector& way, const Vector& turn) {
     Matrix R;
     for (int d = 0; d < 3; ++d)
-      for (int e = 0; e < 3; ++e) R(d, e) = side[s].R.a[d][e];
+      for (int e = 0; e < 3; ++e) R(d, e) = ends[s].R.a[d][e];
     const double angle = turn.norm();
     if (angle > 0.0) R = Eigen::AngleAxisd(angle, turn / angle) * R;
-    const Vector x = Eigen::Map<const Vector>(side[s].x) + way - Eigen::Map<const Vector>(body.centre[s]);
+    const Vector x = Eigen::Map<const Vector>(ends[s].x) + way - Eigen::Map<const Vector>(record.centre[s]);
     place(s, x, R);
   }
   AdvanceResult step(const TractionLaw* faces = nullptr) {
     AdvanceResult result;
-    for (GrainSide& s : side)
+    for (BondEnd& s : ends)
       for (int d = 0; d < 3; ++d) s.force[d] = s.torque[d] = 0.0;
-    film.advance(side, *law, faces, 1e-8, AdvanceOptions(), result);
+    film.advance(ends, *law, faces, 1e-8, AdvanceOptions(), result);
     return result;
   }
   double energy() const {
@@ -122,7 +123,7 @@ TEST(Film, MotionOfBothGrainsAsOneGivesNoStrain) {
   }
   // a force by the rounding of the places, 25 thicknesses from the centres; measured 5e-5 N
   const double of_rounding = 2e-16 * kR * 60e9 * kOuter * kOuter * M_PI / 2e-4;
-  for (const GrainSide& s : f.side)
+  for (const BondEnd& s : f.ends)
     for (int d = 0; d < 3; ++d) EXPECT_NEAR(s.force[d], 0.0, 100 * of_rounding);
 }
 
@@ -145,7 +146,7 @@ TEST(Film, ForceAndMomentAreThoseOfTheEnergy) {
         moved.step();
         U[k] = moved.energy();
       }
-      const double found = j < 3 ? f.side[s].force[j] : f.side[s].torque[j - 3], largest = j < 3 ? 10.0 : 1e-2;
+      const double found = j < 3 ? f.ends[s].force[j] : f.ends[s].torque[j - 3], largest = j < 3 ? 10.0 : 1e-2;
       EXPECT_NEAR(found, -0.5 * (U[1] - U[0]) / (j < 3 ? 1e-12 : 1e-9), 2e-4 * largest) << s << ' ' << j;
     }
 }
@@ -158,7 +159,7 @@ TEST(Film, KeepsMomentumAndAngularMomentumAtAnyStrain) {
   f.step();
   Vector force = Vector::Zero(), moment = Vector::Zero();
   double size = 0.0, size_of_moment = 0.0;
-  for (const GrainSide& s : f.side) {
+  for (const BondEnd& s : f.ends) {
     const Vector F = Eigen::Map<const Vector>(s.force), M = Eigen::Map<const Vector>(s.torque), x = Eigen::Map<const Vector>(s.x);
     force += F;
     moment += M + x.cross(F);
@@ -172,7 +173,7 @@ TEST(Film, KeepsMomentumAndAngularMomentumAtAnyStrain) {
 
 TEST(Film, StiffnessIsThatOfColumns) {
   FilmOfPair f;
-  const Film::Matrix6 K = f.film.stiffness(f.film.strains(f.side, Vector::Zero()), *f.law);
+  const Film::Matrix6 K = f.film.stiffness(f.film.strains(f.ends, Vector::Zero()), *f.law);
   const double C33 = elastic().C33, C44 = elastic().C44;
   const auto integral = [](auto of_r) {
     double sum = 0.0;
@@ -190,7 +191,7 @@ TEST(Film, StiffnessIsThatOfColumns) {
   // the loads by small motions are the same
   f.add(1, Vector(0, 0, 1e-10), Vector::Zero());
   f.step();
-  EXPECT_NEAR(f.side[1].force[2] / (-1e-10 * K(2, 2)), 1.0, 1e-5);
+  EXPECT_NEAR(f.ends[1].force[2] / (-1e-10 * K(2, 2)), 1.0, 1e-5);
   EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
 }
 
@@ -206,8 +207,8 @@ double imbalance(FilmOfPair& f, const Vector& way, int steps, const TractionLaw*
     dissipated += r.dissipated;
     released += r.released;
     for (int d = 0; d < 3; ++d) {
-      work -= 0.5 * (force[d] + f.side[1].force[d]) * part[d];
-      force[d] = f.side[1].force[d];
+      work -= 0.5 * (force[d] + f.ends[1].force[d]) * part[d];
+      force[d] = f.ends[1].force[d];
     }
   }
   return (work - f.energy() - f.film.energy_of_faces(faces) - dissipated - released) / work;
@@ -220,7 +221,7 @@ TEST(Film, EnergyBalancesWhileColumnsFail) {
     EXPECT_NEAR(imbalance(f, Vector(3e-7, 0, 1e-6), steps, nullptr, dissipated), 0.0, 2e-3);
     EXPECT_FALSE(f.film.holds());
     EXPECT_GT(dissipated, 0.0);
-    for (int d = 0; d < 3; ++d) EXPECT_EQ(f.side[1].force[d], 0.0);
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(f.ends[1].force[d], 0.0);
     for (const Link& k : f.film.points.links) EXPECT_FALSE(k.attached);
   }
 }
@@ -253,11 +254,11 @@ TEST(Film, TakesUpTheStrainOfTheSteps) {
     walked.add(1, way / 100, turn / 100);
     walked.step();
   }
-  at_once.place(1, Eigen::Map<const Vector>(walked.side[1].x) - Eigen::Map<const Vector>(walked.body.centre[1]), Matrix::Identity());
-  at_once.side[1].R = walked.side[1].R;
-  at_once.film.take_up(at_once.side);
-  at_once.film.add_force(at_once.side, *at_once.law);
-  for (int d = 0; d < 3; ++d) EXPECT_NEAR(at_once.side[1].force[d], walked.side[1].force[d], 1e-4 * 300.0);
+  at_once.place(1, Eigen::Map<const Vector>(walked.ends[1].x) - Eigen::Map<const Vector>(walked.record.centre[1]), Matrix::Identity());
+  at_once.ends[1].R = walked.ends[1].R;
+  at_once.film.start_from(at_once.ends);
+  at_once.film.add_force(at_once.ends, *at_once.law);
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(at_once.ends[1].force[d], walked.ends[1].force[d], 1e-4 * 300.0);
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ double sum_of_a_over_t(double from, double to) {
 // Where the gap is two spacings rounding may have it less, and radii there have the root of that.
 TEST(FilmFill, CementAsThickAsACellIsNoFilm) {
   for (const double spacing : {2e-4, 1.7e-4, 1e-4 / 3})
-    for (const double rounded : {1.0 - 4e-16, 1.0, 1.0 + 4e-16}) EXPECT_TRUE(film_part(Flat(touching(kRadius, 2.0 * spacing * rounded), 1.5e-3, 0.0), spacing).empty());
+    for (const double rounded : {1.0 - 4e-16, 1.0, 1.0 + 4e-16})
+      EXPECT_TRUE(film_fill(Flat(touching(kRadius, 2.0 * spacing * rounded), 1.5e-3, 0.0), spacing).empty());
 }
 
 TEST(FilmFill, InnerRadiusScalesWithTheGrainsAndNotWithTheSpacing) {
@@ -58,29 +59,29 @@ TEST(FilmFill, InnerRadiusScalesWithTheGrainsAndNotWithTheSpacing) {
 
 TEST(FilmFill, FilmEndsWhereACellFits) {
   const Flat flat(touching(), 3e-3, 1e-3);
-  const FilmPart film = film_part(flat, 2e-4);
+  const FilmFill film = film_fill(flat, 2e-4);
   EXPECT_FALSE(film.all);
   EXPECT_NEAR(flat.pair().thickness(film.to), 4e-4, 1e-15);
-  EXPECT_TRUE(film_part(flat, 1e-4).empty());  // 0.202 mm at 1 mm
-  const FilmPart all = film_part(Flat(touching(), 1.6e-3, 1e-3), 2e-4);
+  EXPECT_TRUE(film_fill(flat, 1e-4).empty());  // 0.202 mm at 1 mm
+  const FilmFill all = film_fill(Flat(touching(), 1.6e-3, 1e-3), 2e-4);
   EXPECT_TRUE(all.all);
   EXPECT_NEAR(all.to, 1.6e-3, 1e-12);
 }
 
 TEST(FilmFill, SumsAreThoseOfVolumeAreaAndStiffness) {
   const Flat flat(touching(), 1.6e-3, 1e-3);
-  const Sums s = sums(fill_film(flat.pair(), film_part(flat, 2e-4)));
+  const Sums s = sums(fill_film(flat.pair(), film_fill(flat, 2e-4)));
   EXPECT_NEAR(s.volume / flat.volume(), 1.0, 1e-12);
   for (int g = 0; g < 2; ++g) EXPECT_NEAR(s.area[g] / flat.attached_area(g), 1.0, 1e-12);
   EXPECT_NEAR(s.over_t / sum_of_a_over_t(1e-3, 1.6e-3), 1.0, 3e-7);
   const Flat wide(touching(), 3e-3, 1e-3);
-  const FilmPart part = film_part(wide, 3.5e-4);
+  const FilmFill part = film_fill(wide, 3.5e-4);
   EXPECT_NEAR(sums(fill_film(wide.pair(), part)).over_t / sum_of_a_over_t(1e-3, part.to), 1.0, 3e-7);
 }
 
 TEST(FilmFill, ColumnsDoNotDependOnTheSpacingWhereAllIsFilm) {
   const Meniscus meniscus(touching(), 0.25, 0.3, 1e-3);
-  const FilmPart one = film_part(meniscus, 2e-4), other = film_part(meniscus, 1.5e-4);
+  const FilmFill one = film_fill(meniscus, 2e-4), other = film_fill(meniscus, 1.5e-4);
   ASSERT_TRUE(one.all && other.all);
   const std::vector<FillPoint> a = fill_film(meniscus.pair(), one), b = fill_film(meniscus.pair(), other);
   ASSERT_EQ(a.size(), b.size());
@@ -95,7 +96,7 @@ TEST(FilmFill, ColumnsDoNotDependOnTheSpacingWhereAllIsFilm) {
 
 TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
   const Meniscus meniscus(touching(3.5e-3), 0.6, 0.3, 7e-4);
-  const FilmPart film = film_part(meniscus, 1e-4);
+  const FilmFill film = film_fill(meniscus, 1e-4);
   ASSERT_FALSE(film.all || film.empty());
   const std::unique_ptr<Shape> cells = meniscus.with_inner(film.to);
   EXPECT_NEAR((film.volume + cells->volume()) / meniscus.volume(), 1.0, 1e-12);
@@ -105,7 +106,7 @@ TEST(FilmFill, FilmAndCellsTogetherAreTheShape) {
 TEST(FilmFill, NeighboursTakeTheirShare) {
   // the same bond again, a little beside: each keeps the half that is nearer to its own middle
   const Flat flat(touching(), 1.6e-3, 1e-3);
-  const FilmPart film = film_part(flat, 2e-4);
+  const FilmFill film = film_fill(flat, 2e-4);
   const std::vector<Neighbour> neighbours = {{&flat, Vector3(1e-6, 0, 0)}};
   const double kept = sums(fill_film(flat.pair(), film, neighbours)).volume / flat.volume();
   EXPECT_GT(kept, 0.45);
@@ -113,8 +114,8 @@ TEST(FilmFill, NeighboursTakeTheirShare) {
 }
 
 TEST(FilmFill, RefusesWhatCannotBeFilm) {
-  EXPECT_THROW(film_part(Coating(touching(), 3e-4, M_PI, 1e-3), 4e-4), ShapeError);  // its shells go on
-  EXPECT_THROW(film_part(Flat(touching(), 1.6e-3, 1e-5), 2e-4), ShapeError);         // no bound of the stiffness
+  EXPECT_THROW(film_fill(Coating(touching(), 3e-4, M_PI, 1e-3), 4e-4), ShapeError);  // its shells go on
+  EXPECT_THROW(film_fill(Flat(touching(), 1.6e-3, 1e-5), 2e-4), ShapeError);         // no bound of the stiffness
 }
 
 }  // namespace

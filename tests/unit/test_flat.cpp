@@ -33,9 +33,7 @@ std::vector<FlatCase> flat_cases() {
 double volume_by_quadrature_of(const FlatCase& c) {
   const GrainPair& p = c.pair;
   const double R = std::min(p.R1, p.R2), from = std::max(c.inner, test::circle_of_contact(p));
-  const auto drop = [](double radius, double r) {
-    return r * r / (radius + std::sqrt(std::max(radius * radius - r * r, 0.0)));
-  };
+  const auto drop = [](double radius, double r) { return r * r / (radius + std::sqrt(std::max(radius * radius - r * r, 0.0))); };
   return test::integrate(
       [&](double a) {
         const double r = R * std::sin(a);
@@ -127,9 +125,7 @@ TEST(Flat, Thickness) {
   for (const FlatCase& c : flat_cases()) {
     const Flat flat(c.pair, c.outer, c.inner);
     const GrainPair& p = c.pair;
-    const auto gap_at = [&](double r) {
-      return p.R1 + p.R2 + p.gap - test::height_over_girth(p.R1, r) - test::height_over_girth(p.R2, r);
-    };
+    const auto gap_at = [&](double r) { return p.R1 + p.R2 + p.gap - test::height_over_girth(p.R1, r) - test::height_over_girth(p.R2, r); };
     EXPECT_NEAR(flat.largest_thickness(), gap_at(c.outer), 1e-14);
     EXPECT_NEAR(flat.smallest_thickness(), gap_at(std::max(c.inner, test::circle_of_contact(p))), 1e-14);
     EXPECT_NE(flat.describe().find("flat"), std::string::npos);
@@ -139,19 +135,13 @@ TEST(Flat, Thickness) {
 TEST(Flat, RefusesWhatIsNoBody) {
   const GrainPair p{5e-3, 3e-3, 0.0, Vector(0, 0, 1)}, overlap{5e-3, 5e-3, -2e-4, Vector(0, 0, 1)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto error = [](const GrainPair& pair, double outer, double inner) {
-    return test::shape_error([&] { Flat(pair, outer, inner); });
-  };
+  const auto error = [](const GrainPair& pair, double outer, double inner) { return test::shape_error([&] { Flat(pair, outer, inner); }); };
   EXPECT_EQ(error(p, 1e-3, 0.0), "");
-  for (double bad : {0.0, -1e-3, 3.001e-3, nan})
-    EXPECT_NE(error(p, bad, 0.0).find("outer radius"), std::string::npos) << bad;
-  for (double bad : {-1e-6, 1e-3, 2e-3, nan})
-    EXPECT_NE(error(p, 1e-3, bad).find("inner radius"), std::string::npos) << bad;
+  for (double bad : {0.0, -1e-3, 3.001e-3, nan}) EXPECT_NE(error(p, bad, 0.0).find("outer radius"), std::string::npos) << bad;
+  for (double bad : {-1e-6, 1e-3, 2e-3, nan}) EXPECT_NE(error(p, 1e-3, bad).find("inner radius"), std::string::npos) << bad;
   EXPECT_NE(error(overlap, 0.9e-3, 0.0).find("overlap"), std::string::npos);
   EXPECT_EQ(error(overlap, 1.1e-3, 0.0), "");
-  const auto volume_error = [&](double V, double inner) {
-    return test::shape_error([&] { Flat::outer_for_volume(p, V, inner); });
-  };
+  const auto volume_error = [&](double V, double inner) { return test::shape_error([&] { Flat::outer_for_volume(p, V, inner); }); };
   for (double bad : {0.0, -1e-9, 1.0, nan}) EXPECT_NE(volume_error(bad, 0.0).find("volume"), std::string::npos) << bad;
   EXPECT_NE(volume_error(1e-9, 2.99e-3).find("volume"), std::string::npos);
 }

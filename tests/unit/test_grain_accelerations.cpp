@@ -31,7 +31,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
 
     std::vector<GrainAccelerations::OfBond> of_bonds() const {
       std::vector<GrainAccelerations::OfBond> all;
-      for (const Bond& b : bonds) all.push_back({&b.added, &b.grid, b.side});
+      for (const Bond& b : bonds) all.push_back({&b.added, &b.grid, b.first_end});
       return all;
     }
   };
@@ -45,9 +45,9 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
     const std::vector<std::vector<int>> sides{{0}, {1, 2}, {3}};
     for (const std::vector<int>& of : sides) {
       Grain g;
-      g.sides = of;
+      g.ends = of;
       g.mass = mass * cement * s.random.uniform(0.5, 2.0);
-      const double radius = s.bodies[of[0] / 2].radius[of[0] % 2];
+      const double radius = s.records[of[0] / 2].radius[of[0] % 2];
       g.inertia = 0.4 * g.mass * radius * radius;
       for (bool& f : g.free) f = true;
       for (int i : of) s.motion[i].mass_ratio = 3.5 * of.size() * cement / g.mass;
@@ -59,7 +59,7 @@ class Accelerations : public ::testing::TestWithParam<std::tuple<bool, Basis, do
 };
 
 void prepare(Scene& s, double lambda = 0.0) {
-  s.sides.distribute(s.bodies, s.motion);
+  s.ends.distribute(s.records, s.motion);
   s.set_added_mass(kDt, lambda);
 }
 
@@ -83,29 +83,29 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
       }
       copy(a, g.acceleration);
       copy(alpha, g.acceleration + 3);
-      for (int side : g.sides) {
+      for (int side : g.ends) {
         copy(a, s.motion[side].a);
         copy(alpha, s.motion[side].alpha);
       }
     }
-    s.sides.distribute(s.bodies, s.motion);
-    s.sides.clear_forces();
+    s.ends.distribute(s.records, s.motion);
+    s.ends.clear_forces();
     for (Bond& b : s.bonds)
       for (std::size_t i = 0; i < b.grid.force.size(); ++i)
         b.grid.force[i] = b.grid.ties.row(static_cast<int>(i / 3)) < 0 ? s.random.uniform(-1, 1) : 0.0;
     const std::vector<std::vector<double>> force = s.forces();
-    const std::vector<GrainSide> before = s.sides.sides;
+    const std::vector<BondEnd> before = s.ends.ends;
     CondensedPack none;
-    s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.sides, true, none);
+    s.accelerations.find(MPI_COMM_SELF, s.of_bonds(), s.grains, s.load, s.ends, true, none);
     test::Worst node, grain;
     for (Bond& b : s.bonds) {
-      b.added.accelerate(b.grid, s.side(b));
+      b.added.accelerate(b.grid, s.ends_of(b));
       for (const AddedMass::Share& m : b.added.shares()) {
-        Vector rest(&force[b.body][3 * m.node]);
+        Vector rest(&force[b.row][3 * m.node]);
         const Vector a(&b.grid.acceleration[3 * m.node]);
         rest -= b.grid.mass[m.node] * a;
         for (int side = 0; side < 2; ++side) {
-          const GrainSide& g = s.side(b)[side];
+          const BondEnd& g = s.ends_of(b)[side];
           const Vector arm = s.node(b.grid, m.node) - Vector(g.x);
           rest -= m.mass[side] * (a - Vector(g.a) - Vector(g.alpha).cross(arm));
         }
@@ -114,21 +114,19 @@ TEST_P(Accelerations, SolveTheEquationsOfMotion) {
     }
     for (std::size_t n = 0; n < s.grains.size(); ++n) {
       const Grain& g = s.grains[n];
-      const GrainSide& first = s.sides.sides[g.sides[0]];
+      const BondEnd& first = s.ends.ends[g.ends[0]];
       Eigen::Matrix<double, 6, 1> rest = s.load[n], A;
       A << Vector(first.a), Vector(first.alpha);
-      for (int side : g.sides) {
-        const GrainSide& of = s.sides.sides[side];
+      for (int side : g.ends) {
+        const BondEnd& of = s.ends.ends[side];
         for (int d = 0; d < 3; ++d) {
           rest[d] += of.force[d];
           rest[3 + d] += of.torque[d];
         }
       }
       for (int i = 0; i < 6; ++i) {
-        if (g.free[i])
-          grain.add(std::fabs(rest[i] - (i < 3 ? g.mass : g.inertia) * A[i]));
-        else
-          EXPECT_EQ(A[i], (i < 3 ? before[g.sides[0]].a[i] : before[g.sides[0]].alpha[i - 3]));
+        if (g.free[i]) grain.add(std::fabs(rest[i] - (i < 3 ? g.mass : g.inertia) * A[i]));
+        else EXPECT_EQ(A[i], (i < 3 ? before[g.ends[0]].a[i] : before[g.ends[0]].alpha[i - 3]));
       }
     }
     expect_within(node, 1e-12, "forces on nodes that are left, forces being of order one");
@@ -147,18 +145,18 @@ struct Unknowns {
   std::vector<int> at[2], grain_of;  // at: place of each node of either bond, -1: none; grain_of: of each side
   int first = 0, size = 0;           // first unknown of the grains; number of all unknowns
 
-  Unknowns(const Scene& s, const std::vector<Grain>& grains) : grain_of(s.sides.sides.size()) {
+  Unknowns(const Scene& s, const std::vector<Grain>& grains) : grain_of(s.ends.ends.size()) {
     for (const Bond& b : s.bonds) {
-      at[b.body].assign(b.grid.size(), -1);
+      at[b.row].assign(b.grid.size(), -1);
       const std::vector<double> k = s.row_sums(b);
       for (int n = 0; n < b.grid.size(); ++n)
         if (k[2 * n] + k[2 * n + 1] > 0.0) {
-          at[b.body][n] = 3 * static_cast<int>(nodes.size());
-          nodes.push_back({b.body, n});
+          at[b.row][n] = 3 * static_cast<int>(nodes.size());
+          nodes.push_back({b.row, n});
         }
     }
     for (std::size_t g = 0; g < grains.size(); ++g)
-      for (int side : grains[g].sides) grain_of[side] = static_cast<int>(g);
+      for (int side : grains[g].ends) grain_of[side] = static_cast<int>(g);
     first = 3 * static_cast<int>(nodes.size());
     size = first + 6 * static_cast<int>(grains.size());
   }
@@ -167,14 +165,15 @@ struct Unknowns {
 // Stiffness matrix of the links, found by small displacements.
 Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unknowns& u) {
   constexpr double kStep = 1e-5;
-  const std::vector<GrainSides::Motion> rest = s.motion;
+  const std::vector<BondEnds::Motion> rest = s.motion;
   const auto forces = [&] {
     s.add_force();
     Eigen::VectorXd f = Eigen::VectorXd::Zero(u.size);
-    for (std::size_t i = 0; i < u.nodes.size(); ++i) f.segment<3>(3 * i) = Vector(&s.bonds[u.nodes[i].bond].grid.force[3 * u.nodes[i].node]);
+    for (std::size_t i = 0; i < u.nodes.size(); ++i)
+      f.segment<3>(3 * i) = Vector(&s.bonds[u.nodes[i].bond].grid.force[3 * u.nodes[i].node]);
     for (std::size_t side = 0; side < u.grain_of.size(); ++side) {
-      f.segment<3>(u.first + 6 * u.grain_of[side]) += Vector(s.sides.sides[side].force);
-      f.segment<3>(u.first + 6 * u.grain_of[side] + 3) += Vector(s.sides.sides[side].torque);
+      f.segment<3>(u.first + 6 * u.grain_of[side]) += Vector(s.ends.ends[side].force);
+      f.segment<3>(u.first + 6 * u.grain_of[side] + 3) += Vector(s.ends.ends[side].torque);
     }
     return f;
   };
@@ -187,11 +186,9 @@ Eigen::MatrixXd stiffness(Scene& s, const std::vector<Grain>& grains, const Unkn
       grid.ties.extend(grid.displacement.data());
     } else {
       const Vector direction = by * Vector::Unit((j - u.first) % 3);
-      for (int side : grains[(j - u.first) / 6].sides) {
-        if ((j - u.first) % 6 < 3)
-          copy(Vector(s.motion[side].x) + direction, s.motion[side].x);
-        else
-          s.turn(side, direction);
+      for (int side : grains[(j - u.first) / 6].ends) {
+        if ((j - u.first) % 6 < 3) copy(Vector(s.motion[side].x) + direction, s.motion[side].x);
+        else s.turn(side, direction);
       }
     }
     return forces();
@@ -213,8 +210,8 @@ Eigen::MatrixXd mass_matrix(const Scene& s, const std::vector<Grain>& grains, co
   for (const Bond& b : s.bonds)
     for (const AddedMass::Share& a : b.added.shares())
       for (int side = 0; side < 2; ++side) {
-        const Vector r = s.node(b.grid, a.node) - Vector(s.side(b)[side].x);
-        const int part[2] = {u.at[b.body][a.node], u.first + 6 * u.grain_of[b.side + side]};
+        const Vector r = s.node(b.grid, a.node) - Vector(s.ends_of(b)[side].x);
+        const int part[2] = {u.at[b.row][a.node], u.first + 6 * u.grain_of[b.first_end + side]};
         Eigen::Matrix<double, 3, 9> relative;
         relative.leftCols<3>().setIdentity();
         relative.middleCols<3>(3) = -Eigen::Matrix3d::Identity();
@@ -256,7 +253,10 @@ TEST_P(Accelerations, BoundOfTheTimeStepHolds) {
 std::string name_of_grains(const ::testing::TestParamInfo<std::tuple<bool, Basis, double>>& p) {
   const auto& [tied, basis, mass] = p.param;
   const char* const bases[] = {"linear", "quadratic", "cubic"};
-  return std::string(tied ? "tied_" : "free_") + bases[static_cast<int>(basis)] + (mass < 5 ? "_light" : mass < 100 ? "_middling" : "_heavy");
+  return std::string(tied ? "tied_" : "free_") + bases[static_cast<int>(basis)] +
+         (mass < 5     ? "_light"
+          : mass < 100 ? "_middling"
+                       : "_heavy");
 }
 
 INSTANTIATE_TEST_SUITE_P(Grains, Accelerations,

@@ -23,7 +23,7 @@ struct Cells {
   explicit Cells(std::vector<Key> c) : cell(std::move(c)), column(cell.size()) {}
   std::vector<Grid::Cell> list() {
     std::vector<Grid::Cell> all;
-    for (std::size_t i = 0; i < cell.size(); ++i) all.push_back({cell[i].field(), cell[i].place().data(), column[i].data()});
+    for (std::size_t i = 0; i < cell.size(); ++i) all.push_back({cell[i].field(), cell[i].index().data(), column[i].data()});
     return all;
   }
 };
@@ -41,8 +41,7 @@ void expect_columns(const Grid& grid, const Cells& c) {
 TEST(Grid, HasTheNodesOfItsCellsAndNoOthers) {
   test::Random random(111);
   std::vector<Key> list;
-  for (int i = 0; i < 60; ++i)
-    list.push_back({random.index(2), random.index(7) - 3, random.index(7) - 3, random.index(7) - 3});
+  for (int i = 0; i < 60; ++i) list.push_back({random.index(2), random.index(7) - 3, random.index(7) - 3, random.index(7) - 3});
   Cells c(list);
   Grid grid;
   std::vector<char> fresh;
@@ -147,7 +146,8 @@ TEST(Grid, NodesAreAdded) {
     std::vector<char> fresh;
     grid.build(MPI_COMM_SELF, kH, cells.list(), NodeKinematics(), fresh);
     grid.given_volume.assign(grid.size(), 0.0);
-    for (std::vector<double>* field : {&grid.velocity, &grid.displacement, &grid.acceleration, &grid.force, &grid.mass.own(), &grid.given_volume})
+    for (std::vector<double>* field :
+         {&grid.velocity, &grid.displacement, &grid.acceleration, &grid.force, &grid.mass.own(), &grid.given_volume})
       for (double& v : *field) v = random.uniform(1, 2);
     const Grid before = grid;
     std::set<Key> more;
@@ -176,10 +176,9 @@ TEST(Grid, NodesAreAdded) {
 // Nodes that have a source take its motion, if there is such a node.
 TEST(Grid, NodesTakeTheMotionOfTheirSource) {
   test::Random random(117);
-  const Field part = field_of(0, 1);
-  EXPECT_EQ(body_of(field_of(7, 3)), 7);
-  Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}),
-      second({{0, 0, 0, 0}, {part, 0, 0, 0}, {part, 2, 0, 0}, {1, 0, 0, 0}});
+  const Field layer = field_of(0, 1);
+  EXPECT_EQ(row_of(field_of(7, 3)), 7);
+  Cells first({{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}}), second({{0, 0, 0, 0}, {layer, 0, 0, 0}, {layer, 2, 0, 0}, {1, 0, 0, 0}});
   Grid grid;
   std::vector<char> fresh;
   grid.build(MPI_COMM_SELF, kH, first.list(), NodeKinematics(), fresh);
@@ -193,18 +192,18 @@ TEST(Grid, NodesTakeTheMotionOfTheirSource) {
   request.before = before.kinematics();
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < 3; ++k) request.source[{part, i, j, k}] = {0, i, j, k};
+      for (int k = 0; k < 3; ++k) request.source[{layer, i, j, k}] = {0, i, j, k};
   build_grids(MPI_COMM_SELF, kH, 0, std::numeric_limits<double>::infinity(), requests);
   fresh.swap(request.fresh);
   expect_columns(grid, second);
   int inherited = 0;
   for (int i = 0; i < grid.size(); ++i) {
     Key source = grid.keys[i];
-    if (source.field() == part) source = source.with_field(0);
+    if (source.field() == layer) source = source.with_field(0);
     const auto it = std::lower_bound(before.keys.begin(), before.keys.end(), source);
     const bool had = it != before.keys.end() && *it == source;
     const int at = static_cast<int>(it - before.keys.begin());
-    inherited += had && grid.keys[i].field() == part;
+    inherited += had && grid.keys[i].field() == layer;
     EXPECT_EQ(fresh[i] != 0, !had);
     for (int d = 0; d < 3; ++d) {
       EXPECT_EQ(grid.velocity[3 * i + d], had ? before.velocity[3 * at + d] : 0.0);

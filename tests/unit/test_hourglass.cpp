@@ -96,7 +96,8 @@ TEST(Hourglass, ClearanceBoxAndArea) {
 
 TEST(Hourglass, OuterForVolumeInverts) {
   test::expect_inverts(
-      hourglass_cases(), &HourglassCase::outer, [](const HourglassCase& c) { return Hourglass(c.pair, c.outer, c.waist, c.inner).volume(); },
+      hourglass_cases(), &HourglassCase::outer,
+      [](const HourglassCase& c) { return Hourglass(c.pair, c.outer, c.waist, c.inner).volume(); },
       [](const HourglassCase& c, double V) { return Hourglass::outer_for_volume(c.pair, V, c.waist, c.inner); }, 1e-9, "outer radius");
 }
 
@@ -155,7 +156,8 @@ TEST(Hourglass, PointsAreSymmetric) {
 }
 
 TEST(Hourglass, RefusesWhatIsNoBody) {
-  const GrainPair p{5e-3, 3e-3, 0.0, Vector(0, 0, 1)}, overlap{5e-3, 5e-3, -2e-4, Vector(0, 0, 1)}, apart{5e-3, 5e-3, 1e-3, Vector(0, 0, 1)};
+  const GrainPair p{5e-3, 3e-3, 0.0, Vector(0, 0, 1)}, overlap{5e-3, 5e-3, -2e-4, Vector(0, 0, 1)},
+      apart{5e-3, 5e-3, 1e-3, Vector(0, 0, 1)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto error = [](const GrainPair& pair, double outer, double waist, double inner) {
     return test::shape_error([&] { Hourglass(pair, outer, waist, inner); });

@@ -37,14 +37,14 @@ class JoinedCells : public ::testing::TestWithParam<Basis> {
  protected:
   test::Random random{77};
   std::vector<Vector> X = ball(random, 150);
-  std::vector<int> part = [this] {
+  std::vector<int> layer = [this] {
     std::vector<int> p;
     for (const Vector& x : X) p.push_back(x[0] > 0.3 * kCell);
     return p;
   }();
   double volume = std::pow(kCell, 3) / 8;
   Eigen::Quaterniond q{Eigen::AngleAxisd(0.7, Vector(1, 2, 3).normalized())};
-  Cement apart{kCell, X, volume, q, GetParam(), 0, part, false}, joined{kCell, X, volume, q, GetParam(), 0, part, true};
+  Cement apart{kCell, X, volume, q, GetParam(), 0, layer, false}, joined{kCell, X, volume, q, GetParam(), 0, layer, true};
 
   // The largest difference over the largest value.
   template <class List>
@@ -66,7 +66,7 @@ TEST_P(JoinedCells, FullerBlocks) {
   for (std::size_t i = 0; i < X.size(); ++i) {
     const int b = joined.slots[i] / kLanes, l = joined.slots[i] % kLanes;
     EXPECT_EQ(p.tags[b][l], static_cast<int>(i) + 1);
-    EXPECT_EQ(p.meta[b].part, part[i]);
+    EXPECT_EQ(p.meta[b].layer, layer[i]);
     const std::array<int, 3> cell = cell_of(p, b, l);
     for (int d = 0; d < 3; ++d) {
       EXPECT_EQ(double(p.blocks[b].X[d][l]), X[i][d]);
@@ -97,7 +97,7 @@ TEST_P(JoinedCells, FullerBlocks) {
   whole.arrange(kCell, GetParam(), no_part, true);
   std::map<std::array<int, 4>, int> left;  // points of blocks of one cell that are not full
   for (const BlockMeta& m : whole.meta)
-    if (m.joined == kOneCell && m.occupied != 0xff) left[{m.part, m.base[0], m.base[1], m.base[2]}] = __builtin_popcount(m.occupied);
+    if (m.joined == kOneCell && m.occupied != 0xff) left[{m.layer, m.base[0], m.base[1], m.base[2]}] = __builtin_popcount(m.occupied);
   for (const auto& [cell, count] : left)
     for (int d = 0; d < 3; ++d) {
       std::array<int, 4> next = cell;

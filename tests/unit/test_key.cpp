@@ -7,8 +7,8 @@
 #include <tuple>
 #include <vector>
 
-#include "cement/cement_restart.h"
-#include "mpm/body.h"
+#include "cement/layout/cement_restart.h"
+#include "mpm/bond_record.h"
 #include "mpm/grid.h"
 #include "cement.h"
 
@@ -18,15 +18,15 @@ namespace {
 constexpr int kLastBody = std::numeric_limits<int>::max();
 
 TEST(Key, SaysWhatItWasMadeOf) {
-  for (int body : {0, 1, (1 << 20) - 1, 1 << 20, 1 << 25, kLastBody})
-    for (int part : {0, 1, 1023, 1024, kMaxParts - 2})
+  for (int row : {0, 1, (1 << 20) - 1, 1 << 20, 1 << 25, kLastBody})
+    for (int layer : {0, 1, 1023, 1024, kMaxLayers - 2})
       for (int x : {-Key::kFarthest, -1, 0, 7, Key::kFarthest}) {
-        const Field field = field_of(body, part);
+        const Field field = field_of(row, layer);
         const Key k(field, x, -x, x / 2);
         EXPECT_EQ(k.field(), field);
-        EXPECT_EQ(body_of(field), body);
-        EXPECT_EQ(part_of_field(field), part);
-        EXPECT_EQ(k.place(), (std::array<int, 3>{x, -x, x / 2}));
+        EXPECT_EQ(row_of(field), row);
+        EXPECT_EQ(layer_of_field(field), layer);
+        EXPECT_EQ(k.index(), (std::array<int, 3>{x, -x, x / 2}));
         EXPECT_EQ(k.with_field(5), Key(5, x, -x, x / 2));
         EXPECT_TRUE(Key::before(field) < k && k < Key::before(field + 1));
         EXPECT_TRUE(kNoNode < k);
@@ -37,9 +37,12 @@ TEST(Key, SaysWhatItWasMadeOf) {
 TEST(Key, IsInTheOrderOfPartBondAndPlace) {
   test::Random random(801);
   const auto any = [&] {
-    return std::make_tuple(random.index(3), random.index(2) == 0 ? random.index(4) : (1 << 20) + random.index(4), random.index(5) - 2, random.index(5) - 2, random.index(5) - 2);
+    return std::make_tuple(random.index(3), random.index(2) == 0 ? random.index(4) : (1 << 20) + random.index(4), random.index(5) - 2,
+                           random.index(5) - 2, random.index(5) - 2);
   };
-  const auto key = [](const auto& t) { return Key(field_of(std::get<1>(t), std::get<0>(t)), std::get<2>(t), std::get<3>(t), std::get<4>(t)); };
+  const auto key = [](const auto& t) {
+    return Key(field_of(std::get<1>(t), std::get<0>(t)), std::get<2>(t), std::get<3>(t), std::get<4>(t));
+  };
   for (int n = 0; n < 5000; ++n) {
     const auto a = any(), b = any();
     EXPECT_EQ(a < b, key(a) < key(b));
@@ -56,7 +59,8 @@ TEST(Key, TellsOfPlacesThatAreTooFar) {
 
 // Bonds beyond the first million, and parts beyond a thousand, keep their motion to themselves.
 TEST(Key, NodesOfManyBondsAndPartsAreApart) {
-  const std::vector<Field> fields{field_of(0, 0), field_of(0, 1), field_of(0, 1024), field_of(1 << 20, 0), field_of(1 << 20, 1), field_of(3 << 20, 0), field_of(kLastBody, 2)};
+  const std::vector<Field> fields{field_of(0, 0),       field_of(0, 1),       field_of(0, 1024),     field_of(1 << 20, 0),
+                                  field_of(1 << 20, 1), field_of(3 << 20, 0), field_of(kLastBody, 2)};
   EXPECT_EQ(std::set<Field>(fields.begin(), fields.end()).size(), fields.size());
   const int base[3] = {0, 0, 0};
   std::vector<std::array<int, 9>> columns(fields.size());

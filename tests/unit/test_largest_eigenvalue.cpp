@@ -32,8 +32,7 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
     moved.grid.velocity.assign(n, 0.0);
     moved.grid.velocity[i] = step;
     moved.advance(law, 1.0);
-    for (int j = 0; j < n; ++j)
-      A(j, i) = -moved.grid.force[j] / step / std::sqrt(c.grid.mass[i / 3] * c.grid.mass[j / 3]);
+    for (int j = 0; j < n; ++j) A(j, i) = -moved.grid.force[j] / step / std::sqrt(c.grid.mass[i / 3] * c.grid.mass[j / 3]);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> all(0.5 * (A + A.transpose()), Eigen::EigenvaluesOnly);
   const double exact = all.eigenvalues()[n - 1];
@@ -51,9 +50,10 @@ TEST_P(LargestEigenvalue, IsThatOfTheMatrix) {
 // The eigenvalue of some blocks alone, on the grid with its ties, is that of all blocks when the points of the others failed.
 TEST_P(LargestEigenvalue, OfSomeBlocks) {
   test::Random random(152);
-  Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)), GetParam());
+  Cement c(kCell, test::lattice(kCell, 4), kCell * kCell * kCell / 8, Eigen::Quaterniond(test::rotation(random.direction(), 1.0)),
+           GetParam());
   // a side of it is tied to the lines behind
-  std::vector<EdgeTie> ties;
+  std::vector<ExtensionConstraint> ties;
   int least = c.grid.keys.front().at(0);
   for (const Key& k : c.grid.keys) least = std::min(least, k.at(0));
   for (const Key& k : c.grid.keys) {

@@ -23,13 +23,11 @@ struct FilledCase {
 
 std::vector<FilledCase> filled_cases() {
   const Vector z(0, 0, 1), skew = Vector(1.0, -2.0, 0.7).normalized();
-  return {{"equal, touching", {5e-3, 5e-3, 0.0, z}, 2.332e-3, 0.0, 1e-4},
-          {"equal, ring", {5e-3, 5e-3, 0.0, z}, 2e-3, 1e-3, 7e-5},
-          {"equal, apart", {5e-3, 5e-3, 3e-4, z}, 1.5e-3, 0.0, 8e-5},
-          {"equal, overlapping", {5e-3, 5e-3, -5e-5, z}, 2e-3, 0.0, 9e-5},
-          {"skew", {5e-3, 5e-3, 0.0, skew}, 2e-3, 0.8e-3, 8e-5},
-          {"skew, unequal, apart", {5e-3, 3e-3, 2e-4, skew}, 1.4e-3, 0.0, 8e-5},
-          {"unequal", {5e-3, 2e-3, 0.0, z}, 1.6e-3, 0.3e-3, 8e-5}};
+  return {
+      {"equal, touching", {5e-3, 5e-3, 0.0, z}, 2.332e-3, 0.0, 1e-4}, {"equal, ring", {5e-3, 5e-3, 0.0, z}, 2e-3, 1e-3, 7e-5},
+      {"equal, apart", {5e-3, 5e-3, 3e-4, z}, 1.5e-3, 0.0, 8e-5},     {"equal, overlapping", {5e-3, 5e-3, -5e-5, z}, 2e-3, 0.0, 9e-5},
+      {"skew", {5e-3, 5e-3, 0.0, skew}, 2e-3, 0.8e-3, 8e-5},          {"skew, unequal, apart", {5e-3, 3e-3, 2e-4, skew}, 1.4e-3, 0.0, 8e-5},
+      {"unequal", {5e-3, 2e-3, 0.0, z}, 1.6e-3, 0.3e-3, 8e-5}};
 }
 
 TEST(LatticeFill, VolumeAndAreaAreThoseOfTheShape) {
@@ -92,8 +90,7 @@ TEST(LatticeFill, OnePointACellInAscendingOrder) {
 }
 
 // Points and links under a symmetry of lattice and body; `swapped`: grains change places.
-void expect_symmetric(const std::vector<FillPoint>& points, const FilledCase& c, const Matrix& Q, bool swapped,
-                      test::Worst& worst) {
+void expect_symmetric(const std::vector<FillPoint>& points, const FilledCase& c, const Matrix& Q, bool swapped, test::Worst& worst) {
   std::map<std::array<int, 3>, const FillPoint*> at;
   for (const FillPoint& p : points) at[cell_of(p.X, c.spacing)] = &p;
   for (const FillPoint& p : points) {

@@ -124,8 +124,8 @@ TEST(Ligament, OfASteppedSection) {
 TEST(Ligament, OfCutsAlikeTheMoreDamaged) {
   const auto bridge = [](const CrackPoint& p) { return std::abs(2 * p.cell[0] + 1) < 2 && std::abs(2 * p.cell[1] + 1) < 2; };
   using Levels = std::vector<int>;
-  for (const auto& [first, second, taken] : {std::make_tuple(0.3f, 0.4f, Levels{8}), {0.4f, 0.3f, Levels{1}}, {0.3f, 0.3f, Levels{1, 8}},
-                                             {0.3f, 0.3005f, Levels{1, 8}}}) {
+  for (const auto& [first, second, taken] :
+       {std::make_tuple(0.3f, 0.4f, Levels{8}), {0.4f, 0.3f, Levels{1}}, {0.3f, 0.3f, Levels{1, 8}}, {0.3f, 0.3005f, Levels{1, 8}}}) {
     std::vector<CrackPoint> points = column();
     for (CrackPoint& p : points) {
       if ((level(p) == 2 || level(p) == 7) && !bridge(p)) fail(p);
@@ -134,7 +134,8 @@ TEST(Ligament, OfCutsAlikeTheMoreDamaged) {
     const Ligament l = find_ligament(points);
     ASSERT_EQ(l.cuts.size(), taken.size());
     for (std::size_t n = 0; n < taken.size(); ++n)
-      EXPECT_EQ(tags_of(l.cuts[n], points), tags_where(points, [&, at = taken[n]](const CrackPoint& p) { return level(p) == at && bridge(p); }));
+      EXPECT_EQ(tags_of(l.cuts[n], points),
+                tags_where(points, [&, at = taken[n]](const CrackPoint& p) { return level(p) == at && bridge(p); }));
   }
 }
 
@@ -192,7 +193,7 @@ std::vector<std::vector<int>> disjoint_paths(const std::vector<CrackPoint>& poin
     if (points[i].attached[0]) capacity[source][2 * i] = 1;
     if (points[i].attached[1]) capacity[2 * i + 1][sink] = 1;
     for (int j : near.of(i))
-      if (j >= 0 && !points[j].failed && points[j].part == points[i].part) capacity[2 * i + 1][2 * j] = 1;
+      if (j >= 0 && !points[j].failed && points[j].layer == points[i].layer) capacity[2 * i + 1][2 * j] = 1;
   }
   const std::vector<std::map<int, int>> before = capacity;
   for (;;) {
@@ -352,8 +353,7 @@ TEST(Ligament, WithSkinsSeparatesRandomBonds) {
     for (CrackPoint& p : points)
       for (float& damage : p.link_damage) damage = static_cast<float>(random.uniform(0.0, 1.0));
     const Ligament l = find_ligament(points);
-    for (const std::vector<int>& cut : l.cuts)
-      EXPECT_TRUE(separate(cut_through(cut, points, true), kFace).separated) << n;
+    for (const std::vector<int>& cut : l.cuts) EXPECT_TRUE(separate(cut_through(cut, points, true), kFace).separated) << n;
   }
 }
 

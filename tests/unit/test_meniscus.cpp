@@ -89,9 +89,9 @@ TEST(Meniscus, ClosedFormOfEqualSpheres) {
     for (double b : {20 * test::kDegree, 35 * test::kDegree, 70 * test::kDegree}) {
       const double R = 5e-3, rho = (R + 0.5 * gap) / std::cos(b) - R;
       const double r0 = (R + rho) * std::sin(b), z = rho * std::cos(b);
-      const double V = 2 * M_PI * ((r0 * r0 + rho * rho) * z - z * z * z / 3 -
-                                   r0 * rho * rho * (std::sin(b) * std::cos(b) + M_PI / 2 - b)) -
-                       2 * M_PI / 3 * R * R * R * std::pow(1 - std::cos(b), 2) * (2 + std::cos(b));
+      const double V =
+          2 * M_PI * ((r0 * r0 + rho * rho) * z - z * z * z / 3 - r0 * rho * rho * (std::sin(b) * std::cos(b) + M_PI / 2 - b)) -
+          2 * M_PI / 3 * R * R * R * std::pow(1 - std::cos(b), 2) * (2 + std::cos(b));
       const Meniscus m({R, R, gap, Vector(0, 0, 1)}, b, 0.0, 0.0);
       worst.add(std::fabs(m.volume() / V - 1.0));
       worst.add(std::fabs(m.neck() / (r0 - rho) - 1.0));
@@ -146,8 +146,11 @@ TEST(Meniscus, BeginsWhereOverlappingSpheresMeet) {
         const double R1 = 1e-3, R2 = ratio * R1;
         const GrainPair p{R1, R2, -overlap * std::min(R1, R2), Vector(0, 0, 1)};
         const double edge = std::asin(p.contact_radius() / R1);
-        const auto error = [&](double b) { return test::shape_error([&] { Meniscus(p, b, contact * test::kDegree, p.contact_radius()); }); };
-        for (double b : {0.3, 0.7, 0.99}) EXPECT_NE(error(b * edge).find("no meniscus"), std::string::npos) << b << " " << ratio << " " << overlap;
+        const auto error = [&](double b) {
+          return test::shape_error([&] { Meniscus(p, b, contact * test::kDegree, p.contact_radius()); });
+        };
+        for (double b : {0.3, 0.7, 0.99})
+          EXPECT_NE(error(b * edge).find("no meniscus"), std::string::npos) << b << " " << ratio << " " << overlap;
         EXPECT_EQ(error(1.01 * edge), "") << ratio << " " << overlap << " " << contact;
         ++overlaps;
       }
@@ -156,11 +159,14 @@ TEST(Meniscus, BeginsWhereOverlappingSpheresMeet) {
 
 // The second grain is small. There is no meniscus where the outline would have to bulge out to reach it.
 TEST(Meniscus, DoesNotBulge) {
-  for (const auto& [R2, gap, filling, contact] : {std::array<double, 4>{0.2742, 0.077, 33.4925, 42.4596}, {0.5573, -0.006, 50.5722, 34.5115},
-                                                  {0.3386, 0.1983, 39.6063, 37.0614}, {0.4352, 0.0463, 23.0181, 66.403}}) {
+  for (const auto& [R2, gap, filling, contact] : {std::array<double, 4>{0.2742, 0.077, 33.4925, 42.4596},
+                                                  {0.5573, -0.006, 50.5722, 34.5115},
+                                                  {0.3386, 0.1983, 39.6063, 37.0614},
+                                                  {0.4352, 0.0463, 23.0181, 66.403}}) {
     const GrainPair p{1e-3, 1e-3 * R2, 1e-3 * gap, Vector(0, 0, 1)};
     const double b = filling * test::kDegree, t = contact * test::kDegree;
-    EXPECT_NE(test::shape_error([&, gap = gap] { Meniscus(p, b, t, p.contact_radius()); }).find("no meniscus"), std::string::npos) << filling;
+    EXPECT_NE(test::shape_error([&, gap = gap] { Meniscus(p, b, t, p.contact_radius()); }).find("no meniscus"), std::string::npos)
+        << filling;
   }
 }
 
@@ -171,12 +177,12 @@ TEST(Meniscus, RefusesWhatIsNoBody) {
     return test::shape_error([&] { Meniscus(pair, b * test::kDegree, t * test::kDegree, inner); });
   };
   EXPECT_EQ(error(p, 30, 0, 0), "");
-  for (double bad : {0.0, -10.0, 90.0, nan})
-    EXPECT_NE(error(p, bad, 0, 0).find("filling angle"), std::string::npos) << bad;
+  for (double bad : {0.0, -10.0, 90.0, nan}) EXPECT_NE(error(p, bad, 0, 0).find("filling angle"), std::string::npos) << bad;
   for (double bad : {-1.0, 90.0, nan}) EXPECT_NE(error(p, 30, bad, 0).find("contact angle"), std::string::npos) << bad;
   EXPECT_NE(error(p, 70, 30, 0).find("filling angle 70 degrees must lie between 0 and 60"), std::string::npos) << error(p, 70, 30, 0);
   EXPECT_NE(error(p, 20, 95, 0).find("contact angle 95 degrees must lie in [0, 90)"), std::string::npos);
-  EXPECT_NE(error(wide, 12, 25, 0).find("filling angle 12 and contact angle 25 degrees spans a gap of 0.005"), std::string::npos) << error(wide, 12, 25, 0);
+  EXPECT_NE(error(wide, 12, 25, 0).find("filling angle 12 and contact angle 25 degrees spans a gap of 0.005"), std::string::npos)
+      << error(wide, 12, 25, 0);
   EXPECT_NE(error(wide, 10, 0, 0).find("gap"), std::string::npos);
   for (double bad : {-1e-6, 3e-3, nan}) EXPECT_NE(error(p, 30, 0, bad).find("inner radius"), std::string::npos) << bad;
   for (double bad : {0.0, -1e-9, 1.0, nan}) {
@@ -188,8 +194,9 @@ TEST(Meniscus, RefusesWhatIsNoBody) {
 }
 
 TEST(Meniscus, MeetsVolumesFromTheLeastToTheLargest) {
-  test::expect_volumes_in_range([](const GrainPair& pair, double V, double inner) { return Meniscus::filling_for_volume(pair, V, 0.0, inner); },
-                                [](const GrainPair& pair, double size, double inner) { return Meniscus(pair, size, 0.0, inner).volume(); });
+  test::expect_volumes_in_range(
+      [](const GrainPair& pair, double V, double inner) { return Meniscus::filling_for_volume(pair, V, 0.0, inner); },
+      [](const GrainPair& pair, double size, double inner) { return Meniscus(pair, size, 0.0, inner).volume(); });
 }
 
 }  // namespace

@@ -76,7 +76,8 @@ TEST(Neighbours, PointsOfABridge) {
     std::vector<int> expected;
     for (std::size_t j = 0; j < points.size(); ++j) {
       const int* c = points[j].cell;
-      if ((level(points[j]) == 5 || level(points[j]) == 6) && c[0] >= -2 && c[0] < 0 && c[1] >= -1 && c[1] < 1) expected.push_back(static_cast<int>(j));
+      if ((level(points[j]) == 5 || level(points[j]) == 6) && c[0] >= -2 && c[0] < 0 && c[1] >= -1 && c[1] < 1)
+        expected.push_back(static_cast<int>(j));
     }
     EXPECT_EQ(beside, expected);
   }

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "cement.h"
-#include "coupling/grain_sides.h"
+#include "coupling/bond_ends.h"
 #include "mpi_ranks.h"
 #include "parallel/agree.h"
 #include "parallel/gather_ranks.h"
@@ -241,7 +241,8 @@ TEST_F(Ranks, GridsAtOnceAreGridsOneByOne) {
     const auto cells_of = [&](int b, Made& m) {
       std::vector<Grid::Cell> cells;
       m.column.assign(bases[b].size(), {});
-      for (std::size_t i = 0; i < bases[b].size(); ++i) cells.push_back({bases[b][i].field(), bases[b][i].place().data(), m.column[i].data()});
+      for (std::size_t i = 0; i < bases[b].size(); ++i)
+        cells.push_back({bases[b][i].field(), bases[b][i].index().data(), m.column[i].data()});
       return cells;
     };
     std::vector<Made> one(kBonds), together(kBonds);
@@ -330,7 +331,7 @@ TEST_F(Ranks, GridIsThatOfOneRank) {
   }
   points.arrange(h);
   std::vector<Grid::Cell> cells;
-  for (BlockMeta& m : points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+  for (BlockMeta& m : points.meta) cells.push_back({field_of(m.row, m.layer), m.base, m.column});
   Grid grid;
   std::vector<char> fresh;
   // the motion comes from the rank that has it, here each for a part
@@ -368,22 +369,22 @@ TEST_F(Ranks, GridIsThatOfOneRank) {
 }
 
 // The owner of a grain hands out its motion; forces of all holders add up at all of them.
-TEST_F(Ranks, GrainSides) {
+TEST_F(Ranks, BondEnds) {
   const int n = 7;
   test::Random same(8);
-  std::vector<Body> bodies(n);
-  std::vector<GrainSides::Motion> motions(2 * n);
+  std::vector<BondRecord> records(n);
+  std::vector<BondEnds::Motion> motions(2 * n);
   for (int b = 0; b < n; ++b)
     for (int s = 0; s < 2; ++s) {
-      bodies[b].points = 1;
-      bodies[b].grain[s] = 100 * b + s + 1;
-      GrainSides::Motion& m = motions[2 * b + s];
+      records[b].points = 1;
+      records[b].grain[s] = 100 * b + s + 1;
+      BondEnds::Motion& m = motions[2 * b + s];
       const Eigen::Quaterniond q(same.frame());
       const double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
       std::copy(wxyz, wxyz + 4, m.q);
       for (int d = 0; d < 3; ++d) {
-        bodies[b].origin[d] = same.uniform(-1, 1);
-        bodies[b].shift[s][d] = same.uniform(-1, 1);
+        records[b].origin[d] = same.uniform(-1, 1);
+        records[b].shift[s][d] = same.uniform(-1, 1);
         m.x[d] = same.uniform(-1, 1);
         m.v[d] = same.uniform(-1, 1);
         m.omega[d] = same.uniform(-1, 1);
@@ -393,7 +394,7 @@ TEST_F(Ranks, GrainSides) {
   for (bool lost : {false, true}) {
     std::vector<int> here;  // bonds with nodes on this rank
     std::vector<Key> owned;
-    std::vector<GrainSides::Motion> mine;
+    std::vector<BondEnds::Motion> mine;
     for (int b = 0; b < n; ++b)
       if (random_.index(2) || b == n - 1) here.push_back(b);
     for (int k = 0; k < 2 * n; ++k) {
@@ -403,36 +404,36 @@ TEST_F(Ranks, GrainSides) {
         mine.push_back(motions[k]);
       }
     }
-    GrainSides sides;
-    sides.build(MPI_COMM_WORLD, bodies, here, owned);
-    sides.distribute(bodies, mine);
-    EXPECT_EQ(sides.orphan() >= 0, lost);
-    if (sides.orphan() >= 0) {
-      EXPECT_EQ(sides.sides[sides.orphan()].tag, bodies[n - 1].grain[1]);
+    BondEnds ends;
+    ends.build(MPI_COMM_WORLD, records, here, owned);
+    ends.distribute(records, mine);
+    EXPECT_EQ(ends.orphan() >= 0, lost);
+    if (ends.orphan() >= 0) {
+      EXPECT_EQ(ends.ends[ends.orphan()].tag, records[n - 1].grain[1]);
     }
     std::vector<double> forces(12 * n, 0.0);
-    sides.clear_forces();
+    ends.clear_forces();
     // of either grain both sides are here, one behind the other
     std::set<int> bonds(here.begin(), here.end());
     for (const Key& k : owned) {
-      bonds.insert(body_of(k.field()));
-      EXPECT_EQ(sides.owned().at(&k - owned.data()), sides.find(body_of(k.field()), k.at(0)));
+      bonds.insert(row_of(k.field()));
+      EXPECT_EQ(ends.owned().at(&k - owned.data()), ends.find(row_of(k.field()), k.at(0)));
     }
-    EXPECT_EQ(sides.sides.size(), 2 * bonds.size());
+    EXPECT_EQ(ends.ends.size(), 2 * bonds.size());
     for (int b : bonds) {
-      EXPECT_GE(sides.find(b, 0), 0);
-      EXPECT_EQ(sides.find(b, 1), sides.find(b, 0) + 1);
+      EXPECT_GE(ends.find(b, 0), 0);
+      EXPECT_EQ(ends.find(b, 1), ends.find(b, 0) + 1);
     }
-    EXPECT_EQ(sides.find(n, 0), -1);
-    for (std::size_t i = 0; i < sides.sides.size(); ++i) {
-      GrainSide& s = sides.sides[i];
-      EXPECT_EQ(sides.find(s.body, s.side), static_cast<int>(i));
-      const GrainSides::Motion& m = motions[2 * s.body + s.side];
-      EXPECT_EQ(s.tag, bodies[s.body].grain[s.side]);
-      if (!(lost && s.body == n - 1 && s.side == 1)) {
+    EXPECT_EQ(ends.find(n, 0), -1);
+    for (std::size_t i = 0; i < ends.ends.size(); ++i) {
+      BondEnd& s = ends.ends[i];
+      EXPECT_EQ(ends.find(s.row, s.side), static_cast<int>(i));
+      const BondEnds::Motion& m = motions[2 * s.row + s.side];
+      EXPECT_EQ(s.tag, records[s.row].grain[s.side]);
+      if (!(lost && s.row == n - 1 && s.side == 1)) {
         const Mat3<double> R = rotation_of(m.q);
         for (int d = 0; d < 3; ++d) {
-          EXPECT_EQ(s.x[d], m.x[d] + bodies[s.body].shift[s.side][d] - bodies[s.body].origin[d]);
+          EXPECT_EQ(s.x[d], m.x[d] + records[s.row].shift[s.side][d] - records[s.row].origin[d]);
           EXPECT_EQ(s.v[d], m.v[d]);
           EXPECT_EQ(s.omega[d], m.omega[d]);
           for (int e = 0; e < 3; ++e) EXPECT_EQ(s.R.a[d][e], R.a[d][e]);
@@ -441,18 +442,18 @@ TEST_F(Ranks, GrainSides) {
       for (int d = 0; d < 3; ++d) {
         EXPECT_EQ(s.force[d], 0.0);
         EXPECT_EQ(s.torque[d], 0.0);
-        forces[6 * (2 * s.body + s.side) + d] = s.force[d] = random_.uniform(-1, 1);
-        forces[6 * (2 * s.body + s.side) + 3 + d] = s.torque[d] = random_.uniform(-1, 1);
+        forces[6 * (2 * s.row + s.side) + d] = s.force[d] = random_.uniform(-1, 1);
+        forces[6 * (2 * s.row + s.side) + 3 + d] = s.torque[d] = random_.uniform(-1, 1);
       }
     }
     const std::vector<std::vector<double>> all = gather_all(forces);
-    sides.sum_forces();
-    for (const GrainSide& s : sides.sides)
+    ends.sum_forces();
+    for (const BondEnd& s : ends.ends)
       for (int d = 0; d < 3; ++d) {
         double F = 0, T = 0;
         for (int r = 0; r < ranks(); ++r) {
-          F += all[r][6 * (2 * s.body + s.side) + d];
-          T += all[r][6 * (2 * s.body + s.side) + 3 + d];
+          F += all[r][6 * (2 * s.row + s.side) + d];
+          T += all[r][6 * (2 * s.row + s.side) + 3 + d];
         }
         EXPECT_NEAR(s.force[d], F, 1e-15);
         EXPECT_NEAR(s.torque[d], T, 1e-15);

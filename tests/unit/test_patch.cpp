@@ -41,9 +41,7 @@ TEST_P(LinearField, UniformStrainAndStressOnScatteredPoints) {
 
   // the same by hand for one point
   const auto increment = [](const Matrix& F, const Matrix& dF) { return Matrix(dF * (F + 0.5 * dF).inverse()); };
-  const auto cayley = [](const Matrix& W) {
-    return Matrix((Matrix::Identity() - 0.5 * W).inverse() * (Matrix::Identity() + 0.5 * W));
-  };
+  const auto cayley = [](const Matrix& W) { return Matrix((Matrix::Identity() - 0.5 * W).inverse() * (Matrix::Identity() + 0.5 * W)); };
   Matrix F = Matrix::Identity(), R = axis.toRotationMatrix(), strain = Matrix::Zero();
   for (const Matrix& dF : {A, B}) {
     const Matrix G = increment(F, dF), W = 0.5 * (G - G.transpose()), half = cayley(0.5 * W) * R;
@@ -152,8 +150,7 @@ TEST(Patch, InternalForceHasNoResultantAndNoMoment) {
       const std::vector<double> first = c.grid.force;
       c.grid.clear_force();
       add_internal_force(c.points, c.grid, law);
-      for (std::size_t i = 0; i < first.size(); ++i)
-        again.add(std::fabs(c.grid.force[i] - first[i]) * c.grid.size() / f_size);
+      for (std::size_t i = 0; i < first.size(); ++i) again.add(std::fabs(c.grid.force[i] - first[i]) * c.grid.size() / f_size);
     }
     const std::string which = law.inert() ? ", elastic" : ", with damage";
     if (!law.inert()) {

@@ -28,11 +28,12 @@ TEST_P(Links, NothingHappensAtRestOrInRigidMotion) {
     const Matrix R = test::rotation(s.random.direction(), 2.0);
     const Vector t = s.random.vector();
     for (int side = 0; side < 2; ++side) {
-      const Body& body = s.bodies[b];
-      GrainSides::Motion& m = s.motion[2 * b + side];
-      copy(Eigen::Map<const Vector>(body.origin) - Eigen::Map<const Vector>(body.shift[side]) +
-               R * Eigen::Map<const Vector>(body.centre[side]) + t, m.x);
-      const double* q = body.orientation[side];
+      const BondRecord& record = s.records[b];
+      BondEnds::Motion& m = s.motion[2 * b + side];
+      copy(Eigen::Map<const Vector>(record.origin) - Eigen::Map<const Vector>(record.shift[side]) +
+               R * Eigen::Map<const Vector>(record.centre[side]) + t,
+           m.x);
+      const double* q = record.orientation[side];
       copy(Eigen::Quaterniond(R) * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), m.q);
     }
     Grid& grid = s.bonds[b].grid;
@@ -46,7 +47,7 @@ TEST_P(Links, NothingHappensAtRestOrInRigidMotion) {
   test::Worst force;
   for (const Bond& b : s.bonds)
     for (double f : b.grid.force) force.add(std::fabs(f));
-  for (const GrainSide& g : s.sides.sides)
+  for (const BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) force.add(std::fabs(g.force[d]) + std::fabs(g.torque[d]));
   expect_within(force, 1e-12, "force");
 }
@@ -60,7 +61,7 @@ TEST_P(Links, ForceAndMomentDeriveFromTheEnergy) {
   double f_size = 0, F_size = 0;
   for (const Bond& b : s.bonds)
     for (double f : b.grid.force) f_size = std::max(f_size, std::fabs(f));
-  for (const GrainSide& g : s.sides.sides)
+  for (const BondEnd& g : s.ends.ends)
     for (int d = 0; d < 3; ++d) F_size = std::max({F_size, std::fabs(g.force[d]), std::fabs(g.torque[d])});
   test::Worst node, grain, torque;
   // The energy is quadratic in the places: central differences are exact.
@@ -77,8 +78,8 @@ TEST_P(Links, ForceAndMomentDeriveFromTheEnergy) {
     }
   for (int i = 0; i < 4; ++i)
     for (int d = 0; d < 3; ++d) {
-      const GrainSide& g = s.sides.sides[i];
-      const GrainSides::Motion at = s.motion[i];
+      const BondEnd& g = s.ends.ends[i];
+      const BondEnds::Motion at = s.motion[i];
       const auto moved = [&](double step) {
         s.motion[i] = at;
         s.motion[i].x[d] += step;
@@ -97,7 +98,7 @@ TEST_P(Links, ForceAndMomentDeriveFromTheEnergy) {
       torque.add(std::fabs(g.torque[d] + (16 * one - two) / 15) / F_size);
       s.motion[i] = at;
     }
-  s.sides.distribute(s.bodies, s.motion);
+  s.ends.distribute(s.records, s.motion);
   expect_within(node, 1e-11, "nodes");
   expect_within(grain, 1e-11, "force on the grains");
   expect_within(torque, 1e-9, "moment on the grains");
@@ -118,31 +119,30 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   s.place_grains(0.2, 0.0);
   s.add_force();
   const std::vector<std::vector<double>> springs = s.forces();
-  const GrainSides still = s.sides;
+  const BondEnds still = s.ends;
   for (Bond& b : s.bonds)
     for (double& v : b.grid.velocity) v = s.random.uniform(-1, 1);
-  for (GrainSides::Motion& m : s.motion) {
+  for (BondEnds::Motion& m : s.motion) {
     copy(s.random.vector(), m.v);
     copy(s.random.vector(), m.omega);
   }
   s.add_force();
-  const GrainSides force = s.sides;
+  const BondEnds force = s.ends;
   double power = 0;
   const auto add_power = [&](std::vector<double> Grid::*velocity, double factor) {
     for (const Bond& b : s.bonds)
-      for (std::size_t i = 0; i < b.grid.force.size(); ++i)
-        power -= (b.grid.force[i] - springs[b.body][i]) * factor * (b.grid.*velocity)[i];
+      for (std::size_t i = 0; i < b.grid.force.size(); ++i) power -= (b.grid.force[i] - springs[b.row][i]) * factor * (b.grid.*velocity)[i];
   };
   const auto claimed_power = [&](double later) {
     double sum = 0.0;
-    for (const Bond& b : s.bonds) sum += b.links.damper_power(b.grid, s.side(b)).after(later);
+    for (const Bond& b : s.bonds) sum += b.links.damper_power(b.grid, s.ends_of(b)).after(later);
     return sum;
   };
   add_power(&Grid::velocity, 1.0);
   for (int i = 0; i < 4; ++i)
     for (int d = 0; d < 3; ++d)
-      power -= (s.sides.sides[i].force[d] - still.sides[i].force[d]) * s.motion[i].v[d] +
-               (s.sides.sides[i].torque[d] - still.sides[i].torque[d]) * s.motion[i].omega[d];
+      power -= (s.ends.ends[i].force[d] - still.ends[i].force[d]) * s.motion[i].v[d] +
+               (s.ends.ends[i].torque[d] - still.ends[i].torque[d]) * s.motion[i].omega[d];
   const double claimed = claimed_power(0.0);
   EXPECT_GT(claimed, 0.0);
   test::expect_within(std::fabs(power / claimed - 1.0), 1e-12, "power");
@@ -153,8 +153,8 @@ TEST_P(Links, DampersTakeThePowerTheyClaim) {
   add_power(&Grid::acceleration, 0.3);
   for (int i = 0; i < 4; ++i)
     for (int d = 0; d < 3; ++d)
-      power -= 0.3 * ((force.sides[i].force[d] - still.sides[i].force[d]) * s.motion[i].a[d] +
-                      (force.sides[i].torque[d] - still.sides[i].torque[d]) * s.motion[i].alpha[d]);
+      power -= 0.3 * ((force.ends[i].force[d] - still.ends[i].force[d]) * s.motion[i].a[d] +
+                      (force.ends[i].torque[d] - still.ends[i].torque[d]) * s.motion[i].alpha[d]);
   test::expect_within(std::fabs(power / claimed_power(0.3) - 1.0), 1e-12, "power, later");
 }
 
@@ -165,30 +165,30 @@ TEST_P(Links, FollowPointsThatChangeCells) {
   for (int n = 0; n < 40; ++n) {
     if (n > 0)
       for (Scene* s : {&one, &two}) s->place_grains(0.01, 1.0);
-    const int body = n % 2, points = static_cast<int>(one.slots[body].size());
+    const int row = n % 2, points = static_cast<int>(one.slots[row].size());
     const int from = one.random.index(points), to = one.random.index(points);
     bool left[2];
     for (Scene* s : {&one, &two}) {
-      Bond& bond = s->bonds[body];
-      s->sides.distribute(s->bodies, one.motion);
+      Bond& bond = s->bonds[row];
+      s->ends.distribute(s->records, one.motion);
       for (int b = 0; b < 2; ++b) {
         s->bonds[b].grid.displacement = one.bonds[b].grid.displacement;
         s->bonds[b].grid.velocity = one.bonds[b].grid.velocity;
       }
       double released = 0.0;
-      if (n / 2 % 3 == 1) bond.links.let_go(bond.points, {s->slots[body][7 * n % points]}, bond.grid, s->side(bond), 0.0, released);
+      if (n / 2 % 3 == 1) bond.links.debond(bond.points, {s->slots[row][7 * n % points]}, bond.grid, s->ends_of(bond), 0.0, released);
       if (n / 2 % 3 == 2) bond.links.drop_inertia(bond.points);
       bond.links.find_moves(bond.grid, 1e-3);
-      const int a = s->slots[body][from], b = s->slots[body][to];
-      if (bond.points.meta[a / kLanes].part == bond.points.meta[b / kLanes].part && n / 2 % 4 != 0)
+      const int a = s->slots[row][from], b = s->slots[row][to];
+      if (bond.points.meta[a / kLanes].layer == bond.points.meta[b / kLanes].layer && n / 2 % 4 != 0)
         for (int d = 0; d < 3; ++d) bond.points.blocks[a / kLanes].X[d][a % kLanes] = bond.points.blocks[b / kLanes].X[d][b % kLanes];
-      left[s == &one] = bond.links.move_places(bond.points);
+      left[s == &one] = bond.links.remap_contacts(bond.points);
     }
     EXPECT_EQ(left[0], left[1]);
     if (!left[1]) continue;
     ++crossings;
-    Bond &followed = one.bonds[body], &anew = two.bonds[body];
-    EXPECT_TRUE(followed.links.follow_points(followed.points, one.bodies[body], followed.grid));
+    Bond &followed = one.bonds[row], &anew = two.bonds[row];
+    EXPECT_TRUE(followed.links.follow_points(followed.points, one.records[row], followed.grid));
     anew.links = two.links_anew(anew);
     for (Scene* s : {&one, &two}) {
       s->motion = one.motion;
@@ -196,8 +196,8 @@ TEST_P(Links, FollowPointsThatChangeCells) {
     }
     EXPECT_EQ(followed.grid.force, anew.grid.force);
     EXPECT_EQ(one.row_sums(followed, 0.2), two.row_sums(anew, 0.2));
-    for (std::size_t i = 0; i < one.sides.sides.size(); ++i)
-      for (int d = 0; d < 3; ++d) EXPECT_EQ(one.sides.sides[i].torque[d], two.sides.sides[i].torque[d]);
+    for (std::size_t i = 0; i < one.ends.ends.size(); ++i)
+      for (int d = 0; d < 3; ++d) EXPECT_EQ(one.ends.ends[i].torque[d], two.ends.ends[i].torque[d]);
   }
   EXPECT_GT(crossings, 6);
 }
@@ -212,23 +212,23 @@ TEST_P(Links, LetGo) {
   s.place_grains(0.2, 1.0);
   s.set_added_mass(kStep);
   for (Bond& b : s.bonds) {
-    const double before = s.energy(), inertial = b.added.energy(b.grid, s.side(b));
+    const double before = s.energy(), inertial = b.added.energy(b.grid, s.ends_of(b));
     EXPECT_GT(inertial, 0.0);
     std::vector<int> failed;
-    for (std::size_t i = 0; i < s.slots[b.body].size(); i += 3) failed.push_back(s.slots[b.body][i]);
+    for (std::size_t i = 0; i < s.slots[b.row].size(); i += 3) failed.push_back(s.slots[b.row][i]);
     std::sort(failed.begin(), failed.end());
     const int whole = attached(b.points);
     int expected = 0;
     for (const Link& k : b.points.links) expected += std::binary_search(failed.begin(), failed.end(), k.slot);
     EXPECT_GT(expected, 10);
     double released = 0;
-    b.links.let_go(b.points, {}, b.grid, s.side(b), 0.0, released);
+    b.links.debond(b.points, {}, b.grid, s.ends_of(b), 0.0, released);
     EXPECT_EQ(attached(b.points), whole);
     EXPECT_EQ(released, 0.0);
-    b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
+    b.links.debond(b.points, failed, b.grid, s.ends_of(b), 0.0, released);
     EXPECT_EQ(attached(b.points), whole - expected);
     const double once = released;
-    b.links.let_go(b.points, failed, b.grid, s.side(b), 0.0, released);
+    b.links.debond(b.points, failed, b.grid, s.ends_of(b), 0.0, released);
     EXPECT_EQ(released, once);
     for (const Link& k : b.points.links) {
       EXPECT_EQ(k.attached == 0, std::binary_search(failed.begin(), failed.end(), k.slot));
@@ -239,8 +239,8 @@ TEST_P(Links, LetGo) {
     s.expect_balanced(s.forces(), 1e-14, "after");
     // added mass reacts as before, in a layout from the store as it is now too, until it is dropped
     const auto inertial_of = [&](const PenaltyLinks& links) {
-      b.added.find(links, b.grid, s.side(b), {kStep, 0.0, false, 4.0});
-      return b.added.energy(b.grid, s.side(b));
+      b.added.find(links, b.grid, s.ends_of(b), {kStep, 0.0, false, 4.0});
+      return b.added.energy(b.grid, s.ends_of(b));
     };
     EXPECT_EQ(inertial_of(b.links), inertial);
     test::expect_within(std::fabs(inertial_of(s.links_anew(b)) / inertial - 1.0), 1e-13, "energy of added mass in a new layout");
@@ -251,14 +251,14 @@ TEST_P(Links, LetGo) {
 
     // a layout from the store as it is now gives the same force
     const std::vector<double> force = b.grid.force;
-    PenaltyLinks again(b.points, s.bodies[b.body], b.links.parameters(), kH, kDensity);
+    PenaltyLinks again(b.points, s.records[b.row], b.links.parameters(), kH, kDensity);
     std::vector<Grid::Cell> cells;
-    for (BlockMeta& m : b.points.meta) cells.push_back({field_of(m.body, m.part), m.base, m.column});
+    for (BlockMeta& m : b.points.meta) cells.push_back({field_of(m.row, m.layer), m.base, m.column});
     b.links.add_cells(cells);  // keeps the nodes
     again.add_cells(cells);
     std::vector<char> fresh;
     b.grid.build(MPI_COMM_SELF, kH, cells, NodeKinematics(), fresh);
-    again.add_force(b.grid, s.side(b));
+    again.add_force(b.grid, s.ends_of(b));
     ASSERT_EQ(force.size(), b.grid.force.size());
     test::Worst worst;
     for (std::size_t i = 0; i < force.size(); ++i) worst.add(std::fabs(force[i] - b.grid.force[i]));
@@ -283,7 +283,7 @@ TEST_P(Links, LetGoInEachLane) {
       const double before = s.energy(), gone = released;
       const int held = attached(b.points);
       const auto links = std::count_if(b.points.links.begin(), b.points.links.end(), [&](const Link& k) { return k.slot == slot; });
-      b.links.let_go(b.points, {slot}, b.grid, s.side(b), 0.0, released);
+      b.links.debond(b.points, {slot}, b.grid, s.ends_of(b), 0.0, released);
       EXPECT_EQ(held - attached(b.points), links) << "slot " << slot;
       for (const Link& k : b.points.links)
         if (k.slot == slot) {
@@ -303,7 +303,7 @@ TEST_P(Links, DirectionsOfTheSpring) {
   Scene s(138, parameters(GetParam()));
   for (int axis = 0; axis < 2; ++axis) {
     // every node moves along or across the bond of body 0; grains stay
-    const Vector n = Eigen::Map<const Vector>(s.bodies[0].centre[1]).normalized();
+    const Vector n = Eigen::Map<const Vector>(s.records[0].centre[1]).normalized();
     const Vector move = 0.3 * (axis == 0 ? n : n.unitOrthogonal());
     s.place_grains(0.0, 0.0);
     for (int i = 0; i < s.bonds[0].grid.size(); ++i) copy(move, &s.bonds[0].grid.displacement[3 * i]);
@@ -312,14 +312,14 @@ TEST_P(Links, DirectionsOfTheSpring) {
       Vector expected = Vector::Zero();
       for (const Link& k : s.bonds[0].points.links) {
         const int b = k.slot / kLanes, l = k.slot % kLanes;
-        if (k.grain != s.bodies[0].grain[side]) continue;
+        if (k.grain != s.records[0].grain[side]) continue;
         const vd* X = s.bonds[0].points.blocks[b].X;
         const Vector at = GetParam() ? Vector(Eigen::Map<const Vector>(k.foot)) : Vector(X[0][l], X[1][l], X[2][l]);
-        const Vector m = (at - Eigen::Map<const Vector>(s.bodies[0].centre[side])).normalized();
+        const Vector m = (at - Eigen::Map<const Vector>(s.records[0].centre[side])).normalized();
         const Vector normal = move.dot(m) * m;
         expected += k.area * (900.0 * normal + 250.0 * (move - normal));
       }
-      const Vector force = Eigen::Map<const Vector>(s.sides.sides[side].force);
+      const Vector force = Eigen::Map<const Vector>(s.ends.ends[side].force);
       test::expect_within((force - expected).norm() / expected.norm(), 1e-12, "force on a grain");
     }
   }

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Points of a file: what a row without areas is attached to, damage by components and by principal values, complaints.
-#include "cement/point_file.h"
+#include "cement/creation/point_file.h"
 
 #include <gtest/gtest.h>
 
@@ -53,8 +53,13 @@ TEST(PointFile, PointsNearASurfaceAreAttachedByTheShell) {
 TEST(PointFile, DamageByPrincipalValuesIsThatByComponents) {
   const double c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
   char principal[400], tensor[400];
-  std::snprintf(principal, sizeof principal, "x y z volume d1 d2 d3 v1x v1y v1z v2x v2y v2z\n0 0 1e-4 8e-12 0.4 0.1 0 %.17g 0 %.17g 0 1 0\n0 0 -1e-4 8e-12 0 0 0 1 0 0 0 1 0\n", s, c);
-  std::snprintf(tensor, sizeof tensor, "x y z volume dxx dyy dzz dyz dxz dxy\n0 0 1e-4 8e-12 %.17g 0.1 %.17g 0 %.17g 0\n0 0 -1e-4 8e-12 0 0 0 0 0 0\n", 0.4 * s * s, 0.4 * c * c, 0.4 * s * c);
+  std::snprintf(
+      principal, sizeof principal,
+      "x y z volume d1 d2 d3 v1x v1y v1z v2x v2y v2z\n0 0 1e-4 8e-12 0.4 0.1 0 %.17g 0 %.17g 0 1 0\n0 0 -1e-4 8e-12 0 0 0 1 0 0 0 1 0\n", s,
+      c);
+  std::snprintf(tensor, sizeof tensor,
+                "x y z volume dxx dyy dzz dyz dxz dxy\n0 0 1e-4 8e-12 %.17g 0.1 %.17g 0 %.17g 0\n0 0 -1e-4 8e-12 0 0 0 0 0 0\n",
+                0.4 * s * s, 0.4 * c * c, 0.4 * s * c);
   const PointCloud a = read(principal), b = read(tensor);
   for (int k = 0; k < 6; ++k) EXPECT_NEAR(a.points[0].damage[k], b.points[0].damage[k], 1e-15) << k;
   EXPECT_NEAR(a.points[0].damage[4], 0.4 * s * c, 1e-15);

@@ -85,20 +85,21 @@ TEST(PointState, OfAFileIsTakenUpByTheLaw) {
     return s;
   };
   PointStore good = with(0.5, false), over = with(0.8, false), gone = with(0.8, true), whole = intact(3), failed = with(0.0, true);
-  EXPECT_EQ(take_up_states(good, law), "");
+  EXPECT_EQ(read_point_states(good, law), "");
   EXPECT_STREQ(good.law()->name(), "tensor");
-  EXPECT_EQ(take_up_states(gone, law), "");
-  EXPECT_EQ(take_up_states(whole, none), "");
-  EXPECT_NE(take_up_states(over, law).find("point 3 has damage 0.8, above the cut-off 0.7; raise 'cutoff'"), std::string::npos);
+  EXPECT_EQ(read_point_states(gone, law), "");
+  EXPECT_EQ(read_point_states(whole, none), "");
+  EXPECT_NE(read_point_states(over, law).find("point 3 has damage 0.8, above the cut-off 0.7; raise 'cutoff'"), std::string::npos);
   over = with(0.8, false);
-  EXPECT_EQ(take_up_states(over, none), "material point 3 has damage 0.8, which needs a law of damage, 'damage tensor' for instance");
-  EXPECT_EQ(take_up_states(failed, none), "material point 3 has damage 0, and has failed, which needs a law of damage, 'damage tensor' for instance");
-  EXPECT_EQ(take_up_states(failed, law), "");
+  EXPECT_EQ(read_point_states(over, none), "material point 3 has damage 0.8, which needs a law of damage, 'damage tensor' for instance");
+  EXPECT_EQ(read_point_states(failed, none),
+            "material point 3 has damage 0, and has failed, which needs a law of damage, 'damage tensor' for instance");
+  EXPECT_EQ(read_point_states(failed, law), "");
   for (PointStore* s : {&good, &failed}) {
-    const std::string other = take_up_states(*s, none);
+    const std::string other = read_point_states(*s, none);
     EXPECT_NE(other.find("has a state of 'damage tensor', from which 'damage none' cannot go on"), std::string::npos) << other;
   }
-  EXPECT_EQ(take_up_states(whole, law), "") << "nothing that 'damage none' would have left";
+  EXPECT_EQ(read_point_states(whole, law), "") << "nothing that 'damage none' would have left";
 }
 
 std::shared_ptr<const Law> mazars() {
@@ -132,8 +133,9 @@ TEST(PointState, GoesFromStoreToStoreWithItsLaw) {
   EXPECT_EQ(to.record(0).law, r.law);
   EXPECT_THROW(damage_tensor_of(to, 0), std::domain_error);
   const auto tensor = std::make_shared<TensorDamage>(mazars()->elasticity(), DamageParameters());
-  EXPECT_NE(take_up_states(to, tensor).find("point 7 has a state of 'damage mazars', from which 'damage tensor' cannot go on"), std::string::npos);
-  EXPECT_EQ(take_up_states(to, mazars()), "");
+  EXPECT_NE(read_point_states(to, tensor).find("point 7 has a state of 'damage mazars', from which 'damage tensor' cannot go on"),
+            std::string::npos);
+  EXPECT_EQ(read_point_states(to, mazars()), "");
   EXPECT_EQ(to.record(0).damage[0], 2.5);
   EXPECT_EQ(to.state_fields(), MazarsDamage::kFields);
   EXPECT_EQ(damage_tensor_of(to, 0), damage_tensor_of(from, 1));
@@ -144,23 +146,23 @@ TEST(PointState, TensorWithOneComponentIsNoStateOfOneNumber) {
   const double D[kMostStateFields] = {0.5};
   s.set_state(0, D);
   s.meta[0].damaged = true;
-  EXPECT_NE(take_up_states(s, mazars()).find("not the same in all directions"), std::string::npos);
+  EXPECT_NE(read_point_states(s, mazars()).find("not the same in all directions"), std::string::npos);
 }
 
 TEST(PointState, OfATensorHasComponentsUpToOne) {
-  Body body;
-  body.spacing = body.volume = 1.0;
+  BondRecord record;
+  record.spacing = record.volume = 1.0;
   PointRecord r;
   r.volume = 0.5;
   r.damage[1] = 1.5;
   for (int law : {0, kLawNumber<TensorDamage>}) {
     r.law = law;
-    EXPECT_NE(trouble_of(r, {body}).find("its damage is 1.5"), std::string::npos) << law;
+    EXPECT_NE(trouble_of(r, {record}).find("its damage is 1.5"), std::string::npos) << law;
   }
   r.law = kLawNumber<MazarsDamage>;
-  EXPECT_EQ(trouble_of(r, {body}), "");
+  EXPECT_EQ(trouble_of(r, {record}), "");
   r.law = 100;
-  EXPECT_NE(trouble_of(r, {body}).find("law of damage is 100"), std::string::npos);
+  EXPECT_NE(trouble_of(r, {record}).find("law of damage is 100"), std::string::npos);
 }
 
 }  // namespace

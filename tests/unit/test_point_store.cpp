@@ -18,11 +18,11 @@ constexpr double kCell = 0.2;
 
 PointRecord random_record(test::Random& random) {
   PointRecord r;
-  r.body = random.index(3);
-  r.part = random.index(2);
+  r.row = random.index(3);
+  r.layer = random.index(2);
   r.failed = random.index(5) == 0;
   r.has_frame = random.index(2);
-  r.holds = random.index(4);
+  r.connected = random.index(4);
   for (double& v : r.X) v = random.uniform(-0.5, 0.5);
   r.volume = random.uniform(0.1, 1);
   for (double& v : r.F) v += random.uniform(-0.1, 0.1);
@@ -43,8 +43,8 @@ PointRecord random_record(test::Random& random) {
     k.area = random.uniform(0, 1);
     k.attached = random.index(2);
   }
-  r.places = random.index(3);
-  for (int i = 0; i < r.places; ++i) r.place[i].grain = 1 + i;
+  r.contacts = random.index(3);
+  for (int i = 0; i < r.contacts; ++i) r.contact[i].grain = 1 + i;
   return r;
 }
 
@@ -60,7 +60,8 @@ std::vector<double> content(const PointStore& s) {
   for (std::size_t b = 0; b < s.blocks.size(); ++b) {
     const BlockMeta& m = s.meta[b];
     for (int d = 0; d < 3; ++d) all.push_back(m.base[d]);
-    for (int v : {m.body, m.part, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged), int(m.second), int(m.third), m.joined})
+    for (int v : {m.row, m.layer, int(m.occupied), int(m.failed), int(m.framed), int(m.linked), int(m.damaged), int(m.second), int(m.third),
+                  m.joined})
       all.push_back(v);
     for (int l = 0; l < kLanes; ++l) {
       all.push_back(s.tags[b][l]);
@@ -69,7 +70,7 @@ std::vector<double> content(const PointStore& s) {
     }
   }
   for (const Link& k : s.links) all.insert(all.end(), {double(k.slot), double(k.grain), k.foot[0], k.area});
-  for (const FreedPlace& p : s.places) all.insert(all.end(), {double(p.slot), double(p.grain)});
+  for (const ContactPoint& p : s.contacts) all.insert(all.end(), {double(p.slot), double(p.grain)});
   return all;
 }
 
@@ -89,8 +90,8 @@ struct Filled {
     }
   }
   // Answers the slots, of the points in the order they were given.
-  const std::vector<int>& arrange(const std::map<int, int>& new_part = {}) {
-    const std::vector<int> place = store.arrange(kCell, Basis::quadratic, new_part);
+  const std::vector<int>& arrange(const std::map<int, int>& new_layer = {}) {
+    const std::vector<int> place = store.arrange(kCell, Basis::quadratic, new_layer);
     for (int& slot : slots) slot = place[slot];
     return slots;
   }
@@ -104,12 +105,11 @@ TEST(PointStore, AddAndRecordRoundTrip) {
     const int b = f.slots[i] / kLanes, l = f.slots[i] % kLanes;
     EXPECT_EQ(packed(f.store.record(f.slots[i])), packed(f.records[i]));
     EXPECT_EQ(f.store.tags[b][l], f.tags[i]);
-    EXPECT_EQ(f.store.meta[b].body, f.records[i].body);
-    EXPECT_EQ(f.store.meta[b].part, f.records[i].part);
+    EXPECT_EQ(f.store.meta[b].row, f.records[i].row);
+    EXPECT_EQ(f.store.meta[b].layer, f.records[i].layer);
     EXPECT_TRUE(f.store.meta[b].occupied >> l & 1);
     EXPECT_EQ(f.store.meta[b].linked >> l & 1, f.records[i].links > 0);
-    for (int k = 0; k < f.store.record(f.slots[i]).links; ++k)
-      EXPECT_EQ(f.store.record(f.slots[i]).link[k].slot, f.slots[i]);
+    for (int k = 0; k < f.store.record(f.slots[i]).links; ++k) EXPECT_EQ(f.store.record(f.slots[i]).link[k].slot, f.slots[i]);
   }
   EXPECT_GT(f.store.memory_usage(), 300u * sizeof(double) * 30);
 }
@@ -129,8 +129,8 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
     const int b = new_slot[i] / kLanes, l = new_slot[i] % kLanes;
     EXPECT_EQ(packed(s.record(new_slot[i])), packed(r));
     EXPECT_EQ(s.tags[b][l], tags[i]);
-    EXPECT_EQ(s.meta[b].body, r.body);
-    EXPECT_EQ(s.meta[b].part, r.part);
+    EXPECT_EQ(s.meta[b].row, r.row);
+    EXPECT_EQ(s.meta[b].layer, r.layer);
     EXPECT_EQ(s.meta[b].linked >> l & 1, r.links > 0);
     for (int d = 0; d < 3; ++d) EXPECT_EQ(s.meta[b].base[d], support_base(r.X[d], 1.0 / kCell, 0.5));
   }
@@ -140,7 +140,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
     bool damaged = false;
     for (int l = 0; l < kLanes; ++l) {
       if (m.occupied >> l & 1) {
-        order.push_back({m.body, m.part, m.base[0], m.base[1], m.base[2], s.tags[b][l]});
+        order.push_back({m.row, m.layer, m.base[0], m.base[1], m.base[2], s.tags[b][l]});
         for (double v : s.record(static_cast<int>(kLanes * b) + l).damage) damaged |= v != 0.0;
         continue;
       }
@@ -157,7 +157,7 @@ void expect_arranged(const PointStore& s, const std::vector<PointRecord>& record
   EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
   // a block is only left unfilled where its cell ends
   for (std::size_t b = 0; b + 1 < s.blocks.size(); ++b) {
-    const bool same_cell = s.meta[b].body == s.meta[b + 1].body && s.meta[b].part == s.meta[b + 1].part &&
+    const bool same_cell = s.meta[b].row == s.meta[b + 1].row && s.meta[b].layer == s.meta[b + 1].layer &&
                            std::equal(s.meta[b].base, s.meta[b].base + 3, s.meta[b + 1].base);
     if (same_cell) {
       EXPECT_EQ(s.meta[b].occupied, 0xff);
@@ -290,14 +290,14 @@ TEST(PointStore, LinksFollowTheirPoints) {
 
 TEST(PointStore, ArrangeMovesPointsToOtherParts) {
   Filled f(90, 400);
-  std::map<int, int> part;
+  std::map<int, int> layer;
   test::Random random(91);
   for (std::size_t i = 0; i < f.records.size(); ++i) {
     if (random.index(3) == 0) continue;  // stays
-    f.records[i].part = random.index(4);
-    part[f.slots[i]] = f.records[i].part;
+    f.records[i].layer = random.index(4);
+    layer[f.slots[i]] = f.records[i].layer;
   }
-  expect_arranged(f.store, f.records, f.tags, f.arrange(part));
+  expect_arranged(f.store, f.records, f.tags, f.arrange(layer));
 }
 
 // Points go to parts in place, round by round, as where nodes split. The store is that which a layout of the same points gives, to the bit.
@@ -323,17 +323,17 @@ TEST(PointStore, PartsInPlace) {
           // some blocks as a whole, of others a few points; some to the part where they are, or back
           const bool whole = (b + round) % 7 == 0;
           if (!whole && random.index(6) != 0) continue;
-          const int part = whole ? 3 - round % 3 : random.index(4);
-          moves[static_cast<int>(kLanes * b) + l] = part;
-          f.records[of_tag.at(f.store.tags[b][l])].part = part;
+          const int layer = whole ? 3 - round % 3 : random.index(4);
+          moves[static_cast<int>(kLanes * b) + l] = layer;
+          f.records[of_tag.at(f.store.tags[b][l])].layer = layer;
         }
       PointStore anew(f.store);
       anew.arrange(kCell, Basis::quadratic, moves, true);
-      const PointStore::PartMove moved = f.store.move_to_parts(moves, kCell, Basis::quadratic);
+      const PointStore::LayerMove moved = f.store.move_to_layers(moves, kCell, Basis::quadratic);
       EXPECT_EQ(content(f.store), content(anew));
-      ASSERT_EQ(moved.link_place.size(), f.store.links.size());
+      ASSERT_EQ(moved.new_link_index.size(), f.store.links.size());
       for (std::size_t k = 0; k < slot_of_link.size(); ++k) {
-        const int slot = f.store.links[moved.link_place[k]].slot;
+        const int slot = f.store.links[moved.new_link_index[k]].slot;
         EXPECT_EQ(f.store.tags[slot / kLanes][slot % kLanes], slot_of_link[k]);
       }
       EXPECT_EQ(f.store.size(), 400);
@@ -349,7 +349,7 @@ TEST(PointStore, PartsInPlace) {
           EXPECT_EQ(packed(r), packed(expected));
         }
     }
-    EXPECT_GT(std::count_if(f.store.meta.begin(), f.store.meta.end(), [](const BlockMeta& m) { return m.part > 0; }), 30);
+    EXPECT_GT(std::count_if(f.store.meta.begin(), f.store.meta.end(), [](const BlockMeta& m) { return m.layer > 0; }), 30);
   }
 }
 
@@ -373,8 +373,7 @@ TEST(PointStore, UnstrainedUntilAPointOfItIsNot) {
 TEST(PointStore, Clear) {
   Filled f(88, 20);
   f.store.clear();
-  EXPECT_TRUE(f.store.blocks.empty() && f.store.states().empty() && f.store.meta.empty() && f.store.tags.empty() &&
-              f.store.links.empty());
+  EXPECT_TRUE(f.store.blocks.empty() && f.store.states().empty() && f.store.meta.empty() && f.store.tags.empty() && f.store.links.empty());
   EXPECT_FALSE(f.store.changed());
   EXPECT_EQ(f.store.size(), 0);
   test::Random random(89);

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "cement/cement_restart.h"
+#include "cement/layout/cement_restart.h"
 #include "coupling/grain_state.h"
 #include "lanes.h"
-#include "mpm/point_pattern.h"
+#include "mpm/point_template.h"
 #include "mpm/point_row.h"
 #include "mpm/point_store.h"
 
@@ -159,7 +159,8 @@ std::vector<double> bad_values(const Described& of) {
 
 template <class R>
 class Records : public testing::Test {};
-using AllRecords = testing::Types<Body, Link, FreedPlace, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow, PatternHead, PatternPoint>;
+using AllRecords = testing::Types<BondRecord, Link, ContactPoint, PointRecord, GrainState, CementHead, BondRow, NodeRow, CopyRow,
+                                  TemplateHead, TemplatePoint>;
 TYPED_TEST_SUITE(Records, AllRecords);
 
 // True if the description of a record has all numbers that the record declares.
@@ -199,7 +200,9 @@ TYPED_TEST(Records, EachNumberIsItsOwn) {
   const std::vector<Described> said = listed(r).numbers;
   for (std::size_t n = 0; n < numbers.size(); ++n) {
     const std::string& name = said[n].name;
-    if (name.find("its number of") != std::string::npos || name == "'is moving'" || name == "'has slid'" || name == "'loads are spread' of a bonded grain") continue;  // others follow
+    if (name.find("its number of") != std::string::npos || name == "'is moving'" || name == "'has slid'" ||
+        name == "'loads are spread' of a bonded grain")
+      continue;  // others follow
     std::vector<double> changed = numbers;
     changed[n] = said[n].whole ? (numbers[n] == said[n].range.low ? said[n].range.high : said[n].range.low) : 0.5 * numbers[n];
     TypeParam back;
@@ -247,16 +250,17 @@ std::string layout_of() {
 
 // Restart files are refused by their version alone, so a layout must not change without it.
 TEST(Record, LayoutsAreThoseOfTheVersion) {
-  const std::string cure = "the layout of a record changed: raise AtomVecMpdem::kRestartVersion or CementHead::kVersion, and then write the new sum here";
-  EXPECT_EQ(layout_of<Body>(), "178bdd16121109bc") << cure;
+  const std::string cure =
+      "the layout of a record changed: raise AtomVecMpdem::kRestartVersion or CementHead::kVersion, and then write the new sum here";
+  EXPECT_EQ(layout_of<BondRecord>(), "178bdd16121109bc") << cure;
   EXPECT_EQ(layout_of<PointRecord>(), "8cd8d99d5613d51f") << cure;
   EXPECT_EQ(layout_of<GrainState>(), "d758a763d54b460") << cure;
   EXPECT_EQ(layout_of<CementHead>(), "3208caf07976c4a3") << cure;
   EXPECT_EQ(layout_of<BondRow>(), "c0e7435fd76e3e0c") << cure;
   EXPECT_EQ(layout_of<NodeRow>(), "3cef008f8e2f9e59") << cure;
   EXPECT_EQ(layout_of<CopyRow>(), "e328c9b9d3e7bd4f") << cure;
-  EXPECT_EQ(layout_of<PatternHead>(), "739cf29c91eeac96") << cure;
-  EXPECT_EQ(layout_of<PatternPoint>(), "a1e16bc8bd8c8e53") << cure;
+  EXPECT_EQ(layout_of<TemplateHead>(), "739cf29c91eeac96") << cure;
+  EXPECT_EQ(layout_of<TemplatePoint>(), "a1e16bc8bd8c8e53") << cure;
 }
 
 struct Small {
@@ -299,8 +303,9 @@ TEST(PointRow, ColumnsAreThoseOfThePage) {
     row.has_axis = has_axis;
     std::string names;
     for (const Described& n : listed(row).numbers) names += n.name + " ";
-    EXPECT_EQ(names, std::string("grain_i grain_j x y z volume ") + (has_axis ? "ax ay az " : "") + "dxx dyy dzz dyz dxz dxy failed "
-                     "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j ");
+    EXPECT_EQ(names, std::string("grain_i grain_j x y z volume ") + (has_axis ? "ax ay az " : "") +
+                         "dxx dyy dzz dyz dxz dxy failed "
+                         "area_i foot_ix foot_iy foot_iz attached_i area_j foot_jx foot_jy foot_jz attached_j ");
   }
 }
 
@@ -323,7 +328,7 @@ TEST(PointStore, KeepsEveryNumberOfARecord) {
     for (int n = 0; n < 50; ++n) {
       PointRecord r = filled<PointRecord>(random, n == 0 && moving);
       r.moving = moving;
-      r.film = false;  // which store a point is in tells that
+      r.film = false;                     // which store a point is in tells that
       if (n > 0) r.law = records[0].law;  // one in a store
       records.push_back(r);
       slots.push_back(store.add(r, n + 1));
@@ -334,15 +339,15 @@ TEST(PointStore, KeepsEveryNumberOfARecord) {
 
 TEST(PointRecord, IsJudgedAsOneOfItsBond) {
   test::Random random(707);
-  Body body;
-  body.grain[0] = 4;
-  body.grain[1] = 9;
-  body.volume = 2.0;
-  body.spacing = 1e-8;
+  BondRecord record;
+  record.grain[0] = 4;
+  record.grain[1] = 9;
+  record.volume = 2.0;
+  record.spacing = 1e-8;
   for (int s = 0; s < 2; ++s) {
-    body.radius[s] = 1.0;
-    body.centre[s][0] = s == 0 ? -1.0 : 1.0;
-    body.attached_area[s] = 0.5 + s;
+    record.radius[s] = 1.0;
+    record.centre[s][0] = s == 0 ? -1.0 : 1.0;
+    record.attached_area[s] = 0.5 + s;
   }
   PointRecord good;
   good.volume = 1.0;
@@ -352,11 +357,11 @@ TEST(PointRecord, IsJudgedAsOneOfItsBond) {
   const auto trouble = [&](auto change) {
     PointRecord r = good;
     change(r);
-    return trouble_of(r, {body});
+    return trouble_of(r, {record});
   };
   EXPECT_EQ(trouble([](PointRecord&) {}), "");
   const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; };
-  EXPECT_TRUE(says(trouble([](PointRecord& r) { r.body = 1; }), "its bond is 1, allowed is a whole number from 0 to 0"));
+  EXPECT_TRUE(says(trouble([](PointRecord& r) { r.row = 1; }), "its bond is 1, allowed is a whole number from 0 to 0"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.X[2] = 1.5; }), "its place is 1.5"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.moving = true, r.X0[1] = -1.5; }), "its first place is -1.5"));
   EXPECT_TRUE(says(trouble([](PointRecord& r) { r.volume = 2.1; }), "its volume is 2.1"));

@@ -130,11 +130,10 @@ TEST(Reproject, MethodsArePolynomialsOfOneMap) {
     const auto y = [&](const std::vector<double>& f) { return apply(f, Transfer::flip, 1, 0.0, 0.0); };
     const std::vector<double> a = c.grid.acceleration, yv = y(v), yyv = y(yv), ya = y(a);
     // 1 - (1 - y)^2 = 2 y - y^2
-    const std::vector<double> cases[][2] = {
-        {apply(v, Transfer::xpic, 1, 0, 0), yv},
-        {apply(v, Transfer::xpic, 2, 0, 0), combine(2, yv, -1, yyv)},
-        {apply(v, Transfer::flip, 1, 0.0, 0.5), combine(1, combine(1, yv, 0.5, ya), -0.5, a)},
-        {apply(v, Transfer::flip, 1, 1.0, 0.5), combine(1, combine(1, v, 0.5, ya), -0.5, a)}};
+    const std::vector<double> cases[][2] = {{apply(v, Transfer::xpic, 1, 0, 0), yv},
+                                            {apply(v, Transfer::xpic, 2, 0, 0), combine(2, yv, -1, yyv)},
+                                            {apply(v, Transfer::flip, 1, 0.0, 0.5), combine(1, combine(1, yv, 0.5, ya), -0.5, a)},
+                                            {apply(v, Transfer::flip, 1, 1.0, 0.5), combine(1, combine(1, v, 0.5, ya), -0.5, a)}};
     test::Worst worst;
     for (const auto& pair : cases)
       for (std::size_t i = 0; i < v.size(); ++i) worst.add(std::fabs(pair[0][i] - pair[1][i]));

@@ -50,7 +50,7 @@ class ScalarSumsOfPoints : public ::testing::TestWithParam<std::tuple<Basis, Pla
     const PointBlock& p = c.points.blocks[b];
     const BlockMeta& m = c.points.meta[b];
     const Key& key = c.grid.keys[node];
-    if (key.field() != field_of(m.body, m.part)) return 0.0;
+    if (key.field() != field_of(m.row, m.layer)) return 0.0;
     double w = 1.0;
     for (int d = 0; d < 3 && w != 0.0; ++d) w *= spline(support(c.grid.basis) - 1, p.X[d][l] / kCell - key.at(d));
     return w;
@@ -72,19 +72,20 @@ class ScalarSumsOfPoints : public ::testing::TestWithParam<std::tuple<Basis, Pla
     std::vector<double> sum(c.grid.size() + ScalarSums::kRoom, 0.25 * volume);
     add(sum.data());
     test::Worst worst;
-    for (std::size_t n = 0; n < sum.size(); ++n) worst.add(std::fabs(sum[n] - 0.25 * volume - (n < expected.size() ? expected[n] : 0.0)) / volume);
+    for (std::size_t n = 0; n < sum.size(); ++n)
+      worst.add(std::fabs(sum[n] - 0.25 * volume - (n < expected.size() ? expected[n] : 0.0)) / volume);
     expect_within(worst, 2e-14, what);
   }
 
   test::Random random{801};
   double volume = std::pow(kCell, 3) / 8;
   std::vector<Vector> X = body(random, std::get<1>(GetParam()));
-  std::vector<int> part = [this] {
+  std::vector<int> layer = [this] {
     std::vector<int> p;
     for (const Vector& x : X) p.push_back(x[0] + 0.3 * x[2] > 2.1 * kCell);
     return p;
   }();
-  Cement c{kCell, X, volume, Eigen::Quaterniond::Identity(), std::get<0>(GetParam()), 0, part, std::get<2>(GetParam())};
+  Cement c{kCell, X, volume, Eigen::Quaterniond::Identity(), std::get<0>(GetParam()), 0, layer, std::get<2>(GetParam())};
 };
 
 TEST_P(ScalarSumsOfPoints, AreThoseOfEachPoint) {
@@ -103,12 +104,15 @@ TEST_P(ScalarSumsOfPoints, AreThoseOfEachPoint) {
       EXPECT_GT(sums.alone(), 100);
     }
     const auto volume_of = [&](int b, int l) { return c.points.blocks[b].volume[l]; };
-    expect_sums(direct(volume_of), [&](double* sum) { sums.add_volumes(sum); }, "volumes");
+    expect_sums(
+        direct(volume_of), [&](double* sum) { sums.add_volumes(sum); }, "volumes");
 
     std::vector<vd> values(c.points.blocks.size());
     for (vd& v : values)
       for (int l = 0; l < kLanes; ++l) v[l] = volume * random.uniform(-1, 1);
-    expect_sums(direct([&](int b, int l) { return values[b][l]; }), [&](double* sum) { sums.add_values([&](int b) { return values[b]; }, sum); }, "values");
+    expect_sums(
+        direct([&](int b, int l) { return values[b][l]; }), [&](double* sum) { sums.add_values([&](int b) { return values[b]; }, sum); },
+        "values");
 
     std::vector<double> mean(c.grid.size() + ScalarSums::kRoom, 1e3);
     for (int n = 0; n < c.grid.size(); ++n) mean[n] = random.uniform(-1, 1);
@@ -117,7 +121,8 @@ TEST_P(ScalarSumsOfPoints, AreThoseOfEachPoint) {
       for (int n = 0; n < c.grid.size(); ++n) f += weight(n, b, l) * mean[n];
       return volume_of(b, l) * f;
     };
-    expect_sums(direct(interpolated), [&](double* sum) { sums.add_means(mean.data(), sum); }, "means");
+    expect_sums(
+        direct(interpolated), [&](double* sum) { sums.add_means(mean.data(), sum); }, "means");
   }
 }
 

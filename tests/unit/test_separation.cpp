@@ -18,7 +18,7 @@ TEST(Separation, IntactBond) {
   const std::vector<CrackPoint> points = column();
   const Separation s = separate(points, kFace);
   EXPECT_FALSE(s.separated);
-  EXPECT_EQ(s.part, std::vector<int>(points.size(), 0));
+  EXPECT_EQ(s.piece, std::vector<int>(points.size(), 0));
   EXPECT_EQ(s.debonded_share(), 0.0);
 }
 
@@ -42,7 +42,7 @@ TEST(Separation, SkinsOnAGrain) {
     EXPECT_TRUE(skin.separated);
     EXPECT_EQ(skin.at_grain[0] + skin.at_grain[1], 0.0);
     EXPECT_NEAR(skin.inside, kAll, 1e-12);
-    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(skin.part[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(skin.piece[i], (level(points[i]) == layer) == (grain == 1) ? 1 : 0) << i;
     const Separation half = separate(cut([](const CrackPoint& p) { return p.cell[0] < 0; }), kFace);
     // points as near to a skin as to what holds above them count half
     EXPECT_NEAR(half.at_grain[grain], 0.5 * (kAll - kWidth) * kLinkArea, 1e-12);
@@ -86,7 +86,7 @@ TEST(Separation, ABandThatReachesAGrain) {
   expect(crack_at(3, 2.9), 0.0, 0.0, 1.0);
   expect(crack_at(3, 3.1), 0.5, 0.0, 0.5);
   expect(crack_at(3, 4.1), 1.0, 0.0, 0.0);
-  expect(crack_at(6, 3.1), 0.0, 0.5, 0.5);   // the upper face is three cells below the second grain
+  expect(crack_at(6, 3.1), 0.0, 0.5, 0.5);    // the upper face is three cells below the second grain
   expect(crack_at(6, 6.1), 0.25, 0.75, 0.0);  // the lower one is six above the first, too
   expect(crack_at(3, 20.0), 0.5, 0.5, 0.0);
 }
@@ -184,7 +184,7 @@ TEST(Separation, CrackInside) {
   EXPECT_EQ(s.debonded_share(), 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].failed) continue;
-    EXPECT_EQ(s.part[i], level(points[i]) < 6 ? 0 : 1);
+    EXPECT_EQ(s.piece[i], level(points[i]) < 6 ? 0 : 1);
   }
 }
 
@@ -276,10 +276,10 @@ TEST(Separation, ALoneLoosePieceFollowsNoGrain) {
     EXPECT_TRUE(s.separated);
     int least = 99, most = -1;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      points[i].part = s.part[i];
+      points[i].layer = s.piece[i];
       if (points[i].failed) continue;
-      least = std::min(least, s.part[i]);
-      most = std::max(most, s.part[i]);
+      least = std::min(least, s.piece[i]);
+      most = std::max(most, s.piece[i]);
     }
     return std::make_pair(least, most);
   };
@@ -308,11 +308,11 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   EXPECT_TRUE(s.separated);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].failed) {
-      EXPECT_EQ(s.part[i], level(points[i]) < 3 ? 0 : level(points[i]) > 6 ? 1 : 2);
+      EXPECT_EQ(s.piece[i], level(points[i]) < 3 ? 0 : level(points[i]) > 6 ? 1 : 2);
     }
   // a later look at the same parts changes nothing
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = s.part[i];
-  EXPECT_EQ(separate(points, kFace).part, s.part);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].layer = s.piece[i];
+  EXPECT_EQ(separate(points, kFace).piece, s.piece);
 
   // a slab of fewer cells than count goes with its neighbours
   points = column();
@@ -324,7 +324,7 @@ TEST(Separation, LoosePiecesBecomePartsAndCrumbsDoNot) {
   }
   ASSERT_LT(crumb, kLeastLoose);
   s = separate(points, kFace);
-  EXPECT_LE(*std::max_element(s.part.begin(), s.part.end()), 1);
+  EXPECT_LE(*std::max_element(s.piece.begin(), s.piece.end()), 1);
 }
 
 // The upper half is a second sheet. It is held where its material touches that of the first.
@@ -357,16 +357,16 @@ TEST(Separation, PartsOnlySplit) {
   for (CrackPoint& p : points)
     if (level(p) == 6) fail(p);
   const Separation first = separate(points, kFace);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = first.part[i];
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].layer = first.piece[i];
   for (CrackPoint& p : points)
     if (level(p) == 2) fail(p);
   const Separation second = separate(points, kFace);
   std::map<int, int> parent;  // new part to old
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto it = parent.emplace(second.part[i], points[i].part).first;
-    EXPECT_EQ(it->second, points[i].part);
+    const auto it = parent.emplace(second.piece[i], points[i].layer).first;
+    EXPECT_EQ(it->second, points[i].layer);
     if (!points[i].failed) {
-      EXPECT_EQ(second.part[i], level(points[i]) < 2 ? 0 : level(points[i]) > 6 ? 1 : 2);
+      EXPECT_EQ(second.piece[i], level(points[i]) < 2 ? 0 : level(points[i]) > 6 ? 1 : 2);
     }
   }
 }
@@ -382,7 +382,7 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
     EXPECT_EQ(s.inside, kWidth * kWidth);
     for (std::size_t i = 0; i < points.size(); ++i)
       if (level(points[i]) == at) {
-        EXPECT_EQ(s.part[i], at == 7);
+        EXPECT_EQ(s.piece[i], at == 7);
       }
   }
   // one column of failed points, of the height of the bond, between what holds to the one grain and what holds to the other
@@ -400,7 +400,7 @@ TEST(Separation, PointsHalfWayCountHalfToEach) {
   EXPECT_NEAR(s.at_grain[1], kLinkArea * kWidth * (kWidth / 2 + 0.5), 1e-12);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (points[i].cell[0] == 0) {
-      EXPECT_EQ(s.part[i], level(points[i]) < kHeight / 2 ? 0 : 1);
+      EXPECT_EQ(s.piece[i], level(points[i]) < kHeight / 2 ? 0 : 1);
     }
 }
 
@@ -418,11 +418,11 @@ TEST(Separation, PointsThatCannotBeReached) {
     points.push_back(p);
   }
   Separation s = separate(points, kFace);
-  for (int at : {0, 1}) EXPECT_EQ(s.part[points.size() - 2 + at], at);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].part = s.part[i];
+  for (int at : {0, 1}) EXPECT_EQ(s.piece[points.size() - 2 + at], at);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].layer = s.piece[i];
   for (CrackPoint& p : points) fail(p);
   s = separate(points, kFace, true);
-  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.part[i], points[i].part);
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(s.piece[i], points[i].layer);
 }
 
 // If the first grain and the second are swapped, areas and parts of the grains swap and the rest stays.
@@ -443,9 +443,9 @@ TEST(Separation, WhichGrainIsTheFirstDoesNotMatter) {
     EXPECT_NEAR(b.debonded_share(), a.debonded_share(), 1e-14);
     for (int g = 0; g < 2; ++g) EXPECT_NEAR(b.at_grain[g], a.at_grain[1 - g], 1e-12);
     separated += a.separated;
-    pieces += *std::max_element(a.part.begin(), a.part.end()) > 1;
+    pieces += *std::max_element(a.piece.begin(), a.piece.end()) > 1;
     if (!a.separated) continue;
-    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(b.part[i], a.part[i] > 1 ? a.part[i] : 1 - a.part[i]);
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(b.piece[i], a.piece[i] > 1 ? a.piece[i] : 1 - a.piece[i]);
   }
   EXPECT_GT(separated, 30);
   EXPECT_GT(pieces, 5);
@@ -467,7 +467,7 @@ TEST(Separation, OrderOfThePointsDoesNotMatter) {
     EXPECT_EQ(b.separated, a.separated);
     EXPECT_EQ(b.inside, a.inside);
     for (int g = 0; g < 2; ++g) EXPECT_NEAR(b.at_grain[g], a.at_grain[g], 1e-12);
-    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(b.part[i], a.part[order[i]]);
+    for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(b.piece[i], a.piece[order[i]]);
   }
 }
 

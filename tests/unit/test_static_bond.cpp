@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// cement/static_bond.h and Cement::stiffness_of_bonds(), on 1, 2 and 4 ranks: closed forms, the engine's own runs, and what every
+// cement/condensed/static_bond.h and Cement::stiffness_of_bonds(), on 1, 2 and 4 ranks: closed forms, the engine's own runs, and what every
 // stiffness has.
-#include "cement/static_bond.h"
+#include "cement/condensed/static_bond.h"
 
 #include <Eigen/Geometry>
 #include <type_traits>
 
-#include "cement/bond_description.h"
+#include "cement/condensed/bond_description.h"
 #include "cement_host.h"
 #include "linked_bonds.h"
 #include "mpi_ranks.h"
@@ -67,16 +67,16 @@ TEST(StaticBond, LeavesSidesAsTheyAre) {
   RowOfGrains host(MPI_COMM_WORLD, elastic_row(2));
   host.setup();
   host.bonds.table[0].condensed = true;
-  host.bonds.awake_changed();
+  host.bonds.resolved_changed();
   host.cement->grains().bind(MPI_COMM_WORLD, host.bonds, host.cement->inertia());
   const Bond* b = host.bonds.find(1);
-  const int side = b ? b->side : 0;
-  const std::size_t sides = host.cement->grains().sides.sides.size();
+  const int side = b ? b->first_end : 0;
+  const std::size_t sides = host.cement->grains().ends.ends.size();
   EXPECT_TRUE(!b || sides > 0);
   const std::vector<StiffnessOfBond> s = host.cement->stiffness_of_bonds();
   EXPECT_NEAR(s[0].K[14] / s[1].K[14], 1.0, 1e-9);
-  EXPECT_EQ(b ? b->side : 0, side);
-  EXPECT_EQ(host.cement->grains().sides.sides.size(), sides);
+  EXPECT_EQ(b ? b->first_end : 0, side);
+  EXPECT_EQ(host.cement->grains().ends.ends.size(), sides);
 }
 
 // Whether an awake bond would be the same if it were condensed is told by static fields, which are found anew when the bond has another
@@ -85,15 +85,17 @@ TEST(StaticBond, FieldsOfAnotherLayout) {
   RowOfGrains host(MPI_COMM_SELF, elastic_row());
   host.setup();
   Bond& b = *host.bonds.begin();
-  const Body& body = host.bonds.table[0];
+  const BondRecord& record = host.bonds.table[0];
   const double way = 1e-6 * test::kGap, K = host.cement->stiffness_of_bonds()[0].K[14], gravity[3] = {0.0, 0.0, 0.0};
-  SidesAtCreation at(body);
-  at.side[1].x[2] += way;
-  at.side[0].force[2] = K * way;
-  at.side[1].force[2] = -K * way;
+  EndsAtCreation at(record);
+  at.ends[1].x[2] += way;
+  at.ends[0].force[2] = K * way;
+  at.ends[1].force[2] = -K * way;
   const NoDamage stiffer(VtiElasticity(VtiConstants::isotropic(2.0 * test::kYoung, 0.0)));
   CondensedBonds condensed;
-  const auto fits = [&](const Law& law) { return condensed.fits(b, body, at.side, 0.5 * K * way * way, 0.5, gravity, test::kStep, law); };
+  const auto fits = [&](const Law& law) {
+    return condensed.matches_static_solution(b, record, at.ends, 0.5 * K * way * way, 0.5, gravity, test::kStep, law);
+  };
   EXPECT_TRUE(fits(host.cement->law()));
   EXPECT_TRUE(fits(stiffer)) << "the layout is the same";
   ++b.layout;
@@ -173,15 +175,16 @@ struct Solved {
     const Eigen::Vector3d way = Q.isIdentity() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(0.3, -0.2, 0.5);
     Bond& b = scene.bonds[0];
     for (int s = 0; s < 2; ++s) {
-      const Body& body = scene.bodies[0];
+      const BondRecord& record = scene.records[0];
       const auto vector = [](const double* x) { return Eigen::Vector3d(x[0], x[1], x[2]); };
-      const double* q = body.orientation[s];
-      test::copy(Eigen::Vector3d(vector(body.origin) - vector(body.shift[s]) + Q * vector(body.centre[s]) + way), scene.motion[s].x);
+      const double* q = record.orientation[s];
+      test::copy(Eigen::Vector3d(vector(record.origin) - vector(record.shift[s]) + Q * vector(record.centre[s]) + way), scene.motion[s].x);
       test::copy(turn * Eigen::Quaterniond(q[0], q[1], q[2], q[3]), scene.motion[s].q);
     }
-    scene.sides.distribute(scene.bodies, scene.motion);
+    scene.ends.distribute(scene.records, scene.motion);
     for (int i = 0; i < b.grid.size(); ++i) {
-      const Eigen::Vector3d X = test::kH * Eigen::Vector3d(b.grid.keys[i].at(0), b.grid.keys[i].at(1), b.grid.keys[i].at(2)), u = Q * X + way - X;
+      const Eigen::Vector3d X = test::kH * Eigen::Vector3d(b.grid.keys[i].at(0), b.grid.keys[i].at(1), b.grid.keys[i].at(2)),
+                            u = Q * X + way - X;
       test::copy(u, &b.grid.displacement[3 * i]);
     }
     for (PointBlock& p : b.points.blocks) {
@@ -195,15 +198,15 @@ struct Solved {
         p.q.z[l] = q.z();
       }
     }
-    bond = solve_static({b.points, b.grid, b.links, scene.side(b), scene.bodies[0], law, b.film});
+    bond = solve_static({b.points, b.grid, b.links, scene.ends_of(b), scene.records[0], law, b.film});
   }
 };
 
 TEST_P(AnyBond, IsInEquilibrium) {
   Solved s(GetParam());
   const Bond& b = s.scene.bonds[0];
-  const GrainSide* side = s.scene.side(b);
-  const auto secants = b.links.secants(b.grid, side);
+  const BondEnd* ends = s.scene.ends_of(b);
+  const auto secants = b.links.secants(b.grid, ends);
   const Matrix6& K = s.bond.stiffness;
   EXPECT_GT(K.norm(), 0.1);
   EXPECT_EQ((K - K.transpose()).norm(), 0.0);
@@ -211,7 +214,7 @@ TEST_P(AnyBond, IsInEquilibrium) {
   for (int j = 0; j < 6; ++j) {
     // force and moment of the links by the field, of both grains about the middle
     double motion[2][6] = {}, load[2][6] = {};
-    const Eigen::Vector3d arm = Eigen::Vector3d(side[1].x[0], side[1].x[1], side[1].x[2]) - s.bond.frame.middle;
+    const Eigen::Vector3d arm = Eigen::Vector3d(ends[1].x[0], ends[1].x[1], ends[1].x[2]) - s.bond.frame.middle;
     Eigen::Vector3d t = Eigen::Vector3d::Zero(), turn = t;
     (j < 3 ? t : turn)[j % 3] = 1.0;
     t += turn.cross(arm);
@@ -223,7 +226,8 @@ TEST_P(AnyBond, IsInEquilibrium) {
     b.links.add_small_force(secants, s.bond.displacement[j].data(), motion, force.data(), load);
     Eigen::Matrix<double, 6, 1> about[2];
     for (int g = 0; g < 2; ++g) {
-      const Eigen::Vector3d r = Eigen::Vector3d(side[g].x[0], side[g].x[1], side[g].x[2]) - s.bond.frame.middle, f(load[g][0], load[g][1], load[g][2]);
+      const Eigen::Vector3d r = Eigen::Vector3d(ends[g].x[0], ends[g].x[1], ends[g].x[2]) - s.bond.frame.middle,
+                            f(load[g][0], load[g][1], load[g][2]);
       about[g] << f, Eigen::Vector3d(load[g][3], load[g][4], load[g][5]) + r.cross(f);
     }
     test::expect_within((about[1] + K.col(j)).norm() / K.norm(), 1e-6, "load of the second grain");

@@ -2,7 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Sub-steps of the cement in a step of the host, on 1, 2 and 4 ranks.
-#include "cement/cement.h"
+#include "cement/step/formulations.h"
+#include "cement/engine/cement.h"
 
 #include <cstring>
 
@@ -71,7 +72,8 @@ TEST_P(Divided, IsThatManySteps) {
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(coarse.all_failed(), expected);
   const CementTotals a = coarse.cement->report().totals(0.1), b = fine.cement->report().totals(0.1);
-  for (double CementTotals::*sum : {&CementTotals::kinetic, &CementTotals::elastic, &CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
+  for (double CementTotals::*sum :
+       {&CementTotals::kinetic, &CementTotals::elastic, &CementTotals::dissipated, &CementTotals::released, &CementTotals::external_work})
     EXPECT_NEAR(a.*sum, b.*sum, 1e-9 * b.external_work);
   test::expect_within(std::fabs(a.imbalance), 1e-3, "imbalance of the books");
 }
@@ -177,8 +179,9 @@ TEST_P(FreePair, EnergyStays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Substeps, FreePair,
-                         ::testing::Values(Pair{0.1, 0.0, 5}, Pair{0.1, 0.0, 9}, Pair{1.0, 0.0, 14}, Pair{10.0, 0.0, 23}, Pair{100.0, 0.0, 14}, Pair{1e4, 0.0, 14},
-                                           Pair{10.0, 0.4, 14}, Pair{100.0, 0.4, 9}, Pair{1e4, 0.4, 14}, Pair{1e4, 1.0, 9}));
+                         ::testing::Values(Pair{0.1, 0.0, 5}, Pair{0.1, 0.0, 9}, Pair{1.0, 0.0, 14}, Pair{10.0, 0.0, 23},
+                                           Pair{100.0, 0.0, 14}, Pair{1e4, 0.0, 14}, Pair{10.0, 0.4, 14}, Pair{100.0, 0.4, 9},
+                                           Pair{1e4, 0.4, 14}, Pair{1e4, 1.0, 9}));
 
 // The work of loads of the host on cement that they move along is in the books. With links and cement that give way it is not that of the grains alone.
 TEST_P(FreePair, BooksBalance) {
@@ -307,7 +310,8 @@ Eigen::MatrixXd stiffness_of_row(const std::vector<StiffnessOfBond>& bonds) {
     for (int s = 0; s < 2; ++s)
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, f = (d + 2) % 3;
-        const double sign = s == 0 ? -1.0 : 1.0, arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // from the grain to the middle
+        const double sign = s == 0 ? -1.0 : 1.0,
+                     arm = d < 2 ? 0.0 : -sign * (test::kRadius + 0.5 * test::kGap);  // from the grain to the middle
         motion(d, 6 * s + d) = motion(3 + d, 6 * s + 3 + d) = sign;
         if (arm != 0.0) {
           motion(f, 6 * s + 3 + e) = -sign * arm;  // a turn about e takes what lies along d along -f
@@ -347,7 +351,8 @@ TEST(Substeps, StepOfAGrainBetweenTwo) {
   Eigen::MatrixXd K = stiffness_of_row(host.cement->stiffness_of_bonds());
   scale_by_mass(K, 1, light);
   const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K.block<6, 6>(6, 6)).eigenvalues()[5];
-  test::expect_within(std::fabs(host.cement->grains_step() * std::sqrt(2.0 * largest) / 2.0 - 1.0), 3e-15, "step of the grain in the middle");
+  test::expect_within(std::fabs(host.cement->grains_step() * std::sqrt(2.0 * largest) / 2.0 - 1.0), 3e-15,
+                      "step of the grain in the middle");
 }
 
 // Grains weigh much more than the cement between them. The frequency of the pair is that of the static stiffness, and not that of
@@ -362,7 +367,8 @@ TEST(Substeps, FrequencyOfAFreePair) {
   host.dt = r.substeps * test::kStep;
   host.setup();
   const StiffnessOfBond found = host.cement->stiffness_of_bonds()[0];
-  const double w = std::sqrt(2.0 * found.K[14] / (r.grain_mass + 0.5 * cement_mass() / 3.0));  // z, z; a third of either half of the cement moves along
+  const double w =
+      std::sqrt(2.0 * found.K[14] / (r.grain_mass + 0.5 * cement_mass() / 3.0));  // z, z; a third of either half of the cement moves along
   Eigen::MatrixXd K = stiffness_of_row(host.cement->stiffness_of_bonds());
   scale_by_mass(K, 0, r.grain_mass);
   scale_by_mass(K, 1, r.grain_mass);
@@ -431,7 +437,7 @@ class NoHost : public CementHost {
  public:
   std::array<double, 3> initial_velocity(int) override { return {0.0, 0.0, 0.0}; }
   void points_failed(const Bond&) override {}
-  void links_let_go(const Bond&) override {}
+  void links_debonded(const Bond&) override {}
   void slots_changed(const Bond&) override {}
 };
 
@@ -441,7 +447,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
   constexpr double kTime = 1.0, kLoad = 6.0, kMass = 2.0;
   Bonds bonds;
   NoHost host;
-  Scene scene(MPI_COMM_SELF, bonds, host, CementOptions(), nullptr);
+  Scene scene(MPI_COMM_SELF, bonds, host, CementOptions(), formulation_of(CementOptions()), nullptr);
   scene.now.substeps = kSubsteps;
   scene.now.dt = kTime / kSubsteps;
   GrainState state[2];
@@ -466,7 +472,7 @@ TEST(Substeps, BringGrainsToWhereTheStepEnds) {
   moved.velocity[0] = 3.0;
   moved.velocity[3] = 1.5;
   pulled.x[0] = 77.0;  // which is no matter for one that is free
-  substeps.find_ways();
+  substeps.find_paths();
   for (scene.substep = 1; scene.substep <= kSubsteps; ++scene.substep) {
     const double t = scene.now.dt * scene.substep, a = kLoad / kMass;
     substeps.move_grains();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include "../../src/USER-MPDEM/styles/table_file.h"
+#include "../../src/USER-MPDEM/styles/fixes/table_file.h"
 
 #include <gtest/gtest.h>
 

@@ -65,9 +65,7 @@ Matrix force_by_differences(const DamageReference& reference, const Matrix& e, c
       Matrix d = Matrix::Zero();
       d(i, j) += 0.5;
       d(j, i) += 0.5;
-      const auto slope = [&](double t) {
-        return (reference.psi(e, D - t * d) - reference.psi(e, D + t * d)) / (2 * t);
-      };
+      const auto slope = [&](double t) { return (reference.psi(e, D - t * d) - reference.psi(e, D + t * d)) / (2 * t); };
       Y(i, j) = Y(j, i) = (4.0 * slope(2e-4) - slope(4e-4)) / 3.0;
     }
   return Y;
@@ -135,8 +133,7 @@ TEST(TensorDamageOnset, OffAxisUniaxialStress) {
       const Vector n(s * std::cos(azimuth), s * std::sin(azimuth), C);
       const double S = s * s * s * s / c.Ep + C * C * C * C / c.Ez + s * s * C * C * (1 / c.Gzp - 2 * c.nu_zp / c.Ez);
       // t = -dn/da
-      const double H = s * C * (C * C * (1 / c.Ez + c.nu_zp / c.Ez) - s * s * (1 / c.Ep + c.nu_zp / c.Ez) +
-                                (s * s - C * C) / (2 * c.Gzp));
+      const double H = s * C * (C * C * (1 / c.Ez + c.nu_zp / c.Ez) - s * s * (1 / c.Ep + c.nu_zp / c.Ez) + (s * s - C * C) / (2 * c.Gzp));
       const double sigma_full = std::sqrt(kB0 / std::sqrt(0.5 * (S * S + 0.5 * H * H)));
       // the positive eigenvalue of ((S, H/2), (H/2, 0))
       const double positive = 0.5 * (S + std::sqrt(S * S + H * H));

@@ -20,13 +20,13 @@ using test::Vector;
 struct Path {
   std::string name;
   VtiConstants constants;
-  double modulus;                       // stress per e
-  double onset;                         // e0 at B0
-  Matrix strain, stress, damage;        // shapes: of e, of the stress, of D
-  Matrix held;                          // stress that holds the other axes, per e (1 - D)
-  double dissipated;                    // up to Dcut = 1, over B0, for m = 0
-  std::vector<int> free;                // axes whose strain makes their stress vanish
-  std::vector<double> poisson;          // of those axes, undamaged
+  double modulus;                 // stress per e
+  double onset;                   // e0 at B0
+  Matrix strain, stress, damage;  // shapes: of e, of the stress, of D
+  Matrix held;                    // stress that holds the other axes, per e (1 - D)
+  double dissipated;              // up to Dcut = 1, over B0, for m = 0
+  std::vector<int> free;          // axes whose strain makes their stress vanish
+  std::vector<double> poisson;    // of those axes, undamaged
 };
 
 Matrix diagonal(double a, double b, double c) { return Vector(a, b, c).asDiagonal(); }
@@ -50,15 +50,24 @@ std::vector<Path> all_paths() {
       {"uniaxial stress in the plane", vti, vti.Ep, uniaxial(vti.Ep), x, x, x, none, s2, {1, 2}, {vti.nu_p, nu_pz}},
       {"shear, isotropic", iso, 2 * G, std::sqrt(kB0 / (2 * G)), xz, xz, diagonal(1, 0, 1), none, 2.0, {}, {}},
       {"shear in the plane", vti, 2 * cv.C66, std::sqrt(kB0 / (2 * cv.C66)), xy, xy, diagonal(1, 1, 0), none, 2.0, {}, {}},
-      {"hydrostatic, isotropic", iso, 3 * K, std::pow(2.0 / 3.0, 0.25) * std::sqrt(kB0 / (3 * K)), one, one, one, none,
-       std::sqrt(6.0), {}, {}},
+      {"hydrostatic, isotropic",
+       iso,
+       3 * K,
+       std::pow(2.0 / 3.0, 0.25) * std::sqrt(kB0 / (3 * K)),
+       one,
+       one,
+       one,
+       none,
+       std::sqrt(6.0),
+       {},
+       {}},
   };
 }
 
 // One step of eight points. The strain of the free axes is found so that no stress is
 // left there. Every trial starts from the damage before the step.
-TensorDamage::Update step(const Path& path, const TensorDamage& law, double peak, const Sym3<vd>& before,
-                          Sym3<vd>& strain, Sym3<vd>& damage, vmask active) {
+TensorDamage::Update step(const Path& path, const TensorDamage& law, double peak, const Sym3<vd>& before, Sym3<vd>& strain,
+                          Sym3<vd>& damage, vmask active) {
   const Sym3<vd> damage_before = damage;
   const int n = static_cast<int>(path.free.size());
   TensorDamage::Update u = law.update(before, strain, damage, active);
@@ -143,8 +152,8 @@ void expect_closed_form(const Path& path, double exponent) {
       if (failed) {
         ++failures;
         EXPECT_EQ(test::tensor(u.stress, l), Matrix(Matrix::Zero())) << where;
-        damage_error.add(std::fabs(Eigen::SelfAdjointEigenSolver<Matrix>(test::tensor(damage, l)).eigenvalues()[2] -
-                                   parameters.Dcut), where);
+        damage_error.add(std::fabs(Eigen::SelfAdjointEigenSolver<Matrix>(test::tensor(damage, l)).eigenvalues()[2] - parameters.Dcut),
+                         where);
         active[l] = 0;
         continue;
       }
@@ -188,8 +197,7 @@ Energies energies(const Path& path, double exponent, int steps) {
   for (int k = 0; k <= steps && active[0]; ++k) {
     const double e = path.onset * std::pow(ef_over_e0, static_cast<double>(k) / steps);
     before = strain;
-    for (int l = 0; l < kLanes; ++l)
-      test::set_tensor(strain, l, test::tensor(strain, l) + (e - last) * path.strain);
+    for (int l = 0; l < kLanes; ++l) test::set_tensor(strain, l, test::tensor(strain, l) + (e - last) * path.strain);
     last = e;
     const TensorDamage::Update u = step(path, law, path.modulus * path.onset, before, strain, damage, active);
     const Matrix s = test::tensor(u.stress, 0);
@@ -222,8 +230,7 @@ TEST_P(ClosedForm, DissipatedEnergy) {
   test::expect_within(std::fabs((fine.dissipated + fine.released) / fine.work - 1.0), 1e-12, "balance with the work");
 }
 
-INSTANTIATE_TEST_SUITE_P(TensorDamage, ClosedForm, ::testing::Range(0, static_cast<int>(all_paths().size())),
-                         path_name);
+INSTANTIATE_TEST_SUITE_P(TensorDamage, ClosedForm, ::testing::Range(0, static_cast<int>(all_paths().size())), path_name);
 
 // Crack-band exponent: uniaxial paths only, where the largest eigenvalue is the one that grows.
 TEST(CrackBand, StressDamageAndFailureStrain) {

@@ -97,8 +97,7 @@ struct Deviations {
 
 class Comparison {
  public:
-  Comparison(const Group& g, Deviations& d)
-      : g_(g), law_(VtiElasticity(g.elastic), g.damage), reference_(g.elastic), d_(d) {}
+  Comparison(const Group& g, Deviations& d) : g_(g), law_(VtiElasticity(g.elastic), g.damage), reference_(g.elastic), d_(d) {}
 
   const TensorDamage& law() const { return law_; }
 
@@ -128,8 +127,8 @@ class Comparison {
  private:
   double weight_of(const Matrix& e, const Matrix& D) const {
     if (g_.damage.zeta == 1.0) return 1.0;
-    const test::Vector s = Eigen::SelfAdjointEigenSolver<Matrix>(
-                               reference_.elastic_stress(test::DamageReference::effective(e, D))).eigenvalues();
+    const test::Vector s =
+        Eigen::SelfAdjointEigenSolver<Matrix>(reference_.elastic_stress(test::DamageReference::effective(e, D))).eigenvalues();
     const double r = s.cwiseMax(0.0).sum() / s.cwiseAbs().sum();
     return r + (1.0 - r) * g_.damage.zeta * g_.damage.zeta;
   }
@@ -183,8 +182,8 @@ TEST_F(DamagePaths, WholePathsSideBySide) {
   Deviations deviations;
   for (const Group& g : groups) {
     std::ostringstream trace;
-    trace << "B0 " << g.damage.B0 << ", m " << g.damage.exponent << ", zeta " << g.damage.zeta << ", Ep "
-          << g.elastic.Ep << (g.damage.monotone ? ", monotone" : ", full");
+    trace << "B0 " << g.damage.B0 << ", m " << g.damage.exponent << ", zeta " << g.damage.zeta << ", Ep " << g.elastic.Ep
+          << (g.damage.monotone ? ", monotone" : ", full");
     SCOPED_TRACE(trace.str());
     Comparison c(g, deviations);
     drive(g, c);
@@ -213,8 +212,7 @@ TEST_F(DamagePaths, SingleSteps) {
         }
         Sym3<vd> damage = before;
         const TensorDamage::Update u = c.law().update(start, strain, damage, active);
-        for (int l = 0; l < kLanes && first + l < n; ++l)
-          c.step(path, first + l, l, before, damage, start, strain, u);
+        for (int l = 0; l < kLanes && first + l < n; ++l) c.step(path, first + l, l, before, damage, start, strain, u);
       }
     }
   }

@@ -126,8 +126,7 @@ TEST(TensorDamageUpdate, AdmissibleOnRandomWalks) {
       for (int k = 0; k < 100; ++k) {
         start = strain;
         const Sym3<vd> before = damage;
-        for (int l = 0; l < kLanes; ++l)
-          test::set_tensor(strain, l, tensor(strain, l) + 2e-3 * random.sym());
+        for (int l = 0; l < kLanes; ++l) test::set_tensor(strain, l, tensor(strain, l) + 2e-3 * random.sym());
         const TensorDamage::Update u = law.update(start, strain, damage, alive);
         const TensorDamage::Drive drive = law.drive(strain, damage);
         for (int l = 0; l < kLanes; ++l) {
@@ -167,8 +166,7 @@ std::vector<Matrix> turned(double exponent, int n) {
     for (int k = 0; k <= n; ++k) {
       const Sym3<vd> before = strain;
       const double t = static_cast<double>(k) / n;
-      for (int l = 0; l < kLanes; ++l)
-        test::set_tensor(strain, l, (1.0 + 0.5 * t) * ((1.0 - t) * first[l] + t * second[l]));
+      for (int l = 0; l < kLanes; ++l) test::set_tensor(strain, l, (1.0 + 0.5 * t) * ((1.0 - t) * first[l] + t * second[l]));
       law.update(before, strain, damage, splat_mask(true));
     }
     for (int l = 0; l < kLanes; ++l) all.push_back(tensor(damage, l));
@@ -200,7 +198,9 @@ TEST(TensorDamageUpdate, EvaluationsOfASmallStep) {
     for (int n = 0; n < 200; ++n) {
       Sym3<vd> before{}, strain{}, damage{};
       for (int l = 0; l < kLanes; ++l) {
-        const Matrix D = random.damage(0.6), e = strain_at(law, std::pow(1.0 - Eigen::SelfAdjointEigenSolver<Matrix>(D).eigenvalues()[2], -exponent), random.sym(), D);
+        const Matrix D = random.damage(0.6),
+                     e = strain_at(law, std::pow(1.0 - Eigen::SelfAdjointEigenSolver<Matrix>(D).eigenvalues()[2], -exponent), random.sym(),
+                                   D);
         test::set_tensor(damage, l, D);
         test::set_tensor(before, l, e);
         test::set_tensor(strain, l, 1.0005 * e);
@@ -228,8 +228,7 @@ TEST(TensorDamageUpdate, StrengthOfALane) {
       DamageParameters p;
       p.B0 = strength[l] * kB0;
       Sym3<vd> other = b.damage;
-      const TensorDamage::Update v =
-          TensorDamage(VtiElasticity(test::calcite()), p).update(b.start, b.strain, other, splat_mask(true));
+      const TensorDamage::Update v = TensorDamage(VtiElasticity(test::calcite()), p).update(b.start, b.strain, other, splat_mask(true));
       worst.add(tensor(D, l) - tensor(other, l), 1.0);
       EXPECT_EQ(bool(u.failed[l]), bool(v.failed[l]));
       EXPECT_EQ(bool(u.grown[l]), bool(v.grown[l]));
@@ -300,8 +299,7 @@ TEST(TensorDamageUpdate, ViscousLanesShortOfTheCutoffDoNotFail) {
   for (int l = 0; l < kLanes; ++l)
     test::set_tensor(strain, l, strain_at(law, 2.0 + l, Matrix(Eigen::Vector3d(0, 0, 1).asDiagonal()), Matrix::Zero()));
   law.update(strain, strain, target, splat_mask(true));
-  for (int n = 0; n < 2000; ++n)
-    EXPECT_FALSE(any(law.update(strain, strain, damage, splat_mask(true), splat(1.0), 0.05).failed));
+  for (int n = 0; n < 2000; ++n) EXPECT_FALSE(any(law.update(strain, strain, damage, splat_mask(true), splat(1.0), 0.05).failed));
   for (int l = 0; l < kLanes; ++l) EXPECT_NEAR((tensor(damage, l) - tensor(target, l)).norm(), 0.0, 1e-10);
 }
 

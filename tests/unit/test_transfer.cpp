@@ -43,8 +43,7 @@ struct Block {
   void for_nodes(F f) const {
     for (int i = 0; i < S; ++i)
       for (int j = 0; j < S; ++j)
-        for (int k = 0; k < S; ++k)
-          f(column[S * i + j] + k, i, j, k, Vector(kH * (base[0] + i), kH * (base[1] + j), kH * (base[2] + k)));
+        for (int k = 0; k < S; ++k) f(column[S * i + j] + k, i, j, k, Vector(kH * (base[0] + i), kH * (base[1] + j), kH * (base[2] + k)));
   }
 };
 
@@ -97,7 +96,8 @@ TEST(Weights, CellOfAPointOnAFaceIsTheSameEverywhere) {
 // The bases have a shift of none, of one half and of one cell.
 TEST(Weights, CellsOfTheBases) {
   for (double X : {-2.6, -2.4, -0.6, -0.4, 0.4, 0.6, 2.4, 2.6})
-    for (double shift : {0.0, 0.5, 1.0}) EXPECT_EQ(support_base(X * 0.25, 4.0, shift), static_cast<int>(std::floor(X - shift))) << X << ", shift " << shift;
+    for (double shift : {0.0, 0.5, 1.0})
+      EXPECT_EQ(support_base(X * 0.25, 4.0, shift), static_cast<int>(std::floor(X - shift))) << X << ", shift " << shift;
 }
 
 TYPED_TEST(Transfers, PartitionOfUnityAndLinearReproduction) {
@@ -146,8 +146,7 @@ TYPED_TEST(Transfers, GradientsAreThoseOfTheWeights) {
     const Weights<TypeParam> s = b.weights(), a = ahead.weights(), p = behind.weights();
     for (int d = 0; d < 3; ++d)
       for (int i = 0; i < TypeParam::kSupport; ++i)
-        for (int l = 0; l < kLanes; ++l)
-          worst.add(kH * std::fabs((a.w[d][i][l] - p.w[d][i][l]) / (2 * step) - s.dw[d][i][l]));
+        for (int l = 0; l < kLanes; ++l) worst.add(kH * std::fabs((a.w[d][i][l] - p.w[d][i][l]) / (2 * step) - s.dw[d][i][l]));
   }
   expect_within(worst, TypeParam::kSupport == 4 ? 0.51e-6 : 2e-11, "gradient");
 }

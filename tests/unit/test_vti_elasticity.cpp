@@ -15,8 +15,7 @@ using test::sym3;
 using test::tensor;
 
 VtiConstants random_constants(test::Random& random) {
-  return {random.uniform(1, 10), random.uniform(1, 10), random.uniform(-1.1, 1.1), random.uniform(-1.1, 1.1),
-          random.uniform(0.5, 10)};
+  return {random.uniform(1, 10), random.uniform(1, 10), random.uniform(-1.1, 1.1), random.uniform(-1.1, 1.1), random.uniform(0.5, 10)};
 }
 
 Matrix6 stiffness_of(const VtiElasticity& c) {

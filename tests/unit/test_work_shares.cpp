@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#include "cement/work_shares.h"
+#include "cement/bond/work_shares.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@ namespace mpdem {
 namespace {
 
 // Ranks in a row along z.
-std::vector<BrickPlace> row_of_bricks(int ranks) {
-  std::vector<BrickPlace> bricks;
+std::vector<SubdomainIndex> row_of_bricks(int ranks) {
+  std::vector<SubdomainIndex> bricks;
   for (int r = 0; r < ranks; ++r) bricks.push_back({0, 0, r});
   return bricks;
 }
@@ -30,13 +30,13 @@ TEST(WorkShares, BesideTouchesAllBricks) {
 TEST(WorkShares, EvenWorkStays) {
   EXPECT_DOUBLE_EQ(unevenness({3.0, 5.0}), 1.25);
   EXPECT_DOUBLE_EQ(unevenness({0.0, 0.0}), 1.0);
-  EXPECT_TRUE(even_out(row_of_bricks(2), {bond(0, 1, 5.0, 1, 1)}, {100.0, 105.0}).empty());
+  EXPECT_TRUE(rebalance(row_of_bricks(2), {bond(0, 1, 5.0, 1, 1)}, {100.0, 105.0}).empty());
 }
 
 TEST(WorkShares, HalfOfTheBondsGo) {
   std::vector<MovableBond> bonds;
   for (int n = 0; n < 10; ++n) bonds.push_back(bond(n, 0, 1.0, 0, 0));
-  const std::vector<BondMove> moves = even_out(row_of_bricks(2), bonds, {10.0, 0.0});
+  const std::vector<BondMove> moves = rebalance(row_of_bricks(2), bonds, {10.0, 0.0});
   ASSERT_EQ(moves.size(), 5u);
   for (int n = 0; n < 5; ++n) {
     EXPECT_EQ(moves[n].row, n);
@@ -46,18 +46,18 @@ TEST(WorkShares, HalfOfTheBondsGo) {
 
 // A bond that would go too far is left where it is. So is a bond that is larger than the difference.
 TEST(WorkShares, OnlyToRanksBeside) {
-  const std::vector<BondMove> moves = even_out(row_of_bricks(3), {bond(7, 0, 4.0, 0, 0), bond(8, 0, 4.0, 1, 1)}, {8.0, 5.0, 0.0});
+  const std::vector<BondMove> moves = rebalance(row_of_bricks(3), {bond(7, 0, 4.0, 0, 0), bond(8, 0, 4.0, 1, 1)}, {8.0, 5.0, 0.0});
   ASSERT_EQ(moves.size(), 1u);
   EXPECT_EQ(moves[0].row, 8);
   EXPECT_EQ(moves[0].rank, 2);
-  EXPECT_TRUE(even_out(row_of_bricks(2), {bond(1, 0, 10.0, 0, 0)}, {10.0, 0.0}).empty());
+  EXPECT_TRUE(rebalance(row_of_bricks(2), {bond(1, 0, 10.0, 0, 0)}, {10.0, 0.0}).empty());
 }
 
 // Random work: the largest share falls, the sum stays, and every bond is beside its place.
 TEST(WorkShares, RandomWork) {
   test::Random random(3);
   for (int trial = 0; trial < 50; ++trial) {
-    std::vector<BrickPlace> bricks;
+    std::vector<SubdomainIndex> bricks;
     for (int r = 0; r < 8; ++r) bricks.push_back({r / 4, r / 2 % 2, r % 2});
     std::vector<MovableBond> bonds;
     std::vector<double> work(8, 1.0);
@@ -67,7 +67,7 @@ TEST(WorkShares, RandomWork) {
       work[rank] += bonds.back().work;
     }
     std::vector<double> after = work;
-    for (const BondMove& m : even_out(bricks, bonds, work)) {
+    for (const BondMove& m : rebalance(bricks, bonds, work)) {
       after[bonds[m.row].rank] -= bonds[m.row].work;
       after[m.rank] += bonds[m.row].work;
     }

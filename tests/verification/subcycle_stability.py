@@ -14,7 +14,7 @@ import numpy as np
 
 CELLS, LINK = 8, 50.0  # of the chain; stiffness of a link over that of a cell
 RATIOS = (0.1, 1, 10, 100, 1000, 10000)  # mass of both grains over that of the cement
-SLOW, FAST, AVERAGE, SWING, MEANS = 0.02, 0.5, 0.1, 0.5, 3  # as in src/USER-MPDEM/cement/spread_loads.cpp
+SLOW, FAST, AVERAGE, SWING, MEANS = 0.02, 0.5, 0.1, 0.5, 3  # as in src/USER-MPDEM/cement/bond/spread_loads.cpp
 
 
 def pair(ratio):

@@ -11,17 +11,17 @@
 namespace mpdem {
 
 // The added mass of a node is divided between its two sides by their shares of its stiffness.
-void AddedMass::find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s,
-                     const std::vector<std::unique_ptr<BondPart>>& parts) {
+void AddedMass::find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends, const Stability& s,
+                     const std::vector<std::unique_ptr<BondMechanism>>& mechanisms) {
   constexpr double kMargin = 1.05;
   std::vector<double> penalty(2 * grid.size(), 0.0);
-  links.add_stiffness(grid, side, s.dt, penalty.data());
-  for (const auto& p : parts) p->add_stiffness(grid, side, penalty.data());
+  links.add_stiffness(grid, ends, s.dt, penalty.data());
+  for (const auto& p : mechanisms) p->add_stiffness(grid, ends, penalty.data());
   grid.halo.sum(penalty.data(), 2);
   std::vector<double> mass(grid.size(), 0.0);
   std::vector<Share> shares;
   for (int i = 0; i < grid.size(); ++i) {
-    const double *k = &penalty[2 * i];
+    const double* k = &penalty[2 * i];
     if (k[0] + k[1] == 0.0) continue;
     const double share = std::min(1.0, s.dt * s.dt * s.lambda * (s.lambda_is_bound ? grid.tie_factor(i) : 1.0) / s.bound);
     mass[i] = std::max(0.0, kMargin * s.dt * s.dt / s.bound * (k[0] + k[1]) - grid.mass[i] * (1.0 - share));
@@ -71,7 +71,7 @@ std::vector<AddedMass::Share> AddedMass::shares() const {
 
 namespace {
 
-bool jumps(const GrainSide& s) {
+bool jumps(const BondEnd& s) {
   return std::any_of(s.jump, s.jump + 6, [](double j) { return j != 0.0; });
 }
 
@@ -99,15 +99,15 @@ void for_each(const AddedMass& added, const Grid& grid, Side* side, F f) {
 
 }  // namespace
 
-void AddedMass::take_along(Grid& grid, const GrainSide* side) const {
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+void AddedMass::move_added_mass(Grid& grid, const BondEnd* ends) const {
+  for_each(*this, grid, ends, [&](int node, double mass, const BondEnd& s, const double* r) {
     double of_grain[3];
     acceleration_at(s, r, of_grain);
     for (int d = 0; d < 3; ++d) grid.force[3 * node + d] += mass * of_grain[d];
   });
 }
 
-void AddedMass::carry(Grid& grid, GrainSide* side) const {
+void AddedMass::carry(Grid& grid, BondEnd* ends) const {
   EightLoads loads[2];
   for (std::size_t m = 0; m < masses_.size(); ++m) {
     const EightMasses& own = masses_[m];
@@ -115,8 +115,8 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
     vd r[2][3], of_grain[2][3], f[3];
     e.nodes.take(grid.force.data(), f);
     for (int n = 0; n < 2; ++n) {
-      e.lever_arm(side[n], r[n]);
-      acceleration_at(side[n], r[n], of_grain[n]);
+      e.lever_arm(ends[n], r[n]);
+      acceleration_at(ends[n], r[n], of_grain[n]);
       for (int d = 0; d < 3; ++d) f[d] += own.mass[n] * of_grain[n][d];
     }
     const vd inverse = 1.0 / e.inertia;
@@ -128,27 +128,28 @@ void AddedMass::carry(Grid& grid, GrainSide* side) const {
       loads[n].add(r[n], relative);
     }
   }
-  for (int n = 0; n < 2; ++n) loads[n].add_to(side[n]);
+  for (int n = 0; n < 2; ++n) loads[n].add_to(ends[n]);
 }
 
-void AddedMass::accelerate(Grid& grid, GrainSide* side) const {
+void AddedMass::accelerate(Grid& grid, BondEnd* ends) const {
   if (empty()) return grid.update_acceleration();
-  carry(grid, side);
+  carry(grid, ends);
   for (const std::array<int, 2>& row : without_) grid.accelerate(row[0], row[1]);
   grid.take_accelerations();
 }
 
-AddedMass::Followed AddedMass::follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate, const std::array<double, 3>& weight) const {
+AddedMass::Followed AddedMass::follow_jumps(Grid& grid, BondEnd* ends, double rate, double grain_rate,
+                                            const std::array<double, 3>& weight) const {
   Followed power;
-  if (!jumps(side[0]) && !jumps(side[1])) return power;
+  if (!jumps(ends[0]) && !jumps(ends[1])) return power;
   const std::vector<char>& counts = grid.halo.counts_here();
   const double* inertial = grid.inertial_force.empty() ? nullptr : grid.inertial_force.data();
   for_each_share(*this, [&](const Share& a) {
     const double inverse = 1.0 / (grid.mass[a.node] + mass_[a.node]);
     double r[2][3], of_grain[2][3], of_node[3] = {0, 0, 0};
     for (int n = 0; n < 2; ++n) {
-      lever_arm(grid, a.node, side[n], r[n]);
-      jump_at(side[n], r[n], of_grain[n]);
+      lever_arm(grid, a.node, ends[n], r[n]);
+      jump_at(ends[n], r[n], of_grain[n]);
       for (int d = 0; d < 3; ++d) of_node[d] += inverse * a.mass[n] * of_grain[n][d];
     }
     for (int d = 0; d < 3; ++d) grid.acceleration[3 * a.node + d] += rate * of_node[d];
@@ -160,16 +161,16 @@ AddedMass::Followed AddedMass::follow_jumps(Grid& grid, GrainSide* side, double 
     for (int n = 0; n < 2; ++n) {
       double relative[3];
       for (int d = 0; d < 3; ++d) relative[d] = of_node[d] - of_grain[n][d];
-      add_to_grain(r[n], relative, grain_rate * a.mass[n], side[n].jump_force, side[n].jump_force + 3);
+      add_to_grain(r[n], relative, grain_rate * a.mass[n], ends[n].jump_force, ends[n].jump_force + 3);
     }
   });
   grid.ties.extend(grid.acceleration.data());
   return power;
 }
 
-void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {
+void AddedMass::add_jumps(Grid& grid, BondEnd* ends, bool at_start) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
+  for_each(*this, grid, ends, [&](int node, double mass, BondEnd& s, const double* r) {
     double jump[3];
     jump_at(s, r, jump);
     for (int d = 0; d < 3; ++d) {
@@ -182,7 +183,7 @@ void AddedMass::add_jumps(Grid& grid, GrainSide* side, bool at_start) const {
 
 // A node of the inertia N against its grain that takes up C more is slowed to (N/(N + C))^(1/2) of its velocity against the
 // grain. The force of the last step acts on half of the motion of this one, so the change of the velocity changes its work.
-double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSide* side, double later, double dt) const {
+double AddedMass::add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const {
   std::vector<double> change(grid.velocity.size(), 0.0);
   const std::vector<char>& counts = grid.halo.counts_here();
   double lost = 0.0;
@@ -197,10 +198,10 @@ double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSid
       const double more = now.mass[n] - (had ? old->mass[n] : 0.0);
       if (!(more > 0.0)) continue;
       double r[3], of_grain[3], jump[3], slower[3];
-      lever_arm(grid, now.node, side[n], r);
-      for (int d = 0; d < 3; ++d) r[d] += dt * side[n].v[d];  // the grain went on, and the node did not
-      velocity_at(side[n], r, of_grain);
-      jump_at(side[n], r, jump);
+      lever_arm(grid, now.node, ends[n], r);
+      for (int d = 0; d < 3; ++d) r[d] += dt * ends[n].v[d];  // the grain went on, and the node did not
+      velocity_at(ends[n], r, of_grain);
+      jump_at(ends[n], r, jump);
       const double share = std::sqrt(inertia / (inertia + more)) - 1.0;
       for (int d = 0; d < 3; ++d) {
         const int i = 3 * now.node + d;
@@ -209,7 +210,7 @@ double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSid
         change[i] += slower[d];
         if (counts[now.node]) lost -= slower[d] * (m * (v + 0.5 * slower[d] - of_grain[d]) - 0.5 * dt * inertia * grid.acceleration[i]);
       }
-      if (counts[now.node]) add_to_grain(r, slower, -m / dt, side[n].transfer_force, side[n].transfer_force + 3);
+      if (counts[now.node]) add_to_grain(r, slower, -m / dt, ends[n].transfer_force, ends[n].transfer_force + 3);
       inertia += more;
       any = true;
     }
@@ -220,10 +221,10 @@ double AddedMass::take_up(const std::vector<Share>& before, Grid& grid, GrainSid
   return lost;
 }
 
-double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double later) const {
+double AddedMass::energy_ahead(const Grid& grid, const BondEnd* ends, double later) const {
   double energy = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* from) {
+  for_each(*this, grid, ends, [&](int node, double mass, const BondEnd& s, const double* from) {
     if (!counts[node]) return;
     double r[3], of_grain[3], jump[3];
     for (int d = 0; d < 3; ++d) r[d] = from[d] + later * s.v[d];  // the grain went on, and the node did not
@@ -237,17 +238,17 @@ double AddedMass::energy_ahead(const Grid& grid, const GrainSide* side, double l
   return energy;
 }
 
-void AddedMass::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSide* side) const {
+void AddedMass::add_reaction(const Grid& grid, const std::vector<double>& field, double scale, BondEnd* ends) const {
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, GrainSide& s, const double* r) {
+  for_each(*this, grid, ends, [&](int node, double mass, BondEnd& s, const double* r) {
     if (counts[node]) add_to_grain(r, &field[3 * node], scale * mass, s.transfer_force, s.transfer_force + 3);
   });
 }
 
-double AddedMass::work_of_reaction(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const {
+double AddedMass::work_of_reaction(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const {
   double work = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, ends, [&](int node, double mass, const BondEnd& s, const double* r) {
     if (!counts[node]) return;
     double of_grain[3];
     velocity_at(s, r, of_grain);
@@ -256,10 +257,10 @@ double AddedMass::work_of_reaction(const Grid& grid, const GrainSide* side, cons
   return work;
 }
 
-double AddedMass::power(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const {
+double AddedMass::power(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const {
   double power = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, ends, [&](int node, double mass, const BondEnd& s, const double* r) {
     if (!counts[node]) return;
     double a[3];
     acceleration_at(s, r, a);
@@ -268,10 +269,10 @@ double AddedMass::power(const Grid& grid, const GrainSide* side, const std::vect
   return power;
 }
 
-double AddedMass::energy(const Grid& grid, const GrainSide* side, double early, double late) const {
+double AddedMass::energy(const Grid& grid, const BondEnd* ends, double early, double late) const {
   double energy = 0.0;
   const std::vector<char>& counts = grid.halo.counts_here();
-  for_each(*this, grid, side, [&](int node, double mass, const GrainSide& s, const double* r) {
+  for_each(*this, grid, ends, [&](int node, double mass, const BondEnd& s, const double* r) {
     if (!counts[node]) return;
     double rate[3], of_grain[3];
     acceleration_at(s, r, rate);
@@ -285,7 +286,7 @@ double AddedMass::energy(const Grid& grid, const GrainSide* side, double early, 
   return energy;
 }
 
-void AddedMass::add_to_sides(const Grid& grid, double* mass) const {
+void AddedMass::add_to_ends(const Grid& grid, double* mass) const {
   for_each_share(*this, [&](const Share& a) {
     for (int n = 0; n < 2; ++n)
       if (grid.halo.counts_here()[a.node]) mass[n] += a.mass[n];

@@ -15,16 +15,16 @@
 // So links to a free grain count (1 + t)-fold, with t the mass of the cement over the inertia of the grain against it
 // (`mass_ratio`). The kinetic energy of the grain then covers the rest. grain_accelerations.h has the accelerations
 // of free grains.
-#ifndef MPDEM_ADDED_MASS_H
-#define MPDEM_ADDED_MASS_H
+#ifndef MPDEM_COUPLING_ADDED_MASS_H
+#define MPDEM_COUPLING_ADDED_MASS_H
 
 #include <array>
 #include <vector>
 
 #include "../mpm/grid.h"
 #include "eight_nodes.h"
-#include "../mpm/bond_part.h"
-#include "grain_sides.h"
+#include "../mpm/bond_mechanism.h"
+#include "bond_ends.h"
 #include "penalty_links.h"
 
 namespace mpdem {
@@ -42,8 +42,8 @@ class AddedMass {
   // Collective among the ranks that share the nodes. Finds the least mass c that keeps the central difference stable
   // when the penalty k of links and of parts of the bond comes on top of the cement. At every node dt^2 (lambda m + k) <= bound
   // (m + c) holds. Most nodes need no added mass.
-  void find(const PenaltyLinks& links, Grid& grid, const GrainSide* side, const Stability& s,
-            const std::vector<std::unique_ptr<BondPart>>& parts = {});
+  void find(const PenaltyLinks& links, Grid& grid, const BondEnd* ends, const Stability& s,
+            const std::vector<std::unique_ptr<BondMechanism>>& mechanisms = {});
 
   // Added mass of a node. The links may be on any rank.
   struct Share {
@@ -67,46 +67,46 @@ class AddedMass {
   // grains have made this step already. The momentum that nodes lose
   // goes to the grains over this step, as force of a transfer. Returns the energy that the cement loses beyond its work on
   // the grains, without that of the added mass.
-  double take_up(const std::vector<Share>& before, Grid& grid, GrainSide* side, double later, double dt) const;
+  double add_to_nodes(const std::vector<Share>& before, Grid& grid, BondEnd* ends, double later, double dt) const;
 
   // Adds the force that takes the added mass along with its grains to the nodes, without its reaction.
-  void take_along(Grid& grid, const GrainSide* side) const;
+  void move_added_mass(Grid& grid, const BondEnd* ends) const;
   // Finds the accelerations of the nodes. The forces on nodes must be summed over ranks. Added mass moves with its
   // grain: the force that takes it along is added to the nodes, and its reaction to the grains, before their sum over ranks.
-  void accelerate(Grid& grid, GrainSide* side) const;
+  void accelerate(Grid& grid, BondEnd* ends) const;
   // Added mass follows the jumps of its grains as it follows their accelerations: a node of mass m takes the share c/(m
   // + c) of a jump. Adds `rate` times this share to the accelerations, and grain_rate times the reaction to the forces of jumps on the grains.
   // weight: acceleration by gravity that acts on the mass of nodes.
   struct Followed {
     double of_weight = 0.0, of_inertial_force = 0.0;  // power of these forces on the changes of velocity, on nodes that this rank counts
   };
-  Followed follow_jumps(Grid& grid, GrainSide* side, double rate, double grain_rate, const std::array<double, 3>& weight) const;
+  Followed follow_jumps(Grid& grid, BondEnd* ends, double rate, double grain_rate, const std::array<double, 3>& weight) const;
   // Adds the jumps as forces on nodes and grains. at_start: the added mass moved with the nodes so far, so its jump is
   // the velocity of the grains less that of the nodes.
-  void add_jumps(Grid& grid, GrainSide* side, bool at_start) const;
+  void add_jumps(Grid& grid, BondEnd* ends, bool at_start) const;
   // Adds the reaction to a transfer to the grains. The transfer changes the velocity of nodes as the acceleration
   // scale * field does.
-  void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, GrainSide* side) const;
+  void add_reaction(const Grid& grid, const std::vector<double>& field, double scale, BondEnd* ends) const;
 
   // Work of the reaction of add_reaction() on the grains, divided by its scale.
-  double work_of_reaction(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
+  double work_of_reaction(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const;
   // Power of added mass times its acceleration relative to the grains, on the velocity `field` of the nodes.
-  double power(const Grid& grid, const GrainSide* side, const std::vector<double>& field) const;
+  double power(const Grid& grid, const BondEnd* ends, const std::vector<double>& field) const;
   // Kinetic energy relative to the grains, c/2 v.w. v is the stored velocity plus `early` times the acceleration, w is
   // v with `late` in the place of `early`.
-  double energy(const Grid& grid, const GrainSide* side, double early = 0.0, double late = 0.0) const;
+  double energy(const Grid& grid, const BondEnd* ends, double early = 0.0, double late = 0.0) const;
   // Kinetic energy relative to the grains at the end of a drift whose grains have moved already. The velocities of the
   // grains are taken without the last jumps. Those of nodes include `later` times the acceleration.
-  double energy_ahead(const Grid& grid, const GrainSide* side, double later) const;
+  double energy_ahead(const Grid& grid, const BondEnd* ends, double later) const;
   // Adds the added mass of each side to mass[2], for the nodes that this rank counts.
-  void add_to_sides(const Grid& grid, double* mass) const;
+  void add_to_ends(const Grid& grid, double* mass) const;
 
   // Shares lists with other bonds that have equal ones.
   void share(AlikeLists& alike);
   std::size_t memory_usage() const;
 
  private:
-  void carry(Grid& grid, GrainSide* side) const;
+  void carry(Grid& grid, BondEnd* ends) const;
   void keep(const std::vector<Share>& shares, const Grid& grid);
   SharedList<double> mass_;  // one number for each node
   std::vector<EightMasses> masses_;

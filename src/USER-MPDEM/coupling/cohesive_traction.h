@@ -20,8 +20,8 @@
 // the quadratic criterion of stress, the end the linear criterion of energies. Both are written in the opening of
 // Camacho & Ortiz (Int. J. Solids Struct. 33 (1996) 2899), with the damage of Turon, Camanho, Costa & Davila (Mech.
 // Mater. 38 (2006) 1072).
-#ifndef MPDEM_COHESIVE_TRACTION_H
-#define MPDEM_COHESIVE_TRACTION_H
+#ifndef MPDEM_COUPLING_COHESIVE_TRACTION_H
+#define MPDEM_COUPLING_COHESIVE_TRACTION_H
 
 #include <algorithm>
 
@@ -34,7 +34,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
  public:
   static constexpr const char* kName = "cohesive";
   static constexpr int kFields = 1;
-  static constexpr bool kKeepsSkins = true;
+  static constexpr bool kLeavesResidue = true;
   struct State {
     vd d;
   };
@@ -48,7 +48,11 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   }
 
   CohesiveTraction(TractionStiffness stiffness, const LawValues& values)
-      : TractionLawOf(stiffness), tn_(values.get("tn", 0.0)), tt_(values.get("tt", 0.0)), Gn_(values.get("Gn", 0.0)), Gt_(values.get("Gt", 0.0)) {
+      : TractionLawOf(stiffness),
+        tn_(values.get("tn", 0.0)),
+        tt_(values.get("tt", 0.0)),
+        Gn_(values.get("Gn", 0.0)),
+        Gt_(values.get("Gt", 0.0)) {
     constexpr double kRounding = 1e-9;
     const double least = (1.0 - kRounding) * std::min(tn_, tt_ * std::sqrt(stiffness.kn / stiffness.kt)) / stiffness.kn;
     least_square_ = least * least;
@@ -58,14 +62,15 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
   // Uses the softer direction of the material.
   std::vector<SofteningLength> softening_lengths(const VtiConstants& e) const override {
     const double E = std::min(e.Ep, e.Ez), G = std::min(e.Gzp, 0.5 * e.Ep / (1.0 + e.nu_p));
-    return {{E * Gn_ / (tn_ * tn_), "E Gn/tn^2", "a larger 'Gn' or a smaller 'tn'"}, {G * Gt_ / (tt_ * tt_), "G Gt/tt^2", "a larger 'Gt' or a smaller 'tt'"}};
+    return {{E * Gn_ / (tn_ * tn_), "E Gn/tn^2", "a larger 'Gn' or a smaller 'tn'"},
+            {G * Gt_ / (tt_ * tt_), "G Gt/tt^2", "a larger 'Gt' or a smaller 'tt'"}};
   }
   // The elastic energy at the strength must be below G in each mode. Mixed modes meet this if both pure modes do.
   std::string trouble() const override {
     const double of_n = 0.5 * tn_ * tn_ / stiffness().kn, of_t = 0.5 * tt_ * tt_ / stiffness().kt;
     const auto told = [](const char* G, double value, double least, const char* t, const char* k) {
-      return text_of("'", G, " ", value, "' must be above ", least, ", the energy that the links store at '", t, "'; use a larger '", G, "', a smaller '", t,
-                     "' or a larger '", k, "'");
+      return text_of("'", G, " ", value, "' must be above ", least, ", the energy that the links store at '", t, "'; use a larger '", G,
+                     "', a smaller '", t, "' or a larger '", k, "'");
     };
     if (!(Gn_ > of_n)) return told("Gn", Gn_, of_n, "tn", "kn");
     if (!(Gt_ > of_t)) return told("Gt", Gt_, of_t, "tt", "kt");
@@ -90,7 +95,7 @@ class CohesiveTraction final : public TractionLawOf<CohesiveTraction> {
     const vd d = select(lambda >= end, splat(1.0), end * (lambda - onset) / (lambda * soft));
     TractionUpdate u;
     u.grown = (lambda > onset) & (d > s.d);
-    u.let_go = u.grown & (d >= 1.0);
+    u.debond = u.grown & (d >= 1.0);
     const auto spent = [&](vd at) { return G * onset * at / (end - at * soft); };
     u.dissipated = select(u.grown, spent(d) - spent(s.d), vd{});
     s.d = select(u.grown, min(d, splat(1.0)), s.d);

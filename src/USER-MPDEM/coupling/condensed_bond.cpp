@@ -47,11 +47,11 @@ void CondensedModel::unpack(const double* n) {
   coupling = n[291];
 }
 
-void GrainLoads::add_to(GrainSide* side) const {
+void GrainLoads::add_to(BondEnd* ends) const {
   for (int s = 0; s < 2; ++s)
     for (int d = 0; d < 3; ++d) {
-      side[s].force[d] += of[s][d];
-      side[s].torque[d] += of[s][3 + d];
+      ends[s].force[d] += of[s][d];
+      ends[s].torque[d] += of[s][3 + d];
     }
 }
 
@@ -66,17 +66,17 @@ void CondensedModel::find_coupling() {
   coupling = std::min(1.0, Eigen::JacobiSVD<Matrix6>(both).singularValues()[0]);
 }
 
-CondensedMotion::CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side) {
+CondensedMotion::CondensedMotion(const CondensedModel& model, const BondRecord& record, const BondEnd* ends) {
   Mat3<double> turn[2];
   Three<double> arm[2];
   for (int s = 0; s < 2; ++s) {
-    turn[s] = product(side[s].R, transpose(rotation_of(body.orientation[s])));
-    arm[s] = three(model.middle - vector(body.centre[s]));
+    turn[s] = product(ends[s].R, transpose(rotation_of(record.orientation[s])));
+    arm[s] = three(model.middle - vector(record.centre[s]));
   }
-  motion_ = RelativeMotion<double>(turn, arm, three(vector(side[1].x) - vector(side[0].x)));
+  motion_ = RelativeMotion<double>(turn, arm, three(vector(ends[1].x) - vector(ends[0].x)));
   for (int s = 0; s < 2; ++s) {
     r_[s] = mpdem::vector(motion_.r[s]);
-    p_[s] = vector(side[s].x) + r_[s];
+    p_[s] = vector(ends[s].x) + r_[s];
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) Q_(i, j) = motion_.Q.a[i][j];
@@ -98,15 +98,15 @@ GrainLoads CondensedMotion::elastic(const CondensedModel& model) const {
   return l;
 }
 
-GrainLoads CondensedMotion::all(const CondensedModel& model, const GrainSide* side, const double* gravity) const {
+GrainLoads CondensedMotion::all(const CondensedModel& model, const BondEnd* ends, const double* gravity) const {
   GrainLoads sum = elastic(model);
-  const GrainLoads inertial = loads(-(model.M * (rate(side) - uniform(gravity)) + centripetal(model, side)));
+  const GrainLoads inertial = loads(-(model.M * (rate(ends) - uniform(gravity)) + centripetal(model, ends)));
   for (int s = 0; s < 2; ++s)
     for (int d = 0; d < 6; ++d) sum.of[s][d] += inertial.of[s][d];
   return sum;
 }
 
-CondensedMotion::Vector12 CondensedMotion::of_sides(const double* first, const double* second) const {
+CondensedMotion::Vector12 CondensedMotion::of_ends(const double* first, const double* second) const {
   Vector12 q;
   const double* of[2] = {first, second};
   for (int s = 0; s < 2; ++s) {
@@ -117,34 +117,34 @@ CondensedMotion::Vector12 CondensedMotion::of_sides(const double* first, const d
   return q;
 }
 
-CondensedMotion::Vector12 CondensedMotion::velocity(const GrainSide* side, double later) const {
+CondensedMotion::Vector12 CondensedMotion::velocity(const BondEnd* ends, double later) const {
   double v[2][6];
   for (int s = 0; s < 2; ++s)
     for (int d = 0; d < 3; ++d) {
-      v[s][d] = side[s].v[d] + later * side[s].a[d];
-      v[s][3 + d] = side[s].omega[d] + later * side[s].alpha[d];
+      v[s][d] = ends[s].v[d] + later * ends[s].a[d];
+      v[s][3 + d] = ends[s].omega[d] + later * ends[s].alpha[d];
     }
-  return of_sides(v[0], v[1]);
+  return of_ends(v[0], v[1]);
 }
 
-CondensedMotion::Vector12 CondensedMotion::rate(const GrainSide* side) const {
+CondensedMotion::Vector12 CondensedMotion::rate(const BondEnd* ends) const {
   double a[2][6];
   for (int s = 0; s < 2; ++s) {
-    const Vector3 w = vector(side[s].omega), to_axis = w.cross(w.cross(r_[s]));
+    const Vector3 w = vector(ends[s].omega), to_axis = w.cross(w.cross(r_[s]));
     for (int d = 0; d < 3; ++d) {
-      a[s][d] = side[s].a[d] + to_axis[d];
-      a[s][3 + d] = side[s].alpha[d];
+      a[s][d] = ends[s].a[d] + to_axis[d];
+      a[s][3 + d] = ends[s].alpha[d];
     }
   }
-  return of_sides(a[0], a[1]);
+  return of_ends(a[0], a[1]);
 }
 
 // The places have moved on since then. Their rotation since then appears as centripetal acceleration. It is not in the momentum of that time.
-CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const GrainSide* side, double half) const {
-  GrainSide turning_alone[2] = {side[0], side[1]};
-  for (GrainSide& s : turning_alone)
+CondensedMotion::Vector12 CondensedMotion::momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const {
+  BondEnd turning_alone[2] = {ends[0], ends[1]};
+  for (BondEnd& s : turning_alone)
     for (int d = 0; d < 3; ++d) s.a[d] = s.alpha[d] = 0.0;
-  return model.M * (velocity(side, 0.0) - half * rate(turning_alone)) - half * centripetal(model, side);
+  return model.M * (velocity(ends, 0.0) - half * rate(turning_alone)) - half * centripetal(model, ends);
 }
 
 CondensedMotion::Vector12 CondensedMotion::uniform(const double* g) const {
@@ -175,8 +175,8 @@ CondensedMotion::Vector12 CondensedMotion::generalized(const double* first, cons
   return g;
 }
 
-CondensedMotion::Vector12 CondensedMotion::centripetal(const CondensedModel& model, const GrainSide* side) const {
-  const Vector3 w = turning(side);
+CondensedMotion::Vector12 CondensedMotion::centripetal(const CondensedModel& model, const BondEnd* ends) const {
+  const Vector3 w = turning(ends);
   const Matrix3 B = w * w.transpose() - w.squaredNorm() * Matrix3::Identity();
   Vector12 f = Vector12::Zero();
   for (int a = 0; a < 3; ++a)

@@ -17,15 +17,15 @@
 //
 // With M = sum m (P - u, u)^T (P - u, u) the kinetic energy is q.M q/2 and the inertia loads are -M q'. Here q'
 // includes the centripetal accelerations of p_s. Nodes have further centripetal accelerations. Their load is N : (omega omega^T - omega^2).
-#ifndef MPDEM_CONDENSED_BOND_H
-#define MPDEM_CONDENSED_BOND_H
+#ifndef MPDEM_COUPLING_CONDENSED_BOND_H
+#define MPDEM_COUPLING_CONDENSED_BOND_H
 
 #include <Eigen/Dense>
 #include <vector>
 
-#include "../mpm/body.h"
+#include "../mpm/bond_record.h"
 #include "../mpm/grid.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 #include "relative_motion.h"
 
 namespace mpdem {
@@ -53,7 +53,7 @@ struct CondensedModel {
 // Loads on both grains, force and moment about the centre.
 struct GrainLoads {
   double of[2][6] = {};
-  void add_to(GrainSide* side) const;
+  void add_to(BondEnd* ends) const;
 };
 
 // The motion of the grains as a condensed bond sees it. `side` points to the first of its two sides. The second follows it.
@@ -65,7 +65,7 @@ class CondensedMotion {
   using Vector12 = Eigen::Matrix<double, 12, 1>;
 
   CondensedMotion() = default;
-  CondensedMotion(const CondensedModel& model, const Body& body, const GrainSide* side);
+  CondensedMotion(const CondensedModel& model, const BondRecord& record, const BondEnd* ends);
 
   const Vector6& relative() const { return d_; }
   double energy(const CondensedModel& model) const { return 0.5 * d_.dot(model.K * d_); }
@@ -73,26 +73,26 @@ class CondensedMotion {
 
   // velocity() returns the velocities (v, omega) of the sides plus `later` times their accelerations, as q. rate()
   // returns the accelerations as q'.
-  Vector12 velocity(const GrainSide* side, double later) const;
-  Vector12 rate(const GrainSide* side) const;
+  Vector12 velocity(const BondEnd* ends, double later) const;
+  Vector12 rate(const BondEnd* ends) const;
   // Converts six numbers of each side, about its centre, to the form of q.
-  Vector12 of_sides(const double* first, const double* second) const;
+  Vector12 of_ends(const double* first, const double* second) const;
   // Converts the uniform field g to the form of q.
   Vector12 uniform(const double* g) const;
   // loads() converts generalized forces on q to loads on the grains. generalized() converts six numbers of each side back.
   GrainLoads loads(const Vector12& generalized) const;
   Vector12 generalized(const double* first, const double* second) const;
   // Generalized force of the centripetal acceleration of nodes beyond that of the p_s.
-  Vector12 centripetal(const CondensedModel& model, const GrainSide* side) const;
+  Vector12 centripetal(const CondensedModel& model, const BondEnd* ends) const;
   // M q of half a step before, for sides with the velocities of that time and the places of now.
-  Vector12 momentum_before(const CondensedModel& model, const GrainSide* side, double half) const;
+  Vector12 momentum_before(const CondensedModel& model, const BondEnd* ends, double half) const;
   // All loads on the grains for these velocities and accelerations of the sides: elastic, of inertia and of weight.
-  GrainLoads all(const CondensedModel& model, const GrainSide* side, const double* gravity) const;
+  GrainLoads all(const CondensedModel& model, const BondEnd* ends, const double* gravity) const;
 
   const Matrix3& axes() const { return Q_; }
   Vector3 middle() const { return 0.5 * (p_[0] + p_[1]); }
   // Angular velocity of the bond, in its axes.
-  Vector3 turning(const GrainSide* side) const { return 0.5 * Q_.transpose() * (vector(side[0].omega) + vector(side[1].omega)); }
+  Vector3 turning(const BondEnd* ends) const { return 0.5 * Q_.transpose() * (vector(ends[0].omega) + vector(ends[1].omega)); }
   static Vector3 vector(const double* x) { return Vector3(x[0], x[1], x[2]); }
 
  private:

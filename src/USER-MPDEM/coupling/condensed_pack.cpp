@@ -57,15 +57,15 @@ vd tension_of(const vd* generalized, const Vec& along) {
 
 }  // namespace
 
-void CondensedPack::fill(Block& b, int lane, const Part& part) {
-  const CondensedModel& m = *part.model;
-  const Body& body = *part.body;
+void CondensedPack::fill(Block& b, int lane, const Entry& entry) {
+  const CondensedModel& m = *entry.model;
+  const BondRecord& record = *entry.record;
   for (int s = 0; s < 2; ++s) {
-    const double* q = body.orientation[s];
+    const double* q = record.orientation[s];
     for (int d = 0; d < 4; ++d) b.back[s][d][lane] = d == 0 ? q[0] : -q[d];
-    for (int d = 0; d < 3; ++d) b.arm[s][d][lane] = m.middle[d] - body.centre[s][d];
+    for (int d = 0; d < 3; ++d) b.arm[s][d][lane] = m.middle[d] - record.centre[s][d];
   }
-  for (int d = 0; d < 3; ++d) b.shift[d][lane] = body.shift[1][d] - body.shift[0][d];
+  for (int d = 0; d < 3; ++d) b.shift[d][lane] = record.shift[1][d] - record.shift[0][d];
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j <= i; ++j) b.K[lower_triangle(i, j)][lane] = m.K(i, j);
   for (int i = 0; i < 12; ++i)
@@ -79,11 +79,11 @@ void CondensedPack::fill(Block& b, int lane, const Part& part) {
   for (int d = 0; d < 3; ++d) b.first[d][lane] = rigid(0, d);
   const double second[6] = {rigid(5, 3), -rigid(5, 1), rigid(4, 2), rigid(4, 1), rigid(4, 0), -rigid(5, 0)};
   for (int c = 0; c < 6; ++c) b.second[c][lane] = second[c];
-  for (int j = 0; j < 6; ++j) b.bound[j][lane] = part.bound[j];
+  for (int j = 0; j < 6; ++j) b.bound[j][lane] = entry.bound[j];
 }
 
-void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const std::vector<Grain>& grains) {
-  int some = !parts.empty(), any;
+void CondensedPack::build(MPI_Comm comm, const std::vector<Entry>& entries, const std::vector<Grain>& grains) {
+  int some = !entries.empty(), any;
   MPI_Allreduce(&some, &any, 1, MPI_INT, MPI_MAX, comm);
   any_ = any != 0;
   blocks_.clear();
@@ -93,7 +93,7 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   coupling_ = 0.0;
   if (!any_) return;
   for (const Grain& g : grains) tags_.push_back(g.tag);
-  for (const Part& p : parts) tags_.insert(tags_.end(), p.body->grain, p.body->grain + 2);
+  for (const Entry& p : entries) tags_.insert(tags_.end(), p.record->grain, p.record->grain + 2);
   sort_unique(tags_);
   const auto slot_of = [&](int tag) { return static_cast<int>(std::lower_bound(tags_.begin(), tags_.end(), tag) - tags_.begin()); };
   owned_.assign(tags_.size(), 0);
@@ -104,17 +104,17 @@ void CondensedPack::build(MPI_Comm comm, const std::vector<Part>& parts, const s
   std::vector<Key> keys;
   for (int tag : tags_) keys.push_back({tag, 0, 0, 0});
   halo_.build(comm, keys);
-  blocks_.resize((parts.size() + kLanes - 1) / kLanes);
+  blocks_.resize((entries.size() + kLanes - 1) / kLanes);
   double most = 0.0;
   for (std::size_t n = 0; n < kLanes * blocks_.size(); ++n) {  // lanes that are left over have the last bond, but do not add its loads
     Block& b = blocks_[n / kLanes];
     const int lane = static_cast<int>(n % kLanes);
-    const Part& part = parts[std::min(n, parts.size() - 1)];
-    fill(b, lane, part);
-    for (int s = 0; s < 2; ++s) b.slot[s][lane] = slot_of(part.body->grain[s]);
-    if (n >= parts.size()) continue;
+    const Entry& entry = entries[std::min(n, entries.size() - 1)];
+    fill(b, lane, entry);
+    for (int s = 0; s < 2; ++s) b.slot[s][lane] = slot_of(entry.record->grain[s]);
+    if (n >= entries.size()) continue;
     b.count = lane + 1;
-    most = std::max(most, part.model->coupling);
+    most = std::max(most, entry.model->coupling);
   }
   MPI_Allreduce(&most, &coupling_, 1, MPI_DOUBLE, MPI_MAX, comm);
   motion_.assign(kMotion * tags_.size(), 0.0);
@@ -151,7 +151,8 @@ void CondensedPack::set_accelerations(const double* of_owned) {
   if (!any_) return;
   for (std::size_t i = 0; i < tags_.size(); ++i)
     if (!owned_[i]) std::fill(&acceleration_[6 * i], &acceleration_[6 * i] + 6, 0.0);
-  for (std::size_t n = 0; n < slot_of_owned_.size(); ++n) std::copy(of_owned + 6 * n, of_owned + 6 * n + 6, &acceleration_[6 * slot_of_owned_[n]]);
+  for (std::size_t n = 0; n < slot_of_owned_.size(); ++n)
+    std::copy(of_owned + 6 * n, of_owned + 6 * n + 6, &acceleration_[6 * slot_of_owned_[n]]);
   hand_out(acceleration_.data(), 6);
 }
 
@@ -249,7 +250,8 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
   const Vec resultant = dot(w, first) * w - w2 * first;
   const vd* T = b.second;
   const Vec couple = cross(Vec{{T[0] * w.a[0] + T[5] * w.a[1] + T[4] * w.a[2], T[5] * w.a[0] + T[1] * w.a[1] + T[3] * w.a[2],
-                                T[4] * w.a[0] + T[3] * w.a[1] + T[2] * w.a[2]}}, w);
+                                T[4] * w.a[0] + T[3] * w.a[1] + T[2] * w.a[2]}},
+                           w);
   vd generalized[12];
   for (int i = 0; i < 6; ++i) {
     vd of_second = vd{};
@@ -258,7 +260,8 @@ void CondensedPack::find_loads(Block& b, const double* gravity) {
     generalized[6 + i] = of_second;
   }
   for (int i = 0; i < 12; ++i)
-    for (int c = 0; c < 3; ++c) generalized[i] += b.M[lower_triangle(i, c)] * to_axis[0].a[c] + b.M[lower_triangle(i, 6 + c)] * to_axis[1].a[c];
+    for (int c = 0; c < 3; ++c)
+      generalized[i] += b.M[lower_triangle(i, c)] * to_axis[0].a[c] + b.M[lower_triangle(i, 6 + c)] * to_axis[1].a[c];
   add_loads(b, m, generalized, load_);
   b.tension = mpdem::tension_of(generalized, turned_back(m.Q, along)) - dot(force, along);
   for (int lane = 0; lane < b.count; ++lane) {
@@ -403,32 +406,32 @@ bool CondensedPack::any_level_reaches(double level) const {
   return mpdem::any(reached);
 }
 
-std::array<GrainSide, 2> CondensedPack::sides(int part, const Body& body) const {
-  const Block& b = blocks_[part / kLanes];
-  std::array<GrainSide, 2> side{};
+std::array<BondEnd, 2> CondensedPack::ends(int member, const BondRecord& record) const {
+  const Block& b = blocks_[member / kLanes];
+  std::array<BondEnd, 2> ends{};
   for (int s = 0; s < 2; ++s) {
-    const int slot = b.slot[s][part % kLanes];
+    const int slot = b.slot[s][member % kLanes];
     const double *m = &motion_[static_cast<std::size_t>(kMotion) * slot], *a = &acceleration_[6 * slot];
-    side[s].side = s;
-    side[s].mass_ratio = m[kRatio];
-    side[s].tag = tags_[slot];
-    side[s].axes = axes_of(body);
+    ends[s].side = s;
+    ends[s].mass_ratio = m[kRatio];
+    ends[s].tag = tags_[slot];
+    ends[s].axes = axes_of(record);
     const auto take = [&](const double* of_box, double* to) {
-      const std::array<double, 3> v = turned_back(side[s].axes, of_box);
+      const std::array<double, 3> v = turned_back(ends[s].axes, of_box);
       std::copy(v.begin(), v.end(), to);
     };
     double x[3];
-    for (int d = 0; d < 3; ++d) x[d] = m[kX + d] + body.shift[s][d] - body.origin[d];
-    take(x, side[s].x);
-    take(m + kV, side[s].v);
-    take(m + kOmega, side[s].omega);
-    take(a, side[s].a);
-    take(a + 3, side[s].alpha);
-    take(m + kJump, side[s].jump);
-    take(m + kJump + 3, side[s].jump + 3);
-    side[s].R = product(transpose(side[s].axes), rotation_of(m + kQ));
+    for (int d = 0; d < 3; ++d) x[d] = m[kX + d] + record.shift[s][d] - record.origin[d];
+    take(x, ends[s].x);
+    take(m + kV, ends[s].v);
+    take(m + kOmega, ends[s].omega);
+    take(a, ends[s].a);
+    take(a + 3, ends[s].alpha);
+    take(m + kJump, ends[s].jump);
+    take(m + kJump + 3, ends[s].jump + 3);
+    ends[s].R = product(transpose(ends[s].axes), rotation_of(m + kQ));
   }
-  return side;
+  return ends;
 }
 
 int CondensedPack::orphan() const {

@@ -13,8 +13,8 @@
 // are
 //
 //   -(sum M_ss) a - sum M_st a_t,   M in the coordinates of the grains, by the axes of the box.
-#ifndef MPDEM_CONDENSED_PACK_H
-#define MPDEM_CONDENSED_PACK_H
+#ifndef MPDEM_COUPLING_CONDENSED_PACK_H
+#define MPDEM_COUPLING_CONDENSED_PACK_H
 
 #include <mpi.h>
 
@@ -31,13 +31,13 @@ namespace mpdem {
 
 class CondensedPack {
  public:
-  struct Part {
+  struct Entry {
     const CondensedModel* model;
-    const Body* body;
+    const BondRecord* record;
     const double* bound;  // bounds of the root of the drive for each motion, see mpm/field_drive.h
   };
   // Collective. grains: those that this rank owns, ascending in tag.
-  void build(MPI_Comm comm, const std::vector<Part>& parts, const std::vector<Grain>& grains);
+  void build(MPI_Comm comm, const std::vector<Entry>& entries, const std::vector<Grain>& grains);
   // empty(): this rank has no condensed bonds. any(): some rank has one. A pack without any has no loads and no mass, and
   // is ready from its creation on.
   bool empty() const { return blocks_.empty(); }
@@ -78,12 +78,12 @@ class CondensedPack {
     }
   }
   // Component j of the relative motion of a part. part: its place in the list of build().
-  double relative(int part, int j) const { return blocks_[part / kLanes].d[j][part % kLanes]; }
+  double relative(int member, int j) const { return blocks_[member / kLanes].d[j][member % kLanes]; }
   // Upper bound of the root of the drive over its threshold.
-  double level(int part) const { return blocks_[part / kLanes].level[part % kLanes]; }
+  double level(int member) const { return blocks_[member / kLanes].level[member % kLanes]; }
   bool any_level_reaches(double level) const;
   // The grains of a part as its sides.
-  std::array<GrainSide, 2> sides(int part, const Body& body) const;
+  std::array<BondEnd, 2> ends(int member, const BondRecord& record) const;
   int orphan() const;  // tag of a grain that no rank owns; 0 if there is none
 
   std::size_t memory_usage() const;
@@ -91,14 +91,15 @@ class CondensedPack {
  private:
   struct Block {
     int slot[2][kLanes], count;
-    vd back[2][4];            // inverse of the orientations at the creation
-    vd arm[2][3], shift[3];   // arm: from centres to the middle; shift: between the coordinates of both grains
-    vd K[kSym6], M[78], N[36], first[3], second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
+    vd back[2][4];           // inverse of the orientations at the creation
+    vd arm[2][3], shift[3];  // arm: from centres to the middle; shift: between the coordinates of both grains
+    vd K[kSym6], M[78], N[36], first[3],
+        second[6];  // lower triangles by rows; N: xx, yy, zz, yz, xz, xy for each of the last six components of q
     vd bound[6], d[6], level;
-    vd C[36];                 // M_01 in the axes of the box, by rows
-    vd tension, lag[2][6];    // mean force along the line of centres without accelerations, and what each acceleration takes from it
+    vd C[36];               // M_01 in the axes of the box, by rows
+    vd tension, lag[2][6];  // mean force along the line of centres without accelerations, and what each acceleration takes from it
   };
-  static void fill(Block& b, int lane, const Part& part);
+  static void fill(Block& b, int lane, const Entry& entry);
   void find_loads(Block& b, const double* gravity);
   void find_masses(Block& b, const RelativeMotion<vd>& m, const Three<vd>& along);
   void find_weight(Block& b, const RelativeMotion<vd>& m, const double* gravity, const Three<vd>& along);
@@ -107,7 +108,9 @@ class CondensedPack {
   void apply(const std::vector<double>& rates, std::vector<double>& loads) const;  // loads -= sum M_st rates_t
   void hand_out(double* values, int width);
   // Number i of an owned grain; 0 if there are none.
-  double of_owned(const std::vector<double>& values, int width, int grain, int i) const { return values.empty() ? 0.0 : values[width * slot_of_owned_[grain] + i]; }
+  double of_owned(const std::vector<double>& values, int width, int grain, int i) const {
+    return values.empty() ? 0.0 : values[width * slot_of_owned_[grain] + i];
+  }
 
   static constexpr int kMotion = 24;  // present, x, q, omega, v, a, jump, mass_ratio
   enum { kX = 1, kQ = 4, kOmega = 8, kV = 11, kA = 14, kJump = 17, kRatio = 23 };

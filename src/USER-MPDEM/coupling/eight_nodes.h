@@ -2,18 +2,18 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Eight nodes of a grid side by side. Loops over many nodes of a bond in every step use these.
-#ifndef MPDEM_EIGHT_NODES_H
-#define MPDEM_EIGHT_NODES_H
+#ifndef MPDEM_COUPLING_EIGHT_NODES_H
+#define MPDEM_COUPLING_EIGHT_NODES_H
 
 #include "../mpm/grid.h"
 #include "../numerics/simd.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 
 namespace mpdem {
 
 struct EightNodes {
-  vd counted;  // 1 where this rank counts the node, 0 where not and in the lanes beyond the last node
-  vd X[3];     // reference
+  vd counted;               // 1 where this rank counts the node, 0 where not and in the lanes beyond the last node
+  vd X[3];                  // reference
   int node[kLanes], count;  // lanes beyond the last node have the first one
   int unused[7] = {};       // lists of them are compared byte by byte
 
@@ -65,7 +65,7 @@ struct EightLoads {
       torque[d] += r[e] * f[g] - r[g] * f[e];
     }
   }
-  void add_to(GrainSide& s) const {
+  void add_to(BondEnd& s) const {
     for (int d = 0; d < 3; ++d) {
       s.force[d] += sum_lanes(force[d]);
       s.torque[d] += sum_lanes(torque[d]);

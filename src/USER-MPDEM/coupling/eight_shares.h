@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Added mass of eight nodes side by side. Loops over all added mass in every step use these.
-#ifndef MPDEM_EIGHT_SHARES_H
-#define MPDEM_EIGHT_SHARES_H
+#ifndef MPDEM_COUPLING_EIGHT_SHARES_H
+#define MPDEM_COUPLING_EIGHT_SHARES_H
 
 #include "../numerics/simd.h"
 #include "added_mass.h"
@@ -21,7 +21,7 @@ struct EightShares {
   }
 
   // Vectors from the centre of a grain.
-  void lever_arm(const GrainSide& s, vd* r) const {
+  void lever_arm(const BondEnd& s, vd* r) const {
     for (int d = 0; d < 3; ++d) r[d] = x[d] - s.x[d];
   }
 };

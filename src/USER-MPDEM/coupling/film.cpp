@@ -71,7 +71,7 @@ struct Film::Loads {
       }
   }
 
-  void add_to(GrainSide* side, const Turns& turns) const {
+  void add_to(BondEnd* bond_ends, const Turns& turns) const {
     Mat3<double> T;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) T.a[i][j] = sum_lanes(moment.a[i][j]);
@@ -80,8 +80,8 @@ struct Film::Loads {
       for (int d = 0; d < 3; ++d) {
         const int e = (d + 1) % 3, g = (d + 2) % 3;
         const double f = sum_lanes(force[d]);
-        side[s].force[d] += s == 1 ? f : -f;
-        side[s].torque[d] += sum_lanes(torque[s][d]) + 0.5 * (A.a[e][g] - A.a[g][e]);
+        bond_ends[s].force[d] += s == 1 ? f : -f;
+        bond_ends[s].torque[d] += sum_lanes(torque[s][d]) + 0.5 * (A.a[e][g] - A.a[g][e]);
       }
     }
   }
@@ -110,18 +110,18 @@ Film::Areas Film::areas() const {
   return sum;
 }
 
-void Film::lay_out(const Body& body, const std::shared_ptr<const Law>& law) {
+void Film::lay_out(const BondRecord& record, const std::shared_ptr<const Law>& law) {
   if (empty()) return;
   points.set_law(law);
-  points.arrange(1e6 * (body.radius[0] + body.radius[1]), Basis::quadratic);  // one cell for all, about the origin
-  second_grain_ = body.grain[1];
-  for (int s = 0; s < 2; ++s) orientation_[s] = rotation_of(body.orientation[s]);
+  points.arrange(1e6 * (record.radius[0] + record.radius[1]), Basis::quadratic);  // one cell for all, about the origin
+  second_grain_ = record.grain[1];
+  for (int s = 0; s < 2; ++s) orientation_[s] = rotation_of(record.orientation[s]);
   columns_.assign(points.blocks.size(), Column{});
   faces_.assign(points.blocks.size(), Faces{});
   points.softening.assign(points.blocks.size(), splat(law->softening_of_layer(1.0)));
   bool opened = false;
   std::vector<std::array<const Link*, 2>> ends(kLanes * points.blocks.size(), {nullptr, nullptr});
-  for (const Link& k : points.links) ends[k.slot][k.grain == body.grain[1]] = &k;
+  for (const Link& k : points.links) ends[k.slot][k.grain == record.grain[1]] = &k;
   for (std::size_t slot = 0; slot < ends.size(); ++slot) {
     const std::size_t b = slot / kLanes, l = slot % kLanes;
     if (!(points.meta[b].occupied >> l & 1) || !ends[slot][0] || !ends[slot][1]) continue;
@@ -134,28 +134,29 @@ void Film::lay_out(const Body& body, const std::shared_ptr<const Law>& law) {
     for (int d = 0; d < 3; ++d) {
       c.N[d][l] = along[d] / t;
       for (int s = 0; s < 2; ++s) {
-        c.arm[s][d][l] = points.blocks[b].X[d][l] - body.centre[s][d];
-        c.normal[s][d][l] = (ends[slot][s]->foot[d] - body.centre[s][d]) / body.radius[s];
+        c.arm[s][d][l] = points.blocks[b].X[d][l] - record.centre[s][d];
+        c.normal[s][d][l] = (ends[slot][s]->foot[d] - record.centre[s][d]) / record.radius[s];
         faces_[b].open[s][d][l] = ends[slot][s]->moved[d];
       }
     }
     for (int s = 0; s < 2; ++s) {
       c.area[s][l] = ends[slot][s]->area;
       faces_[b].damage[s][l] = ends[slot][s]->state[0];
-      opened = opened || ends[slot][s]->state[0] > 0.0 || ends[slot][s]->moved[0] != 0.0 || ends[slot][s]->moved[1] != 0.0 || ends[slot][s]->moved[2] != 0.0;
+      opened = opened || ends[slot][s]->state[0] > 0.0 || ends[slot][s]->moved[0] != 0.0 || ends[slot][s]->moved[1] != 0.0 ||
+               ends[slot][s]->moved[2] != 0.0;
       if (!ends[slot][s]->attached) c.cut |= static_cast<std::uint8_t>(1u << l);
     }
   }
   if (!opened) faces_.clear();
 }
 
-Film::Turns Film::turns(const GrainSide* side) const {
+Film::Turns Film::turns(const BondEnd* bond_ends) const {
   Turns t;
-  for (int s = 0; s < 2; ++s) t.Q[s] = product(side[s].R, transpose(orientation_[s]));
+  for (int s = 0; s < 2; ++s) t.Q[s] = product(bond_ends[s].R, transpose(orientation_[s]));
   return t;
 }
 
-void Film::deform(std::size_t b, const Turns& t, const GrainSide* side, vd (*r)[3], Mat3<vd>& F) const {
+void Film::deform(std::size_t b, const Turns& t, const BondEnd* bond_ends, vd (*r)[3], Mat3<vd>& F) const {
   const Column& c = columns_[b];
   vd apart[3];
   for (int i = 0; i < 3; ++i) {
@@ -164,14 +165,14 @@ void Film::deform(std::size_t b, const Turns& t, const GrainSide* side, vd (*r)[
       r[s][i] = Q[0] * c.arm[s][0] + Q[1] * c.arm[s][1] + Q[2] * c.arm[s][2];
       if (!faces_.empty()) r[s][i] += Q[0] * faces_[b].open[s][0] + Q[1] * faces_[b].open[s][1] + Q[2] * faces_[b].open[s][2];
     }
-    apart[i] = c.inverse_t * ((side[1].x[i] - side[0].x[i]) + (r[1][i] - r[0][i]));
+    apart[i] = c.inverse_t * ((bond_ends[1].x[i] - bond_ends[0].x[i]) + (r[1][i] - r[0][i]));
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) F.a[i][j] = 0.5 * (t.Q[0].a[i][j] + t.Q[1].a[i][j]) + apart[i] * c.N[j];
 }
 
 // The face of a column and its link let go.
-void Film::let_go(int slot, bool debonds) {
+void Film::debond(int slot, bool debonds) {
   columns_[slot / kLanes].cut |= static_cast<std::uint8_t>(1u << slot % kLanes);
   const auto [first, last] = of_slot(points.links, slot);
   for (auto k = first; k != last; ++k) {
@@ -187,13 +188,13 @@ void Film::let_go(int slot, bool debonds) {
 // the creation, to which either grain brings what it has: the rotations of the grains against each other are of the order of
 // the strain.
 template <class L>
-void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const GrainSide* side, vd* f) const {
+void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const BondEnd* bond_ends, vd* f) const {
   const PointBlock& p = points.blocks[b];
   const BlockMeta& m = points.meta[b];
   const Column& c = columns_[b];
   vd r[2][3], g[3];
   Mat3<vd> F, dF;
-  deform(b, turns, side, r, F);
+  deform(b, turns, bond_ends, r, F);
   F = keep(lanes(carrying(b)), F, p.F);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
@@ -209,9 +210,9 @@ void Film::force_on_face(const L& law, std::size_t b, const Turns& turns, const 
   }
 }
 
-// The grain (0 or 1) that is behind, as side_behind() of mpm/body.h has it for the whole bond.
+// The grain (0 or 1) that is behind, as side_behind() of mpm/bond_record.h has it for the whole bond.
 int Film::side_behind_of(const Column& c, std::uint8_t live) {
-  Body along;
+  BondRecord along;
   const int l = __builtin_ctz(live);
   for (int d = 0; d < 3; ++d) along.centre[1][d] = c.N[d][l];
   return side_behind(along);
@@ -219,7 +220,7 @@ int Film::side_behind_of(const Column& c, std::uint8_t live) {
 
 // The column is taken for a spring along N and one across, which the next step corrects.
 template <class L, class T>
-void Film::open_faces(const L& law, const T& traction, const Turns& turns, const GrainSide* side, AdvanceResult& result) {
+void Film::open_faces(const L& law, const T& traction, const Turns& turns, const BondEnd* ends, AdvanceResult& result) {
   if constexpr (T::kFields > 0) {
     static_assert(T::kFields == 1, "a face keeps its damage");
     constexpr int kIterations = 6;
@@ -231,10 +232,11 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
       const PointBlock& p = points.blocks[b];
       const Column& c = columns_[b];
       Faces& faces = faces_[b];
-      const vd per_length = select(lanes(live), p.volume * c.inverse_t * c.inverse_t, splat(1.0)), floor = 1e-12 * law.elasticity().C44 * per_length;
+      const vd per_length = select(lanes(live), p.volume * c.inverse_t * c.inverse_t, splat(1.0)),
+               floor = 1e-12 * law.elasticity().C44 * per_length;
       const Mat3<vd> soft = along_and_across(1.0 / (law.elasticity().C33 * per_length), 1.0 / (law.elasticity().C44 * per_length), c.N);
       vd f[3];
-      force_on_face(law, b, turns, side, f);
+      force_on_face(law, b, turns, ends, f);
       const int behind = side_behind_of(c, live);
       std::uint8_t gone = 0;
       vmask softens[2] = {};
@@ -249,11 +251,11 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
           of_face[s] = along_and_across(1.0 / (kn + floor), 1.0 / (kt + floor), c.normal[s]);
           // a face that softens gives way along its opening alone, and not where it is closed
           const vd closed = min(delta.n, vd{}), energy = kt * delta.tangential_square() + kn * (delta.n - closed) * (delta.n - closed);
-          const vd gives_way = select(softens[s] & (energy > 0.0), splat(1.0 / kSoftening) / max(energy, splat(1e-300)), vd{});
+          const vd fails_by_load = select(softens[s] & (energy > 0.0), splat(1.0 / kSoftening) / max(energy, splat(1e-300)), vd{});
           vd open[3];
           for (int i = 0; i < 3; ++i) open[i] = faces.open[s][i] - closed * c.normal[s][i];
           for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) of_face[s].a[i][j] += gives_way * open[i] * open[j];
+            for (int j = 0; j < 3; ++j) of_face[s].a[i][j] += fails_by_load * open[i] * open[j];
         }
         solve_in_series(soft, of_face, rest, step, grows_by);
         for (int i = 0; i < 3; ++i) {
@@ -265,20 +267,22 @@ void Film::open_faces(const L& law, const T& traction, const Turns& turns, const
         TractionUpdate u[2];
         for (int s = 0; s < 2; ++s) u[s] = traction.update(separation(faces.open[s], c.normal[s]), state[s]);
         const vmask second_first = (faces.damage[1] > faces.damage[0]) | ((faces.damage[1] == faces.damage[0]) & splat_mask(behind == 1));
-        const vmask grows[2] = {u[0].grown & ~(second_first & u[1].grown) & lanes(live), u[1].grown & ~(~second_first & u[0].grown) & lanes(live)};
+        const vmask grows[2] = {u[0].grown & ~(second_first & u[1].grown) & lanes(live),
+                                u[1].grown & ~(~second_first & u[0].grown) & lanes(live)};
         for (int s = 0; s < 2; ++s) {
           softens[s] = grows[s];
           faces.damage[s] = select(grows[s], state[s].d, faces.damage[s]);
           result.dissipated += sum_lanes(select(grows[s], c.area[s] * u[s].dissipated, vd{}));
-          gone |= static_cast<std::uint8_t>(bits(u[s].let_go & grows[s]));
+          gone |= static_cast<std::uint8_t>(bits(u[s].debond & grows[s]));
         }
       }
       write_faces(static_cast<int>(b));
       if (!gone) continue;
       // the column gives up its energy, and so does the other face
-      result.released += sum_lanes(masked(gone, energy_of_faces(traction, b) + 0.5 * p.volume * contract(stress_of(points, static_cast<int>(b), law), p.strain)));
+      result.released += sum_lanes(
+          masked(gone, energy_of_faces(traction, b) + 0.5 * p.volume * contract(stress_of(points, static_cast<int>(b), law), p.strain)));
       for (int l = 0; l < kLanes; ++l)
-        if (gone >> l & 1) let_go(kLanes * static_cast<int>(b) + l, true);
+        if (gone >> l & 1) debond(kLanes * static_cast<int>(b) + l, true);
     }
   }
 }
@@ -287,7 +291,9 @@ template <class T>
 vd Film::energy_of_faces(const T& traction, std::size_t b) const {
   vd sum{};
   if constexpr (T::kFields > 0)
-    for (int s = 0; s < 2; ++s) sum += columns_[b].area[s] * traction.energy(separation(faces_[b].open[s], columns_[b].normal[s]), typename T::State{faces_[b].damage[s]});
+    for (int s = 0; s < 2; ++s)
+      sum += columns_[b].area[s] *
+             traction.energy(separation(faces_[b].open[s], columns_[b].normal[s]), typename T::State{faces_[b].damage[s]});
   return sum;
 }
 
@@ -313,23 +319,24 @@ void Film::write_faces(int b) {
   }
 }
 
-void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* faces, double dt, const AdvanceOptions& given, AdvanceResult& result) {
+void Film::advance(BondEnd* ends, const Law& of_any_kind, const TractionLaw* faces, double dt, const AdvanceOptions& given,
+                   AdvanceResult& result) {
   failed.clear();
   debonded.clear();
   if (empty()) return;
   AdvanceOptions options(given);
   options.nonlocal = false;  // a column is its own neighbourhood: it softens by its thickness
-  const Turns turns_now = turns(side);
+  const Turns turns_now = turns(ends);
   Loads loads;
   with_law(of_any_kind, [&](const auto& law) {
     using L = std::decay_t<decltype(law)>;
-    if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, turns_now, side, result); });
+    if (faces) with_traction(*faces, [&](const auto& traction) { open_faces(law, traction, turns_now, ends, result); });
     PointStress<L> stress_at_end(points, law, dt, options, {}, result);
     PassClock clock(result.ticks);
     const auto load = [&](int b, const Sym3<vd>& stress) {
       vd r[2][3];
       Mat3<vd> unused;
-      deform(static_cast<std::size_t>(b), turns_now, side, r, unused);
+      deform(static_cast<std::size_t>(b), turns_now, ends, r, unused);
       const PointBlock& p = points.blocks[b];
       loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
     };
@@ -340,7 +347,7 @@ void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* f
       PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> F, dF;
-      deform(static_cast<std::size_t>(b), turns_now, side, r, F);
+      deform(static_cast<std::size_t>(b), turns_now, ends, r, F);
       if (const std::uint8_t at_rest = m.failed | columns_[b].cut) F = keep(lanes(at_rest), p.F, F);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) dF.a[i][j] = F.a[i][j] - p.F.a[i][j];
@@ -348,12 +355,14 @@ void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* f
       advance_strain(p.F, dF, p.q, p.strain);
       p.F = F;
       Sym3<vd> stress;
-      if (stress_at_end(b, strain_start, [] { return vd{}; }, stress)) loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
+      if (stress_at_end(
+              b, strain_start, [] { return vd{}; }, stress))
+        loads.add(weighted_piola(p.F, p.q, stress, carried(b)), columns_[b], r);
       if (stress_at_end.full()) stress_at_end.settle(clock, load);
     }
     stress_at_end.settle(clock, load);
   });
-  loads.add_to(side, turns_now);
+  loads.add_to(ends, turns_now);
   failed.swap(result.failed);
   result.failed.clear();
   std::sort(failed.begin(), failed.end());
@@ -361,33 +370,33 @@ void Film::advance(GrainSide* side, const Law& of_any_kind, const TractionLaw* f
     with_traction(*faces, [&](const auto& traction) {
       for (int slot : failed) result.released += energy_of_faces(traction, static_cast<std::size_t>(slot / kLanes))[slot % kLanes];
     });
-  for (int slot : failed) let_go(slot, false);
+  for (int slot : failed) debond(slot, false);
 }
 
-void Film::add_force(GrainSide* side, const Law& of_any_kind) const {
+void Film::add_force(BondEnd* ends, const Law& of_any_kind) const {
   if (empty()) return;
-  const Turns turns_now = turns(side);
+  const Turns turns_now = turns(ends);
   Loads loads;
   with_law(of_any_kind, [&](const auto& law) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const PointBlock& p = points.blocks[b];
       vd r[2][3];
       Mat3<vd> unused;
-      deform(static_cast<std::size_t>(b), turns_now, side, r, unused);
+      deform(static_cast<std::size_t>(b), turns_now, ends, r, unused);
       loads.add(weighted_piola(p.F, p.q, stress_of(points, static_cast<int>(b), law), carried(static_cast<int>(b))), columns_[b], r);
     }
   });
-  loads.add_to(side, turns_now);
+  loads.add_to(ends, turns_now);
 }
 
 // The strain is the logarithm of the stretch, which the sum over steps comes to where the axes of the stretch stay.
-void Film::take_up(const GrainSide* side) {
-  const Turns turns_now = turns(side);
+void Film::start_from(const BondEnd* ends) {
+  const Turns turns_now = turns(ends);
   points.forget_roots_of_norm();
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     PointBlock& p = points.blocks[b];
     vd r[2][3];
-    deform(static_cast<std::size_t>(b), turns_now, side, r, p.F);
+    deform(static_cast<std::size_t>(b), turns_now, ends, r, p.F);
     for (int l = 0; l < kLanes; ++l) {
       if (!(points.meta[b].occupied >> l & 1)) continue;
       Eigen::Matrix3d F;
@@ -420,18 +429,18 @@ void Film::set_strain(const Strains& strains, const double* d) {
   }
 }
 
-Film::Strains Film::strains(const GrainSide* side, const Eigen::Vector3d& middle) const {
+Film::Strains Film::strains(const BondEnd* ends, const Eigen::Vector3d& middle) const {
   Strains all;
   if (empty()) return all;
-  const Turns turns_now = turns(side);
+  const Turns turns_now = turns(ends);
   for (auto& of_motion : all) of_motion.resize(points.blocks.size());
   for (std::size_t b = 0; b < points.blocks.size(); ++b) {
     const PointBlock& p = points.blocks[b];
     const Column& c = columns_[b];
     vd r[2][3], from_middle[3];
     Mat3<vd> unused;
-    deform(b, turns_now, side, r, unused);
-    for (int d = 0; d < 3; ++d) from_middle[d] = r[1][d] + (side[1].x[d] - middle[d]);
+    deform(b, turns_now, ends, r, unused);
+    for (int d = 0; d < 3; ++d) from_middle[d] = r[1][d] + (ends[1].x[d] - middle[d]);
     const Mat3<vd> to_present = inverse(p.F), frame = rotation_matrix(p.q);
     for (int j = 0; j < 6; ++j) {
       double turn[3] = {0, 0, 0};
@@ -447,7 +456,8 @@ Film::Strains Film::strains(const GrainSide* side, const Eigen::Vector3d& middle
       for (int d = 0; d < 3; ++d)
         for (int k = 0; k < 3; ++k) G.a[d][k] += c.inverse_t * way[d] * c.N[k];
       const Mat3<vd> H = product(G, to_present);
-      all[j][b] = rotate_back(frame, Sym3<vd>{H.a[0][0], H.a[1][1], H.a[2][2], 0.5 * (H.a[1][2] + H.a[2][1]), 0.5 * (H.a[0][2] + H.a[2][0]), 0.5 * (H.a[0][1] + H.a[1][0])});
+      all[j][b] = rotate_back(frame, Sym3<vd>{H.a[0][0], H.a[1][1], H.a[2][2], 0.5 * (H.a[1][2] + H.a[2][1]), 0.5 * (H.a[0][2] + H.a[2][0]),
+                                              0.5 * (H.a[0][1] + H.a[1][0])});
     }
   }
   return all;
@@ -461,7 +471,8 @@ Film::Matrix6 Film::stiffness(const Strains& strains, const Law& of_any_kind) co
       const BlockMeta& m = points.meta[b];
       const vd live = carried(static_cast<int>(b));
       for (int j = 0; j < 6; ++j) {
-        const Sym3<vd> stress = m.damaged ? law.stress(strains[j][b], state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strains[j][b]);
+        const Sym3<vd> stress =
+            m.damaged ? law.stress(strains[j][b], state_of<L>(points, static_cast<int>(b))) : law.elasticity().stress(strains[j][b]);
         for (int i = 0; i <= j; ++i) K(i, j) += sum_lanes(live * contract(stress, strains[i][b]));
       }
     }
@@ -470,15 +481,15 @@ Film::Matrix6 Film::stiffness(const Strains& strains, const Law& of_any_kind) co
   return K;
 }
 
-void Film::motion(int b, const GrainSide* side, double later, vd* x, vd* v) const {
+void Film::motion(int b, const BondEnd* ends, double later, vd* x, vd* v) const {
   vd r[2][3];
   Mat3<vd> unused;
-  deform(static_cast<std::size_t>(b), turns(side), side, r, unused);
+  deform(static_cast<std::size_t>(b), turns(ends), ends, r, unused);
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
     x[d] = v[d] = vd{};
     for (int s = 0; s < 2; ++s) {
-      const GrainSide& a = side[s];
+      const BondEnd& a = ends[s];
       x[d] += 0.5 * (a.x[d] + r[s][d]);
       v[d] += 0.5 * (a.v[d] + later * a.a[d] + (a.omega[e] + later * a.alpha[e]) * r[s][g] - (a.omega[g] + later * a.alpha[g]) * r[s][e]);
     }

@@ -23,8 +23,8 @@
 //
 // An object has the columns of one bond on one rank. `side` points to the first of the two sides of the bond; the second
 // follows it. All is in the axes of the body.
-#ifndef MPDEM_FILM_H
-#define MPDEM_FILM_H
+#ifndef MPDEM_COUPLING_FILM_H
+#define MPDEM_COUPLING_FILM_H
 
 #include <Eigen/Dense>
 #include <array>
@@ -34,7 +34,7 @@
 #include "../material/law.h"
 #include "../mpm/advance_points.h"
 #include "../mpm/point_store.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 #include "traction_law.h"
 
 namespace mpdem {
@@ -45,8 +45,8 @@ class Film {
   using Strains = std::array<std::vector<Sym3<vd>>, 6>;  // of each block by six motions, in the frames of the points
 
   PointStore points;
-  std::vector<int> failed;            // slots that failed in the last step, ascending
-  std::vector<int> debonded;          // links of the store whose faces let go in the last step
+  std::vector<int> failed;    // slots that failed in the last step, ascending
+  std::vector<int> debonded;  // links of the store whose faces let go in the last step
 
   bool empty() const { return points.blocks.empty(); }
   // Does some column hold?
@@ -59,33 +59,35 @@ class Film {
   Areas areas() const;
 
   // Arranges the columns by their IDs in full blocks, and takes up the grains of the body and the law.
-  void lay_out(const Body& body, const std::shared_ptr<const Law>& law);
+  void lay_out(const BondRecord& record, const std::shared_ptr<const Law>& law);
 
   // Takes a step to the present places of the grains, finds strain, damage and stress, and loads the grains.
   // faces: null without links.
-  void advance(GrainSide* side, const Law& law, const TractionLaw* faces, double dt, const AdvanceOptions& options, AdvanceResult& result);
+  void advance(BondEnd* ends, const Law& law, const TractionLaw* faces, double dt, const AdvanceOptions& options, AdvanceResult& result);
   // Loads the grains by the present state. Changes no column.
-  void add_force(GrainSide* side, const Law& law) const;
+  void add_force(BondEnd* ends, const Law& law) const;
 
   // Energy that open faces store.
   double energy_of_faces(const TractionLaw* faces) const;
 
   // Sets deformation, frame and strain by the present places of the grains, from those of the creation.
-  void take_up(const GrainSide* side);
+  void start_from(const BondEnd* ends);
   // Sets the strain by relative motions of the grains: sum of d_j strains_j.
   void set_strain(const Strains& strains, const double* d);
 
   // Strain by small motions j of the second grain: translations, then turns about `middle`.
-  Strains strains(const GrainSide* side, const Eigen::Vector3d& middle) const;
+  Strains strains(const BondEnd* ends, const Eigen::Vector3d& middle) const;
   // The stiffness against them, with the present damage.
   Matrix6 stiffness(const Strains& strains, const Law& law) const;
 
   // Blocks whose columns lay_out() has seen. Columns that came since are in later ones.
   std::size_t laid_out_blocks() const { return columns_.size(); }
   // Place and velocity of the columns of block b, which must be laid out: means of those of both grains.
-  void motion(int b, const GrainSide* side, double later, vd* x, vd* v) const;
+  void motion(int b, const BondEnd* ends, double later, vd* x, vd* v) const;
 
-  std::size_t memory_usage() const { return points.memory_usage() + columns_.capacity() * sizeof(Column) + faces_.capacity() * sizeof(Faces); }
+  std::size_t memory_usage() const {
+    return points.memory_usage() + columns_.capacity() * sizeof(Column) + faces_.capacity() * sizeof(Faces);
+  }
 
  private:
   struct Column {
@@ -101,26 +103,28 @@ class Film {
   struct Turns {
     Mat3<double> Q[2];
   };
-  Turns turns(const GrainSide* side) const;
+  Turns turns(const BondEnd* ends) const;
   // Finds vectors r from the centres to the ends of the columns of block b, and the gradient.
-  void deform(std::size_t b, const Turns& t, const GrainSide* side, vd (*r)[3], Mat3<vd>& F) const;
+  void deform(std::size_t b, const Turns& t, const BondEnd* ends, vd (*r)[3], Mat3<vd>& F) const;
   struct Loads;
 
-  std::uint8_t carrying(std::size_t b) const { return static_cast<std::uint8_t>(points.meta[b].occupied & ~points.meta[b].failed & ~columns_[b].cut); }
+  std::uint8_t carrying(std::size_t b) const {
+    return static_cast<std::uint8_t>(points.meta[b].occupied & ~points.meta[b].failed & ~columns_[b].cut);
+  }
   template <class L, class T>
-  void open_faces(const L& law, const T& traction, const Turns& turns, const GrainSide* side, AdvanceResult& result);
+  void open_faces(const L& law, const T& traction, const Turns& turns, const BondEnd* ends, AdvanceResult& result);
   template <class L>
-  void force_on_face(const L& law, std::size_t b, const Turns& turns, const GrainSide* side, vd* f) const;
+  void force_on_face(const L& law, std::size_t b, const Turns& turns, const BondEnd* ends, vd* f) const;
   template <class T>
   vd energy_of_faces(const T& traction, std::size_t b) const;
-  void let_go(int slot, bool debonds);
+  void debond(int slot, bool debonds);
   void write_faces(int b);
   static int side_behind_of(const Column& c, std::uint8_t live);
   vd carried(int b) const { return masked(carrying(static_cast<std::size_t>(b)), points.blocks[b].volume); }  // volume that carries
 
   std::vector<Column> columns_;
   std::vector<Faces> faces_;  // empty with perfect bond
-  int second_grain_ = 0;  // its tag
+  int second_grain_ = 0;      // its tag
   Mat3<double> orientation_[2];
 };
 

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Row sums of the stiffness of springs at places of the cement, added up at free nodes. Added mass is in proportion to them.
-#ifndef MPDEM_FREE_WEIGHTS_H
-#define MPDEM_FREE_WEIGHTS_H
+#ifndef MPDEM_COUPLING_FREE_WEIGHTS_H
+#define MPDEM_COUPLING_FREE_WEIGHTS_H
 
 #include <cmath>
 #include <vector>
@@ -15,7 +15,8 @@ namespace mpdem {
 // Weights of a place at free nodes. A tied node passes its weight to its masters.
 class FreeWeights {
  public:
-  explicit FreeWeights(const Grid& grid) : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
+  explicit FreeWeights(const Grid& grid)
+      : ties_(grid.ties), row_(grid.ties.row_of_each(grid.size())), weight_(grid.size(), 0.0), used_(grid.size(), 0) {}
 
   // Adds the row sums of a link of stiffness k at a place, given by its columns and lane l of its weights. `sums` has
   // two numbers a node, and the first of them is changed.
@@ -55,11 +56,11 @@ class FreeWeights {
     used_[node] = 1;
     weight_[node] += weight;
   }
-  const EdgeTies& ties_;
-  std::vector<int> row_;        // of each node, see EdgeTies::row()
+  const ExtensionConstraints& ties_;
+  std::vector<int> row_;        // of each node, see ExtensionConstraints::row()
   std::vector<double> weight_;  // of each node
   std::vector<char> used_;
-  std::vector<int> nodes_;      // nodes with a weight
+  std::vector<int> nodes_;  // nodes with a weight
 };
 
 }  // namespace mpdem

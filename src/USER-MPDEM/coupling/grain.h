@@ -3,8 +3,8 @@
 //
 // The data of a bonded grain that the cement needs in a step. A grain is a rigid sphere. Arrays of six have three
 // components of translation, then three of rotation about the centre.
-#ifndef MPDEM_GRAIN_H
-#define MPDEM_GRAIN_H
+#ifndef MPDEM_COUPLING_GRAIN_H
+#define MPDEM_COUPLING_GRAIN_H
 
 #include <algorithm>
 #include <vector>
@@ -30,20 +30,21 @@ class HostState {
 // `force` and `velocity`. `state` points to data of the host.
 struct Grain {
   int tag = 0;
-  double x[3] = {0, 0, 0};                 // unwrapped
+  double x[3] = {0, 0, 0};  // unwrapped
   double velocity[6] = {0, 0, 0, 0, 0, 0};
-  double force[6] = {0, 0, 0, 0, 0, 0};    // all load so far in the step
+  double force[6] = {0, 0, 0, 0, 0, 0};  // all load so far in the step
   double mass = 0, inertia = 0, radius = 0;
-  bool free[6] = {};                       // the component follows forces; otherwise it is prescribed
-  double mass_ratio = 0;                   // inertia of its cement over its own, see added_mass.h; 0 if prescribed
-  double moved[3] = {0, 0, 0};             // displacement in this step
-  // Used with sub-steps only. start: velocity at the start of the step. of_cement: load of the cement at the present
+  bool free[6] = {};            // the component follows forces; otherwise it is prescribed
+  double mass_ratio = 0;        // inertia of its cement over its own, see added_mass.h; 0 if prescribed
+  double moved[3] = {0, 0, 0};  // displacement in this step
+  // Used with sub-steps only. start: velocity at the start of the step. cement_load: load of the cement at the present
   // time. unshown: the part of it that is the impulse of other sub-steps. kick: load that accelerates the grain in the next sub-step.
-  double start[6] = {0, 0, 0, 0, 0, 0}, of_cement[6] = {0, 0, 0, 0, 0, 0}, unshown[6] = {0, 0, 0, 0, 0, 0}, kick[6] = {0, 0, 0, 0, 0, 0};
+  double start[6] = {0, 0, 0, 0, 0, 0}, cement_load[6] = {0, 0, 0, 0, 0, 0}, load_of_other_substeps[6] = {0, 0, 0, 0, 0, 0},
+         kick[6] = {0, 0, 0, 0, 0, 0};
   double acceleration[6] = {0, 0, 0, 0, 0, 0};  // in this step: expected for prescribed motion, or found by the cement
-  double made_for = 0;                     // radius when its cement was made
+  double made_for = 0;                          // radius when its cement was made
   HostState state;
-  std::vector<int> sides;                  // places of all its sides in GrainSides::owned()
+  std::vector<int> ends;  // places of all its sides in BondEnds::owned()
 
   // Part of the load of the host at the end of a step of n sub-steps that acts within the steps before and after this time, and not at this time.
   double spread(int d, int n) const { return free[d] ? (1.0 - 1.0 / n) * state->between[d] : 0.0; }

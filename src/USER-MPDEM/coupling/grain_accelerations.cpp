@@ -22,7 +22,7 @@ using Vector3 = Eigen::Vector3d;
 // Sum of [r][q]^T for the second moments T of r and q. A single term is (r.q) - q r^T.
 Matrix3 turning(const Matrix3& T) { return T.trace() * Matrix3::Identity() - T.transpose(); }
 
-Vector3 distance(const GrainSide& from, const GrainSide& to) { return Eigen::Map<const Vector3>(from.x) - Eigen::Map<const Vector3>(to.x); }
+Vector3 distance(const BondEnd& from, const BondEnd& to) { return Eigen::Map<const Vector3>(from.x) - Eigen::Map<const Vector3>(to.x); }
 
 Matrix3 second(const std::array<double, MassMoments::kSize>& m) {
   Matrix3 T;
@@ -35,7 +35,7 @@ void add_first(vd v, int count, double* to) {
 }
 
 // Rotation of six numbers from the axes of a side to those of the box.
-Eigen::Matrix<double, 6, 6> turn_of(const GrainSide& s) {
+Eigen::Matrix<double, 6, 6> turn_of(const BondEnd& s) {
   Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = matrix_of(s.axes);
   return turn;
@@ -67,9 +67,9 @@ Eigen::Matrix<double, 6, 6> MassMoments::coupling(const double* e) const {
 }
 
 // Sums over the nodes that this rank counts. Eight nodes lie side by side, so their lanes are added up last.
-void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
+void GrainAccelerations::add(const OfBond& bond, const BondEnds& ends) {
   const Grid& grid = *bond.grid;
-  vd of_side[2][kPadded] = {};
+  vd of_end[2][kPadded] = {};
   for (std::size_t m = 0; m < bond.added->masses().size(); ++m) {
     const AddedMass::EightMasses& own = bond.added->masses()[m];
     const EightShares e(own, bond.added->nodes()[m], grid);
@@ -78,8 +78,8 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
     const vd inverse = 1.0 / e.inertia;
     for (int s = 0; s < 2; ++s) {
       const vd c = e.nodes.counted * own.mass[s], share = c * inverse;
-      vd r[3], *to = of_side[s];
-      e.lever_arm(sides.sides[bond.side + s], r);
+      vd r[3], *to = of_end[s];
+      e.lever_arm(ends.ends[bond.side + s], r);
       for (int d = 0; d < 3; ++d) {
         const int e1 = (d + 1) % 3, e2 = (d + 2) % 3;
         to[d] += share * f[d];
@@ -91,13 +91,13 @@ void GrainAccelerations::add(const OfBond& bond, const GrainSides& sides) {
   }
   for (int s = 0; s < 2; ++s)
     for (int i = 0; i < kPadded; i += kLanes)
-      add_first(sum_lanes_of_8(of_side[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.side + s) + i]);
+      add_first(sum_lanes_of_8(of_end[s] + i), std::min(kLanes, kWidth - i), &sum_[kWidth * (bond.side + s) + i]);
 }
 
 // Sets up the equations. Returns a bound of the spectral radius.
-double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh,
+double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const BondEnds& ends, bool fresh,
                                   const CondensedPack& condensed, bool loads_of_condensed) {
-  const std::vector<int>& owned = sides.owned();
+  const std::vector<int>& owned = ends.owned();
   unknowns_.assign((grains.size() + kLanes - 1) / kLanes, Unknowns{});
   couplings_.clear();
   double radius = 0.0;
@@ -119,10 +119,10 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
       D[lower_triangle(i, i)] += i < 3 ? grain.mass : grain.inertia;
       if (loads_of_condensed) sum[i] += condensed.load(static_cast<int>(g), i) + condensed.jump_load(static_cast<int>(g), i);
     }
-    for (int k : grain.sides) {
-      const int at = owned[k], other = at + (sides.sides[at].side == 0 ? 1 : -1);
+    for (int k : grain.ends) {
+      const int at = owned[k], other = at + (ends.ends[at].side == 0 ? 1 : -1);
       const double* of = &sum_[kWidth * at];
-      const Matrix6 turn = turn_of(sides.sides[at]);
+      const Matrix6 turn = turn_of(ends.ends[at]);
       sum += turn * Eigen::Map<const Vector6>(of);
       MassMoments own, shared;
       std::copy(of + 6, of + 6 + MassMoments::kSize, own.m.begin());
@@ -131,7 +131,7 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j <= i; ++j) D[lower_triangle(i, j)] += m(i, j);
       if (shared.m[0] == 0.0) continue;
-      couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(sides.sides[at], sides.sides[other]).data())});
+      couplings_.push_back({static_cast<int>(g), other, turn * shared.coupling(distance(ends.ends[at], ends.ends[other]).data())});
       if (fresh) W += std::copysign(1.0, shared.m[0]) * (turn * shared.matrix() * turn.transpose());
     }
     for (int i = 0; i < 6; ++i) {
@@ -161,10 +161,10 @@ double GrainAccelerations::set_up(const std::vector<Grain>& grains, const std::v
 }
 
 // One sweep of block Jacobi, accelerated by omega.
-void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides, CondensedPack& condensed) {
+void GrainAccelerations::sweep(double omega, bool first, const BondEnds& ends, CondensedPack& condensed) {
   from_others_.assign(6 * kLanes * unknowns_.size(), 0.0);
   for (const Coupling& c : couplings_) {
-    const GrainSide& s = sides.sides[c.other];
+    const BondEnd& s = ends.ends[c.other];
     const Vector6 b = c.B.leftCols<3>() * Eigen::Map<const Vector3>(s.a) + c.B.rightCols<3>() * Eigen::Map<const Vector3>(s.alpha);
     for (int d = 0; d < 6; ++d) from_others_[6 * c.grain + d] += b[d];
   }
@@ -190,55 +190,56 @@ void GrainAccelerations::sweep(double omega, bool first, const GrainSides& sides
 }
 
 void GrainAccelerations::find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                              GrainSides& sides, bool fresh, CondensedPack& condensed) {
-  if (!begun_) begin(sides);
-  for (const OfBond& b : bonds) add(b, sides);
+                              BondEnds& ends, bool fresh, CondensedPack& condensed) {
+  if (!begun_) begin(ends);
+  for (const OfBond& b : bonds) add(b, ends);
   begun_ = false;
-  for (std::size_t i = 0; i < sides.sides.size(); ++i) {
-    const GrainSide& s = sides.sides[i];
+  for (std::size_t i = 0; i < ends.ends.size(); ++i) {
+    const BondEnd& s = ends.ends[i];
     for (int d = 0; d < 3; ++d) {
       sum_[kWidth * i + d] += s.force[d] + s.jump_force[d] + s.transfer_force[d];
       sum_[kWidth * i + 3 + d] += s.torque[d] + s.jump_force[3 + d] + s.transfer_force[3 + d];
     }
   }
-  sides.sum(sum_.data(), kWidth);
-  solve(comm, grains, load, sides, fresh, condensed, true);
+  ends.sum(sum_.data(), kWidth);
+  solve(comm, grains, load, ends, fresh, condensed, true);
 }
 
-void GrainAccelerations::find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                                      GrainSides& sides, CondensedPack& condensed) {
-  sum_.assign(kWidth * sides.sides.size(), 0.0);
+void GrainAccelerations::find_impulse(MPI_Comm comm, const std::vector<EndMoments>& mass, std::vector<Grain>& grains,
+                                      const std::vector<Vector6>& load, BondEnds& ends, CondensedPack& condensed) {
+  sum_.assign(kWidth * ends.ends.size(), 0.0);
   for (std::size_t i = 0; i < mass.size(); ++i)
     for (int n = 0; n < MassMoments::kSize; ++n) {
       sum_[kWidth * i + 6 + n] = mass[i].own.m[n];
       sum_[kWidth * i + 6 + MassMoments::kSize + n] = -mass[i].shared.m[n];  // c0 c1/N of added mass is on the other side of the equations
     }
-  sides.sum(sum_.data(), kWidth);
-  solve(comm, grains, load, sides, true, condensed, false);
+  ends.sum(sum_.data(), kWidth);
+  solve(comm, grains, load, ends, true, condensed, false);
 }
 
-void GrainAccelerations::solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh,
+void GrainAccelerations::solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, BondEnds& ends, bool fresh,
                                CondensedPack& condensed, bool loads_of_condensed) {
-  const double radius = set_up(grains, load, sides, fresh, condensed, loads_of_condensed);
+  const double radius = set_up(grains, load, ends, fresh, condensed, loads_of_condensed);
   if (fresh) {
     double most[2] = {radius, couplings_.empty() ? 0.0 : 1.0};
     MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, comm);
     radius_ = std::min(most[0], kLargestRadius);
     imprecise_ = imprecise_ || most[0] > kLargestRadius;
-    const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_)), precision = most[1] > 0.0 ? kPrecision : kPrecisionOfCondensed;
+    const double rate = radius_ / (1.0 + std::sqrt(1.0 - radius_ * radius_)),
+                 precision = most[1] > 0.0 ? kPrecision : kPrecisionOfCondensed;
     sweeps_ = rate > 0.0 ? 1 + static_cast<int>(std::log(0.5 * precision) / std::log(rate)) : 1;
   }
   of_grains_.resize(6 * kLanes * unknowns_.size());
-  found_.resize(sides.owned().size());
+  found_.resize(ends.owned().size());
   double omega = 1.0;
   for (int k = 0; k < sweeps_; ++k) {
     if (k > 0) omega = k == 1 ? 2.0 / (2.0 - radius_ * radius_) : 1.0 / (1.0 - 0.25 * radius_ * radius_ * omega);
-    sweep(omega, k == 0, sides, condensed);
+    sweep(omega, k == 0, ends, condensed);
     for (std::size_t g = 0; g < grains.size(); ++g) {
       std::copy(&of_grains_[6 * g], &of_grains_[6 * g] + 6, grains[g].acceleration);
-      for (int at : grains[g].sides) std::copy(grains[g].acceleration, grains[g].acceleration + 6, found_[at].begin());
+      for (int at : grains[g].ends) std::copy(grains[g].acceleration, grains[g].acceleration + 6, found_[at].begin());
     }
-    sides.set_accelerations(found_);
+    ends.set_accelerations(found_);
     condensed.set_accelerations(of_grains_.data());
   }
 }

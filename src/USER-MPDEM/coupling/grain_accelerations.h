@@ -19,8 +19,8 @@
 //
 // Prescribed components of the motion of a grain are not unknowns. Lengths are from the body's origin. Force and torque
 // are about the centre of the grain. The equations of a grain are in the axes of the box.
-#ifndef MPDEM_GRAIN_ACCELERATIONS_H
-#define MPDEM_GRAIN_ACCELERATIONS_H
+#ifndef MPDEM_COUPLING_GRAIN_ACCELERATIONS_H
+#define MPDEM_COUPLING_GRAIN_ACCELERATIONS_H
 
 #include <mpi.h>
 
@@ -33,7 +33,7 @@
 #include "added_mass.h"
 #include "condensed_pack.h"
 #include "grain.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 
 namespace mpdem {
 
@@ -51,7 +51,7 @@ struct MassMoments {
 };
 
 // Moments of the mass that goes with both grains of a bond: `own` about one grain, and `shared`, which couples it to the other grain.
-struct SideMoments {
+struct EndMoments {
   MassMoments own, shared;
 };
 
@@ -69,22 +69,22 @@ class GrainAccelerations {
 
   // Adds bonds one by one before find(). A bond can be added as soon as the forces on its nodes are complete, while its
   // memory is in the cache. find() then takes the other bonds.
-  void begin(const GrainSides& sides) {
-    sum_.assign(kWidth * sides.sides.size(), 0.0);
+  void begin(const BondEnds& ends) {
+    sum_.assign(kWidth * ends.ends.size(), 0.0);
     begun_ = true;
   }
-  void add(const OfBond& bond, const GrainSides& sides);
+  void add(const OfBond& bond, const BondEnds& ends);
 
   // Collective. Writes accelerations to the grains, where prescribed ones stay, and to a and alpha of the sides. Forces
   // on nodes must be complete, and forces of links must be in the sides of this rank. load: that on each grain, without
   // that of links and of condensed bonds. fresh: the added mass or the condensed bonds changed since the last call.
-  void find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-            GrainSides& sides, bool fresh, CondensedPack& condensed);
+  void find(MPI_Comm comm, const std::vector<OfBond>& bonds, std::vector<Grain>& grains, const std::vector<Vector6>& load, BondEnds& ends,
+            bool fresh, CondensedPack& condensed);
 
   // Collective. Finds the accelerations due to a load on the grains alone. `mass` has the moments of each side on this
   // rank, and the mass of condensed bonds is added. The sides must have no forces, and the grains no accelerations.
-  void find_impulse(MPI_Comm comm, const std::vector<SideMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
-                    GrainSides& sides, CondensedPack& condensed);
+  void find_impulse(MPI_Comm comm, const std::vector<EndMoments>& mass, std::vector<Grain>& grains, const std::vector<Vector6>& load,
+                    BondEnds& ends, CondensedPack& condensed);
 
   int sweeps() const { return sweeps_; }
   // Did some call end before its precision, for want of sweeps? So it is if links of both grains share nodes, and grains
@@ -96,18 +96,18 @@ class GrainAccelerations {
   static constexpr int kWidth = 6 + 2 * MassMoments::kSize, kPadded = (kWidth + kLanes - 1) / kLanes * kLanes;
   // Eight grains side by side.
   struct Unknowns {
-    vd D[kSym6], inverse[kSym6];  // matrix of the free components
+    vd D[kSym6], inverse[kSym6];                       // matrix of the free components
     vd load[6], given[6], free[6], now[6], before[6];  // free: 1 or 0
   };
   struct Coupling {
     int grain, other;  // place in the grains, and place of the other side in the sides
-    Matrix6 B;  // maps accelerations of the other side, in its axes, to loads in the axes of the box
+    Matrix6 B;         // maps accelerations of the other side, in its axes, to loads in the axes of the box
   };
-  void solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, GrainSides& sides, bool fresh, CondensedPack& condensed,
-             bool loads_of_condensed);
-  double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const GrainSides& sides, bool fresh, const CondensedPack& condensed,
-                bool loads_of_condensed);
-  void sweep(double omega, bool first, const GrainSides& sides, CondensedPack& condensed);
+  void solve(MPI_Comm comm, std::vector<Grain>& grains, const std::vector<Vector6>& load, BondEnds& ends, bool fresh,
+             CondensedPack& condensed, bool loads_of_condensed);
+  double set_up(const std::vector<Grain>& grains, const std::vector<Vector6>& load, const BondEnds& ends, bool fresh,
+                const CondensedPack& condensed, bool loads_of_condensed);
+  void sweep(double omega, bool first, const BondEnds& ends, CondensedPack& condensed);
 
   std::vector<double> sum_;
   bool begun_ = false;

@@ -33,13 +33,18 @@ double PenaltyLinks::acts_at(const PointStore& points, const Link& k, int d) con
   return p_.at_surface ? k.foot[d] + k.moved[d] : points.blocks[k.slot / kLanes].X[d][k.slot % kLanes];
 }
 
-PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
-                           Basis basis)
-    : p_(parameters), basis_(basis), cell_(cell), inverse_h_(1.0 / cell), density_(density), columns_of_cell_(support(basis) * support(basis)) {
-  if (!points.meta.empty()) body_ = points.meta.front().body;
+PenaltyLinks::PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell,
+                           double density, Basis basis)
+    : p_(parameters),
+      basis_(basis),
+      cell_(cell),
+      inverse_h_(1.0 / cell),
+      density_(density),
+      columns_of_cell_(support(basis) * support(basis)) {
+  if (!points.meta.empty()) row_ = points.meta.front().row;
   for (int s = 0; s < 2; ++s) {
-    std::copy(body.centre[s], body.centre[s] + 3, centre_[s]);
-    orientation_[s] = rotation_of(body.orientation[s]);
+    std::copy(record.centre[s], record.centre[s] + 3, centre_[s]);
+    orientation_[s] = rotation_of(record.orientation[s]);
   }
   std::vector<Item> items;
   for (std::size_t i = 0; i < points.links.size(); ++i) {
@@ -47,7 +52,8 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
     if (!is_bonded(points, k) && !k.inert) continue;
     const int b = k.slot / kLanes, l = k.slot % kLanes;
     const auto cell_along = [&](int d) { return support_base(k.foot[d], inverse_h_, cell_shift(basis_)); };
-    items.push_back({{body.grain[0] == k.grain ? 0 : 1, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]}, static_cast<int>(i)});
+    items.push_back(
+        {{record.grain[0] == k.grain ? 0 : 1, cell_along(0), cell_along(1), cell_along(2), points.tags[b][l]}, static_cast<int>(i)});
   }
   std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
   const auto second = std::find_if(items.begin(), items.end(), [](const Item& i) { return i.key[0] == 1; });
@@ -58,7 +64,8 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
   holding_.reserve(count);
   const auto has_moved = [&](const Item& i) {
     const Link& k = points.links[i.link];
-    return created(points, k, 0) != acts_at(points, k, 0) || created(points, k, 1) != acts_at(points, k, 1) || created(points, k, 2) != acts_at(points, k, 2);
+    return created(points, k, 0) != acts_at(points, k, 0) || created(points, k, 1) != acts_at(points, k, 1) ||
+           created(points, k, 2) != acts_at(points, k, 2);
   };
   if (std::any_of(items.begin(), items.end(), has_moved)) created_.resize(count);
   if (p_.damping > 0.0) dampers_.resize(count);
@@ -80,17 +87,17 @@ PenaltyLinks::PenaltyLinks(const PointStore& points, const Body& body, const Pen
       }
   }
   columns_.own().assign(kLanes * blocks_.size() * columns_of_cell_, 0);
-  std::vector<int>& parts = parts_.own();
-  parts.assign(kLanes * blocks_.size(), 0);
+  std::vector<int>& layers = layers_.own();
+  layers.assign(kLanes * blocks_.size(), 0);
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l)
-      if (blocks_[n].link[l] >= 0) parts[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].part;
+      if (blocks_[n].link[l] >= 0) layers[kLanes * n + l] = points.meta[points.links[blocks_[n].link[l]].slot / kLanes].layer;
   take_states(points);
 }
 
 void PenaltyLinks::set_lane(std::size_t block, int lane, const PointStore& points, int link) {
   LinkBlock& b = blocks_.own()[block];
-  Holding& h = holding_[block];
+  LinkFlags& h = holding_[block];
   const Link& k = points.links[link];
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << lane);
   b.link[lane] = link;
@@ -143,7 +150,7 @@ void PenaltyLinks::add_cells(std::vector<Grid::Cell>& cells) {
     for (int l = 0; l < kLanes; ++l) {
       const LinkBlock& b = blocks_[n];
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
-      if (b.link[l] >= 0) cells.push_back({field_of(body_, parts_[kLanes * n + l]), base, columns(n, l)});
+      if (b.link[l] >= 0) cells.push_back({field_of(row_, layers_[kLanes * n + l]), base, columns(n, l)});
     }
 }
 
@@ -176,7 +183,7 @@ void PenaltyLinks::find_moves(const Grid& grid, double dt) {
   });
 }
 
-bool PenaltyLinks::move_places(PointStore& points) {
+bool PenaltyLinks::remap_contacts(PointStore& points) {
   keep_created();
   gone_ = false;
   bool left = false;
@@ -199,9 +206,9 @@ bool PenaltyLinks::move_places(PointStore& points) {
   return left || gone_;
 }
 
-bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, const Grid& grid) {
+bool PenaltyLinks::follow_points(const PointStore& points, const BondRecord& record, const Grid& grid) {
   if (gone_) {
-    *this = PenaltyLinks(points, body, p_, cell_, density_, basis_);
+    *this = PenaltyLinks(points, record, p_, cell_, density_, basis_);
     return find_columns(grid);
   }
   bool all = true;
@@ -213,7 +220,7 @@ bool PenaltyLinks::follow_points(const PointStore& points, const Body& body, con
       base_of(points, points.links[b.link[l]], base);
       if (base[0] == b.base[0][l] && base[1] == b.base[1][l] && base[2] == b.base[2][l]) continue;
       set_lane(n, l, points, b.link[l]);
-      all = grid.find_columns(field_of(body_, parts_[kLanes * n + l]), base, columns(n, l)) && all;
+      all = grid.find_columns(field_of(row_, layers_[kLanes * n + l]), base, columns(n, l)) && all;
     }
   }
   return all;
@@ -231,29 +238,31 @@ void PenaltyLinks::move_to_present(PointStore& points, const Grid& grid) const {
   });
 }
 
-void PenaltyLinks::renumber(const std::vector<int>& new_place) {
+void PenaltyLinks::renumber(const std::vector<int>& new_index) {
   for (LinkBlock& b : blocks_.own())
     for (int& k : b.link)
-      if (k >= 0) k = new_place[k];
+      if (k >= 0) k = new_index[k];
 }
 
-void PenaltyLinks::follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place) {
-  for (int& c : columns_.own()) c = place[c];
+void PenaltyLinks::follow_layers(const PointStore& points, const Grid& grid, const std::vector<int>& new_index) {
+  for (int& c : columns_.own()) c = new_index[c];
   for (std::size_t n = 0; n < blocks_.size(); ++n)
     for (int l = 0; l < kLanes; ++l) {
       const LinkBlock& b = blocks_[n];
       if (b.link[l] < 0) continue;
-      const int now = points.meta[points.links[b.link[l]].slot / kLanes].part;
-      if (now == parts_[kLanes * n + l]) continue;
-      parts_.own()[kLanes * n + l] = now;
+      const int now = points.meta[points.links[b.link[l]].slot / kLanes].layer;
+      if (now == layers_[kLanes * n + l]) continue;
+      layers_.own()[kLanes * n + l] = now;
       const int base[3] = {b.base[0][l], b.base[1][l], b.base[2][l]};
-      if (!grid.find_columns(field_of(body_, now), base, columns(n, l))) throw std::logic_error("a link to nodes that the grid does not have");
+      if (!grid.find_columns(field_of(row_, now), base, columns(n, l)))
+        throw std::logic_error("a link to nodes that the grid does not have");
     }
 }
 
 // Finds the current vector q from the centre of the grain, its deviation delta from R q0, and the direction n.
 template <class Type>
-void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const {
+void PenaltyLinks::compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q, vd* delta,
+                               vd* n) const {
   vd u[3], r[3], at[3], q0[3];
   gather(grid.displacement, b, w, u);
   // q0 in the frame of the grain.
@@ -273,7 +282,7 @@ void PenaltyLinks::place(const LinkBlock& b, const Grid& grid, const GrainSide& 
 }
 
 template <class Type>
-void PenaltyLinks::find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const {
+void PenaltyLinks::find_velocity(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const vd* q, vd* v) const {
   gather(grid.velocity, b, w, v);
   vd of_grain[3];
   velocity_at(s, q, of_grain);
@@ -281,7 +290,7 @@ void PenaltyLinks::find_velocity(const LinkBlock& b, const Grid& grid, const Gra
 }
 
 template <class Type>
-void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k,
+void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k,
                           const vd* q, const vd* n, vd* v, vd* f) const {
   const vd sqrt_kn = sqrt(k.kn), sqrt_kt = sqrt(k.kt);
   find_velocity(b, grid, s, w, q, v);
@@ -290,7 +299,7 @@ void PenaltyLinks::damper(const LinkBlock& b, const Grid& grid, const GrainSide&
   for (int d = 0; d < 3; ++d) f[d] = -g * (sqrt_kt * v[d] + (sqrt_kn - sqrt_kt) * vn * n[d]);
 }
 
-Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const {
+Power PenaltyLinks::damper_power(const Grid& grid, const BondEnd* ends) const {
   Power power;
   if (p_.damping == 0.0 || blocks_.empty()) return power;
   with_traction(*p_.law, [&](const auto& law) {
@@ -299,10 +308,10 @@ Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const 
       for (std::size_t i = 0; i < blocks_.size(); ++i) {
         const LinkBlock& b = blocks_[i];
         if (!holding_[i].attached) continue;
-        const GrainSide& s = side[b.side];
+        const BondEnd& s = ends[b.side];
         const Weights<Type> w(b.X, b.base, inverse_h_);
         vd q[3], delta[3], n[3], v[3], f[3], a[3];
-        place(b, grid, s, w, q, delta, n);
+        compute_gap(b, grid, s, w, q, delta, n);
         damper(b, grid, s, w, law.secant(separation_of(delta, n), state(law, i)), q, n, v, f);
         gather(grid.acceleration, b, w, a);
         for (int d = 0; d < 3; ++d) {
@@ -316,15 +325,15 @@ Power PenaltyLinks::damper_power(const Grid& grid, const GrainSide* side) const 
   return power;
 }
 
-double PenaltyLinks::fastest(const Grid& grid, const GrainSide* side) const {
+double PenaltyLinks::fastest(const Grid& grid, const BondEnd* ends) const {
   double square = 0.0;
   if (blocks_.empty()) return square;
   with_basis(basis_, [&](auto type) {
     for (const LinkBlock& b : blocks_) {
-      const GrainSide& s = side[b.side];
+      const BondEnd& s = ends[b.side];
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3], v[3];
-      place(b, grid, s, w, q, delta, n);
+      compute_gap(b, grid, s, w, q, delta, n);
       find_velocity(b, grid, s, w, q, v);
       const vd speed = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
       for (int l = 0; l < kLanes; ++l)
@@ -335,7 +344,7 @@ double PenaltyLinks::fastest(const Grid& grid, const GrainSide* side) const {
 }
 
 template <class F>
-void PenaltyLinks::each_attached(const Grid& grid, const GrainSide* side, F f) const {
+void PenaltyLinks::each_attached(const Grid& grid, const BondEnd* ends, F f) const {
   with_basis(basis_, [&](auto type) {
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       const LinkBlock& b = blocks_[i];
@@ -346,14 +355,15 @@ void PenaltyLinks::each_attached(const Grid& grid, const GrainSide* side, F f) c
       if (!holding_[i].attached) continue;
       const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
       vd q[3], delta[3], n[3];
-      place(b, grid, side[b.side], w, q, delta, n);
+      compute_gap(b, grid, ends[b.side], w, q, delta, n);
       f(i, w, q, delta, n);
     }
   });
 }
 
 template <class L, class Type>
-void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid, GrainSide& s) const {
+void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid,
+                                BondEnd& s) const {
   const LinkBlock& b = blocks_[i];
   const std::uint8_t attached = holding_[i].attached;
   if (!attached) return;
@@ -371,32 +381,32 @@ void PenaltyLinks::add_force_of(const L& law, std::size_t i, const Weights<Type>
   take_from_grain(q, f, s);
 }
 
-void PenaltyLinks::add_force(Grid& grid, GrainSide* side) const {
+void PenaltyLinks::add_force(Grid& grid, BondEnd* ends) const {
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
-    each_attached(grid, side, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
-      add_force_of(law, i, w, q, delta, n, grid, side[blocks_[i].side]);
+    each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
+      add_force_of(law, i, w, q, delta, n, grid, ends[blocks_[i].side]);
     });
   });
 }
 
-void PenaltyLinks::follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side, double dt, LinkStep& step) {
+void PenaltyLinks::follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step) {
   step.dissipated = step.released = 0.0;
-  step.let_go.clear();
+  step.debond.clear();
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
-    each_attached(grid, side, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
-      GrainSide& s = side[blocks_[i].side];
+    each_attached(grid, ends, [&](std::size_t i, const auto& w, const vd* q, const vd* delta, const vd* n) {
+      BondEnd& s = ends[blocks_[i].side];
       if constexpr (std::decay_t<decltype(law)>::kFields > 0) follow_block(law, i, w, q, delta, n, points, grid, s, dt, step);
       add_force_of(law, i, w, q, delta, n, grid, s);
     });
   });
-  std::sort(step.let_go.begin(), step.let_go.end());
+  std::sort(step.debond.begin(), step.debond.end());
 }
 
 template <class L, class Type>
-void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
-                                const Grid& grid, const GrainSide& s, double dt, LinkStep& step) {
+void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n,
+                                PointStore& points, const Grid& grid, const BondEnd& s, double dt, LinkStep& step) {
   const LinkBlock& b = blocks_[i];
   const std::uint8_t attached = holding_[i].attached;
   typename L::State now = state(law, i);
@@ -413,9 +423,9 @@ void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>
   for (int l = 0; l < kLanes; ++l) {
     if (!(attached >> l & 1) || !u.grown[l]) continue;
     for (int k = 0; k < L::kFields; ++k) points.links[b.link[l]].state[k] = states_[L::kFields * i + k][l];
-    if (!u.let_go[l]) continue;
+    if (!u.debond[l]) continue;
     freed |= static_cast<std::uint8_t>(1u << l);
-    step.let_go.push_back(b.link[l]);
+    step.debond.push_back(b.link[l]);
   }
   const vd released = taken - area * u.dissipated;
   release(i, freed, released, false, points, step.released);
@@ -423,10 +433,10 @@ void PenaltyLinks::follow_block(const L& law, std::size_t i, const Weights<Type>
 }
 
 template <class L>
-vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const {
+vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const BondEnd& s) const {
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3];
-  with_basis(basis_, [&](auto type) { place(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
+  with_basis(basis_, [&](auto type) { compute_gap(b, grid, s, Weights<decltype(type)>(b.X, b.base, inverse_h_), q, delta, n); });
   return masked(holding_[block].attached, b.area) * law.energy(separation_of(delta, n), state(law, block));
 }
 
@@ -434,7 +444,8 @@ vd PenaltyLinks::energy(const L& law, std::size_t block, const Grid& grid, const
 // dt).(K(t - dt) - K(t)).delta(t)/2. This is what damage dissipates and closed links release, with two exceptions: the
 // damage of a step that jumps over the peak, and links that open or close.
 template <class L>
-vd PenaltyLinks::taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n, const vd* v, double dt) {
+vd PenaltyLinks::taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n,
+                               const vd* v, double dt) {
   vd old[3];
   for (int d = 0; d < 3; ++d) old[d] = delta[d] - dt * v[d];
   const LinkSeparation then = separation_of(old, n), now = separation_of(delta, n);
@@ -443,12 +454,12 @@ vd PenaltyLinks::taken_in_step(const L& law, const typename L::State& before, co
   return 0.5 * ((k0.kt - k1.kt) * product + ((k0.kn - k0.kt) - (k1.kn - k1.kt)) * then.n * now.n);
 }
 
-void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released) {
+void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released) {
   const LinkBlock& b = blocks_[block];
   for (int l = 0; l < kLanes; ++l) {
     if (!(freed >> l & 1)) continue;
     released += energy[l];
-    points.links[b.link[l]].attached = is_skin;
+    points.links[b.link[l]].attached = is_residue;
     points.links[b.link[l]].inert = true;
   }
   holding_[block].attached &= static_cast<std::uint8_t>(~freed);
@@ -457,12 +468,12 @@ void PenaltyLinks::release(std::size_t block, std::uint8_t freed, vd energy, boo
 // Energy that is released if a force ends within a step, k delta(t) delta(t - dt)/2. The force works with its last
 // value over half of the motion of that step. Stiff links swing by much in a step.
 template <class L>
-vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const {
+vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const {
   const LinkBlock& b = blocks_[block];
   vd q[3], delta[3], n[3], v[3], before[3];
   with_basis(basis_, [&](auto type) {
     const Weights<decltype(type)> w(b.X, b.base, inverse_h_);
-    place(b, grid, s, w, q, delta, n);
+    compute_gap(b, grid, s, w, q, delta, n);
     find_velocity(b, grid, s, w, q, v);
   });
   const LinkSeparation apart = separation_of(delta, n);
@@ -473,7 +484,8 @@ vd PenaltyLinks::energy_of_ending(const L& law, std::size_t block, const Grid& g
   return masked(holding_[block].attached, 0.5 * b.area) * (k.kt * product + (k.kn - k.kt) * apart.n * n_before);
 }
 
-std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released) {
+std::vector<int> PenaltyLinks::debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
+                                      double& released) {
   std::vector<int> of_failed;  // ascending; most points have no links
   for (int slot : failed) {
     const auto [first, end] = of_slot(points.links, slot);
@@ -487,8 +499,9 @@ std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>
       const std::uint8_t attached = holding_[i].attached;
       std::uint8_t freed = 0;
       for (int l = 0; l < kLanes; ++l)
-        if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l])) freed |= static_cast<std::uint8_t>(1u << l);
-      if (freed) release(i, freed, energy_of_ending(law, i, grid, side[b.side], dt), law.keeps_skins(), points, released);
+        if ((attached >> l & 1) && std::binary_search(of_failed.begin(), of_failed.end(), b.link[l]))
+          freed |= static_cast<std::uint8_t>(1u << l);
+      if (freed) release(i, freed, energy_of_ending(law, i, grid, ends[b.side], dt), law.leaves_residue(), points, released);
       for (int l = 0; l < kLanes; ++l)
         if (freed >> l & 1) gone.push_back(b.link[l]);
     }
@@ -497,18 +510,18 @@ std::vector<int> PenaltyLinks::let_go(PointStore& points, const std::vector<int>
   return gone;
 }
 
-void PenaltyLinks::add_spring_energy(const Grid& grid, const GrainSide* side, double& U) const {
+void PenaltyLinks::add_spring_energy(const Grid& grid, const BondEnd* ends, double& U) const {
   if (blocks_.empty()) return;
   with_traction(*p_.law, [&](const auto& law) {
     for (std::size_t i = 0; i < blocks_.size(); ++i)
-      if (holding_[i].attached) U += sum_lanes(energy(law, i, grid, side[blocks_[i].side]));
+      if (holding_[i].attached) U += sum_lanes(energy(law, i, grid, ends[blocks_[i].side]));
   });
 }
 
 bool PenaltyLinks::drop_inertia(PointStore& points) {
   bool some = false;
   for (std::size_t n = 0; n < blocks_.size(); ++n) {
-    Holding& h = holding_[n];
+    LinkFlags& h = holding_[n];
     if (h.inert == h.attached) continue;
     some = true;
     h.inert = h.attached;
@@ -518,8 +531,8 @@ bool PenaltyLinks::drop_inertia(PointStore& points) {
   return some;
 }
 
-void PenaltyLinks::leave_out_dropped(const PointStore& points, const Body& body) {
-  PenaltyLinks left(points, body, p_, cell_, density_, basis_);
+void PenaltyLinks::remove_dropped(const PointStore& points, const BondRecord& record) {
+  PenaltyLinks left(points, record, p_, cell_, density_, basis_);
   std::vector<const int*> columns_of(points.links.size(), nullptr);
   for (const LinkBlock& b : blocks_)
     for (int l = 0; l < kLanes; ++l)
@@ -531,7 +544,7 @@ void PenaltyLinks::leave_out_dropped(const PointStore& points, const Body& body)
   *this = std::move(left);
 }
 
-void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const {
+void PenaltyLinks::add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const {
   if (blocks_.empty()) return;
   const TractionStiffness& bound = p_.law->stiffness();
   const double k = p_.stiffest(), damper = 2.0 * std::sqrt(std::max(bound.kn, bound.kt)) / dt;
@@ -541,7 +554,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
     for (const LinkBlock& b : blocks_) {
       const std::uint8_t inert = holding_[number_of(b)].inert;
       if (!inert) continue;
-      const vd inertia = (1.0 + side[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
+      const vd inertia = (1.0 + ends[b.side].mass_ratio) * (dampers_.empty() ? k * b.area : k * b.area + damper * dampers_[number_of(b)]);
       const Weights<Type> w(b.X, b.base, inverse_h_);
       for (int l = 0; l < kLanes; ++l) {
         if (!(inert >> l & 1)) continue;
@@ -551,7 +564,7 @@ void PenaltyLinks::add_stiffness(const Grid& grid, const GrainSide* side, double
   });
 }
 
-std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const GrainSide* side) const {
+std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const BondEnd* ends) const {
   std::vector<Secant> secants(blocks_.size());
   if (blocks_.empty()) return secants;
   with_traction(*p_.law, [&](const auto& law) {
@@ -560,7 +573,7 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
         const LinkBlock& b = blocks_[i];
         Secant& s = secants[i];
         vd delta[3];
-        place(b, grid, side[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
+        compute_gap(b, grid, ends[b.side], Weights<decltype(type)>(b.X, b.base, inverse_h_), s.arm, delta, s.n);
         const TractionSecant k = law.secant(separation_of(delta, s.n), state(law, i));
         const vd area = masked(holding_[i].attached, b.area);
         s.kn = area * k.kn;
@@ -574,12 +587,12 @@ std::vector<PenaltyLinks::Secant> PenaltyLinks::secants(const Grid& grid, const 
 void PenaltyLinks::share(AlikeLists& alike) {
   alike.share(blocks_);
   alike.share(columns_);
-  alike.share(parts_);
+  alike.share(layers_);
 }
 
 std::size_t PenaltyLinks::memory_usage() const {
-  return blocks_.memory_usage() + columns_.memory_usage() + parts_.memory_usage() + holding_.capacity() * sizeof(Holding) + states_.capacity() * sizeof(vd) +
-         (moves_.capacity() + created_.capacity()) * sizeof(Places) + dampers_.capacity() * sizeof(vd);
+  return blocks_.memory_usage() + columns_.memory_usage() + layers_.memory_usage() + holding_.capacity() * sizeof(LinkFlags) +
+         states_.capacity() * sizeof(vd) + (moves_.capacity() + created_.capacity()) * sizeof(Gaps) + dampers_.capacity() * sizeof(vd);
 }
 
 }  // namespace mpdem

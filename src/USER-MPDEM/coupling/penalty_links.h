@@ -21,8 +21,8 @@
 // This is the elastic law. In general a traction law gives the force per area as a function of delta, see traction_law.h.
 //
 // An object has the links of one bond on one rank. Stiff links need added mass at the nodes, see added_mass.h.
-#ifndef MPDEM_PENALTY_LINKS_H
-#define MPDEM_PENALTY_LINKS_H
+#ifndef MPDEM_COUPLING_PENALTY_LINKS_H
+#define MPDEM_COUPLING_PENALTY_LINKS_H
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,7 @@
 #include "../mpm/point_store.h"
 #include "../mpm/power.h"
 #include "../numerics/short_list.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 #include "traction_law.h"
 
 namespace mpdem {
@@ -45,7 +45,7 @@ struct PenaltyParameters {
   std::shared_ptr<const TractionLaw> law;
   double damping = 0;  // share of critical damping, for the spring with the mass of its point
   bool at_surface = true;
-  double friction = -1;  // friction of places that let go, see freed_places.h; below 0: they touch nothing
+  double friction = -1;  // friction of places that let go, see debonded_contact.h; below 0: they touch nothing
   // Largest stiffness of such a place, in pressure over length. A node near its grain takes up added mass, which
   // slows it, and gives it up when it goes. If that is many times the mass of the cement there, impacts lose most of its motion.
   double most_contact = std::numeric_limits<double>::infinity();
@@ -65,7 +65,7 @@ struct PenaltyParameters {
 // Changes of the links in a step, for a law with a state.
 struct LinkStep {
   double dissipated = 0, released = 0;  // energies: spent by the law, and other energy of springs that soften, let go, open or close
-  std::vector<int> let_go;              // links of the store that let go although their points hold
+  std::vector<int> debond;              // links of the store that let go although their points hold
 };
 
 // `side` always points to the first of the two sides of the bond. The second follows it.
@@ -73,7 +73,7 @@ class PenaltyLinks {
  public:
   PenaltyLinks() = default;
   // Lays out the links of the store in blocks of one side. Call add_cells() before the grid is built.
-  PenaltyLinks(const PointStore& points, const Body& body, const PenaltyParameters& parameters, double cell, double density,
+  PenaltyLinks(const PointStore& points, const BondRecord& record, const PenaltyParameters& parameters, double cell, double density,
                Basis basis = Basis::quadratic);
   void add_cells(std::vector<Grid::Cell>& cells);
   // Finds the columns if the grid is built already, instead of add_cells(). Returns false if the grid has not all the nodes.
@@ -83,52 +83,54 @@ class PenaltyLinks {
   void find_moves(const Grid& grid, double dt);
   // Moves the places by find_moves(), and the cement's ends of the links in the store. Returns true if the point of a
   // link left its cell, or if links are gone. Call follow_points() then.
-  bool move_places(PointStore& points);
+  bool remap_contacts(PointStore& points);
   // Makes the blocks that a new layout would have. Returns false if the grid has not all the nodes. Only for grids without ties.
-  bool follow_points(const PointStore& points, const Body& body, const Grid& grid);
+  bool follow_points(const PointStore& points, const BondRecord& record, const Grid& grid);
   // Makes the present the reference of the cement's ends in the store. A new layout must follow.
   void move_to_present(PointStore& points, const Grid& grid) const;
   // Follows the links to their new places after PointStore::sort_links().
-  void renumber(const std::vector<int>& new_place);
+  void renumber(const std::vector<int>& new_index);
   // Follows points that went to other parts, and nodes that went to other places (Grid::add_nodes()). Throws
   // std::logic_error if the nodes of a link are not there.
-  void follow_parts(const PointStore& points, const Grid& grid, const std::vector<int>& place);
+  void follow_layers(const PointStore& points, const Grid& grid, const std::vector<int>& new_index);
 
   // Adds the forces of the present positions and states to nodes and grains.
-  void add_force(Grid& grid, GrainSide* side) const;
+  void add_force(Grid& grid, BondEnd* ends) const;
   // Does this after it updated the state of the traction law, here and in the links of the store, for the present
   // positions. These are dt after the previous ones. Unchanged positions change no state.
-  void follow_and_add_force(PointStore& points, Grid& grid, GrainSide* side, double dt, LinkStep& step);
+  void follow_and_add_force(PointStore& points, Grid& grid, BondEnd* ends, double dt, LinkStep& step);
   // Power that the dampers take. The force is that of the stored velocity. Power::after() gives the power for a
   // velocity that is a time of the acceleration later.
-  Power damper_power(const Grid& grid, const GrainSide* side) const;
+  Power damper_power(const Grid& grid, const BondEnd* ends) const;
   // Largest speed of the cement against the grain at a link.
-  double fastest(const Grid& grid, const GrainSide* side) const;
+  double fastest(const Grid& grid, const BondEnd* ends) const;
   // Adds the energy that the traction law stores.
-  void add_spring_energy(const Grid& grid, const GrainSide* side, double& energy) const;
+  void add_spring_energy(const Grid& grid, const BondEnd* ends, double& energy) const;
 
   // Frees the links of points that failed (slots, ascending; links of the store ascend in slot). Adds the energy that
   // they gave up to `released`. Returns the links of the store that held until now, ascending. With a law that keeps
   // skins they stay attached without a force: a failed point has no stress, and shares its nodes with the cement that
   // came off it. Freed links count for the added mass until drop_inertia() is called.
-  std::vector<int> let_go(PointStore& points, const std::vector<int>& failed, const Grid& grid, const GrainSide* side, double dt, double& released);
+  std::vector<int> debond(PointStore& points, const std::vector<int>& failed, const Grid& grid, const BondEnd* ends, double dt,
+                          double& released);
   bool drop_inertia(PointStore& points);  // returns true if some links were inert
   // Makes the blocks that a new layout would have, for unchanged points and nodes.
-  void leave_out_dropped(const PointStore& points, const Body& body);
+  void remove_dropped(const PointStore& points, const BondRecord& record);
   // Adds the row-summed stiffness of this rank's links, and of their dampers at this time step, to two numbers a node,
   // one for each side. The stiffness of links that read tied nodes goes to the masters.
-  void add_stiffness(const Grid& grid, const GrainSide* side, double dt, double* penalty) const;
+  void add_stiffness(const Grid& grid, const BondEnd* ends, double dt, double* penalty) const;
 
   // Secant stiffness of the links of a block in the present state, times their area; zero if they let go. arm: from the
   // centre of the grain to the place in the cement, so a rotation of both together gives no strain.
   struct Secant {
     vd n[3], arm[3], kn, kt;
   };
-  std::vector<Secant> secants(const Grid& grid, const GrainSide* side) const;
+  std::vector<Secant> secants(const Grid& grid, const BondEnd* ends) const;
   // Adds the forces due to small displacements x of the nodes, and due to small motions of the two grains: translation
   // of the centre, then rotation. `load` is on the grains, force and moment about the centre. The result is linear and
   // symmetric: the effect of a rotation on present forces is left out.
-  void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force, double (*load)[6]) const;
+  void add_small_force(const std::vector<Secant>& secants, const double* x, const double (*motion)[6], double* force,
+                       double (*load)[6]) const;
 
   const PenaltyParameters& parameters() const { return p_; }
   bool empty() const { return blocks_.empty(); }
@@ -138,10 +140,10 @@ class PenaltyLinks {
 
  private:
   struct LinkBlock {
-    vd X[3];    // where the link acts, reference; it may be outside the cell, which is that of the point
-    vd area;    // zero in empty lanes
-    vint base[3];  // cells of the points
-    int link[kLanes];              // link of the store; -1: empty
+    vd X[3];           // where the link acts, reference; it may be outside the cell, which is that of the point
+    vd area;           // zero in empty lanes
+    vint base[3];      // cells of the points
+    int link[kLanes];  // link of the store; -1: empty
     std::uint8_t side;
     // Lanes with a link, attached or not.
     std::uint8_t taken() const {
@@ -152,11 +154,11 @@ class PenaltyLinks {
   };
 
   // One bit for each lane: the link holds; the link has added mass.
-  struct Holding {
+  struct LinkFlags {
     std::uint8_t attached = 0, inert = 0;
   };
 
-  struct Places {
+  struct Gaps {
     vd X[3];
   };
 
@@ -169,7 +171,7 @@ class PenaltyLinks {
 
   // True if the link is attached and no skin.
   bool is_bonded(const PointStore& points, const Link& k) const {
-    return k.attached && !(p_.law->keeps_skins() && points.has_failed(k.slot));
+    return k.attached && !(p_.law->leaves_residue() && points.has_failed(k.slot));
   }
   double created(const PointStore& points, const Link& k, int d) const;
   double acts_at(const PointStore& points, const Link& k, int d) const;
@@ -186,50 +188,52 @@ class PenaltyLinks {
   void gather(const std::vector<double>& nodal, const LinkBlock& b, const Weights<Type>& w, vd* out) const;
   // Stored energy of each lane.
   template <class L>
-  vd energy(const L& law, std::size_t block, const Grid& grid, const GrainSide& s) const;
+  vd energy(const L& law, std::size_t block, const Grid& grid, const BondEnd& s) const;
   template <class L>
-  static vd taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n, const vd* v, double dt);
+  static vd taken_in_step(const L& law, const typename L::State& before, const typename L::State& after, const vd* delta, const vd* n,
+                          const vd* v, double dt);
   template <class L>
-  vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const GrainSide& s, double dt) const;
+  vd energy_of_ending(const L& law, std::size_t block, const Grid& grid, const BondEnd& s, double dt) const;
   // State of a block, in the type of its traction law.
   template <class L>
   typename L::State state(const L&, std::size_t block) const;
-  void release(std::size_t block, std::uint8_t freed, vd energy, bool is_skin, PointStore& points, double& released);
+  void release(std::size_t block, std::uint8_t freed, vd energy, bool is_residue, PointStore& points, double& released);
   void take_states(const PointStore& points);
   // Not inlined, nor is add_force_of(), so that positions and states have the same forces to the bit with and without follow_block().
   template <class Type>
-  __attribute__((noinline)) void place(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, vd* q, vd* delta, vd* n) const;
+  __attribute__((noinline)) void compute_gap(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, vd* q,
+                                             vd* delta, vd* n) const;
   // Calls f(block, weights, q, delta, n) for the blocks with links that are attached.
   template <class F>
-  void each_attached(const Grid& grid, const GrainSide* side, F f) const;
+  void each_attached(const Grid& grid, const BondEnd* ends, F f) const;
   template <class L, class Type>
-  __attribute__((noinline)) void add_force_of(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, Grid& grid,
-                                              GrainSide& s) const;
+  __attribute__((noinline)) void add_force_of(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta,
+                                              const vd* n, Grid& grid, BondEnd& s) const;
   template <class L, class Type>
-  void follow_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points, const Grid& grid,
-                    const GrainSide& s, double dt, LinkStep& step);
+  void follow_block(const L& law, std::size_t block, const Weights<Type>& w, const vd* q, const vd* delta, const vd* n, PointStore& points,
+                    const Grid& grid, const BondEnd& s, double dt, LinkStep& step);
   // Velocity of the place in the cement relative to the grain.
   template <class Type>
-  void find_velocity(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const vd* q, vd* v) const;
+  void find_velocity(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const vd* q, vd* v) const;
   // Finds this velocity v, and the force f of the dampers.
   template <class Type>
-  void damper(const LinkBlock& b, const Grid& grid, const GrainSide& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
+  void damper(const LinkBlock& b, const Grid& grid, const BondEnd& s, const Weights<Type>& w, const TractionSecant& k, const vd* q,
               const vd* n, vd* v, vd* f) const;
 
   PenaltyParameters p_;
   Basis basis_ = Basis::quadratic;
   double cell_ = 0, inverse_h_ = 0, density_ = 0;
-  int body_ = 0, columns_of_cell_ = 0;
-  bool gone_ = false;               // some links have neither force nor added mass, by the last move_places()
+  int row_ = 0, columns_of_cell_ = 0;
+  bool gone_ = false;  // some links have neither force nor added mass, by the last remap_contacts()
   // Lists that bonds of one shape share: blocks, and for each lane its columns of nodes (see Grid) and its part.
   SharedList<LinkBlock> blocks_;
   SharedList<int> columns_;
-  SharedList<int> parts_;
-  std::vector<Holding> holding_;  // one for each block
-  std::vector<vd> states_;   // states of the traction law, its fields for each block; equal to those of the store
-  std::vector<Places> moves_;    // moves of the places of each block in this step, `updated` only
-  std::vector<Places> created_;  // places of the links of each block at creation; empty: the places where they act
-  std::vector<vd> dampers_;      // damping coefficient over sqrt(k), for each block; empty without damping
+  SharedList<int> layers_;
+  std::vector<LinkFlags> holding_;  // one for each block
+  std::vector<vd> states_;          // states of the traction law, its fields for each block; equal to those of the store
+  std::vector<Gaps> moves_;         // moves of the places of each block in this step, `updated` only
+  std::vector<Gaps> created_;       // places of the links of each block at creation; empty: the places where they act
+  std::vector<vd> dampers_;         // damping coefficient over sqrt(k), for each block; empty without damping
   // Centres of the grains at creation, and their orientation to the axes of the body.
   double centre_[2][3] = {};
   Mat3<double> orientation_[2];

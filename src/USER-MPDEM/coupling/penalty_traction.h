@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Elastic springs. They hold until the point of the link fails. The traction is kn delta_n n + kt delta_t.
-#ifndef MPDEM_PENALTY_TRACTION_H
-#define MPDEM_PENALTY_TRACTION_H
+#ifndef MPDEM_COUPLING_PENALTY_TRACTION_H
+#define MPDEM_COUPLING_PENALTY_TRACTION_H
 
 #include "traction_law.h"
 
@@ -13,7 +13,7 @@ class PenaltyTraction final : public TractionLawOf<PenaltyTraction> {
  public:
   static constexpr const char* kName = "penalty";
   static constexpr int kFields = 0;
-  static constexpr bool kKeepsSkins = false;
+  static constexpr bool kLeavesResidue = false;
   struct State {};
 
   explicit PenaltyTraction(TractionStiffness stiffness, const LawValues& = {}) : TractionLawOf(stiffness) {}

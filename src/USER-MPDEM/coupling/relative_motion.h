@@ -3,8 +3,8 @@
 //
 // Relative motion of two grains in the axes half-way between them. T is `double`, or the eight-lane `vd` with one bond
 // a lane. See condensed_bond.h for the symbols.
-#ifndef MPDEM_RELATIVE_MOTION_H
-#define MPDEM_RELATIVE_MOTION_H
+#ifndef MPDEM_COUPLING_RELATIVE_MOTION_H
+#define MPDEM_COUPLING_RELATIVE_MOTION_H
 
 #include <algorithm>
 #include <cmath>
@@ -59,15 +59,15 @@ inline T cotangent(T a2) {
 }
 // Returns a/sin a for an angle a below half a turn. The argument is the square of the sine, since the cosine of a small angle has lost its digits.
 inline double over_sine(double sine2, double cosine) {
-  constexpr double c[] = {1.0, 1.0 / 6, 3.0 / 40, 5.0 / 112, 35.0 / 1152, 63.0 / 2816, 231.0 / 13312, 143.0 / 10240, 6435.0 / 557056,
-                          12155.0 / 1245184, 46189.0 / 5505024};
+  constexpr double c[] = {1.0,           1.0 / 6,       3.0 / 40,        5.0 / 112,         35.0 / 1152,      63.0 / 2816,
+                          231.0 / 13312, 143.0 / 10240, 6435.0 / 557056, 12155.0 / 1245184, 46189.0 / 5505024};
   if (sine2 < kSmall && cosine > 0.0) return polynomial(c, sine2);
   const double s = std::sqrt(sine2);
   return s > 1e-12 ? std::atan2(s, cosine) / s : 1.0;
 }
 inline vd over_sine(vd sine2, vd cosine) {
-  constexpr double c[] = {1.0, 1.0 / 6, 3.0 / 40, 5.0 / 112, 35.0 / 1152, 63.0 / 2816, 231.0 / 13312, 143.0 / 10240, 6435.0 / 557056,
-                          12155.0 / 1245184, 46189.0 / 5505024};
+  constexpr double c[] = {1.0,           1.0 / 6,       3.0 / 40,        5.0 / 112,         35.0 / 1152,      63.0 / 2816,
+                          231.0 / 13312, 143.0 / 10240, 6435.0 / 557056, 12155.0 / 1245184, 46189.0 / 5505024};
   if (!any((sine2 >= kSmall) | (cosine <= 0.0))) return polynomial(c, sine2);
   vd r;
   for (int l = 0; l < kLanes; ++l) r[l] = over_sine(sine2[l], cosine[l]);
@@ -121,7 +121,8 @@ struct RelativeMotion {
 
   RelativeMotion() = default;
   // turn: rotations of both grains since the creation. arm: from their centres to the middle of the contact at the creation.
-  RelativeMotion(const Mat3<T>* turn, const Three<T>* arm, const Three<T>& from_centre_to_centre) : Q0(turn[0]), apart(from_centre_to_centre) {
+  RelativeMotion(const Mat3<T>* turn, const Three<T>* arm, const Three<T>& from_centre_to_centre)
+      : Q0(turn[0]), apart(from_centre_to_centre) {
     for (int s = 0; s < 2; ++s) r[s] = turned(turn[s], arm[s]);
     const Mat3<T> E = product(transpose(turn[0]), turn[1]);
     const T half = T{} + 0.5;

@@ -3,16 +3,16 @@
 //
 // Rigid motion of a grain at a place, and what a force at that place does to the grain. r is the vector from the centre
 // of the grain to the place. T is a number, or the numbers of eight places side by side.
-#ifndef MPDEM_RIGID_MOTION_H
-#define MPDEM_RIGID_MOTION_H
+#ifndef MPDEM_COUPLING_RIGID_MOTION_H
+#define MPDEM_COUPLING_RIGID_MOTION_H
 
 #include "../mpm/grid.h"
 #include "../numerics/simd.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 
 namespace mpdem {
 
-inline void lever_arm(const Grid& grid, int node, const GrainSide& s, double* r) {
+inline void lever_arm(const Grid& grid, int node, const BondEnd& s, double* r) {
   for (int d = 0; d < 3; ++d) r[d] = grid.keys[node].at(d) * grid.h + grid.displacement[3 * node + d] - s.x[d];
 }
 
@@ -25,11 +25,17 @@ void rigid_at(const double* linear, const double* angular, const T* r, T* at) {
   }
 }
 template <class T>
-void velocity_at(const GrainSide& s, const T* r, T* v) { rigid_at(s.v, s.omega, r, v); }
+void velocity_at(const BondEnd& s, const T* r, T* v) {
+  rigid_at(s.v, s.omega, r, v);
+}
 template <class T>
-void acceleration_at(const GrainSide& s, const T* r, T* a) { rigid_at(s.a, s.alpha, r, a); }
+void acceleration_at(const BondEnd& s, const T* r, T* a) {
+  rigid_at(s.a, s.alpha, r, a);
+}
 template <class T>
-void jump_at(const GrainSide& s, const T* r, T* v) { rigid_at(s.jump, s.jump + 3, r, v); }
+void jump_at(const BondEnd& s, const T* r, T* v) {
+  rigid_at(s.jump, s.jump + 3, r, v);
+}
 
 // Adds the force scale * f at r to force and moment of a grain.
 inline void add_to_grain(const double* r, const double* f, double scale, double* force, double* torque) {
@@ -39,10 +45,10 @@ inline void add_to_grain(const double* r, const double* f, double scale, double*
     torque[d] += scale * (r[e] * f[g] - r[g] * f[e]);
   }
 }
-inline void add_to_grain(const double* r, const double* f, double scale, GrainSide& s) { add_to_grain(r, f, scale, s.force, s.torque); }
+inline void add_to_grain(const double* r, const double* f, double scale, BondEnd& s) { add_to_grain(r, f, scale, s.force, s.torque); }
 
 // Takes forces at eight places from a grain.
-inline void take_from_grain(const vd* r, const vd* f, GrainSide& s) {
+inline void take_from_grain(const vd* r, const vd* f, BondEnd& s) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
     s.force[d] -= sum_lanes(f[d]);

@@ -4,23 +4,23 @@
 
 #include <algorithm>
 
-#include "relaxation.h"
+#include "relative_damping.h"
 #include "rigid_motion.h"
 
 namespace mpdem {
 
 namespace {
 
-void take_from_grain(const double* r, const double* f, double scale, GrainSide& s) {
+void take_from_grain(const double* r, const double* f, double scale, BondEnd& s) {
   add_to_grain(r, f, -scale, s);
   add_to_grain(r, f, -scale, s.impulse, s.impulse + 3);
 }
 
 }  // namespace
 
-void SharedImpulse::follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) {
+void SharedImpulse::follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) {
   *this = SharedImpulse();
-  share_ = shares_of_second_grain(grid, body, held);
+  share_ = shares_of_second_grain(grid, record, held);
 }
 
 // If nothing failed, the mass is to the bit that of the nodes.
@@ -30,7 +30,7 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
     here_.clear();
     if (some_failed || grid.halo.shares_any()) {
       here_ = grid.mass_here(points, density, true);
-      grid.ties.give_to_heirs(here_.data(), 1);
+      grid.ties.add_to_mass_receivers(here_.data(), 1);
     }
     stale_ = false;
   }
@@ -38,25 +38,25 @@ void SharedImpulse::weigh(const PointStore& points, const Grid& grid, double den
 }
 
 // Share of the mass of a node that belongs to points that hold.
-double SharedImpulse::part_held(const Grid& grid, int node) const {
+double SharedImpulse::layer_held(const Grid& grid, int node) const {
   return holding_.empty() || grid.mass[node] == 0.0 ? 1.0 : std::min(1.0, holding_[node] / grid.mass[node]);
 }
 
-void SharedImpulse::add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const {
+void SharedImpulse::add_moments(const Grid& grid, const BondEnd* ends, EndMoments* of_ends) const {
   const std::vector<char>& counts = grid.halo.counts_here();
   for (int i = 0; i < grid.size(); ++i) {
     if (share_[i] < 0.0 || !counts[i] || grid.mass[i] == 0.0) continue;
-    const double share[2] = {1.0 - share_[i], share_[i]}, mass = part_held(grid, i) * grid.mass[i];
+    const double share[2] = {1.0 - share_[i], share_[i]}, mass = layer_held(grid, i) * grid.mass[i];
     for (int s = 0; s < 2; ++s) {
       double r[3];
-      lever_arm(grid, i, side[s], r);
-      MassMoments::add(mass * share[s] * share[s], r, of_sides[s].own.m.data());
-      MassMoments::add(mass * share[0] * share[1], r, of_sides[s].shared.m.data());
+      lever_arm(grid, i, ends[s], r);
+      MassMoments::add(mass * share[s] * share[s], r, of_ends[s].own.m.data());
+      MassMoments::add(mass * share[0] * share[1], r, of_ends[s].shared.m.data());
     }
   }
 }
 
-void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
+void SharedImpulse::apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& added) {
   const std::vector<char>& counts = grid.halo.counts_here();
   force_.assign(3 * grid.size(), 0.0);
   const std::vector<AddedMass::Share> shares = added.shares();
@@ -64,18 +64,18 @@ void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
   for (int i = 0; i < grid.size(); ++i) {
     while (extra != shares.end() && extra->node < i) ++extra;
     if (share_[i] < 0.0) continue;
-    const double held = part_held(grid, i), mass = held * grid.mass[i];
+    const double held = layer_held(grid, i), mass = held * grid.mass[i];
     const double share[2] = {1.0 - share_[i], share_[i]};
     double r[2][3], of_grain[2][3], a[3], *f = &grid.force[3 * i];
     for (int s = 0; s < 2; ++s) {
-      lever_arm(grid, i, side[s], r[s]);
-      acceleration_at(side[s], r[s], of_grain[s]);
+      lever_arm(grid, i, ends[s], r[s]);
+      acceleration_at(ends[s], r[s], of_grain[s]);
     }
     for (int d = 0; d < 3; ++d) {
       a[d] = share[0] * of_grain[0][d] + share[1] * of_grain[1][d];
       f[d] += force_[3 * i + d] = mass * a[d];
     }
-    for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * mass, side[s]);
+    for (int s = 0; s < 2 && counts[i]; ++s) take_from_grain(r[s], a, share[s] * mass, ends[s]);
     if (extra == shares.end() || extra->node != i) continue;
     for (int s = 0; s < 2; ++s) {
       double relative[3];
@@ -84,7 +84,7 @@ void SharedImpulse::push(Grid& grid, GrainSide* side, const AddedMass& added) {
         f[d] += held * extra->mass[s] * relative[d];
         force_[3 * i + d] += held * extra->mass[s] * relative[d];
       }
-      if (counts[i]) take_from_grain(r[s], relative, held * extra->mass[s], side[s]);
+      if (counts[i]) take_from_grain(r[s], relative, held * extra->mass[s], ends[s]);
     }
   }
 }

@@ -5,7 +5,7 @@
 // sub-steps. The cement would ring from it, and some of its modes would be in step. So such an impulse moves grains and
 // cement together. With the change of acceleration A_s of the grains a node has
 //
-//   a = (1 - s) P_0 A_0 + s P_1 A_1,   P_g the rigid motion of grain g at the node, s as in relaxation.h,
+//   a = (1 - s) P_0 A_0 + s P_1 A_1,   P_g the rigid motion of grain g at the node, s as in relative_damping.h,
 //
 // due to the force m a, and c (a - P_g A_g) for its added mass c of grain g. The reaction to the first acts on the
 // grains by the same shares, and that to the second on grain g, each at the place of the node. So momentum and angular
@@ -15,25 +15,25 @@
 //
 // If the cement moves with the grains by these shares, the work of the impulse on nodes equals what the reaction takes
 // from the grains. If the cement gives way, it does not. So the books of energy count the work on the nodes.
-#ifndef MPDEM_SHARED_IMPULSE_H
-#define MPDEM_SHARED_IMPULSE_H
+#ifndef MPDEM_COUPLING_SHARED_IMPULSE_H
+#define MPDEM_COUPLING_SHARED_IMPULSE_H
 
 #include <vector>
 
-#include "../mpm/bond_part.h"
+#include "../mpm/bond_mechanism.h"
 #include "../mpm/grid.h"
 #include "../mpm/point_store.h"
 #include "added_mass.h"
 #include "grain_accelerations.h"
-#include "grain_sides.h"
+#include "bond_ends.h"
 
 namespace mpdem {
 
 // Shared impulse of one bond. `side` always points to the first of its two sides. The second follows it.
-class SharedImpulse : public BondPart {
+class SharedImpulse : public BondMechanism {
  public:
   // Must be called before the first push.
-  void follow_grains(const Grid& grid, const Body& body, const std::vector<char>& held) override;
+  void follow_grains(const Grid& grid, const BondRecord& record, const std::vector<char>& held) override;
   void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { stale_ = true; }
   // Forgets the last push, which acts at the end of its step alone.
   void add_force(const BondAtWork&, Losses&) override { force_.clear(); }
@@ -43,10 +43,10 @@ class SharedImpulse : public BondPart {
 
   // Adds the moments of the mass of the nodes that this rank counts: about each grain with the masses m (1-s)^2 and m
   // s^2, and shared with the mass m s (1-s).
-  void add_moments(const Grid& grid, const GrainSide* side, SideMoments* of_sides) const;
+  void add_moments(const Grid& grid, const BondEnd* ends, EndMoments* of_ends) const;
   // Takes the change of acceleration of the grains from the sides. Adds the forces to nodes after their sum over ranks,
   // and the reaction to grains before their sum over ranks.
-  void push(Grid& grid, GrainSide* side, const AddedMass& added);
+  void apply_impulse(Grid& grid, BondEnd* ends, const AddedMass& added);
   // Power of the last push. Counts the nodes that this rank counts.
   double load_power(const Grid& grid, const std::vector<double>& velocity) const override;
   std::size_t memory_usage() const override {
@@ -54,11 +54,11 @@ class SharedImpulse : public BondPart {
   }
 
  private:
-  double part_held(const Grid& grid, int node) const;
+  double layer_held(const Grid& grid, int node) const;
 
-  std::vector<double> share_;  // share s of the second grain; below 0: no grain
+  std::vector<double> share_;           // share s of the second grain; below 0: no grain
   std::vector<double> holding_, here_;  // mass of points that hold, on all ranks and on this rank; empty: the mass of the nodes
-  std::vector<double> force_;  // forces of the last push on the nodes
+  std::vector<double> force_;           // forces of the last push on the nodes
   bool stale_ = true;
 };
 

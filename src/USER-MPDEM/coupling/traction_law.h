@@ -11,7 +11,7 @@
 //
 //   kName, kFields          its word after `interface`; numbers that a link keeps, at most kMostLinkFields of mpm/point_record.h.
 //                           They go from 0, in a link that was never loaded, to 1; the first is the damage of the link.
-//   kKeepsSkins             see TractionLaw::keeps_skins()
+//   kLeavesResidue             see TractionLaw::leaves_residue()
 //   State                   these numbers for eight links: kFields times a vd
 //   words()                 the words after its name, see LawWord; the constructor takes the stiffness and their values
 //   secant(delta, state)    stiffness kn and kt by which the traction is kn delta_n n + kt delta_t. At most stiffness().
@@ -20,8 +20,8 @@
 // Laws with a state also have
 //
 //   update(delta, state)    changes the state by the separation, see TractionUpdate. The same separation again changes nothing.
-#ifndef MPDEM_TRACTION_LAW_H
-#define MPDEM_TRACTION_LAW_H
+#ifndef MPDEM_COUPLING_TRACTION_LAW_H
+#define MPDEM_COUPLING_TRACTION_LAW_H
 
 #include <string>
 #include <vector>
@@ -52,7 +52,7 @@ struct TractionSecant {
 
 struct TractionUpdate {
   vd dissipated;        // energy per area that damage takes in this update
-  vmask grown, let_go;  // the state changed; the link carries nothing from now on
+  vmask grown, debond;  // the state changed; the link carries nothing from now on
 };
 
 // Length over which the front of a crack softens in front of a material of these elastic constants.
@@ -71,7 +71,7 @@ class TractionLaw {
   virtual int fields() const = 0;
   // True if a link stays attached when its point fails. The failed point is then a skin on the grain without force, and
   // the crack is inside the cement.
-  virtual bool keeps_skins() const = 0;
+  virtual bool leaves_residue() const = 0;
   // Values of its words, in their order, at most LinksSoFar::kMostParameters. Later runs must have the same values.
   virtual std::vector<double> parameters() const { return {}; }
   // Lengths that cells must resolve. Empty if there are none.
@@ -94,7 +94,7 @@ class TractionLawOf : public TractionLaw {
   using TractionLaw::TractionLaw;
   const char* name() const final { return L::kName; }
   int fields() const final { return L::kFields; }
-  bool keeps_skins() const final { return L::kKeepsSkins; }
+  bool leaves_residue() const final { return L::kLeavesResidue; }
 };
 
 }  // namespace mpdem

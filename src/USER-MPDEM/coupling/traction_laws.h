@@ -3,8 +3,8 @@
 //
 // The list of traction laws. A new law needs its include and the last place in `TractionLaws`, since restart files
 // number the laws. The words of fix mpm/couple, its messages and the loop over links follow from the list.
-#ifndef MPDEM_TRACTION_LAWS_H
-#define MPDEM_TRACTION_LAWS_H
+#ifndef MPDEM_COUPLING_TRACTION_LAWS_H
+#define MPDEM_COUPLING_TRACTION_LAWS_H
 
 #include <memory>
 
@@ -36,9 +36,10 @@ struct TractionEntry : NamedLaw {
 template <class... L>
 std::vector<TractionEntry> traction_entries_of(LawList<L...>) {
   static_assert(((L::kFields <= kMostLinkFields) && ...), "raise kMostLinkFields of mpm/point_record.h, and the version of its records");
-  return {TractionEntry{{L::kName, L::words()}, [](TractionStiffness stiffness, const LawValues& values) -> std::shared_ptr<const TractionLaw> {
-                          return std::make_shared<L>(stiffness, values);
-                        }}...};
+  return {
+      TractionEntry{{L::kName, L::words()}, [](TractionStiffness stiffness, const LawValues& values) -> std::shared_ptr<const TractionLaw> {
+                      return std::make_shared<L>(stiffness, values);
+                    }}...};
 }
 
 inline const std::vector<TractionEntry>& traction_entries() {

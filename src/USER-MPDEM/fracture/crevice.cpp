@@ -6,29 +6,29 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "../numerics/place.h"
+#include "../numerics/grid_index.h"
 #include "../numerics/sort_unique.h"
 
 namespace mpdem {
 
-SheetPoint sheet_point(const PointStore& points, const Body& body, int block, int lane) {
-  SheetPoint p;
+CrevicePoint crevice_point(const PointStore& points, const BondRecord& record, int block, int lane) {
+  CrevicePoint p;
   for (int d = 0; d < 3; ++d) {
     p.X[d] = points.created_at(block)[d][lane];
-    p.cell[d] = lattice_cell(body, d, p.X[d]);
+    p.cell[d] = lattice_cell(record, d, p.X[d]);
   }
-  p.share = points.blocks[block].volume[lane] / (body.spacing * body.spacing * body.spacing);
-  const double nearer = nearer_to_first(body, p.X);
-  p.sheet = nearer_side(body, nearer);
-  p.middle = in_the_middle(body, nearer);
+  p.share = points.blocks[block].volume[lane] / (record.spacing * record.spacing * record.spacing);
+  const double nearer = nearer_to_first(record, p.X);
+  p.sheet = nearer_side(record, nearer);
+  p.middle = in_the_middle(record, nearer);
   return p;
 }
 
-double space_ahead(const SheetPoint& p, const Body& body, int d, int side) {
-  if (!body.regular) return 0.0;
+double space_ahead(const CrevicePoint& p, const BondRecord& record, int d, int side) {
+  if (!record.regular) return 0.0;
   double box = 1.0, ahead = 0.0;
   for (int c = 0; c < 3; ++c) {
-    const double shift = (p.X[c] - body.lattice[c]) / body.spacing - (p.cell[c] + 0.5);
+    const double shift = (p.X[c] - record.lattice[c]) / record.spacing - (p.cell[c] + 0.5);
     box *= 1.0 - 2.0 * std::fabs(shift);
     if (c == d) ahead = std::max(0.0, -2.0 * side * shift);
   }
@@ -44,14 +44,15 @@ constexpr double kShareJoined = 0.125;  // share of bridges in all crossings
 struct Crossings {
   double bridge = 0.0, gap = 0.0;
 };
-using Table = std::unordered_map<Place, Crossings, PlaceHash, SamePlace>;
+using Table = std::unordered_map<GridIndex, Crossings, GridIndexHash, SameGridIndex>;
 
 // Adds a crossing along axis d, from point a to point b of a row, to the nodes that have both in their support.
 template <class Type>
-void add_crossing(const SheetPoint& a, const SheetPoint& b, int d, const Body& body, double inverse_h, bool bridge, Table& table) {
+void add_crossing(const CrevicePoint& a, const CrevicePoint& b, int d, const BondRecord& record, double inverse_h, bool bridge,
+                  Table& table) {
   constexpr int S = Type::kSupport;
   const int e = (d + 1) % 3, g = (d + 2) % 3;
-  const auto middle = [&](const SheetPoint& p, int c) { return (p.cell[c] + 0.5) * body.spacing + body.lattice[c]; };
+  const auto middle = [&](const CrevicePoint& p, int c) { return (p.cell[c] + 0.5) * record.spacing + record.lattice[c]; };
   int base[3];
   vd X[3];
   for (int c = 0; c < 3; ++c) {
@@ -74,13 +75,13 @@ void add_crossing(const SheetPoint& a, const SheetPoint& b, int d, const Body& b
 
 // Calls f(a, b, axis) for adjacent points of a row, lower first, that are of different sheets.
 template <class F>
-void for_each_crossing(std::vector<SheetPoint>& points, F f) {
+void for_each_crossing(std::vector<CrevicePoint>& points, F f) {
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3, g = (d + 2) % 3;
-    const auto row = [&](const SheetPoint& p) { return std::array<int, 3>{p.cell[e], p.cell[g], p.cell[d]}; };
-    std::sort(points.begin(), points.end(), [&](const SheetPoint& a, const SheetPoint& b) { return row(a) < row(b); });
+    const auto row = [&](const CrevicePoint& p) { return std::array<int, 3>{p.cell[e], p.cell[g], p.cell[d]}; };
+    std::sort(points.begin(), points.end(), [&](const CrevicePoint& a, const CrevicePoint& b) { return row(a) < row(b); });
     for (std::size_t n = 1; n < points.size(); ++n) {
-      const SheetPoint &a = points[n - 1], &b = points[n];
+      const CrevicePoint &a = points[n - 1], &b = points[n];
       if (a.cell[e] == b.cell[e] && a.cell[g] == b.cell[g] && a.sheet != b.sheet) f(a, b, d);
     }
   }
@@ -89,26 +90,26 @@ void for_each_crossing(std::vector<SheetPoint>& points, F f) {
 }  // namespace
 
 // Comparisons have a margin. No share of a lattice is near enough to a limit for rounding to decide.
-Crevice find_crevice(std::vector<SheetPoint>& points, const Body& body, Basis basis, double cell) {
+Crevice find_crevice(std::vector<CrevicePoint>& points, const BondRecord& record, Basis basis, double cell) {
   Crevice result;
-  const double all_rows = std::pow(cell / body.spacing, 2);
+  const double all_rows = std::pow(cell / record.spacing, 2);
   with_basis(basis, [&](auto type) {
     using Type = decltype(type);
-    const auto adjacent = [](const SheetPoint& a, const SheetPoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
+    const auto adjacent = [](const CrevicePoint& a, const CrevicePoint& b, int d) { return b.cell[d] - a.cell[d] == 1; };
     Table gaps;  // most bodies have no gaps
-    for_each_crossing(points, [&](const SheetPoint& a, const SheetPoint& b, int d) {
-      if (!adjacent(a, b, d)) add_crossing<Type>(a, b, d, body, 1.0 / cell, false, gaps);
+    for_each_crossing(points, [&](const CrevicePoint& a, const CrevicePoint& b, int d) {
+      if (!adjacent(a, b, d)) add_crossing<Type>(a, b, d, record, 1.0 / cell, false, gaps);
     });
     for (const auto& n : gaps) result.found = result.found || n.second.gap > (kGapFound + 1e-6) * all_rows;
     if (!result.found) return;
     Table table;
-    for_each_crossing(points, [&](const SheetPoint& a, const SheetPoint& b, int d) {
-      const bool bridge = adjacent(a, b, d) && touches(space_ahead(a, body, d, 1) + space_ahead(b, body, d, -1));
-      add_crossing<Type>(a, b, d, body, 1.0 / cell, bridge, table);
+    for_each_crossing(points, [&](const CrevicePoint& a, const CrevicePoint& b, int d) {
+      const bool bridge = adjacent(a, b, d) && touches(space_ahead(a, record, d, 1) + space_ahead(b, record, d, -1));
+      add_crossing<Type>(a, b, d, record, 1.0 / cell, bridge, table);
     });
     for (const auto& n : table)
       if (n.second.bridge >= (kShareJoined - 1e-6) * (n.second.bridge + n.second.gap)) result.joined.push_back(n.first);
-    for (const SheetPoint& p : points) {
+    for (const CrevicePoint& p : points) {
       if (!p.middle) continue;
       int base[3];
       for (int d = 0; d < 3; ++d) base[d] = support_base(p.X[d], 1.0 / cell, Type::kShift);

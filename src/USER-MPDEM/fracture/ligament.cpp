@@ -19,8 +19,12 @@ class Flow {
  public:
   // near: for each point that may be passed the points across its faces, kNone if there is none. attached: for each point and grain.
   Flow(std::vector<std::array<int, 6>> near, std::vector<std::array<char, 2>> attached)
-      : near_(std::move(near)), attached_(std::move(attached)), before_(near_.size(), kNone), after_(near_.size(), kNone),
-        level_(2 * near_.size()), met_(2 * near_.size()) {
+      : near_(std::move(near)),
+        attached_(std::move(attached)),
+        before_(near_.size(), kNone),
+        after_(near_.size(), kNone),
+        level_(2 * near_.size()),
+        met_(2 * near_.size()) {
     for (bool more = true; more;) {
       more = false;
       spread_from_second();
@@ -168,7 +172,7 @@ Bond bond_of(const std::vector<CrackPoint>& points, const Neighbours& near, Pass
     const CrackPoint& p = points[passed[k]];
     for (int f = 0; f < 6; ++f) {
       const int j = near.of(passed[k])[f];
-      across[k][f] = j >= 0 && points[j].part == p.part ? place[j] : Flow::kNone;
+      across[k][f] = j >= 0 && points[j].layer == p.layer ? place[j] : Flow::kNone;
     }
     for (int g = 0; g < 2; ++g) held[k][g] = attached(p, g);
   }
@@ -202,7 +206,7 @@ std::vector<char> leading_on(const std::vector<int>& cut, const std::vector<Crac
       const int i = stack.back();
       stack.pop_back();
       for (int j : near.of(i)) {
-        if (j < 0 || points[j].part != points[i].part) continue;
+        if (j < 0 || points[j].layer != points[i].layer) continue;
         if (in_cut[j] && points[j].attached[g]) leads_on[j] = 1;
         add(j);
       }
@@ -223,12 +227,13 @@ Ligament find_ligament(const std::vector<CrackPoint>& points) {
   const Neighbours near(points);
   Ligament result;
   {
-    Bond whole = bond_of(points, near, [](const CrackPoint&) { return true; },
-                         [](const CrackPoint& p, int g) { return p.attached[g] || p.link_area[g] > 0.0; });
+    Bond whole = bond_of(
+        points, near, [](const CrackPoint&) { return true; },
+        [](const CrackPoint& p, int g) { return p.attached[g] || p.link_area[g] > 0.0; });
     result.whole = static_cast<int>(whole.flow.cut_near(0).size());
   }
-  Bond left = bond_of(points, near, [](const CrackPoint& p) { return !p.failed; },
-                      [](const CrackPoint& p, int g) { return p.attached[g]; });
+  Bond left = bond_of(
+      points, near, [](const CrackPoint& p) { return !p.failed; }, [](const CrackPoint& p, int g) { return p.attached[g]; });
   result.cuts.resize(2);
   double damage[2];
   for (int g = 0; g < 2; ++g) {
@@ -241,17 +246,17 @@ Ligament find_ligament(const std::vector<CrackPoint>& points) {
   return result;
 }
 
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins) {
-  const std::vector<char> leads_on = skins ? leading_on(cut, points, Neighbours(points)) : std::vector<char>(points.size(), 1);
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool residue) {
+  const std::vector<char> leads_on = residue ? leading_on(cut, points, Neighbours(points)) : std::vector<char>(points.size(), 1);
   for (int i : cut) {
     CrackPoint& p = points[i];
-    bool let_go = false;
+    bool debond = false;
     for (int g = 0; g < 2; ++g) {
-      if (!p.attached[g] || (skins && p.link_damage[g] <= p.damage)) continue;
+      if (!p.attached[g] || (residue && p.link_damage[g] <= p.damage)) continue;
       p.attached[g] = false;
-      let_go = true;
+      debond = true;
     }
-    p.failed = !let_go || leads_on[i];
+    p.failed = !debond || leads_on[i];
   }
   return points;
 }

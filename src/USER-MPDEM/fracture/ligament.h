@@ -14,8 +14,8 @@
 // bridge towards its grain, as long as that takes no more points.
 //
 // The code is serial and takes all points of one body. The result does not depend on their order.
-#ifndef MPDEM_LIGAMENT_H
-#define MPDEM_LIGAMENT_H
+#ifndef MPDEM_FRACTURE_LIGAMENT_H
+#define MPDEM_FRACTURE_LIGAMENT_H
 
 #include <vector>
 
@@ -24,8 +24,9 @@
 namespace mpdem {
 
 struct Ligament {
-  std::vector<std::vector<int>> cuts;  // places in the given points, one or two cuts of the same size; one empty cut if the bond is separated
-  int whole = 0;                       // number of points in the least cut of the unbroken bond
+  std::vector<std::vector<int>>
+      cuts;       // places in the given points, one or two cuts of the same size; one empty cut if the bond is separated
+  int whole = 0;  // number of points in the least cut of the unbroken bond
   int left() const { return static_cast<int>(cuts.front().size()); }
   double share() const { return whole > 0 ? static_cast<double>(left()) / whole : 0.0; }
 };
@@ -38,7 +39,7 @@ Ligament find_ligament(const std::vector<CrackPoint>& points);
 // Returns the points as if those of the cut had failed and so let go of their grains. With skins
 // (coupling/traction_law.h) the more damaged of link and point breaks. If the link breaks, the point holds, unless it
 // leads to others that hold to that grain. If the point breaks, it stays on the grain.
-std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool skins = false);
+std::vector<CrackPoint> cut_through(const std::vector<int>& cut, std::vector<CrackPoint> points, bool residue = false);
 
 }  // namespace mpdem
 

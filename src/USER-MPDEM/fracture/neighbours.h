@@ -4,8 +4,8 @@
 // Finds which points of a bond hold together if they are intact: those whose lattice cells share a face. Points of
 // different sheets (crevice.h), none of them in the middle, need more: their material must touch there. Separation
 // (separation.h) and ligament (ligament.h) of a bond use these neighbours.
-#ifndef MPDEM_NEIGHBOURS_H
-#define MPDEM_NEIGHBOURS_H
+#ifndef MPDEM_FRACTURE_NEIGHBOURS_H
+#define MPDEM_FRACTURE_NEIGHBOURS_H
 
 #include <array>
 #include <utility>
@@ -15,18 +15,18 @@ namespace mpdem {
 
 struct CrackPoint {
   int tag;
-  int cell[3];              // cell of the lattice
-  int part;                 // present piece, where parts are pieces (body.h), else 0
-  float space[6];           // space_ahead() towards -x, +x, -y, +y, -z, +z
-  float damage;             // largest eigenvalue
+  int cell[3];     // cell of the lattice
+  int layer;       // present piece, where parts are pieces (bond_record.h), else 0
+  float space[6];  // space_ahead() towards -x, +x, -y, +y, -z, +z
+  float damage;    // largest eigenvalue
   bool failed;
-  bool attached[2];         // holds to this grain; if the point failed, it is a skin on the grain
-  double link_area[2];      // projected area of its links, let go or not
-  float link_damage[2];     // damage of its link to this grain, if the traction law knows damage
-  int nearer;               // its sheet: the grain, by nearer_side() of body.h
-  bool middle;              // belongs to both sheets, in_the_middle() of body.h
-  float above[2];           // distance from the surface of each grain
-  int holds = 3;            // PointRecord::holds
+  bool attached[2];      // holds to this grain; if the point failed, it is a skin on the grain
+  double link_area[2];   // projected area of its links, let go or not
+  float link_damage[2];  // damage of its link to this grain, if the traction law knows damage
+  int nearer;            // its sheet: the grain, by nearer_side() of bond_record.h
+  bool middle;           // belongs to both sheets, in_the_middle() of bond_record.h
+  float above[2];        // distance from the surface of each grain
+  int connected = 3;     // PointRecord::holds
 };
 
 // Most points that a cell may have in one direction, and so the largest value of `across`.
@@ -57,7 +57,7 @@ class Neighbours {
   const std::vector<CrackPoint>& points_;
   int across_;
   std::vector<std::pair<std::array<int, 3>, int>> cells_;  // ascending
-  std::vector<int> first_;                                  // first_[x - least_x_]: first of cells_ with this x; the last entry is their number
+  std::vector<int> first_;  // first_[x - least_x_]: first of cells_ with this x; the last entry is their number
   int least_x_ = 0;
 };
 

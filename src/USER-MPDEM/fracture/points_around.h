@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// The points around a point of a lattice, and the ways between them. Only copy_lattice.cpp uses it.
-#ifndef MPDEM_POINTS_AROUND_H
-#define MPDEM_POINTS_AROUND_H
+// The points around a point of a lattice, and the ways between them. Only node_splitter.cpp uses it.
+#ifndef MPDEM_FRACTURE_POINTS_AROUND_H
+#define MPDEM_FRACTURE_POINTS_AROUND_H
 
-#include "node_copies.h"
+#include "phantom_nodes.h"
 
 namespace mpdem {
 
-inline bool connected(const CopyPoint& a, const CopyPoint& b, int face) {
+inline bool connected(const SplitterPoint& a, const SplitterPoint& b, int face) {
   return a.nearer == b.nearer || a.middle || b.middle || touches(a.space[face] + b.space[face ^ 1]);
 }
 
-inline Place place(const int* p) { return {p[0], p[1], p[2]}; }
+inline GridIndex grid_index(const int* p) { return {p[0], p[1], p[2]}; }
 
 // The 26 points around a point that hold, as bits of a mask, and the ways from one to the next.
-class CopyLattice::Around {
+class NodeSplitter::Around {
  public:
   static constexpr int kPlaces = 27, kMiddle = 13;
   static int step(int face) { return (face % 2 == 0 ? -1 : 1) * (face < 2 ? 9 : face < 4 ? 3 : 1); }
 
-  Around(const CopyLattice& lattice, int i) : p_(lattice.points_) {
+  Around(const NodeSplitter& lattice, int i) : p_(lattice.points_) {
     for (int q = 0; q < kPlaces; ++q) {
-      Place c = place(p_[i].cell);
+      GridIndex c = grid_index(p_[i].cell);
       for (int d = 0; d < 3; ++d) c[d] += axis(q, d) - 1;
       const auto at = q == kMiddle ? lattice.at_.end() : lattice.at_.find(c);
       const bool holds = at != lattice.at_.end() && !p_[at->second].failed;
@@ -34,7 +34,7 @@ class CopyLattice::Around {
       for (int q = 0; q < kPlaces; ++q) {
         const int there = axis(q, face / 2) + (face % 2 == 0 ? -1 : 1);
         if (point[q] < 0 || there < 0 || there > 2 || point[q + step(face)] < 0) continue;
-        ways_[face] |= static_cast<unsigned>(is_way(point[q], point[q + step(face)], face)) << q;
+        paths_[face] |= static_cast<unsigned>(is_way(point[q], point[q + step(face)], face)) << q;
       }
       const int beside = kMiddle + step(face);
       if (point[beside] >= 0 && is_way(i, point[beside], face)) faces |= 1u << beside;
@@ -49,7 +49,7 @@ class CopyLattice::Around {
     for (unsigned before = 0; before != reached && (ends & ~reached);) {
       before = reached;
       for (int face = 0; face < 6; ++face) {
-        const unsigned from = reached & ways_[face];
+        const unsigned from = reached & paths_[face];
         reached |= mask & (step(face) < 0 ? from >> -step(face) : from << step(face));
       }
     }
@@ -62,8 +62,8 @@ class CopyLattice::Around {
  private:
   static int axis(int q, int d) { return d == 0 ? q / 9 : d == 1 ? q / 3 % 3 : q % 3; }
   bool is_way(int a, int b, int face) const { return p_[a].piece == p_[b].piece && connected(p_[a], p_[b], face); }
-  const std::vector<CopyPoint>& p_;
-  unsigned ways_[6] = {};
+  const std::vector<SplitterPoint>& p_;
+  unsigned paths_[6] = {};
 };
 
 }  // namespace mpdem

@@ -18,7 +18,7 @@ namespace mpdem {
 namespace {
 
 struct Piece {
-  int points = 0, least_tag = 0, part = 0;
+  int points = 0, least_tag = 0, layer = 0;
   bool attached[2] = {false, false};
 };
 
@@ -44,7 +44,7 @@ void grow(const Neighbours& near, const std::vector<CrackPoint>& points, bool ac
     next.clear();
     for (int i : front)
       for (int j : near.of(i))
-        if (j >= 0 && !goes[j].anywhere() && (across || points[j].part == points[i].part)) {
+        if (j >= 0 && !goes[j].anywhere() && (across || points[j].layer == points[i].layer)) {
           if (!claim[j].anywhere()) next.push_back(j);
           claim[j].join(goes[i]);
         }
@@ -79,7 +79,7 @@ std::optional<float> damage_to_pass(const Neighbours& near, const std::vector<Cr
     if (points[i].attached[1]) front.emplace(damage_at_grain(points[i], 1), second_grain);
     for (int f = 0; f < 6; ++f) {
       const int j = near.of(i)[f];
-      if (j < 0 || seen[j] || points[j].part != points[i].part || !near.bridged(i, f)) continue;
+      if (j < 0 || seen[j] || points[j].layer != points[i].layer || !near.bridged(i, f)) continue;
       seen[j] = 1;
       front.emplace(points[j].damage, j);
     }
@@ -113,7 +113,7 @@ std::vector<int> find_path(const Neighbours& near, const std::vector<CrackPoint>
     }
     for (int f = 0; f < 6; ++f) {
       const int j = near.of(i)[f];
-      if (j >= 0 && from[j] == kUnseen && passable(j) && points[j].part == points[i].part && near.bridged(i, f)) {
+      if (j >= 0 && from[j] == kUnseen && passable(j) && points[j].layer == points[i].layer && near.bridged(i, f)) {
         from[j] = i;
         queue.push_back(j);
       }
@@ -130,7 +130,7 @@ std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPo
   for (int first : near.order()) {
     if (points[first].failed || piece_of[first] >= 0) continue;
     Piece p;
-    p.part = points[first].part;
+    p.layer = points[first].layer;
     p.least_tag = points[first].tag;
     stack.assign(1, first);
     piece_of[first] = static_cast<int>(pieces.size());
@@ -142,7 +142,7 @@ std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPo
       for (int s = 0; s < 2; ++s) p.attached[s] = p.attached[s] || points[i].attached[s];
       for (int f = 0; f < 6; ++f) {
         const int j = near.of(i)[f];
-        if (j < 0 || piece_of[j] >= 0 || points[j].part != p.part || !near.bridged(i, f)) continue;
+        if (j < 0 || piece_of[j] >= 0 || points[j].layer != p.layer || !near.bridged(i, f)) continue;
         piece_of[j] = static_cast<int>(pieces.size());
         stack.push_back(j);
       }
@@ -154,7 +154,7 @@ std::vector<Piece> find_pieces(const Neighbours& near, const std::vector<CrackPo
 
 bool is_held(const Piece& p) { return p.attached[0] || p.attached[1]; }
 bool counts(const Piece& p) { return is_held(p) || p.points >= kLeastLoose; }
-int part_held(int side, int part) { return side == 1 && part == 0 ? 1 : part; }
+int layer_held(int side, int layer) { return side == 1 && layer == 0 ? 1 : layer; }
 
 // Finds where each piece goes, and the parts of loose pieces by their rank. Parts only ever split, so that their nodes
 // can take over the motion they had together. Attached pieces keep their part, except that the second grain's share of
@@ -162,7 +162,7 @@ int part_held(int side, int part) { return side == 1 && part == 0 ? 1 : part; }
 // least tag. A loose piece keeps its part if that is 2 or more and has no other piece that counts. Parts 0 and 1 follow their grains.
 std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::vector<int>& loose_part) {
   std::map<int, int> holders;  // by part: number of pieces in it that count
-  for (const Piece& p : pieces) holders[p.part] += counts(p);
+  for (const Piece& p : pieces) holders[p.layer] += counts(p);
   std::vector<int> ranked(pieces.size());
   std::iota(ranked.begin(), ranked.end(), 0);
   std::sort(ranked.begin(), ranked.end(), [&](int a, int b) {
@@ -177,14 +177,14 @@ std::vector<Goes> rank_pieces(const std::vector<Piece>& pieces, int next, std::v
       goes.held = p.attached[0] ? 1 : 2;
     } else if (counts(p)) {
       goes.loose = static_cast<int>(rank);
-      loose_part[rank] = p.part < 2 || holders[p.part] > 1 ? next++ : p.part;
+      loose_part[rank] = p.layer < 2 || holders[p.layer] > 1 ? next++ : p.layer;
     }
   }
   return of_piece;
 }
 
 // Bits, as in Goes::held, of the grains on which a failed point stays as a skin; 0 if there are none.
-int skin_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
+int residue_on(const CrackPoint& p) { return p.failed ? p.attached[0] + 2 * p.attached[1] : 0; }
 
 // Adds a part of the surface between two points. It counts at the place half way between them.
 void count_between(const CrackPoint& a, const CrackPoint& b, double area, double reach, SeparatingSurface& surface) {
@@ -199,7 +199,7 @@ void count_between(const CrackPoint& a, const CrackPoint& b, double area, double
 // a skin holds. So the material separates beside the skin, or through it if it is on both grains.
 void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points, const std::vector<Piece>& pieces, const double* face_area,
                   const std::vector<Goes>& side, double reach, Separation& result) {
-  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), skin_on);
+  const bool held = std::any_of(pieces.begin(), pieces.end(), is_held) || std::any_of(points.begin(), points.end(), residue_on);
   const bool loose = std::any_of(pieces.begin(), pieces.end(), [](const Piece& p) { return p.points >= kLeastLoose; });
   if (!held && loose)  // both grains let go between two calls
     for (const CrackPoint& p : points)
@@ -207,7 +207,7 @@ void find_surface(const Neighbours& near, const std::vector<CrackPoint>& points,
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (side[i].held == 0) continue;
     const double first = share_of_first(side[i].held);
-    if (skin_on(points[i]) == 3) {
+    if (residue_on(points[i]) == 3) {
       result.inside += 0.5 * (points[i].link_area[0] + points[i].link_area[1]);
     } else {
       result.at_grain[0] += (1.0 - first) * points[i].link_area[0];
@@ -227,12 +227,12 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   const int n = static_cast<int>(points.size());
   const Neighbours near(points, across);
   Separation result;
-  result.part.resize(n);
+  result.piece.resize(n);
   result.between.assign(n, 0);
   int next = 2;
   for (int i = 0; i < n; ++i) {
-    result.part[i] = points[i].part;
-    next = std::max(next, points[i].part + 1);
+    result.piece[i] = points[i].layer;
+    next = std::max(next, points[i].layer + 1);
   }
   if (const std::optional<float> damage = damage_to_pass(near, points)) {
     result.path = find_path(near, points, *damage);
@@ -247,16 +247,16 @@ Separation separate(const std::vector<CrackPoint>& points, const double* face_ar
   for (int i = 0; i < n; ++i) {
     if (piece_of[i] >= 0) result.holds[i] = pieces[piece_of[i]].attached[0] + 2 * pieces[piece_of[i]].attached[1];
     if (piece_of[i] >= 0) goes[i] = of_piece[piece_of[i]];
-    else goes[i].held = skin_on(points[i]);
+    else goes[i].held = residue_on(points[i]);
     side[i].held = goes[i].held;
   }
   grow(near, points, false, goes);
   for (int i = 0; i < n; ++i) {
     const CrackPoint& p = points[i];
     result.between[i] = goes[i].held == 3;
-    if (goes[i].held != 0) result.part[i] = part_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.part);
-    else if (goes[i].loose != Goes::kNone) result.part[i] = loose_part[goes[i].loose];
-    else if (!again) result.part[i] = part_held(p.nearer, p.part);  // no material that it could go with can be reached
+    if (goes[i].held != 0) result.piece[i] = layer_held(goes[i].held == 3 ? p.nearer : goes[i].held - 1, p.layer);
+    else if (goes[i].loose != Goes::kNone) result.piece[i] = loose_part[goes[i].loose];
+    else if (!again) result.piece[i] = layer_held(p.nearer, p.layer);  // no material that it could go with can be reached
   }
   grow(near, points, true, side);
   find_surface(near, points, pieces, face_area, side, reach, result);
@@ -269,7 +269,7 @@ std::vector<char> grains_held(const std::vector<CrackPoint>& points, int across)
   std::vector<char> held(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Piece* p = piece_of[i] < 0 ? nullptr : &pieces[piece_of[i]];
-    held[i] = static_cast<char>(p ? p->attached[0] + 2 * p->attached[1] : skin_on(points[i]));
+    held[i] = static_cast<char>(p ? p->attached[0] + 2 * p->attached[1] : residue_on(points[i]));
   }
   return held;
 }

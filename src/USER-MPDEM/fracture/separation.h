@@ -7,7 +7,7 @@
 //   second, and every loose piece of at least kLeastLoose points. Failed points and smaller crumbs go with the
 //   nearest of these in their part, in steps from cell to cell. At equal distance a grain's material comes before a
 //   loose piece, and of two loose pieces the larger. Points at equal distance from the material of both grains go
-//   with the grain whose surface is nearer (nearer_side() of body.h). So do points that no step reaches at the first
+//   with the grain whose surface is nearer (nearer_side() of bond_record.h). So do points that no step reaches at the first
 //   separation. Later such points keep their part;
 // * the separating surface lies where the material that goes with the first grain meets that of the second. This
 //   is inside the cement, or at a grain whose own links are to material of the other grain. A part inside that is
@@ -22,8 +22,8 @@
 // damaged point or link is the least damaged. It is expected to hold longest, so there is seldom reason to search again.
 //
 // The code is serial and takes all points of one body. The result does not depend on their order.
-#ifndef MPDEM_SEPARATION_H
-#define MPDEM_SEPARATION_H
+#ifndef MPDEM_FRACTURE_SEPARATION_H
+#define MPDEM_FRACTURE_SEPARATION_H
 
 #include <vector>
 
@@ -51,7 +51,7 @@ struct SeparatingSurface {
 
 struct Separation : SeparatingSurface {
   // New part of each point, in the order given. It counts pieces, as CrackPoint::part does.
-  std::vector<int> part;
+  std::vector<int> piece;
   std::vector<char> between;  // for each point: true if it is at equal distance from the material of both grains
   // For each point of a separated bond the bits of the grains that its piece is attached to, 0 for failed points.
   std::vector<char> holds;

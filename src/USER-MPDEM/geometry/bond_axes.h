@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#ifndef MPDEM_BOND_AXES_H
-#define MPDEM_BOND_AXES_H
+#ifndef MPDEM_GEOMETRY_BOND_AXES_H
+#define MPDEM_GEOMETRY_BOND_AXES_H
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -3,8 +3,8 @@
 //
 // Finds the axis-parallel boxes that hold a place or meet another box. Boxes are sorted into bins as wide as the widest
 // of them, so the cost of a search depends on the boxes nearby and not on their total number.
-#ifndef MPDEM_BOX_SEARCH_H
-#define MPDEM_BOX_SEARCH_H
+#ifndef MPDEM_GEOMETRY_BOX_SEARCH_H
+#define MPDEM_GEOMETRY_BOX_SEARCH_H
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -24,17 +24,14 @@ double overlap_angle(const GrainPair& p, int side, double t) {
 
 }  // namespace
 
-Coating::Coating(const GrainPair& pair, double thickness, double cap, double inner)
-    : Shape(pair, inner), t_(thickness), cap_(cap) {
+Coating::Coating(const GrainPair& pair, double thickness, double cap, double inner) : Shape(pair, inner), t_(thickness), cap_(cap) {
   std::ostringstream why;
   if (!(thickness > 0.0 && thickness <= std::min(pair.R1, pair.R2))) {
-    why << "coating thickness " << thickness << " must lie in (0, " << std::min(pair.R1, pair.R2)
-        << "], the smaller grain's radius";
+    why << "coating thickness " << thickness << " must lie in (0, " << std::min(pair.R1, pair.R2) << "], the smaller grain's radius";
   } else if (!((cap > 0.0 && cap <= 0.5 * M_PI * (1.0 + 1e-15)) || cap == M_PI)) {
     why << "cap " << cap / kDegree << " degrees must lie in (0, 90], or be 180 for the whole grain";
   } else if (!(pair.gap < 2.0 * thickness)) {
-    why << "coatings of thickness " << thickness << " do not meet across a gap of " << pair.gap
-        << "; use more than " << 0.5 * pair.gap;
+    why << "coatings of thickness " << thickness << " do not meet across a gap of " << pair.gap << "; use more than " << 0.5 * pair.gap;
   } else {
     const double need = std::max(overlap_angle(pair, 0, thickness), overlap_angle(pair, 1, thickness));
     if (cap < need) why << "cap " << cap / kDegree << " degrees cuts into the bond; use more than " << need / kDegree;
@@ -42,7 +39,9 @@ Coating::Coating(const GrainPair& pair, double thickness, double cap, double inn
   const double smaller = std::min(pair.R1, pair.R2);
   if (why.str().empty() && !(this->inner() < std::min(ring(), smaller)))
     why << "inner radius " << this->inner() << " must lie in [0, " << std::min(ring(), smaller) << "), inside "
-        << (ring() < smaller ? "the ring in which the coatings meet; use a thicker coating or a smaller 'inner', with 'inner auto' a smaller spacing" : "the smaller grain; use a smaller 'inner'");
+        << (ring() < smaller
+                ? "the ring in which the coatings meet; use a thicker coating or a smaller 'inner', with 'inner auto' a smaller spacing"
+                : "the smaller grain; use a smaller 'inner'");
   if (!why.str().empty()) throw ShapeError(why.str());
 }
 
@@ -58,15 +57,15 @@ double Coating::thickness_for_volume(const GrainPair& pair, double volume, doubl
   // With a cap, the thickest coating is that whose overlap just fits into the cap.
   double most = largest;
   if (cap < M_PI)
-    most = bisect_rising(
-        [&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *
-        (1.0 - 1e-12);
+    most = bisect_rising([&](double t) { return std::max(overlap_angle(pair, 0, t), overlap_angle(pair, 1, t)) - cap; }, 0.0, largest) *
+           (1.0 - 1e-12);
   if (volume_of(most) == 0.0) Coating(pair, most, cap, inner);  // throws with a message about what is wrong besides the volume
   const double least = least_of_rising(volume_of, most);
   if (!(volume > 0.0 && volume >= least && volume <= volume_of(most))) {
     std::ostringstream why;
-    why << "a coating of volume " << volume << " does not fit: on these grains and outside the inner radius " << inner << " it holds at least " << least
-        << " and at most " << volume_of(most) << "; use a content between them, a wider cap for more, or a narrower one for less";
+    why << "a coating of volume " << volume << " does not fit: on these grains and outside the inner radius " << inner
+        << " it holds at least " << least << " and at most " << volume_of(most)
+        << "; use a content between them, a wider cap for more, or a narrower one for less";
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double t) { return volume_of(t) - volume; }, 0.0, most);
@@ -127,19 +126,16 @@ double Coating::highest() const {
   if (cap_ == M_PI) return pair().height(1) + (pair().R2 + t_);
   return std::max(pair().height(1) - pair().R2 * std::cos(cap_), pair().height(0) + (pair().R1 + t_));
 }
-double Coating::widest() const {
-  return (std::max(pair().R1, pair().R2) + t_) * (cap_ < 0.5 * M_PI ? std::sin(cap_) : 1.0);
-}
+double Coating::widest() const { return (std::max(pair().R1, pair().R2) + t_) * (cap_ < 0.5 * M_PI ? std::sin(cap_) : 1.0); }
 
 void Coating::add_breaks(std::vector<double>& at) const {
   Shape::add_breaks(at);
   const double d = pair().distance(), S1 = pair().R1 + t_, S2 = pair().R2 + t_;
   std::vector<double> z = {pair().height(0) + (d * d + S1 * S1 - S2 * S2) / (2.0 * d)};
   for (int s = 0; s < 2; ++s) {
-    const double S = pair().radius(s) + t_, towards = s == 0 ? 1.0 : -1.0, h = pair().height(s);
+    const double S = pair().radius(s) + t_, continuations = s == 0 ? 1.0 : -1.0, h = pair().height(s);
     const double rim = std::sqrt(std::max(S * S - inner() * inner(), 0.0));
-    for (double offset : {S, -S, rim, -rim, S * std::cos(cap_), pair().radius(s) * std::cos(cap_)})
-      z.push_back(h + towards * offset);
+    for (double offset : {S, -S, rim, -rim, S * std::cos(cap_), pair().radius(s) * std::cos(cap_)}) z.push_back(h + continuations * offset);
   }
   for (double v : z)
     if (v > lowest() && v < highest()) at.push_back(v);

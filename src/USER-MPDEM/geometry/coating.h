@@ -5,8 +5,8 @@
 // at this polar angle from the contact, seen from the grain.
 //   V = sum_i (2 pi/3)(1 - cos cap)[(R_i + t)^3 - R_i^3] - [lens(R1+t, R2+t) - lens(R1, R2)]
 // This holds if all of the overlap is within the cap.
-#ifndef MPDEM_COATING_H
-#define MPDEM_COATING_H
+#ifndef MPDEM_GEOMETRY_COATING_H
+#define MPDEM_GEOMETRY_COATING_H
 
 #include <algorithm>
 

@@ -3,8 +3,8 @@
 //
 // Union of shapes on one pair, such as a coating and a meniscus. Its volume has no closed form and is integrated to
 // rounding. Covered angles and heights are the largest of its parts, since all parts lie on the grains.
-#ifndef MPDEM_COMPOSITE_H
-#define MPDEM_COMPOSITE_H
+#ifndef MPDEM_GEOMETRY_COMPOSITE_H
+#define MPDEM_GEOMETRY_COMPOSITE_H
 
 #include <memory>
 

@@ -3,8 +3,8 @@
 //
 // A shape that meets both spheres in circles about the line of centres with one radius, the outer radius. Between the
 // circles the outline is nowhere wider.
-#ifndef MPDEM_EQUAL_RIMS_H
-#define MPDEM_EQUAL_RIMS_H
+#ifndef MPDEM_GEOMETRY_EQUAL_RIMS_H
+#define MPDEM_GEOMETRY_EQUAL_RIMS_H
 
 #include <algorithm>
 #include <cmath>

@@ -12,11 +12,11 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSectors = 16;                 // a multiple of eight keeps the mirror planes of the lattice
+constexpr int kSectors = 16;  // a multiple of eight keeps the mirror planes of the lattice
 constexpr int kLeastRings = 4, kMostRings = 8;
-constexpr double kRingsOfRatio = 3.0;        // rings for a thickness e times that at the inner rim
-constexpr double kThinnest = 1e-3;           // of the smaller radius
-constexpr double kNoFilm = 1e-9;             // cement thinner than a cell by less than this share is no film
+constexpr double kRingsOfRatio = 3.0;  // rings for a thickness e times that at the inner rim
+constexpr double kThinnest = 1e-3;     // of the smaller radius
+constexpr double kNoFilm = 1e-9;       // cement thinner than a cell by less than this share is no film
 
 // Points and weights of the Gauss-Legendre rule with n points on (0, 1), by Newton's method.
 void gauss_rule(int n, std::vector<double>& at, std::vector<double>& weight) {
@@ -88,22 +88,25 @@ class FilmFiller {
 
 }  // namespace
 
-FilmPart film_part(const Shape& shape, double spacing) {
-  FilmPart film;
+FilmFill film_fill(const Shape& shape, double spacing) {
+  FilmFill film;
   const GrainPair& pair = shape.pair();
   const double cell = kCellOfPoints * spacing, smaller = std::min(pair.R1, pair.R2);
   film.from = film.to = shape.inner();
-  if (!(pair.thickness(film.from) < (1.0 - kNoFilm) * cell)) return film;  // radii have the root of its rounding where the grains are parallel
+  if (!(pair.thickness(film.from) < (1.0 - kNoFilm) * cell))
+    return film;  // radii have the root of its rounding where the grains are parallel
   const double thin = pair.radius_of_thickness(cell);
   std::ostringstream why;
   const double rim = shape.spans() - thin;
   film.all = rim < cell;
   if (film.all && !shape.ends_where_it_spans())
-    why << "spacing " << spacing << " leaves a rim of " << std::max(rim, 0.0) << " where the grains are two spacings apart, less than a cell of two points, and this shape ("
-        << shape.describe() << ") cannot be film as a whole; use a smaller spacing, or 'film grid'";
+    why << "spacing " << spacing << " leaves a rim of " << std::max(rim, 0.0)
+        << " where the grains are two spacings apart, less than a cell of two points, and this shape (" << shape.describe()
+        << ") cannot be film as a whole; use a smaller spacing, or 'film grid'";
   else if (!(pair.thickness(film.from) >= kThinnest * smaller))
     why << "inner radius " << film.from << ": the grains are " << std::max(pair.thickness(film.from), 0.0)
-        << " apart there, and the stiffness of a film between rigid grains grows without bound where they come together; use a larger 'inner', where they are at least "
+        << " apart there, and the stiffness of a film between rigid grains grows without bound where they come together; use a larger "
+           "'inner', where they are at least "
         << kThinnest * smaller << " apart (a radius of " << pair.radius_of_thickness(kThinnest * smaller) << "), or 'film grid'";
   if (!why.str().empty()) throw ShapeError(why.str());
   film.to = film.all ? Flat::outer_for_volume(pair, shape.volume(), film.from) : thin;
@@ -112,7 +115,7 @@ FilmPart film_part(const Shape& shape, double spacing) {
   return film;
 }
 
-std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmPart& film, const std::vector<Neighbour>& neighbours) {
+std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, const std::vector<Neighbour>& neighbours) {
   std::vector<FillPoint> points;
   if (film.empty()) return points;
   const FilmFiller filler(pair);
@@ -120,7 +123,9 @@ std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmPart& film, co
   const int rings = std::clamp(static_cast<int>(std::ceil(kRingsOfRatio * (high - low))), kLeastRings, kMostRings);
   std::vector<double> at, weight;
   gauss_rule(rings, at, weight);
-  const auto radius_at = [&](double share) { return share <= 0.0 ? film.from : share >= 1.0 ? film.to : pair.radius_of_thickness(std::exp(low + share * (high - low))); };
+  const auto radius_at = [&](double share) {
+    return share <= 0.0 ? film.from : share >= 1.0 ? film.to : pair.radius_of_thickness(std::exp(low + share * (high - low)));
+  };
   double volume = 0.0, area[2] = {0.0, 0.0}, passed = 0.0;
   for (int i = 0; i < rings; ++i) {
     const double r = radius_at(at[i]), t = pair.thickness(r), inside = radius_at(passed), outside = radius_at(passed + weight[i]);

@@ -11,8 +11,8 @@
 // The points do not depend on the spacing. They lie in rings, at the points of a Gauss rule in ln t, where t is the
 // thickness: then the sums over A, A t and A/t, which are area, volume and stiffness, converge at once. Each ring has
 // kSectors of them.
-#ifndef MPDEM_FILM_FILL_H
-#define MPDEM_FILM_FILL_H
+#ifndef MPDEM_GEOMETRY_FILM_FILL_H
+#define MPDEM_GEOMETRY_FILM_FILL_H
 
 #include <vector>
 
@@ -20,20 +20,20 @@
 
 namespace mpdem {
 
-struct FilmPart {
-  double from = 0.0, to = 0.0;     // radii; none if they are equal
+struct FilmFill {
+  double from = 0.0, to = 0.0;  // radii; none if they are equal
   double volume = 0.0, area[2] = {0, 0};
-  bool all = false;                // true: no cell is left
+  bool all = false;  // true: no cell is left
   bool empty() const { return !(to > from); }
 };
 
 constexpr double kCellOfPoints = 2.0;  // width of a cell of eight points, in spacings
 
 // Throws ShapeError if the shape cannot be film where it is too thin.
-FilmPart film_part(const Shape& shape, double spacing);
+FilmFill film_fill(const Shape& shape, double spacing);
 
 // Points of the film, ring by ring. Neighbours take their share of each, as in fill_with_points().
-std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmPart& film, const std::vector<Neighbour>& neighbours = {});
+std::vector<FillPoint> fill_film(const GrainPair& pair, const FilmFill& film, const std::vector<Neighbour>& neighbours = {});
 
 }  // namespace mpdem
 

@@ -46,8 +46,8 @@ double Flat::top_clearance(double r, double) const { return std::fabs(r - outer_
 
 std::string Flat::describe() const {
   std::ostringstream s;
-  s << "flat, inner radius " << inner() << ", outer radius " << outer_ << ", gap " << pair().gap << ", thickness "
-    << smallest_thickness() << " to " << largest_thickness();
+  s << "flat, inner radius " << inner() << ", outer radius " << outer_ << ", gap " << pair().gap << ", thickness " << smallest_thickness()
+    << " to " << largest_thickness();
   return s.str();
 }
 

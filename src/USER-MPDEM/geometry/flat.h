@@ -3,8 +3,8 @@
 //
 // Flat bond: the space between the two spheres inside a cylinder about the line of centres. It reaches from an inner
 // radius (0: none) to an outer one, which is at most that of the smaller grain.
-#ifndef MPDEM_FLAT_H
-#define MPDEM_FLAT_H
+#ifndef MPDEM_GEOMETRY_FLAT_H
+#define MPDEM_GEOMETRY_FLAT_H
 
 #include "equal_rims.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Finds axes for a transversely isotropic material whose third axis is given.
-#ifndef MPDEM_FRAME_ALONG_H
-#define MPDEM_FRAME_ALONG_H
+#ifndef MPDEM_GEOMETRY_FRAME_ALONG_H
+#define MPDEM_GEOMETRY_FRAME_ALONG_H
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -6,8 +6,8 @@
 //   r(z)^2 = w^2 + (a^2 - w^2) (2 u/L)^2,  u: height from the waist,  L = thickness(a).
 // The solid under it has the volume pi L (2 w^2 + a^2)/3, which is (2 pi/3) L (a^2 - w^2) less than the cylinder's.
 // The outline leaves the spheres outwards as long as 2 (a^2 - w^2)/L <= sqrt(R^2 - a^2), R of the smaller grain.
-#ifndef MPDEM_HOURGLASS_H
-#define MPDEM_HOURGLASS_H
+#ifndef MPDEM_GEOMETRY_HOURGLASS_H
+#define MPDEM_GEOMETRY_HOURGLASS_H
 
 #include "equal_rims.h"
 
@@ -31,7 +31,9 @@ class Hourglass : public EqualRims {
   std::string describe() const override;
   double spans() const override { return neck_; }
   bool ends_where_it_spans() const override { return false; }
-  std::unique_ptr<Shape> with_inner(double inner) const override { return std::make_unique<Hourglass>(pair(), outer_, neck_ / outer_, inner); }
+  std::unique_ptr<Shape> with_inner(double inner) const override {
+    return std::make_unique<Hourglass>(pair(), outer_, neck_ / outer_, inner);
+  }
 
  private:
   double neck_;

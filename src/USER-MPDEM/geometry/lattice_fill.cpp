@@ -11,9 +11,9 @@ namespace mpdem {
 
 namespace {
 
-constexpr int kSubSamples = 6;        // in each direction, in cut cells
-constexpr int kSharedSamples = 16;    // in each direction, in cells that neighbours cut
-constexpr int kSurfaceSamples = 6;    // in a length of one spacing, on the grains
+constexpr int kSubSamples = 6;      // in each direction, in cut cells
+constexpr int kSharedSamples = 16;  // in each direction, in cells that neighbours cut
+constexpr int kSurfaceSamples = 6;  // in a length of one spacing, on the grains
 
 using Cell = std::array<int, 3>;
 
@@ -46,8 +46,7 @@ Owner owner_around(const std::vector<Neighbour>& neighbours, const Vector3& x, d
 }
 
 // Index of the point whose cell holds x, or of the nearest one in cells around it; -1 if there is none within three cells.
-int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& points, const Vector3& x,
-             double spacing) {
+int owner_of(const std::vector<Cell>& cells, const std::vector<FillPoint>& points, const Vector3& x, double spacing) {
   const Cell at = cell_of(x, spacing);
   const auto find = [&](const Cell& c) {
     const auto it = std::lower_bound(cells.begin(), cells.end(), c);
@@ -100,8 +99,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
     const double ring_area = 2.0 * M_PI * R * R * 2.0 * std::sin(0.5 * (a + b)) * std::sin(0.5 * (b - a));
     const double theta = 0.5 * (a + b);
     // A multiple of eight keeps the four-fold symmetry and the mirror planes.
-    const int around =
-        8 * std::max(1, static_cast<int>(std::ceil(2.0 * M_PI * R * std::sin(theta) * kSurfaceSamples / spacing / 8)));
+    const int around = 8 * std::max(1, static_cast<int>(std::ceil(2.0 * M_PI * R * std::sin(theta) * kSurfaceSamples / spacing / 8)));
     for (int j = 0; j < around; ++j) {
       const double phi = 2.0 * M_PI * (j + 0.5) / around;
       const Vector3 out = std::cos(theta) * pole + std::sin(theta) * (std::cos(phi) * e1 + std::sin(phi) * e2);
@@ -127,8 +125,8 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
   if (!(own > 0.0)) throw ShapeError("neighbours take all of the cement at the surface of a grain; make the shapes smaller");
   if (!(total > 0.0) || lost > 0.05 * exact) {
     std::ostringstream why;
-    why << "the lattice of spacing " << spacing << " does not reach the surface of the grain (area " << exact
-        << ", reached " << total << "); use a smaller spacing";
+    why << "the lattice of spacing " << spacing << " does not reach the surface of the grain (area " << exact << ", reached " << total
+        << "); use a smaller spacing";
     throw ShapeError(why.str());
   }
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -144,8 +142,7 @@ void attach(const Shape& shape, int side, double spacing, const std::vector<Neig
 
 // Finds the cells of the lattice that the shape fills or cuts, by halving boxes of cells. A box whose middle is further
 // from the surface than from its corners is all inside or all outside.
-void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell& to, std::vector<Cell>& full,
-                std::vector<Cell>& cut) {
+void find_cells(const Shape& shape, double spacing, const Cell& from, const Cell& to, std::vector<Cell>& full, std::vector<Cell>& cut) {
   Vector3 middle, size;
   int longest = 0;
   for (int d = 0; d < 3; ++d) {
@@ -193,7 +190,9 @@ bool sample_cell(double spacing, const Cell& cell, int samples, Weight weight, d
 // Finds volume and centroid of the part of a cut cell that is inside. Returns false if nothing is inside.
 bool cut_cell(const Shape& shape, double spacing, const Cell& cell, FillPoint& p) {
   double count;
-  if (!sample_cell(spacing, cell, kSubSamples, [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; }, count, p.X)) return false;
+  if (!sample_cell(
+          spacing, cell, kSubSamples, [&](const Vector3& x) { return shape.inside(x) ? 1.0 : 0.0; }, count, p.X))
+    return false;
   p.volume = spacing * spacing * spacing * count / (kSubSamples * kSubSamples * kSubSamples);
   return true;
 }
@@ -263,8 +262,7 @@ std::vector<FillPoint> fill_with_points(const Shape& shape, double spacing, doub
   }
   if (filled.empty()) {
     std::ostringstream why;
-    why << "no cell of a lattice of spacing " << spacing << " lies in the cement (" << shape.describe()
-        << "); use a smaller spacing";
+    why << "no cell of a lattice of spacing " << spacing << " lies in the cement (" << shape.describe() << "); use a smaller spacing";
     throw ShapeError(why.str());
   }
   std::sort(filled.begin(), filled.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -11,8 +11,8 @@
 // The shape may overlap those of other bodies, its neighbours. Then material goes to the body whose middle (the origin
 // of its coordinates, the middle of the gap) is nearest, and cells are cut there too. Material at equal distance is
 // shared evenly. So the bodies together fill the union of their shapes once.
-#ifndef MPDEM_LATTICE_FILL_H
-#define MPDEM_LATTICE_FILL_H
+#ifndef MPDEM_GEOMETRY_LATTICE_FILL_H
+#define MPDEM_GEOMETRY_LATTICE_FILL_H
 
 #include <Eigen/Geometry>
 #include <vector>
@@ -34,14 +34,14 @@ struct FillPoint {
     double damage = 0;  // damage of the link, see coupling/traction_law.h; only points from a file have some
   } link[2];
   // Only points from a file have the next members.
-  Vector3 axis = Vector3::Zero();            // axis of the elasticity; zero: from the rule of fix mpm
-  double damage[6] = {0, 0, 0, 0, 0, 0};     // xx yy zz yz xz xy in the axes of the bond
+  Vector3 axis = Vector3::Zero();         // axis of the elasticity; zero: from the rule of fix mpm
+  double damage[6] = {0, 0, 0, 0, 0, 0};  // xx yy zz yz xz xy in the axes of the bond
   bool failed = false;
 };
 
 struct Neighbour {
   const Shape* shape;
-  Vector3 middle;           // origin of its coordinates
+  Vector3 middle;                                            // origin of its coordinates
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // rotation to its axes
   Vector3 own(const Vector3& x) const { return turn * (x - middle); }
 };

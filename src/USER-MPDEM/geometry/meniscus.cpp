@@ -37,10 +37,9 @@ Meniscus::Meniscus(const GrainPair& pair, double filling_angle, double contact_a
   const double alpha = std::atan2(rho_ * std::sin(t), R2 + rho_ * std::cos(t));
   b_[0] = b;
   b_[1] = std::atan2(r0_, d - z0_) - alpha;
-  if (!(apart > 0.0 && slope > 0.0 && rho_ > 0.0 && b_[1] > 0.0 && b_[1] < 0.5 * M_PI && waist_ > 0.0) ||
-      !std::isfinite(w)) {
-    why << "no meniscus with filling angle " << b / kDegree << " and contact angle " << t / kDegree
-        << " degrees spans a gap of " << pair.gap << "; use a larger filling angle or content";
+  if (!(apart > 0.0 && slope > 0.0 && rho_ > 0.0 && b_[1] > 0.0 && b_[1] < 0.5 * M_PI && waist_ > 0.0) || !std::isfinite(w)) {
+    why << "no meniscus with filling angle " << b / kDegree << " and contact angle " << t / kDegree << " degrees spans a gap of "
+        << pair.gap << "; use a larger filling angle or content";
     throw ShapeError(why.str());
   }
   const double shift = pair.height(0);
@@ -82,10 +81,11 @@ double filling_for(const GrainPair& pair, double value, double contact_angle, do
     if (!(contact_angle >= 0.0 && contact_angle < 0.5 * M_PI))
       why << "contact angle " << contact_angle / kDegree << " degrees must lie in [0, 90)";
     else if (most == 0.0)
-      why << "with the contact angle " << contact_angle / kDegree << " degrees no meniscus spans the gap of these grains; use a smaller one";
+      why << "with the contact angle " << contact_angle / kDegree
+          << " degrees no meniscus spans the gap of these grains; use a smaller one";
     else
-      why << "a meniscus of " << name << " " << value << " does not fit: between these grains and outside the inner radius " << inner << " it has at least " << least
-          << " and at most " << most << "; use a value between them, or another inner radius";
+      why << "a meniscus of " << name << " " << value << " does not fit: between these grains and outside the inner radius " << inner
+          << " it has at least " << least << " and at most " << most << "; use a value between them, or another inner radius";
     throw ShapeError(why.str());
   }
   return bisect_rising([&](double b) { return measure_of(b) - value; }, 0.0, limit);
@@ -139,18 +139,14 @@ double Meniscus::top(double z) const {
 
 double Meniscus::top_clearance(double r, double z) const { return std::fabs(std::hypot(r - r0_, z - z0_) - rho_); }
 
-double Meniscus::widest() const {
-  return std::max(pair().R1 * std::sin(b_[0]), pair().R2 * std::sin(b_[1]));
-}
+double Meniscus::widest() const { return std::max(pair().R1 * std::sin(b_[0]), pair().R2 * std::sin(b_[1])); }
 
-double Meniscus::largest_thickness() const {
-  return pair().thickness(std::min(pair().R1 * std::sin(b_[0]), pair().R2 * std::sin(b_[1])));
-}
+double Meniscus::largest_thickness() const { return pair().thickness(std::min(pair().R1 * std::sin(b_[0]), pair().R2 * std::sin(b_[1]))); }
 
 std::string Meniscus::describe() const {
   std::ostringstream s;
-  s << "meniscus, filling angles " << b_[0] / kDegree << " and " << b_[1] / kDegree << " degrees, contact angle "
-    << contact_ / kDegree << " degrees, neck radius " << neck() << ", inner radius " << inner() << ", gap " << pair().gap;
+  s << "meniscus, filling angles " << b_[0] / kDegree << " and " << b_[1] / kDegree << " degrees, contact angle " << contact_ / kDegree
+    << " degrees, neck radius " << neck() << ", inner radius " << inner() << ", gap " << pair().gap;
   return s.str();
 }
 

@@ -7,8 +7,8 @@
 // radius rho of the arc follows from |O - c2|^2 = R2^2 + rho^2 + 2 R2 rho cos t:
 //   rho = (|P1 - c2|^2 - R2^2) / (2 (R2 cos t - m.(P1 - c2))).
 // The volume is that of the solid of revolution under the arc, less the caps of the spheres in it.
-#ifndef MPDEM_MENISCUS_H
-#define MPDEM_MENISCUS_H
+#ifndef MPDEM_GEOMETRY_MENISCUS_H
+#define MPDEM_GEOMETRY_MENISCUS_H
 
 #include "shape.h"
 
@@ -44,11 +44,11 @@ class Meniscus : public Shape {
  private:
   double profile_integral(double from, double to) const;
 
-  double b_[2];        // filling angles
-  double contact_;     // contact angle
+  double b_[2];           // filling angles
+  double contact_;        // contact angle
   double rho_, r0_, z0_;  // arc: radius, centre
   double waist_;          // r0 - rho
-  double z_[2];        // heights at which it meets the spheres
+  double z_[2];           // heights at which it meets the spheres
 };
 
 }  // namespace mpdem

@@ -11,8 +11,8 @@
 // Here d are the distances and n the outward normals. S has no kink at its ends. The axis is a line, so n0 and -n1,
 // which both point from the first sphere to the second, have the same sense. Their sum is zero only if n0 = n1 and d0 =
 // d1, which needs one sphere inside the other.
-#ifndef MPDEM_RADIAL_AXIS_H
-#define MPDEM_RADIAL_AXIS_H
+#ifndef MPDEM_GEOMETRY_RADIAL_AXIS_H
+#define MPDEM_GEOMETRY_RADIAL_AXIS_H
 
 #include <algorithm>
 

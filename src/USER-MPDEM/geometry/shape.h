@@ -4,8 +4,8 @@
 // The interface of a cement shape. All shapes are bodies of revolution about the line of centres that lie on the
 // grains. At height z along the line they reach from the surface of the grains, or from the inner radius if that is
 // further out, to top(z). Coordinates are relative to the origin of the body: on the line of centres, in the middle of the gap.
-#ifndef MPDEM_SHAPE_H
-#define MPDEM_SHAPE_H
+#ifndef MPDEM_GEOMETRY_SHAPE_H
+#define MPDEM_GEOMETRY_SHAPE_H
 
 #include <Eigen/Dense>
 #include <memory>

@@ -5,11 +5,7 @@
 #include <algorithm>
 
 // The table has a line for each shape. shape(NAME) is `shape NAME` of a script, and NAME_style() is in the file of the shape.
-#define MPDEM_SHAPES(shape) \
-  shape(flat)               \
-  shape(meniscus)           \
-  shape(coating)            \
-  shape(hourglass)
+#define MPDEM_SHAPES(shape) shape(flat) shape(meniscus) shape(coating) shape(hourglass)
 
 namespace mpdem {
 
@@ -48,7 +44,8 @@ std::unique_ptr<Shape> make_shape(const ShapeWords& words, const GrainPair& pair
     count += values.count(w.name);
   }
   if (count != 1)
-    throw ShapeError("'shape " + words.style->name + "' " + (count == 0 ? "" : "has " + std::to_string(count) + " sizes and ") + "needs one of " + sizes + "'content' to give its size");
+    throw ShapeError("'shape " + words.style->name + "' " + (count == 0 ? "" : "has " + std::to_string(count) + " sizes and ") +
+                     "needs one of " + sizes + "'content' to give its size");
   return words.style->make({pair, inner, volume, values});
 }
 

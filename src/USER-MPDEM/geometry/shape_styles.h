@@ -4,8 +4,8 @@
 // Table of the shapes that a script can name: name, own words, factory. A new shape has one file in this folder with
 // its class and a function NAME_style(), and one line in the table of shape_styles.cpp. Readers of scripts take words,
 // ranges, defaults and messages from this table.
-#ifndef MPDEM_SHAPE_STYLES_H
-#define MPDEM_SHAPE_STYLES_H
+#ifndef MPDEM_GEOMETRY_SHAPE_STYLES_H
+#define MPDEM_GEOMETRY_SHAPE_STYLES_H
 
 #include <cmath>
 #include <map>
@@ -32,8 +32,8 @@ struct ShapeWord {
 // The data from which a shape is made.
 struct ShapeRequest {
   const GrainPair& pair;
-  double inner;   // inner radius
-  double volume;  // volume outside `inner`, if `content` was given
+  double inner;                                 // inner radius
+  double volume;                                // volume outside `inner`, if `content` was given
   const std::map<std::string, double>& values;  // values of all details and of the size that was given
 
   bool has(const std::string& word) const { return values.count(word) != 0; }
@@ -42,7 +42,7 @@ struct ShapeRequest {
 
 struct ShapeStyle {
   std::string name;
-  std::vector<ShapeWord> words;  // words besides `content`, which every shape has
+  std::vector<ShapeWord> words;                                 // words besides `content`, which every shape has
   std::unique_ptr<Shape> (*make)(const ShapeRequest& request);  // throws ShapeError
 
   const ShapeWord* word(const std::string& key) const;  // null if it has no word of that name

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#ifndef MPDEM_ABORT_H
-#define MPDEM_ABORT_H
+#ifndef MPDEM_HOST_ABORT_H
+#define MPDEM_HOST_ABORT_H
 
 #include "lammps.h"
 

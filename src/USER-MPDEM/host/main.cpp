@@ -10,9 +10,9 @@
 #include <new>
 #include <string>
 
-#include "../styles/cement_words.h"
-#include "../styles/fix_mpm_couple.h"
-#include "../styles/word_rules.h"
+#include "../styles/words/fix_mpm_words.h"
+#include "../styles/fixes/fix_mpm_couple.h"
+#include "../styles/words/word_rules.h"
 #include "error.h"
 #include "input.h"
 #include "lammps.h"
@@ -30,8 +30,9 @@ int main(int argc, char** argv) {
   try {
     liggghts->input->file();
   } catch (const std::bad_alloc&) {
-    liggghts->error->one("USER-MPDEM", 0, "out of memory; use fewer points (a larger 'spacing' of create_cement, "
-                                          "a larger 'cell' of fix mpm) or more ranks on more machines");
+    liggghts->error->one("USER-MPDEM", 0,
+                         "out of memory; use fewer points (a larger 'spacing' of create_cement, "
+                         "a larger 'cell' of fix mpm) or more ranks on more machines");
   } catch (const std::exception& e) {
     liggghts->error->one("USER-MPDEM", 0, (std::string("unexpected, please report: ") + e.what()).c_str());
   }

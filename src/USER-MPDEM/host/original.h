@@ -4,8 +4,8 @@
 // The executable defines some functions of the LIGGGHTS library anew, and its definitions hide those of the library.
 // original() finds the hidden function by its mangled name, so that the new one can call it. A member function takes
 // its object as first argument, as in the Itanium C++ ABI. Ends the program if the library has no such symbol.
-#ifndef MPDEM_ORIGINAL_H
-#define MPDEM_ORIGINAL_H
+#ifndef MPDEM_HOST_ORIGINAL_H
+#define MPDEM_HOST_ORIGINAL_H
 
 #include <dlfcn.h>
 
@@ -19,8 +19,7 @@ template <class F>
 F original(const char* mangled) {
   void* symbol = dlsym(RTLD_NEXT, mangled);
   if (!symbol) {
-    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n",
-                 mangled);
+    std::fprintf(stderr, "liggghts-mpdem: symbol %s is not in the LIGGGHTS library; the package needs LIGGGHTS 3.8.0\n", mangled);
     std::exit(1);
   }
   F f;

@@ -9,16 +9,16 @@
 // LAMMPS::init(), which begins every run, and Output::setup(), which is called with 0 where a run is not prepared.
 #include <cstring>
 
-#include "../styles/atom_vec_mpdem.h"
-#include "../styles/bond_stiffness.h"
-#include "../styles/compute_mpm_atom.h"
-#include "../styles/create_cement.h"
-#include "../styles/fix_check_timestep_mpm.h"
-#include "../styles/fix_mpm.h"
-#include "../styles/fix_mpm_couple.h"
-#include "../styles/host_guards.h"
-#include "../styles/private_access.h"
-#include "../styles/write_cement.h"
+#include "../styles/atoms/atom_vec_mpdem.h"
+#include "../styles/commands/bond_stiffness.h"
+#include "../styles/computes/compute_mpm_atom.h"
+#include "../styles/commands/create_cement.h"
+#include "../styles/fixes/fix_check_timestep_mpm.h"
+#include "../styles/fixes/fix_mpm.h"
+#include "../styles/fixes/fix_mpm_couple.h"
+#include "../styles/guards/host_guards.h"
+#include "../styles/atoms/private_access.h"
+#include "../styles/commands/write_cement.h"
 #include "../version.h"
 #include "abort.h"
 #include "atom.h"
@@ -78,17 +78,17 @@ AtomVec* Atom::new_avec(const char* style, char* suffix, int& sflag) {
     sflag = 0;
     return new AtomVecMpdem(lmp);
   }
-  return original<AtomVec* (*)(Atom*, const char*, char*, int&)>("_ZN9LAMMPS_NS4Atom8new_avecEPKcPcRi")(
-      this, style, suffix, sflag);
+  return original<AtomVec* (*)(Atom*, const char*, char*, int&)>("_ZN9LAMMPS_NS4Atom8new_avecEPKcPcRi")(this, style, suffix, sflag);
 }
 
 void LAMMPS::help() {
   original<void (*)(LAMMPS*)>("_ZN9LAMMPS_NS6LAMMPS4helpEv")(this);
-  std::fprintf(screen,
-               "\n\n* USER-MPDEM %s styles\n\n"
-               "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement,\n"
-               "bond_stiffness\n",
-               mpdem::kVersion);
+  std::fprintf(
+      screen,
+      "\n\n* USER-MPDEM %s styles\n\n"
+      "atom_style mpdem, fix mpm, fix mpm/couple, fix check/timestep/mpm, compute mpm/atom, commands create_cement, write_cement,\n"
+      "bond_stiffness\n",
+      mpdem::kVersion);
 }
 
 }  // namespace LAMMPS_NS

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "../styles/arguments.h"
-#include "../styles/atom_vec_mpdem.h"
+#include "../styles/words/arguments.h"
+#include "../styles/atoms/atom_vec_mpdem.h"
 #include "comm.h"
 #include "domain.h"
 #include "original.h"
@@ -123,15 +123,13 @@ std::string check_seal(const std::string& name, bool& sealed, Seal& seal) {
     sealed = true;
     Sum sum;
     if (seal.length != size - sizeof seal || !sum_of(f.get(), seal.length, sum))
-      return mpdem::text_of("read_restart: file '", name, "' is damaged: it has ", size - sizeof seal, " bytes, and had ",
-                            seal.length, " when it was written", cure);
+      return mpdem::text_of("read_restart: file '", name, "' is damaged: it has ", size - sizeof seal, " bytes, and had ", seal.length,
+                            " when it was written", cure);
     sum.add(&seal, offsetof(Seal, sum));
-    if (sum.value != seal.sum)
-      return "read_restart: file '" + name + "' is damaged: its check sum is not that of what was written" + cure;
+    if (sum.value != seal.sum) return "read_restart: file '" + name + "' is damaged: its check sum is not that of what was written" + cure;
     return "";
   }
-  if (size < kShortest)
-    return mpdem::text_of("read_restart: file '", name, "' is truncated, it has ", size, " bytes", cure);
+  if (size < kShortest) return mpdem::text_of("read_restart: file '", name, "' is truncated, it has ", size, " bytes", cure);
   // A file without a seal is of another atom style, of a program that writes no seals, or truncated. The head of the
   // data of atom_style mpdem follows its name, close to the beginning.
   std::vector<char> front(std::min<std::int64_t>(size, 4096));
@@ -166,8 +164,7 @@ void WriteRestart::write(char* file) {
   AtomVecMpdem::of(lmp)->forget_nodes();
   std::string complaint;
   if (me == 0) complaint = write_seal(with(name, "base"), split ? 0 : all, block, split ? nprocs : 0, update->ntimestep);
-  if (split && complaint.empty())
-    complaint = write_seal(with(name, std::to_string(me)), region ? 0 : bytes, block, 0, update->ntimestep);
+  if (split && complaint.empty()) complaint = write_seal(with(name, std::to_string(me)), region ? 0 : bytes, block, 0, update->ntimestep);
   mpdem::stop_if_any(lmp, complaint);
 }
 

@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "../styles/private_access.h"
+#include "../styles/atoms/private_access.h"
 #include "neighbor.h"
 #include "original.h"
 #include "output.h"

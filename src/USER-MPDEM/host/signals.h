@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#ifndef MPDEM_SIGNALS_H
-#define MPDEM_SIGNALS_H
+#ifndef MPDEM_HOST_SIGNALS_H
+#define MPDEM_HOST_SIGNALS_H
 
 namespace mpdem {
 

@@ -12,9 +12,9 @@
 
 #include <algorithm>
 
-#include "../styles/atom_vec_mpdem.h"
-#include "../styles/grains_alone.h"
-#include "../styles/private_access.h"
+#include "../styles/atoms/atom_vec_mpdem.h"
+#include "../styles/atoms/grains_alone.h"
+#include "../styles/atoms/private_access.h"
 #include "error.h"
 #include "fix_contact_history_mesh.h"
 #include "fix_gravity.h"
@@ -59,7 +59,9 @@ void FixContactHistoryMesh::markAllContacts() {
   }
 }
 
-void FixContactHistoryMesh::cleanUpContacts() { cleanUpContacts(0, points_are_apart(lmp) && points_are_behind(*atom) ? atom->nfirst : atom->nlocal); }
+void FixContactHistoryMesh::cleanUpContacts() {
+  cleanUpContacts(0, points_are_apart(lmp) && points_are_behind(*atom) ? atom->nfirst : atom->nlocal);
+}
 
 void FixGravity::post_force(int vflag) {
   static const auto loop = mpdem::original<void (*)(FixGravity*, int)>("_ZN9LAMMPS_NS10FixGravity10post_forceEi");

@@ -5,8 +5,8 @@
 // frame q rotates with the spin of the material. Strain and damage are kept in its components. So stress, damage and
 // elastic axes convect with one and the same spin, and the stress is a function of the state, never summed. The update
 // is exact for a finite rigid rotation in one step, and second order in a simple shear.
-#ifndef MPDEM_COROTATIONAL_H
-#define MPDEM_COROTATIONAL_H
+#ifndef MPDEM_MATERIAL_COROTATIONAL_H
+#define MPDEM_MATERIAL_COROTATIONAL_H
 
 #include "../numerics/simd.h"
 #include "../numerics/tensor3.h"
@@ -31,8 +31,8 @@ inline Mat3<vd> rotation_matrix(const Frame& q, vd two = splat(2.0)) {
 // Returns (1, v/2) q. Its length is not 1.
 inline Frame turned(const Frame& q, vd vx, vd vy, vd vz) {
   const vd x = 0.5 * vx, y = 0.5 * vy, z = 0.5 * vz;
-  return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y,
-          q.y + y * q.w + z * q.x - x * q.z, q.z + z * q.w + x * q.y - y * q.x};
+  return {q.w - x * q.x - y * q.y - z * q.z, q.x + x * q.w + y * q.z - z * q.y, q.y + y * q.w + z * q.x - x * q.z,
+          q.z + z * q.w + x * q.y - y * q.x};
 }
 inline vd square_of(const Frame& q) { return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z; }
 

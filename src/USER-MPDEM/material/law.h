@@ -30,8 +30,8 @@
 //   column(k, strain, state)  column k of columns()
 //
 // `strength` is the factor on B of each lane, `softening` its softening(). A law without fields does no damage. It needs only words() and the members that output uses.
-#ifndef MPDEM_LAW_H
-#define MPDEM_LAW_H
+#ifndef MPDEM_MATERIAL_LAW_H
+#define MPDEM_MATERIAL_LAW_H
 
 #include <stdexcept>
 #include <string>

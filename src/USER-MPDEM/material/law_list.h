@@ -4,8 +4,8 @@
 // Lists of laws as types: laws of damage (laws.h), and traction laws of links (coupling/traction_laws.h). The class of
 // an object is found once a pass, so loops are compiled for each class and make no virtual call. The header also has
 // the words of a script that follow the name of a law.
-#ifndef MPDEM_LAW_LIST_H
-#define MPDEM_LAW_LIST_H
+#ifndef MPDEM_MATERIAL_LAW_LIST_H
+#define MPDEM_MATERIAL_LAW_LIST_H
 
 #include <map>
 #include <stdexcept>

@@ -3,8 +3,8 @@
 //
 // The list of laws of damage. A new law needs its include and the last place in `Laws`, since restart files number the
 // laws. The words of fix mpm, its messages, the kernels and the output follow from the list.
-#ifndef MPDEM_LAWS_H
-#define MPDEM_LAWS_H
+#ifndef MPDEM_MATERIAL_LAWS_H
+#define MPDEM_MATERIAL_LAWS_H
 
 #include <memory>
 

@@ -13,7 +13,7 @@ namespace {
 constexpr int kPerLength = 8;
 constexpr double kHalfBar = 10.0;  // in lengths
 constexpr int kPoints = static_cast<int>(kHalfBar * kPerLength);
-constexpr int kSteps = 60;         // steps of the damage in the middle
+constexpr int kSteps = 60;  // steps of the damage in the middle
 constexpr double kTolerance = 1e-10;
 constexpr int kMostIterations = 60;
 constexpr double kLongestStep = 0.3;
@@ -96,9 +96,7 @@ class Bar {
   Eigen::MatrixXd K_;
 };
 
-bool falls(const State& s, const State& before, int growing) {
-  return ((s.x - before.x).segment(1, growing - 1).array() < -1e-12).any();
-}
+bool falls(const State& s, const State& before, int growing) { return ((s.x - before.x).segment(1, growing - 1).array() < -1e-12).any(); }
 
 }  // namespace
 

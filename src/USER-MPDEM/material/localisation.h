@@ -16,8 +16,8 @@
 //
 // The bar is its own mirror image about the crack. An average ends where the cement ends, so half of the bar is also a bar
 // that comes off the rigid body at its end, with half of the energy.
-#ifndef MPDEM_LOCALISATION_H
-#define MPDEM_LOCALISATION_H
+#ifndef MPDEM_MATERIAL_LOCALISATION_H
+#define MPDEM_MATERIAL_LOCALISATION_H
 
 #include <functional>
 #include <optional>

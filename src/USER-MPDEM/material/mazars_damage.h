@@ -13,8 +13,8 @@
 // J. Mazars, Eng. Fract. Mech. 25 (1986) 729. His second pair of parameters, for compression, is left out: damage of
 // compressed cement comes from the strain across the load. The stiffness does not come back in compression. A weaker
 // point (s below 1) has the same curve with all strains multiplied by s.
-#ifndef MPDEM_MAZARS_DAMAGE_H
-#define MPDEM_MAZARS_DAMAGE_H
+#ifndef MPDEM_MATERIAL_MAZARS_DAMAGE_H
+#define MPDEM_MATERIAL_MAZARS_DAMAGE_H
 
 #include <algorithm>
 #include <cmath>
@@ -42,8 +42,13 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   }
 
   MazarsDamage(const VtiElasticity& elasticity, const LawValues& values)
-      : LawOf(elasticity), kappa0_(values.get("kappa0", 0.0)), At_(values.get("At", 1.0)), Bt_(values.get("Bt", 0.0)),
-        cutoff_(values.get("cutoff", 0.9)), interface_(values.get("interface", 1.0)), kappa_at_cutoff_(kappa_of(cutoff_)) {}
+      : LawOf(elasticity),
+        kappa0_(values.get("kappa0", 0.0)),
+        At_(values.get("At", 1.0)),
+        Bt_(values.get("Bt", 0.0)),
+        cutoff_(values.get("cutoff", 0.9)),
+        interface_(values.get("interface", 1.0)),
+        kappa_at_cutoff_(kappa_of(cutoff_)) {}
 
   std::vector<double> values() const override { return {kappa0_, At_, Bt_, cutoff_, interface_}; }
   double threshold() const { return kappa0_; }
@@ -59,11 +64,12 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
     return {E * std::max(kappa0_, (1.0 - damage_at(peak)) * peak), kappa0_, kappa_at_cutoff_, E * work(kappa_at_cutoff_)};
   }
   std::string advice_on_strain() const override {
-    return text_of("with kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, " and cut-off ", cutoff_, ": check kappa0, a strain, and Bt, one over a strain");
+    return text_of("with kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, " and cut-off ", cutoff_,
+                   ": check kappa0, a strain, and Bt, one over a strain");
   }
   std::string report(double cell) const override {
-    const std::string parameters = text_of("  damage    mazars: kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, ", cut-off ", cutoff_, ", interface ",
-                                           interface_, "\n", report_of_strength());
+    const std::string parameters = text_of("  damage    mazars: kappa0 ", kappa0_, ", At ", At_, ", Bt ", Bt_, ", cut-off ", cutoff_,
+                                           ", interface ", interface_, "\n", report_of_strength());
     if (length() > 0.0) return parameters + report_of_band(cell);
     const double band = localisation_cells();
     return text_of(parameters, "  implies   energy per crack area ",
@@ -74,10 +80,13 @@ class MazarsDamage final : public LawOf<MazarsDamage> {
   std::optional<SofteningCurve> softening_curve() const override {
     const auto log_kappa = [law = *this](double x) { return std::log(law.kappa_of(-std::expm1(-x)) / law.kappa0_); };
     const double step = 1e-4;
-    return SofteningCurve{[](double x) { return SofteningCurve::Value{x, 1.0}; },
+    return SofteningCurve{[](double x) {
+                            return SofteningCurve::Value{x, 1.0};
+                          },
                           [log_kappa, step](double x) {
-                            return SofteningCurve::Value{x > 0.0 ? log_kappa(x) : 0.0,
-                                                         (log_kappa(x + step) - log_kappa(std::max(x - step, 0.0))) / (step + std::min(x, step))};
+                            return SofteningCurve::Value{
+                                x > 0.0 ? log_kappa(x) : 0.0,
+                                (log_kappa(x + step) - log_kappa(std::max(x - step, 0.0))) / (step + std::min(x, step))};
                           }};
   }
 

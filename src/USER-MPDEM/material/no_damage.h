@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Elastic cement, `damage none`: no state, no damage, no failure.
-#ifndef MPDEM_NO_DAMAGE_H
-#define MPDEM_NO_DAMAGE_H
+#ifndef MPDEM_MATERIAL_NO_DAMAGE_H
+#define MPDEM_MATERIAL_NO_DAMAGE_H
 
 #include <limits>
 

@@ -54,35 +54,35 @@ struct TensorDamage::Search {
 };
 
 // A state D at the strain at the end of the step.
-struct TensorDamage::Place {
+struct TensorDamage::TrialState {
   Evaluation state;
   Sym3<vd> D, drive;
   vd Yeq, excess;  // excess: Yeq - B
 
-  Place(const TensorDamage& law, const Sym3<vd>& strain, const Sym3<vd>& damage)
+  TrialState(const TensorDamage& law, const Sym3<vd>& strain, const Sym3<vd>& damage)
       : state(law.evaluate(strain, damage)), D(damage), drive(state.Y), Yeq(law.drive_by(drive)) {}
 };
 
 // The end of the search.
 struct TensorDamage::Found {
   Sym3<vd> D, stress, drive;
-  void take(vmask lanes, const Place& x) {
+  void take(vmask lanes, const TrialState& x) {
     D = blend(lanes, x.D, D);
     stress = blend(lanes, x.state.stress, stress);
     drive = blend(lanes, x.drive, drive);
   }
 };
 
-TensorDamage::Place TensorDamage::look_at(Search& s, const Sym3<vd>& D) const {
+TensorDamage::TrialState TensorDamage::evaluate(Search& s, const Sym3<vd>& D) const {
   ++s.evaluations;
-  Place x(*this, s.strain, D);
+  TrialState x(*this, s.strain, D);
   x.excess = x.Yeq - s.B_scale * threshold(D, s.softening);
   return x;
 }
 
 // Derivative of the excess by D. The derivative of Y is symmetric, as a second derivative of the energy. That of
 // <Y>_+:<Y>_+/2 is <Y>_+. So one derivative of Y, along the drive, gives the derivative of Yeq in all directions.
-Sym3<vd> TensorDamage::gradient(Search& s, const Place& x) const {
+Sym3<vd> TensorDamage::gradient(Search& s, const TrialState& x) const {
   ++s.evaluations;
   const Sym3<vd> G = splat(std::sqrt(0.5)) * slope(x.state, unit(x.drive));
   if (!any(s.softening != 0.0)) return G;
@@ -97,8 +97,7 @@ vd TensorDamage::largest_growth(const Sym3<vd>& damage, const Sym3<vd>& directio
   vd r[3];
   for (int i = 0; i < 3; ++i) r[i] = 1.0 / sqrt(max(p_.Dcut - d.value[i], splat(1e-16)));
   const Sym3<vd> n = rotate_back(d.axes, direction);
-  const Spectral m = eigen(scaled(
-      {r[0] * r[0], r[1] * r[1], r[2] * r[2], r[1] * r[2], r[0] * r[2], r[0] * r[1]}, n));
+  const Spectral m = eigen(scaled({r[0] * r[0], r[1] * r[1], r[2] * r[2], r[1] * r[2], r[0] * r[2], r[0] * r[1]}, n));
   // The largest eigenvalue can be so small only with literal Y. Then nothing grows towards the cut-off, and ten units
   // of Delta leave every surface behind.
   return 1.0 / max(largest(m), splat(0.1));
@@ -113,8 +112,7 @@ vmask TensorDamage::at_cutoff(const Sym3<vd>& D, double share) const {
 }
 
 // Direction N, from the trial state x and the derivative G of its excess.
-Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G,
-                                 vmask lanes) const {
+Sym3<vd> TensorDamage::direction(Search& s, const Sym3<vd>& strain_start, const TrialState& x, const Sym3<vd>& G, vmask lanes) const {
   const Sym3<vd> N = unit(x.drive);
   const vd along = contract(G, N);
   vd delta = -x.excess / along;
@@ -138,15 +136,15 @@ vmask TensorDamage::near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N,
   vd delta = -excess / slope, step = delta;
   vmask open = lanes & (slope < 0.0) & ~at_cutoff(s.damage + delta * N), done = splat_mask(false);
   for (int k = 0; any(open) && k < kMostSteps; ++k) {
-    const Place x = look_at(s, s.damage + delta * N);
+    const TrialState x = evaluate(s, s.damage + delta * N);
     const vd secant = (x.excess - excess) / step;
     const vd slope_here = k == 0 ? 2.0 * secant - slope : select(abs(step) > kLeastSecant, secant, slope);
     const vd next = -x.excess / slope_here;
     const vmask settled = open & (abs(next) <= kTolerance);
     found.take(settled, x);
     done |= settled;
-    open &= ~settled & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) &
-            ~at_cutoff(s.damage + (delta + next) * N);
+    open &=
+        ~settled & (abs(next) <= 0.5 * abs(step)) & (slope_here < 0.0) & (delta + next > 0.0) & ~at_cutoff(s.damage + (delta + next) * N);
     excess = x.excess;
     slope = slope_here;
     step = next;
@@ -165,7 +163,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
   vmask open = lanes, missing = splat_mask(false);
   for (vd t = max(start, 1e-6 * limit); any(open); t *= factor) {
     t = min(t, limit);
-    const Place x = look_at(s, s.damage + t * N);
+    const TrialState x = evaluate(s, s.damage + t * N);
     const vmask below = open & (x.excess <= 0.0), ended = open & ~below & (t >= limit);
     low = select(open & ~below, t, low);
     high = select(below, t, high);
@@ -174,7 +172,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
     open &= ~below & ~ended;
   }
   for (int k = 0; k < 100; ++k) {
-    const Place x = look_at(s, s.damage + delta * N);
+    const TrialState x = evaluate(s, s.damage + delta * N);
     const vmask above = x.excess > 0.0;
     low = select(above, delta, low);
     high = select(above, high, delta);
@@ -191,7 +189,7 @@ vmask TensorDamage::first_root(Search& s, const Sym3<vd>& N, vd start, vd limit,
 }
 
 // small_step() and jump() return the lanes that fail.
-vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const {
+vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const TrialState& x, vmask lanes, Found& found) const {
   const Sym3<vd> G = gradient(s, x), N = direction(s, strain_start, x, G, lanes);
   const vd along = contract(G, N);
   vmask unsure = near_root(s, x.excess, along, N, lanes, found);
@@ -201,7 +199,7 @@ vmask TensorDamage::small_step(Search& s, const Sym3<vd>& strain_start, const Pl
   if (p_.exponent >= 0.0) {
     // Next to the surface there is one root at most (kNearSurface). So one evaluation at the end of the range tells
     // whether the root lies before it.
-    const Place end = look_at(s, s.damage + limit * N);
+    const TrialState end = evaluate(s, s.damage + limit * N);
     failed = unsure & (along < 0.0) & (end.excess > 0.0);
     found.take(failed, end);
     unsure &= ~failed;
@@ -222,10 +220,9 @@ vmask TensorDamage::jump(Search& s, vmask lanes, Found& found) const {
   return failed;
 }
 
-TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain,
-                                          Sym3<vd>& damage, vmask active, vd strength,
+TensorDamage::Update TensorDamage::update(const Sym3<vd>& strain_start, const Sym3<vd>& strain, Sym3<vd>& damage, vmask active, vd strength,
                                           double growth, vd softening) const {
-  Place x(*this, strain, damage);
+  TrialState x(*this, strain, damage);
   Search s{strain, damage, strength / max(tension_weight(x.state.stress_e), splat(1e-300)), softening, 1};
   const vd B = s.B_scale * threshold(damage, softening);
   x.excess = x.Yeq - B;

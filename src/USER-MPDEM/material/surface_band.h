@@ -17,8 +17,8 @@
 //
 // Grassl, Xenos, Jirasek & Horak (arXiv:1406.3381, 2014) compare ways to average near boundaries. Those that change the weights
 // change the load at which damage begins, too; this one does not.
-#ifndef MPDEM_SURFACE_BAND_H
-#define MPDEM_SURFACE_BAND_H
+#ifndef MPDEM_MATERIAL_SURFACE_BAND_H
+#define MPDEM_MATERIAL_SURFACE_BAND_H
 
 #include <array>
 

@@ -19,9 +19,7 @@ double spent_work(double m, double keep) {
 }
 
 // Work on a volume that is pulled to failure, over sqrt(2) B0.
-double band_work(double m, double Dcut) {
-  return spent_work(m, 1.0 - Dcut) + 0.5 * std::exp((1.0 - m) * std::log(1.0 - Dcut));
-}
+double band_work(double m, double Dcut) { return spent_work(m, 1.0 - Dcut) + 0.5 * std::exp((1.0 - m) * std::log(1.0 - Dcut)); }
 
 // Finds m in (-1,3) at which the rising function work(m) is `wanted`. Returns false if there is none.
 template <class F>
@@ -69,8 +67,9 @@ double crack_band_exponent(const DamageParameters& p, double G_f, double band) {
   const double energy = std::sqrt(2.0) * p.B0;
   double least, most, m = 0.0;
   if (!find_exponent([&](double x) { return band_work(x, p.Dcut); }, G_f / (energy * band), least, most, m)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a band of width ", band, ": with this B0 and cut-off the width must lie between ",
-                                    G_f / (energy * most), " and ", G_f / (energy * least)));
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a band of width ", band,
+                                    ": with this B0 and cut-off the width must lie between ", G_f / (energy * most), " and ",
+                                    G_f / (energy * least)));
   }
   return m;
 }
@@ -84,9 +83,9 @@ double crack_cell_exponent(const DamageParameters& p, double G_f, double cell) {
     return localisation_cells(q) * band_work(x, p.Dcut);
   };
   if (!find_exponent(work, G_f / (energy * cell), least, most, m)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack in cells of ", cell, ": with this B0 and cut-off it must lie between ",
-                                    energy * cell * least, " and ", energy * cell * most, ", or for this G_f the cell between ",
-                                    G_f / (energy * most), " and ", G_f / (energy * least)));
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack in cells of ", cell,
+                                    ": with this B0 and cut-off it must lie between ", energy * cell * least, " and ", energy * cell * most,
+                                    ", or for this G_f the cell between ", G_f / (energy * most), " and ", G_f / (energy * least)));
   }
   return m;
 }
@@ -105,15 +104,18 @@ double nonlocal_exponent(const DamageParameters& p, double G_f, double length) {
     q.exponent = m;
     const std::optional<Localisation> band = localise(softening_curve(q), q.Dcut);
     if (!band)
-      throw std::domain_error(text_of("with the cut-off ", p.Dcut, " the band of a crack has no width: strains in it would be too far above those beside it; use 'cutoff 0.999' or less"));
+      throw std::domain_error(
+          text_of("with the cut-off ", p.Dcut,
+                  " the band of a crack has no width: strains in it would be too far above those beside it; use 'cutoff 0.999' or less"));
     return std::log(band->energy);
   };
   const double wanted = std::log(G_f / unit);
   double lo = kLeast, hi = kMost, at_lo = log_energy(lo), at_hi = log_energy(hi);
   if (!(wanted >= at_lo && wanted <= at_hi)) {
-    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack with the length ", length, ": with this B0 and cut-off it must lie between ",
-                                    unit * std::exp(at_lo), " and ", unit * std::exp(at_hi), ", or for this G_f the length between ",
-                                    length * std::exp(wanted - at_hi), " and ", length * std::exp(wanted - at_lo)));
+    throw std::domain_error(text_of("G_f ", G_f, " cannot be spent on a crack with the length ", length,
+                                    ": with this B0 and cut-off it must lie between ", unit * std::exp(at_lo), " and ",
+                                    unit * std::exp(at_hi), ", or for this G_f the length between ", length * std::exp(wanted - at_hi),
+                                    " and ", length * std::exp(wanted - at_lo)));
   }
   // The logarithm is nearly a straight line, so this uses secants, with a bisection every third time.
   double m = lo;
@@ -160,8 +162,8 @@ std::string TensorDamage::report(double cell) const {
   if (length() > 0.0) return text + report_of_band(cell);
   const double band = localisation_cells(p_);
   return text + text_of("  implies   energy per crack area ", implied_strength(elasticity().constants.Ez).work_per_volume * band * cell,
-                        " for a crack ", band, crack_energy_ > 0.0 ? " cells wide\n"
-                                                                : " cells wide: without regularization it is proportional to the cell\n");
+                        " for a crack ", band,
+                        crack_energy_ > 0.0 ? " cells wide\n" : " cells wide: without regularization it is proportional to the cell\n");
 }
 
 void TensorDamage::set_nonlocal(double length, double G_f) {

@@ -14,8 +14,8 @@
 // The effective stress is of Cordebois & Sidoroff type; Chow & Wang, Int. J. Fracture 33 (1987) 3. The tension weight
 // is s = r + (1 - r) zeta^2, with r = sum<s_i>/sum|s_i| of the principal effective stresses (Lee & Fenves, J. Eng.
 // Mech. 124 (1998) 892). It is frozen during the step and gives f_c = f_t/zeta. zeta = 1 is the symmetric law.
-#ifndef MPDEM_TENSOR_DAMAGE_H
-#define MPDEM_TENSOR_DAMAGE_H
+#ifndef MPDEM_MATERIAL_TENSOR_DAMAGE_H
+#define MPDEM_MATERIAL_TENSOR_DAMAGE_H
 
 #include <cmath>
 
@@ -30,13 +30,13 @@
 namespace mpdem {
 
 struct DamageParameters {
-  double B0 = 0.0;           // energy per volume, above 0
-  double Dcut = 0.9;         // in (0,1)
-  double exponent = 0.0;     // m of the crack band, in (-1,3)
-  double zeta = 1.0;         // f_t/f_c in (0,1]
-  bool monotone = true;      // true: <Y>_+ drives the damage; false: Y itself
-  double interface = 1.0;    // factor on B0 of points attached to a grain
-  double viscosity = 0.0;    // relaxation time of damage growth (Duvaut-Lions), 0: none
+  double B0 = 0.0;         // energy per volume, above 0
+  double Dcut = 0.9;       // in (0,1)
+  double exponent = 0.0;   // m of the crack band, in (-1,3)
+  double zeta = 1.0;       // f_t/f_c in (0,1]
+  bool monotone = true;    // true: <Y>_+ drives the damage; false: Y itself
+  double interface = 1.0;  // factor on B0 of points attached to a grain
+  double viscosity = 0.0;  // relaxation time of damage growth (Duvaut-Lions), 0: none
 };
 
 // Exponent m that spends G_f on a crack of width `band`:
@@ -69,7 +69,8 @@ class TensorDamage final : public LawOf<TensorDamage> {
   static constexpr int kFields = 6, kDegree = 2;
   using State = Sym3<vd>;  // D
 
-  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters) : LawOf(elasticity), p_(parameters), surface_band_(parameters.exponent) {}
+  TensorDamage(const VtiElasticity& elasticity, const DamageParameters& parameters)
+      : LawOf(elasticity), p_(parameters), surface_band_(parameters.exponent) {}
   TensorDamage(const VtiElasticity& elasticity, const LawValues& values);
   static std::vector<LawWord> words();
 
@@ -164,12 +165,12 @@ class TensorDamage final : public LawOf<TensorDamage> {
   vd largest_growth(const Sym3<vd>& damage, const Sym3<vd>& direction) const;
 
   struct Search;
-  struct Place;
+  struct TrialState;
   struct Found;
-  Place look_at(Search& s, const Sym3<vd>& D) const;
-  Sym3<vd> gradient(Search& s, const Place& x) const;
-  Sym3<vd> direction(Search& s, const Sym3<vd>& strain_start, const Place& x, const Sym3<vd>& G, vmask lanes) const;
-  vmask small_step(Search& s, const Sym3<vd>& strain_start, const Place& x, vmask lanes, Found& found) const;
+  TrialState evaluate(Search& s, const Sym3<vd>& D) const;
+  Sym3<vd> gradient(Search& s, const TrialState& x) const;
+  Sym3<vd> direction(Search& s, const Sym3<vd>& strain_start, const TrialState& x, const Sym3<vd>& G, vmask lanes) const;
+  vmask small_step(Search& s, const Sym3<vd>& strain_start, const TrialState& x, vmask lanes, Found& found) const;
   vmask jump(Search& s, vmask lanes, Found& found) const;
   vmask near_root(Search& s, vd excess, vd slope, const Sym3<vd>& N, vmask lanes, Found& found) const;
   vmask first_root(Search& s, const Sym3<vd>& N, vd start, vd limit, vmask lanes, Found& found) const;

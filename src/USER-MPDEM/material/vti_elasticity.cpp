@@ -20,8 +20,7 @@ std::string VtiConstants::violated_condition() const {
   else if (!(Gzp > 0.0)) why << "Gzp = " << Gzp << " must be positive";
   else if (!(nu_p > -1.0 && nu_p < 1.0)) why << "nu_p = " << nu_p << " must lie between -1 and 1";
   else if (!(delta(*this) > 0.0))
-    why << "nu_zp = " << nu_zp << " must satisfy nu_zp^2 < (1 - nu_p) Ez / (2 Ep) = "
-        << (1.0 - nu_p) * Ez / (2.0 * Ep);
+    why << "nu_zp = " << nu_zp << " must satisfy nu_zp^2 < (1 - nu_p) Ez / (2 Ep) = " << (1.0 - nu_p) * Ez / (2.0 * Ep);
   else if (!std::isfinite(Ep + Ez + Gzp)) why << "the moduli must be finite";
   return why.str();
 }
@@ -37,9 +36,7 @@ VtiElasticity::VtiElasticity(const VtiConstants& c) : constants(c) {
   C66 = 0.5 * c.Ep / (1.0 + c.nu_p);
 }
 
-double VtiElasticity::fastest_wave(double density) const {
-  return std::sqrt(std::max({C11, C33, C44, C66}) / density);
-}
+double VtiElasticity::fastest_wave(double density) const { return std::sqrt(std::max({C11, C33, C44, C66}) / density); }
 
 double VtiElasticity::largest_stiffness() const {
   // The shears are eigenvectors. The axial part couples xx + yy with zz.

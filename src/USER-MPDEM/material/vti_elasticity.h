@@ -6,8 +6,8 @@
 //   S11 = S22 = 1/Ep, S33 = 1/Ez, S12 = -nu_p/Ep, S13 = S23 = -nu_zp/Ez,
 //   S44 = S55 = 1/Gzp, S66 = 2 (1 + nu_p)/Ep,
 // nu_zp = -eps_p/eps_z under sigma_z alone. Moduli in units of pressure.
-#ifndef MPDEM_VTI_ELASTICITY_H
-#define MPDEM_VTI_ELASTICITY_H
+#ifndef MPDEM_MATERIAL_VTI_ELASTICITY_H
+#define MPDEM_MATERIAL_VTI_ELASTICITY_H
 
 #include <string>
 

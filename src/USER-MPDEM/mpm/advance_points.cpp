@@ -31,7 +31,8 @@ inline void advance_block(PointStore& points, int b, const W& s, const Grid& gri
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) p.F.a[i][j] += dF.a[i][j];
   Sym3<vd> stress;
-  const bool known = stress_at_end(b, strain_start, [&] { return average_at(grid, m, s); }, stress);
+  const bool known = stress_at_end(
+      b, strain_start, [&] { return average_at(grid, m, s); }, stress);
   clock.stressed();
   if (!known) return;
   scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume));
@@ -39,8 +40,8 @@ inline void advance_block(PointStore& points, int b, const W& s, const Grid& gri
 }
 
 template <class Type, class L>
-void advance(PointStore& points, int first, int last, Grid& grid, const L& law, double dt,
-             const AdvanceOptions& options, AdvanceResult& result) {
+void advance(PointStore& points, int first, int last, Grid& grid, const L& law, double dt, const AdvanceOptions& options,
+             AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   double* force = grid.force.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
@@ -49,7 +50,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     const PointBlock& p = points.blocks[b];
     const BlockMeta& m = points.meta[b];
     with_gradient_weights<Type>(p, m, inverse_h,
-                       [&](const auto& s) { scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume)); });
+                                [&](const auto& s) { scatter_gradient(force, m.column, s, weighted_piola(p.F, p.q, stress, p.volume)); });
   };
   const int blocks = static_cast<int>(points.blocks.size());
   const auto skips = [&](int b) { return options.skip_failed && points.meta[b].failed == points.meta[b].occupied; };
@@ -59,7 +60,7 @@ void advance(PointStore& points, int first, int last, Grid& grid, const L& law, 
     const BlockMeta& m = points.meta[b];
     clock.start();
     with_gradient_weights<Type>(points.blocks[b], m, inverse_h,
-                       [&](const auto& s) { advance_block(points, b, s, grid, force, dt, stress_at_end, clock); });
+                                [&](const auto& s) { advance_block(points, b, s, grid, force, dt, stress_at_end, clock); });
     if (stress_at_end.full()) stress_at_end.settle(clock, scatter_waiting);
   }
   stress_at_end.settle(clock, scatter_waiting);
@@ -81,17 +82,15 @@ void add_force(const PointStore& points, Grid& grid, const L& law) {
 
 }  // namespace
 
-void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt,
-                    const AdvanceOptions& options, AdvanceResult& result) {
+void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
+                    AdvanceResult& result) {
   with_law(law, [&](const auto& l) {
     with_basis(grid.basis, [&](auto type) { advance<decltype(type)>(points, first, last, grid, l, dt, options, result); });
   });
 }
 
 void add_internal_force(const PointStore& points, Grid& grid, const Law& law) {
-  with_law(law, [&](const auto& l) {
-    with_basis(grid.basis, [&](auto type) { add_force<decltype(type)>(points, grid, l); });
-  });
+  with_law(law, [&](const auto& l) { with_basis(grid.basis, [&](auto type) { add_force<decltype(type)>(points, grid, l); }); });
 }
 
 }  // namespace mpdem

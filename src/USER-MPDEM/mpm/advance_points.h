@@ -9,8 +9,8 @@
 // and the Kirchhoff stress is work-conjugate to that. If the stress of the law were taken as the Cauchy stress, the
 // work of the forces would differ from the energy by the change of volume, which is 1 % and more at the strains at
 // which cement fails.
-#ifndef MPDEM_ADVANCE_POINTS_H
-#define MPDEM_ADVANCE_POINTS_H
+#ifndef MPDEM_MPM_ADVANCE_POINTS_H
+#define MPDEM_MPM_ADVANCE_POINTS_H
 
 #include <vector>
 
@@ -39,8 +39,8 @@ struct AdvanceResult {
 
 // Advances the points of the blocks [first, last) by dt with the nodal velocity. Adds the internal force at the end of
 // the step. Failed points keep their state and give no force.
-void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt,
-                    const AdvanceOptions& options, AdvanceResult& result);
+void advance_points(PointStore& points, int first, int last, Grid& grid, const Law& law, double dt, const AdvanceOptions& options,
+                    AdvanceResult& result);
 
 inline void advance_points(PointStore& points, Grid& grid, const Law& law, double dt, AdvanceResult& result) {
   advance_points(points, 0, static_cast<int>(points.blocks.size()), grid, law, dt, AdvanceOptions(), result);

@@ -20,8 +20,8 @@ const Mat3<vd>& unit() {
 
 // Affine part of the velocity at the points of a block. `gradient` is the velocity gradient there.
 template <class Type, int Joined>
-Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Type, Joined>& s, const vd* X, const int* base,
-                     double h, const Mat3<vd>& gradient) {
+Mat3<vd> affine_part(const double* velocity, const int* column, const Weights<Type, Joined>& s, const vd* X, const int* base, double h,
+                     const Mat3<vd>& gradient) {
   if constexpr (Type::kAffine == 0.0) return gradient;  // both are equal for tents
   Mat3<vd> C = gather_gradient(velocity, column, with_moments(s, X, base, h));
   const double scale = Type::kAffine / (h * h);
@@ -73,12 +73,12 @@ void UpdatedPass::bind(const PointStore& points, const Grid& grid) {
   stale_ = false;
 }
 
-void UpdatedPass::start(PointStore& points, const Grid& grid, int first_body) {
+void UpdatedPass::start(PointStore& points, const Grid& grid, int first_row) {
   points.let_move();
   with_basis(grid.basis, [&](auto type) {
     for (std::size_t b = 0; b < points.blocks.size(); ++b) {
       const BlockMeta& m = points.meta[b];
-      if (m.body < first_body) continue;
+      if (m.row < first_row) continue;
       const PointBlock& p = points.blocks[b];
       with_weights<decltype(type)>(p, m, 1.0 / grid.h, [&](const auto& s) {
         vd v[3];
@@ -104,8 +104,7 @@ void move_to_present(PointStore& points, const Grid& grid) {
   });
 }
 
-void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, double density,
-                          const Transfer& transfer) {
+void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, double density, const Transfer& transfer) {
   std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
@@ -121,8 +120,8 @@ void UpdatedPass::project(const PointStore& points, Grid& grid, const Law& law, 
   });
 }
 
-void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
-                          const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
+void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v, const Transfer& transfer,
+                          const AdvanceOptions& options, AdvanceResult& result) {
   std::fill(grid.mass.own().begin(), grid.mass.own().end(), 0.0);
   grid.momentum.assign(grid.force.size(), 0.0);
   grid.clear_force();
@@ -140,8 +139,8 @@ void UpdatedPass::advance(PointStore& points, Grid& grid, const Law& law, double
 }
 
 template <class Type, class L>
-void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v,
-                       const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result) {
+void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v, const Transfer& transfer,
+                       const AdvanceOptions& options, AdvanceResult& result) {
   const double inverse_h = 1.0 / grid.h;
   const double* velocity = grid.velocity.data();
   PointStress<L> stress_at_end(points, law, dt, options, grid.drive_limit, result);
@@ -184,7 +183,8 @@ void UpdatedPass::pass(PointStore& points, Grid& grid, const L& law, double dens
     if (m.failed) dL = keep(lanes(m.failed), Mat3<vd>{}, dL);
     advance_strain(unit(), dL, p.q, p.strain);
     Sym3<vd> stress;
-    const bool known = stress_at_end(b, strain_start, [&] { return average_at(grid, m, s); }, stress);
+    const bool known = stress_at_end(
+        b, strain_start, [&] { return average_at(grid, m, s); }, stress);
     clock.stressed();
 
     const vmask here = lanes(m.occupied);
@@ -253,7 +253,7 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
   for (std::size_t i = 0; i < moves_.size(); i += kLanes) hold_.add_block(0, 0, nowhere, grid.h, grid.basis);
   hold_.let_move();
   for (std::size_t i = 0; i < moves_.size(); ++i) {
-    const int from = moves_[i].from / kLanes, l = moves_[i].from % kLanes, body = points.meta[from].body, part = points.meta[from].part;
+    const int from = moves_[i].from / kLanes, l = moves_[i].from % kLanes, row = points.meta[from].row, layer = points.meta[from].layer;
     Traveller& t = on_the_way_[i];
     t.node = -1;
     bool finite = true;
@@ -262,8 +262,8 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
       finite = finite && std::fabs(X) < 1e9;
       t.base[d] = finite ? support_base(X, 1.0, shift) : 0;
     }
-    if (finite) t.node = grid.base_node(field_of(body, part), t.base);
-    if (t.node < 0 || !grid.find_columns(field_of(body, part), t.base, t.column)) {
+    if (finite) t.node = grid.base_node(field_of(row, layer), t.base);
+    if (t.node < 0 || !grid.find_columns(field_of(row, layer), t.base, t.column)) {
       t.node = -1;
       lost_ = points.tags[from][l];
       moves_[i].to = moves_[i].from;
@@ -283,7 +283,7 @@ void UpdatedPass::relocate(PointStore& points, const Grid& grid, AdvanceResult& 
     while (to >= 0 && points.meta[to].occupied == 0xff) to = next_in_cell_[to];
     if (to < 0) {
       const BlockMeta& m = points.meta[moves_[i].from / kLanes];
-      to = points.add_block(m.body, m.part, t.base, grid.h, grid.basis);
+      to = points.add_block(m.row, m.layer, t.base, grid.h, grid.basis);
       std::copy(t.column, t.column + kMostColumns, points.meta[to].column);
       fresh_.push_back(0);
       next_in_cell_.push_back(first_in_cell_[t.node]);

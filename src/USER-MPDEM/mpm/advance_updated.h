@@ -7,8 +7,8 @@
 //   f_I = - sum_p V_p tau_p grad N_I(x_p)
 // to the nodes where it now is. After the pass, points that left their cell go into a block of the new cell. So a
 // block has points of one cell alone, and nothing is sorted. The grid has nodes some cells ahead of the points.
-#ifndef MPDEM_ADVANCE_UPDATED_H
-#define MPDEM_ADVANCE_UPDATED_H
+#ifndef MPDEM_MPM_ADVANCE_UPDATED_H
+#define MPDEM_MPM_ADVANCE_UPDATED_H
 
 #include <vector>
 
@@ -26,16 +26,15 @@ class UpdatedPass {
   void bind(const PointStore& points, const Grid& grid);
 
   // Gives points that have no velocity yet the velocity of the nodes.
-  static void start(PointStore& points, const Grid& grid, int first_body);
+  static void start(PointStore& points, const Grid& grid, int first_row);
 
   // Needs grid.velocity at the middle of the step. With flip, the caller must have added dt_v times grid.acceleration
   // to it. Overwrites grid.mass, grid.momentum and grid.force with the sums of this rank.
-  void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v,
-               const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
+  void advance(PointStore& points, Grid& grid, const Law& law, double density, double dt, double dt_v, const Transfer& transfer,
+               const AdvanceOptions& options, AdvanceResult& result);
 
   // Gives mass, momentum and force of the points to the nodes. Moves no point.
-  static void project(const PointStore& points, Grid& grid, const Law& law, double density,
-                      const Transfer& transfer);
+  static void project(const PointStore& points, Grid& grid, const Law& law, double density, const Transfer& transfer);
 
   // Slot of a point before and after the last step. A point changes its slot when it goes to another cell, or to
   // another block of its cell.
@@ -50,13 +49,14 @@ class UpdatedPass {
   int lost() const { return lost_; }
   std::size_t memory_usage() const {
     return sizeof(int) * (first_in_cell_.capacity() + next_in_cell_.capacity() + targets_.capacity()) +
-           sizeof(Move) * (moves_.capacity() + packed_.capacity()) + sizeof(Traveller) * on_the_way_.capacity() + hold_.memory_usage() + fresh_.capacity();
+           sizeof(Move) * (moves_.capacity() + packed_.capacity()) + sizeof(Traveller) * on_the_way_.capacity() + hold_.memory_usage() +
+           fresh_.capacity();
   }
 
  private:
   template <class Type, class L>
-  void pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v,
-            const Transfer& transfer, const AdvanceOptions& options, AdvanceResult& result);
+  void pass(PointStore& points, Grid& grid, const L& law, double density, double dt, double dt_v, const Transfer& transfer,
+            const AdvanceOptions& options, AdvanceResult& result);
   void relocate(PointStore& points, const Grid& grid, AdvanceResult& result);
   bool pack(PointStore& points, const Grid& grid, int node);
 
@@ -67,9 +67,9 @@ class UpdatedPass {
     int node, base[3], column[kMostColumns];  // of the new cell; node is -1 if the grid has no such cell
   };
   std::vector<Traveller> on_the_way_;
-  PointStore hold_;                   // holds points between the old and the new block
-  std::vector<int> targets_;          // blocks that took in points
-  std::vector<std::uint8_t> fresh_;   // lanes of each block that took in points
+  PointStore hold_;                  // holds points between the old and the new block
+  std::vector<int> targets_;         // blocks that took in points
+  std::vector<std::uint8_t> fresh_;  // lanes of each block that took in points
   bool stale_ = false;
   int lost_ = 0, crossings_ = 0;
 };

@@ -14,17 +14,17 @@ namespace mpdem {
 namespace {
 
 struct Item {
-  int body, part, base[3], tag, slot;
-  int to_part;  // part of the block it goes to; blocks are planned by `part`
+  int row, layer, base[3], tag, slot;
+  int to_layer;  // part of the block it goes to; blocks are planned by `part`
 };
 
 bool same_cell(const Item& a, const Item& b) {
-  return a.body == b.body && a.part == b.part && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
+  return a.row == b.row && a.layer == b.layer && a.base[0] == b.base[0] && a.base[1] == b.base[1] && a.base[2] == b.base[2];
 }
 
 bool cell_before(const Item& a, const Item& b) {
-  if (a.body != b.body) return a.body < b.body;
-  if (a.part != b.part) return a.part < b.part;
+  if (a.row != b.row) return a.row < b.row;
+  if (a.layer != b.layer) return a.layer < b.layer;
   for (int d = 0; d < 3; ++d)
     if (a.base[d] != b.base[d]) return a.base[d] < b.base[d];
   return false;
@@ -185,31 +185,28 @@ void PointStore::find_lattice(int b) {
   BlockMeta& m = meta[b];
   m.lattice = Lattice::none;
   if (m.joined != kOneCell || !motion.empty()) return;
-  vd (&X)[3] = blocks[b].X;
+  vd(&X)[3] = blocks[b].X;
   if (!share_places(X[2], m.occupied, height, 2)) return;
   vd x = X[0], y = X[1];
-  if (share_places(x, m.occupied, first, 2) && share_places(y, m.occupied, second, 2))
-    m.lattice = Lattice::box;
-  else if (share_places(x = X[0], m.occupied, column, 4) && share_places(y = X[1], m.occupied, column, 4))
-    m.lattice = Lattice::columns;
-  else
-    return;
+  if (share_places(x, m.occupied, first, 2) && share_places(y, m.occupied, second, 2)) m.lattice = Lattice::box;
+  else if (share_places(x = X[0], m.occupied, column, 4) && share_places(y = X[1], m.occupied, column, 4)) m.lattice = Lattice::columns;
+  else return;
   X[0] = x;
   X[1] = y;
 }
 
-std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_part, bool stay) {
+std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<int, int>& new_layer, bool stay) {
   const double inverse_h = 1.0 / cell, shift = cell_shift(basis);
   std::vector<Item> items;
   items.reserve(kLanes * blocks.size());
-  auto moved = new_part.begin();
+  auto moved = new_layer.begin();
   for (int slot = 0; slot < kLanes * static_cast<int>(blocks.size()); ++slot) {
     const int b = slot / kLanes, l = slot % kLanes;
     if (!(meta[b].occupied >> l & 1)) continue;
-    Item it{meta[b].body, 0, {}, tags[b][l], slot, meta[b].part};
-    while (moved != new_part.end() && moved->first < slot) ++moved;
-    if (moved != new_part.end() && moved->first == slot) it.to_part = moved->second;
-    if (!stay) it.part = it.to_part;
+    Item it{meta[b].row, 0, {}, tags[b][l], slot, meta[b].layer};
+    while (moved != new_layer.end() && moved->first < slot) ++moved;
+    if (moved != new_layer.end() && moved->first == slot) it.to_layer = moved->second;
+    if (!stay) it.layer = it.to_layer;
     for (int d = 0; d < 3; ++d) it.base[d] = support_base(blocks[b].X[d][l], inverse_h, shift);
     items.push_back(it);
   }
@@ -233,26 +230,26 @@ std::vector<int> PointStore::arrange(double cell, Basis basis, const std::map<in
     for (int l = 0; l < kLanes; ++l) {
       if (lanes_of.back()[l] < 0) continue;
       const Item& item = items[lanes_of.back()[l]];
-      families.back().part[l] = item.to_part;
+      families.back().layer[l] = item.to_layer;
       std::copy(item.base, item.base + 3, families.back().cell[l].begin());
     }
   }
   PointStore next;
   next.homes_ = static_cast<int>(plans.size());
   for (int h = 0; h < next.homes_; ++h)
-    for (int part : families[h].others()) next.copies_.push_back({h, part});
+    for (int layer : families[h].others()) next.copies_.push_back({h, layer});
   next.reserve_like(*this, plans.size() + next.copies_.size());
   std::vector<int> new_slot(kLanes * blocks.size(), -1);
   for (std::size_t n = 0; n < plans.size() + next.copies_.size(); ++n) {
     const bool is_home = n < plans.size();
     const int home = is_home ? static_cast<int>(n) : next.copies_[n - plans.size()].home;
-    const int part = is_home ? families[home].first() : next.copies_[n - plans.size()].part;
-    next.add_block(items[plans[home].first].body, part, families[home], cell, basis);
+    const int layer = is_home ? families[home].first() : next.copies_[n - plans.size()].layer;
+    next.add_block(items[plans[home].first].row, layer, families[home], cell, basis);
     if (!motion.empty()) next.let_move();
     for (int l = 0; l < kLanes; ++l) {
       if (lanes_of[home][l] < 0) continue;
       const Item& item = items[lanes_of[home][l]];
-      if (item.to_part != part) continue;
+      if (item.to_layer != layer) continue;
       next.add_record(kLanes * static_cast<int>(n) + l, record(item.slot), item.tag);
       new_slot[item.slot] = kLanes * static_cast<int>(n) + l;
     }

@@ -2,7 +2,7 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Shape functions of the background grid. They are products of 1-D functions. Each 1-D function is a type
-// (linear_tent.h, quadratic_bspline.h, cubic_bspline.h), so that a kernel is compiled for each of them. In each
+// (linear_hat.h, quadratic_bspline.h, cubic_bspline.h), so that a kernel is compiled for each of them. In each
 // direction a point at X uses kSupport nodes, the first of which is base = floor(X/h - kShift). Points with the same
 // base form a cell. The weights of a point sum to one and reproduce linear fields.
 //
@@ -16,10 +16,10 @@
 //   factors()       weights and gradients of eight points
 //   kAffine         h^2 over the second moment of the weights, sum w_I (X_I - X)^2, if that moment is the same at all places, else 0
 //   kSteepest       maximum over t of sum_I (dN_I/dt)^2 / N_I, 0 if there is none (eigenvalue_bound in largest_eigenvalue.h)
-//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is tied (edge_ties.h)
+//   kTiedBelow      a node at the edge with less than this share of the mass of the next node inside is tied (extension_constraints.h)
 //   kMayJoinCells   true if a block may have points of several cells in a row; this does not pay with many nodes
-#ifndef MPDEM_BASIS_H
-#define MPDEM_BASIS_H
+#ifndef MPDEM_MPM_BASIS_H
+#define MPDEM_MPM_BASIS_H
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "cubic_bspline.h"
-#include "linear_tent.h"
+#include "linear_hat.h"
 #include "quadratic_bspline.h"
 
 namespace mpdem {
@@ -102,7 +102,8 @@ struct Weights {
   // Number of nodes along direction d.
   static constexpr int nodes(int d) { return kSupport + reach_along(Joined, d); }
   static constexpr int kReach = Joined == kOneCell ? 0 : 1 + Joined / 3;
-  static constexpr int kI = kSupport + reach_along(Joined, 0), kJ = kSupport + reach_along(Joined, 1), kK = kSupport + reach_along(Joined, 2);
+  static constexpr int kI = kSupport + reach_along(Joined, 0), kJ = kSupport + reach_along(Joined, 1),
+                       kK = kSupport + reach_along(Joined, 2);
   static constexpr int kMost = kSupport + kReach;
   vd w[3][kMost];   // [direction][node]
   vd dw[3][kMost];  // per length
@@ -116,7 +117,8 @@ struct Weights {
         continue;
       }
       vd of_cell[kSupport], slope[kSupport];
-      Type::factors(X[d] * inverse_h - in_cell(second, third, splat(base[d]), splat(base[d] + 1), splat(base[d] + 2)), inverse_h, of_cell, slope);
+      Type::factors(X[d] * inverse_h - in_cell(second, third, splat(base[d]), splat(base[d] + 1), splat(base[d] + 2)), inverse_h, of_cell,
+                    slope);
       for (int i = 0; i < kMost; ++i) {
         w[d][i] = in_cell(second, third, at(of_cell, i), at(of_cell, i - 1), at(of_cell, i - 2));
         dw[d][i] = in_cell(second, third, at(slope, i), at(slope, i - 1), at(slope, i - 2));

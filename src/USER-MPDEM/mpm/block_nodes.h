@@ -4,8 +4,8 @@
 // Nodes of a block, including those of all cells that it has in a row. The nodes of most blocks are columns of
 // neighbours in memory. A block that borrows nodes (BlockMeta::borrowed) has a list of them instead. The values of
 // these nodes are copied into columns for the kernels of gather.h and scatter.h, and sums are copied back.
-#ifndef MPDEM_BLOCK_NODES_H
-#define MPDEM_BLOCK_NODES_H
+#ifndef MPDEM_MPM_BLOCK_NODES_H
+#define MPDEM_MPM_BLOCK_NODES_H
 
 #include <algorithm>
 
@@ -22,8 +22,8 @@ inline int count_of_nodes(const BlockMeta& m, int support) { return count_of_col
 template <class F>
 void for_each_node(const Grid& grid, const BlockMeta& m, F f) {
   const int S = support(grid.basis);
-  if (m.borrowed != BlockMeta::kOwn) {
-    const int* list = &grid.borrowed[m.borrowed];
+  if (m.aliases != BlockMeta::kOwn) {
+    const int* list = &grid.aliases[m.aliases];
     std::for_each(list, list + count_of_nodes(m, S), f);
     return;
   }
@@ -51,8 +51,7 @@ void for_each_node_of_lane(const Grid& grid, const BlockMeta& m, int lane, F f) 
 template <int kWidth>
 class BlockColumns {
  public:
-  BlockColumns(const Grid& grid, const BlockMeta& m)
-      : nodes_(&grid.borrowed[m.borrowed]), count_(count_of_nodes(m, support(grid.basis))) {
+  BlockColumns(const Grid& grid, const BlockMeta& m) : nodes_(&grid.aliases[m.aliases]), count_(count_of_nodes(m, support(grid.basis))) {
     const int length = nodes_along(m, 2, support(grid.basis));
     for (int c = 0; c < count_ / length; ++c) column[c] = c * length;
   }
@@ -63,7 +62,8 @@ class BlockColumns {
     for (int n = 0; n < count_; ++n)
       for (int c = 0; c < kWidth; ++c) field[kWidth * static_cast<long>(nodes_[n]) + c] += values[kWidth * n + c];
   }
-  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] = {};  // the last lanes are room for what a kernel reads beyond the nodes
+  double values[kWidth * kMostColumns * Bases::kMostSupport + kLanes] =
+      {};  // the last lanes are room for what a kernel reads beyond the nodes
   int column[kMostColumns];
 
  private:
@@ -74,7 +74,7 @@ class BlockColumns {
 // Calls f(values, columns) with the values of a nodal field, kWidth numbers a node.
 template <int kWidth, class F>
 void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f) {
-  if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);
+  if (m.aliases == BlockMeta::kOwn) return f(field, m.column);
   BlockColumns<kWidth> own(grid, m);
   own.take(field);
   f(static_cast<const double*>(own.values), static_cast<const int*>(own.column));
@@ -83,7 +83,7 @@ void with_values(const Grid& grid, const BlockMeta& m, const double* field, F f)
 // Calls f(sums, columns), where f adds to the sums of a nodal field, kWidth numbers a node.
 template <int kWidth, class F>
 void with_sums(const Grid& grid, const BlockMeta& m, double* field, F f) {
-  if (m.borrowed == BlockMeta::kOwn) return f(field, m.column);
+  if (m.aliases == BlockMeta::kOwn) return f(field, m.column);
   BlockColumns<kWidth> own(grid, m);
   f(own.values, static_cast<const int*>(own.column));
   own.add_to(field);

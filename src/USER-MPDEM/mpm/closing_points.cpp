@@ -50,7 +50,7 @@ void ClosingPoints::add(const PointStore& points, const VtiElasticity& undamaged
 }
 
 void ClosingPoints::set(const PointStore& points, const VtiElasticity& undamaged, int block, std::uint8_t failed, std::uint8_t fresh) {
-  failed &= static_cast<std::uint8_t>(~points.meta[block].debris);
+  failed &= static_cast<std::uint8_t>(~points.meta[block].fragment);
   if (!failed) return;
   const CracksOfBlock cracks = cracks_of(points, block);
   const vmask taken = lanes(failed) & (cracks.damage[0] > 0.0);
@@ -100,7 +100,8 @@ ClosingPoints::Crack ClosingPoints::crack_of_block(const Block& b, const Mat3<vd
   c.closed = c.sound & (c.lambda < b.lambda_0);
   c.overlap = select(c.closed, b.lambda_0 - c.lambda, vd{});
   for (int j = 0; j < 3; ++j)
-    c.back[j] = c.inverse_transposed.a[0][j] * c.across[0] + c.inverse_transposed.a[1][j] * c.across[1] + c.inverse_transposed.a[2][j] * c.across[2];
+    c.back[j] = c.inverse_transposed.a[0][j] * c.across[0] + c.inverse_transposed.a[1][j] * c.across[1] +
+                c.inverse_transposed.a[2][j] * c.across[2];
   return c;
 }
 
@@ -168,7 +169,8 @@ double ClosingPoints::slide(PointStore& points, const Block& b, const Crack& bef
   }
   // A crack that opens slides until nothing is left.
   shear = shear_of(points, b, now, now.closed | (now.sound & was_closed));
-  const vd size = G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
+  const vd size =
+      G_ * sqrt(shear.traction[0] * shear.traction[0] + shear.traction[1] * shear.traction[1] + shear.traction[2] * shear.traction[2]);
   const vd most = friction_ * pressure(b, now);
   const vmask slides = size > (1.0 + 1e-9) * most;  // 1e-9: rounding is no slip
   if (!any(slides)) return 0.0;
@@ -198,7 +200,7 @@ Losses ClosingPoints::add_force(PointStore& points, Grid& grid, double dt) {
         for (int j = 0; j < 3; ++j) F_before.a[i][j] -= dt * rate.a[i][j];
       const Crack before = crack_of_block(b, F_before);
       if (any(lost)) losses.released += lose(points, b, before, rate, lost, dt);
-      if (friction_ > 0.0) losses.rubbed += slide(points, b, before, c, shear);
+      if (friction_ > 0.0) losses.frictional += slide(points, b, before, c, shear);
     } else {
       shear = shear_of(points, b, c, c.closed);
     }
@@ -214,7 +216,7 @@ double ClosingPoints::lose(PointStore& points, Block& b, const Crack& before, co
   vd energy = energy_of(points, b, before);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) energy -= 0.5 * dt * T.a[i][j] * rate.a[i][j];
-  points.meta[b.block].debris |= bits(lost);
+  points.meta[b.block].fragment |= bits(lost);
   b.K = select(lost, vd{}, b.K);
   return sum_lanes(select(lost, energy, vd{}));
 }
@@ -223,10 +225,12 @@ double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& 
   double sum = 0.0;
   for_each_block(blocks_, points, grid, [&](const Block& b, const auto& w, const Crack& c, const Mat3<vd>&) {
     std::uint8_t began = 0;
-    for (auto slot = std::lower_bound(failed.begin(), failed.end(), kLanes * b.block); slot != failed.end() && *slot / kLanes == b.block; ++slot)
+    for (auto slot = std::lower_bound(failed.begin(), failed.end(), kLanes * b.block); slot != failed.end() && *slot / kLanes == b.block;
+         ++slot)
       began |= static_cast<std::uint8_t>(1u << *slot % kLanes);
     if (!began) return;
-    const Mat3<vd> T = weighted_piola(points, b, c, shear_of(points, b, c, c.closed)), rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
+    const Mat3<vd> T = weighted_piola(points, b, c, shear_of(points, b, c, c.closed)),
+                   rate = gather_gradient(grid.velocity.data(), points.meta[b.block].column, w);
     vd energy = energy_of(points, b, c);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) energy += 0.5 * dt * T.a[i][j] * rate.a[i][j];
@@ -237,7 +241,8 @@ double ClosingPoints::energy_at_beginning(const PointStore& points, const Grid& 
 
 double ClosingPoints::energy(const PointStore& points, const Grid& grid) const {
   double sum = 0.0;
-  for_each_block(blocks_, points, grid, [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
+  for_each_block(blocks_, points, grid,
+                 [&](const Block& b, const auto&, const Crack& c, const Mat3<vd>&) { sum += sum_lanes(energy_of(points, b, c)); });
   return sum;
 }
 
@@ -249,10 +254,10 @@ void ClosingPoints::points_failed(const BondAtWork& b, const std::vector<int>& s
 void ClosingPoints::add_force(const BondAtWork& b, Losses& losses) {
   const Losses of_step = add_force(b.points, b.grid, b.dt);
   losses.released += of_step.released;
-  losses.rubbed += of_step.rubbed;
+  losses.frictional += of_step.frictional;
 }
 
-void ClosingPoints::add_energy(const PointStore& points, const Grid& grid, const GrainSide*, double& of_points, double&) const {
+void ClosingPoints::add_energy(const PointStore& points, const Grid& grid, const BondEnd*, double& of_points, double&) const {
   of_points += energy(points, grid);
 }
 

@@ -35,19 +35,19 @@
 // point has a stiffness of its own, of up to 1.5 p |F^-1|^2. So pressure ends at a tenth of K, and a point is debris for
 // good once |F| or |F^-1| exceeds kMostDistorted. Then the bound of the largest eigenvalue stays
 // (mpm/largest_eigenvalue.h). This needs total kinematics, where displacements start at the reference.
-#ifndef MPDEM_CLOSING_POINTS_H
-#define MPDEM_CLOSING_POINTS_H
+#ifndef MPDEM_MPM_CLOSING_POINTS_H
+#define MPDEM_MPM_CLOSING_POINTS_H
 
 #include <vector>
 
 #include "../material/vti_elasticity.h"
-#include "bond_part.h"
+#include "bond_mechanism.h"
 #include "grid.h"
 #include "point_store.h"
 
 namespace mpdem {
 
-class ClosingPoints : public BondPart {
+class ClosingPoints : public BondMechanism {
  public:
   ClosingPoints() = default;
   // Takes all points that failed in earlier steps. undamaged: must stay. friction: mu; 0 or less: closed cracks slide freely.
@@ -57,7 +57,7 @@ class ClosingPoints : public BondPart {
 
   void points_failed(const BondAtWork& b, const std::vector<int>& slots, const std::vector<int>& links, Losses& losses) override;
   void add_force(const BondAtWork& b, Losses& losses) override;
-  void add_energy(const PointStore& points, const Grid& grid, const GrainSide* side, double& of_points, double& of_coupling) const override;
+  void add_energy(const PointStore& points, const Grid& grid, const BondEnd* ends, double& of_points, double& of_coupling) const override;
 
   // Energies that a step takes. Points that are too distorted since this step become debris, BlockMeta::debris. `released`
   // has the energy that they had in excess of what their force did in the first half of the step. `rubbed` is the
@@ -82,9 +82,9 @@ class ClosingPoints : public BondPart {
     bool stuck;          // may a crack of the block have borne shear a step ago
   };
   struct Crack {
-    vmask sound, closed;         // lanes that are not too distorted; of these, lanes whose crack is closed
-    vd overlap, lambda;          // overlap: lambda_0 - lambda where it is closed, else 0
-    vd across[3], back[3];       // F^-T n0, F^-1 F^-T n0
+    vmask sound, closed;          // lanes that are not too distorted; of these, lanes whose crack is closed
+    vd overlap, lambda;           // overlap: lambda_0 - lambda where it is closed, else 0
+    vd across[3], back[3];        // F^-T n0, F^-1 F^-T n0
     Mat3<vd> inverse_transposed;  // F^-T
   };
   // Shear of a crack: e, and g/G.

@@ -11,8 +11,8 @@
 // anywhere, which limit the speed of the kernels.
 //
 // Intermediate vectors have the lanes 2 component + c, with c = 1 for upper points. Lanes 6 and 7 are not used.
-#ifndef MPDEM_COLUMNS_H
-#define MPDEM_COLUMNS_H
+#ifndef MPDEM_MPM_COLUMNS_H
+#define MPDEM_MPM_COLUMNS_H
 
 #include <cstdint>
 #include <cstring>
@@ -66,7 +66,8 @@ inline void by_component(const vd (&U)[4], vd& x, vd& y, vd& z) {
 
 // Adds to the three nodes of a column. of0, of1 and of2 have the shares of nodes 0, 1 and 2 from lower and upper points.
 inline void add_column(double* place, const vd& of0, const vd& of1, const vd& of2) {
-  const vd near01 = __builtin_shufflevector(of0, of1, 0, 2, 4, 8, 10, 12, 0, 2), far01 = __builtin_shufflevector(of0, of1, 1, 3, 5, 9, 11, 13, 1, 3);
+  const vd near01 = __builtin_shufflevector(of0, of1, 0, 2, 4, 8, 10, 12, 0, 2),
+           far01 = __builtin_shufflevector(of0, of1, 1, 3, 5, 9, 11, 13, 1, 3);
   const vd near = __builtin_shufflevector(near01, of2, 0, 1, 2, 3, 4, 5, 8, 10);
   const vd far = __builtin_shufflevector(far01, of2, 0, 1, 2, 3, 4, 5, 9, 11);
   vd sum;

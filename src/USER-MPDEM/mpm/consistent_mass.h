@@ -10,15 +10,15 @@
 // The eigenvalues of M_L^-1 M lie in [0, 1]. So the inverse stays symmetric and positive definite and is at most k times
 // that of the lumped mass. k times the largest eigenvalue of M_L^-1 K therefore bounds the largest one of the step.
 //
-// A tied node takes part as the mean of its heirs, which have its mass (edge_ties.h). So the row sums of M stay M_L,
+// A tied node takes part as the mean of its heirs, which have its mass (extension_constraints.h). So the row sums of M stay M_L,
 // and momentum is kept. The inertial force leaves out failed points, which count in the lumped mass alone: where nodes
-// split, the mass of failed points is distributed in another way (fracture/node_copies.h).
-#ifndef MPDEM_CONSISTENT_MASS_H
-#define MPDEM_CONSISTENT_MASS_H
+// split, the mass of failed points is distributed in another way (fracture/phantom_nodes.h).
+#ifndef MPDEM_MPM_CONSISTENT_MASS_H
+#define MPDEM_MPM_CONSISTENT_MASS_H
 
 #include <vector>
 
-#include "bond_part.h"
+#include "bond_mechanism.h"
 #include "grid.h"
 #include "point_store.h"
 
@@ -27,11 +27,11 @@ namespace mpdem {
 enum class MassOf { all_points, unfailed_points };
 
 // out += scale M field, three numbers a node, for the points of this rank. Values of tied nodes go to their heirs.
-void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale, const std::vector<double>& field,
-                         std::vector<double>& out);
+void add_consistent_mass(const PointStore& points, const Grid& grid, double density, MassOf which, double scale,
+                         const std::vector<double>& field, std::vector<double>& out);
 
 // Inertial force of one bond. Keeps the row sums of M until points fail.
-class ConsistentMass : public BondPart {
+class ConsistentMass : public BondMechanism {
  public:
   void points_failed(const BondAtWork&, const std::vector<int>&, const std::vector<int>&, Losses&) override { row_sums_.clear(); }
   // Sets Grid::inertial_force to (M_L - M) a with the acceleration a of the nodes. M and M_L are those of the unfailed points of this rank.

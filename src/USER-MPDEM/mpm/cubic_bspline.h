@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Cubic B-splines on a uniform grid: four nodes a direction, base = floor(X/h) - 1.
-#ifndef MPDEM_CUBIC_BSPLINE_H
-#define MPDEM_CUBIC_BSPLINE_H
+#ifndef MPDEM_MPM_CUBIC_BSPLINE_H
+#define MPDEM_MPM_CUBIC_BSPLINE_H
 
 #include "../numerics/simd.h"
 

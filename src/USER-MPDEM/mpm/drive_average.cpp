@@ -12,14 +12,14 @@
 
 namespace mpdem {
 
-AverageSweeps sweeps_for(double length, double cell, Basis basis) {
+SmoothingPasses sweeps_for(double length, double cell, Basis basis) {
   const double ratio = length / cell, degree_plus_1 = support(basis);
   const double sweeps = (ratio * ratio - degree_plus_1 / 12.0) / (degree_plus_1 / 6.0);
   // A tiny rest is rounding error.
   const int whole = static_cast<int>(sweeps * (1.0 + 1e-9));
   const double rest = sweeps - whole;
   if (whole == 0) return {1, 1.0};  // L equals the cell, up to rounding
-  return rest > 1e-6 * sweeps ? AverageSweeps{whole + 1, rest} : AverageSweeps{whole, 1.0};
+  return rest > 1e-6 * sweeps ? SmoothingPasses{whole + 1, rest} : SmoothingPasses{whole, 1.0};
 }
 
 bool is_near_threshold(const PointStore& points, const Law& law) {
@@ -54,7 +54,8 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
   if (anew) {
     of_points_.find(points, grid);
     counted_.resize(points.blocks.size());
-    for (std::size_t b = 0; b < counted_.size(); ++b) counted_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
+    for (std::size_t b = 0; b < counted_.size(); ++b)
+      counted_[b] = points.blocks[b].volume * imperfection.of_root(points.created_at(static_cast<int>(b)));
   }
   holding_ = count;
   sum_.assign(grid.size() + ScalarSums::kRoom, 0.0);
@@ -67,7 +68,7 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
           },
           sum_.data());
   });
-  grid.ties.give_to_heirs(sum_.data(), 1);
+  grid.ties.add_to_mass_receivers(sum_.data(), 1);
   mean_.assign(sum_.size(), 0.0);
   return anew;
 }
@@ -75,11 +76,11 @@ bool DriveAverage::start(const PointStore& points, Grid& grid, const Law& law, c
 void DriveAverage::find_volumes(const Grid& grid) {
   volume_.assign(grid.size() + ScalarSums::kRoom, 0.0);
   of_points_.add_volumes(volume_.data());
-  grid.ties.give_to_heirs(volume_.data(), 1);
+  grid.ties.add_to_mass_receivers(volume_.data(), 1);
   volume_is_new_ = true;
 }
 
-void DriveAverage::sweep(Grid& grid, const AverageSweeps& sweeps, int k) {
+void DriveAverage::sweep(Grid& grid, const SmoothingPasses& sweeps, int k) {
   const std::size_t nodes = grid.size();
   if (volume_is_new_) {
     inverse_volume_.resize(nodes);
@@ -88,18 +89,19 @@ void DriveAverage::sweep(Grid& grid, const AverageSweeps& sweeps, int k) {
   }
   const double weight = sweeps.weight(k);
   for (std::size_t i = 0; i < nodes; ++i) mean_[i] = (1.0 - weight) * mean_[i] + weight * sum_[i] * inverse_volume_[i];
-  grid.ties.take_of_heirs(mean_.data(), 1);
+  grid.ties.mean_of_mass_receivers(mean_.data(), 1);
   if (sweeps.is_last(k)) {
     grid.drive_average.assign(mean_.begin(), mean_.begin() + nodes);
     return;
   }
   std::fill(sum_.begin(), sum_.end(), 0.0);
   of_points_.add_means(mean_.data(), sum_.data());
-  grid.ties.give_to_heirs(sum_.data(), 1);
+  grid.ties.add_to_mass_receivers(sum_.data(), 1);
 }
 
 double DriveAverage::largest(const PointStore& points, const Grid& grid) {
-  if (std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.damaged; })) return std::numeric_limits<double>::infinity();
+  if (std::any_of(points.meta.begin(), points.meta.end(), [](const BlockMeta& m) { return m.damaged; }))
+    return std::numeric_limits<double>::infinity();
   double most = 0.0;
   for (double mean : grid.drive_average) most = std::max(most, mean);
   return most;

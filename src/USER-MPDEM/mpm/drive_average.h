@@ -6,7 +6,7 @@
 //
 //   ebar^(1/2) = S^k e^(1/2),   S f = sum_I N_I(X_p) (sum_q N_I(X_q) V_q f_q) / (sum_q N_I(X_q) V_q)
 //
-// Tied nodes (edge_ties.h), including copies of split nodes, give their sums to their heirs and take the means of
+// Tied nodes (extension_constraints.h), including copies of split nodes, give their sums to their heirs and take the means of
 // these. S keeps constants. With the volumes as weights it is symmetric and keeps the sum. It needs no neighbour list,
 // and it ends where unfailed points share no node. With splines of degree p a sweep adds (p + 1)/6 h^2 to the variance
 // of the kernel. The strain of a point is itself an average with the variance (p + 1)/12 h^2. The sum of the variances
@@ -25,8 +25,8 @@
 //
 // On the stronger side of a bond (imperfection.h) roots count a little less. So an average is never above that of the
 // roots themselves, and all bounds by these hold.
-#ifndef MPDEM_DRIVE_AVERAGE_H
-#define MPDEM_DRIVE_AVERAGE_H
+#ifndef MPDEM_MPM_DRIVE_AVERAGE_H
+#define MPDEM_MPM_DRIVE_AVERAGE_H
 
 #include <vector>
 
@@ -46,13 +46,13 @@ constexpr double kNearThreshold = 0.9;
 
 // Number of sweeps for the length L, and the weight of the last one. A single sweep has weight 1: with a smaller weight
 // it would need the roots at the points.
-struct AverageSweeps {
+struct SmoothingPasses {
   int count = 0;
   double last_weight = 1.0;  // in (0, 1]
   bool is_last(int k) const { return k == count - 1; }
   double weight(int k) const { return is_last(k) ? last_weight : 1.0; }
 };
-AverageSweeps sweeps_for(double length, double cell, Basis basis);
+SmoothingPasses sweeps_for(double length, double cell, Basis basis);
 
 // True if the drive of some unfailed point reaches the share kNearThreshold of the lowest threshold. Uses an upper bound of the drive.
 bool is_near_threshold(const PointStore& points, const Law& law);
@@ -68,7 +68,7 @@ vd average_at(const Grid& grid, const BlockMeta& m, const W& s) {
 // every sweep() but the last.
 class DriveAverage {
  public:
-  void find(const PointStore& points, Grid& grid, const Law& law, const AverageSweeps& sweeps, const Imperfection& imperfection = {}) {
+  void find(const PointStore& points, Grid& grid, const Law& law, const SmoothingPasses& sweeps, const Imperfection& imperfection = {}) {
     if (start(points, grid, law, imperfection)) find_volumes(grid);
     for (int k = 0; k < sweeps.count; ++k) sweep(grid, sweeps, k);
   }
@@ -84,7 +84,7 @@ class DriveAverage {
   // Does sweep k. Between two sweeps the average is gathered at the points and scattered back. The last one sets
   // grid.drive_average, whose interpolation is the average at a point. The pass over the points interpolates it with
   // the weights that it has anyway.
-  void sweep(Grid& grid, const AverageSweeps& sweeps, int k);
+  void sweep(Grid& grid, const SmoothingPasses& sweeps, int k);
 
   // Sets grid.drive_limit and clears grid.drive_average if `largest` is below the threshold. Else the points have no
   // limits. An average is a mean of roots of points with weights that are not negative. So it grows no more than the
@@ -100,8 +100,8 @@ class DriveAverage {
   double* volumes() { return volume_.data(); }
   double* sums() { return sum_.data(); }
   std::size_t memory_usage() const {
-    return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) + counted_.capacity() * sizeof(vd) +
-           of_points_.memory_usage();
+    return (volume_.capacity() + inverse_volume_.capacity() + sum_.capacity() + mean_.capacity()) * sizeof(double) +
+           counted_.capacity() * sizeof(vd) + of_points_.memory_usage();
   }
 
  private:

@@ -117,7 +117,8 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
         if (averages) {
           vd average{};
           with_basis(averages->basis, [&](auto type) {
-            with_weights<decltype(type)>(points.blocks[b], m, 1.0 / averages->h, [&](const auto& s) { average = average_at(*averages, m, s); });
+            with_weights<decltype(type)>(points.blocks[b], m, 1.0 / averages->h,
+                                         [&](const auto& s) { average = average_at(*averages, m, s); });
           });
           Yeq = drive_factor<L>(average);
         }
@@ -130,7 +131,7 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
   return most;
 }
 
-void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
+void set_field(PointStore& points, const Grid& grid, const double Q[3][3]) {
   Eigen::Matrix3d turn;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) turn(i, j) = Q[i][j];
@@ -177,7 +178,8 @@ void go_back_to_creation(PointStore& points) {
       const Eigen::JacobiSVD<Eigen::Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
       const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
       if (!(R.determinant() > 0.0)) continue;  // a failed point that is inside out
-      const Eigen::Quaterniond q = (Eigen::Quaterniond(R).conjugate() * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
+      const Eigen::Quaterniond q =
+          (Eigen::Quaterniond(R).conjugate() * Eigen::Quaterniond(p.q.w[l], p.q.x[l], p.q.y[l], p.q.z[l])).normalized();
       p.q.w[l] = q.w();
       p.q.x[l] = q.x();
       p.q.y[l] = q.y();

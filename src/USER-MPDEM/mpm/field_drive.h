@@ -4,8 +4,8 @@
 // Points whose strain comes from a field and not from steps: the drive of their damage, and how they take up the field.
 // The root of a drive is (Yeq/B)^(1/n) with the degree n of the law. So it grows linearly with the strain. B is the
 // threshold that the step uses, including the factor of points that touch a grain.
-#ifndef MPDEM_FIELD_DRIVE_H
-#define MPDEM_FIELD_DRIVE_H
+#ifndef MPDEM_MPM_FIELD_DRIVE_H
+#define MPDEM_MPM_FIELD_DRIVE_H
 
 #include <array>
 #include <vector>
@@ -38,9 +38,9 @@ double largest_root_of_drive(const PointStore& points, const Law& law, const Gri
 
 // Sets deformation and frames from the displacement of the nodes, which is a rotation Q and small beyond it. The strain
 // must be set already. Before the call, deformation and frames are those of creation.
-void take_up_field(PointStore& points, const Grid& grid, const double Q[3][3]);
+void set_field(PointStore& points, const Grid& grid, const double Q[3][3]);
 
-// Reverts take_up_field(): no deformation, no strain, and frames without the rotation of the deformation. Keeps the damage.
+// Reverts set_field(): no deformation, no strain, and frames without the rotation of the deformation. Keeps the damage.
 void go_back_to_creation(PointStore& points);
 
 }  // namespace mpdem

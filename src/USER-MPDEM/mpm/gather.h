@@ -3,8 +3,8 @@
 //
 // Grid to points: values and gradients of a nodal vector field at the eight points of a block. The nodes of a block are
 // columns of consecutive nodes (`column`, index of the first). The sums are contracted one direction at a time.
-#ifndef MPDEM_GATHER_H
-#define MPDEM_GATHER_H
+#ifndef MPDEM_MPM_GATHER_H
+#define MPDEM_MPM_GATHER_H
 
 #include "../numerics/tensor3.h"
 #include "basis.h"
@@ -91,8 +91,7 @@ inline vd gather_scalar(const double* __restrict nodal, const int* column, const
 
 // Gathers values and gradients at once: out[c] = sum_I nodal_Ic N_I, and G as in gather_gradient().
 template <class Type, int Joined>
-inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s,
-                                          vd* out) {
+inline Mat3<vd> gather_value_and_gradient(const double* __restrict nodal, const int* column, const Weights<Type, Joined>& s, vd* out) {
   using W = Weights<Type, Joined>;
   Mat3<vd> G{};
   for (int c = 0; c < 3; ++c) out[c] = vd{};

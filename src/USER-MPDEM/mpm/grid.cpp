@@ -113,8 +113,7 @@ double Grid::lay_out(const GridRequest& r, double cell_size, int margin, double 
     }
   std::size_t u = 0;
   const auto columns_at = [&](const Key& k) {
-    if (unique[u] != k && (++u == unique.size() || unique[u] != k))
-      u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
+    if (unique[u] != k && (++u == unique.size() || unique[u] != k)) u = std::lower_bound(unique.begin(), unique.end(), k) - unique.begin();
     return &columns[columns_of_cell * u];
   };
   for (const Cell& c : r.cells) {
@@ -253,8 +252,8 @@ void build_grids(MPI_Comm comm, double cell_size, int margin, double most_bytes,
   for (std::size_t n = 0; n < requests.size(); ++n) requests[n].grid->halo.build(comm, of[n], requests[n].grid->keys.size());
 }
 
-void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-                 std::vector<char>& fresh, int margin, const std::vector<Key>& extra) {
+void Grid::build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored, std::vector<char>& fresh,
+                 int margin, const std::vector<Key>& extra) {
   std::vector<GridRequest> one(1);
   GridRequest& r = one.front();
   r.grid = this;
@@ -269,15 +268,15 @@ namespace {
 
 // Moves the values of nodes that went to other places in the same order, `width` numbers a node. New nodes get the
 // value `fresh`. Consecutive nodes move together, the last ones first.
-void spread(std::vector<double>& values, int width, const std::vector<int>& place, std::size_t size, double fresh) {
+void spread(std::vector<double>& values, int width, const std::vector<int>& new_index, std::size_t size, double fresh) {
   if (values.empty()) return;
   values.resize(width * size, fresh);
   const auto at = [&](std::size_t node) { return values.begin() + static_cast<std::ptrdiff_t>(width * node); };
-  std::size_t end = place.size(), beyond = size;
+  std::size_t end = new_index.size(), beyond = size;
   while (end > 0) {
     std::size_t first = end - 1;
-    while (first > 0 && place[first - 1] == place[first] - 1) --first;
-    const std::size_t to = place[first];
+    while (first > 0 && new_index[first - 1] == new_index[first] - 1) --first;
+    const std::size_t to = new_index[first];
     if (to != first) std::copy_backward(at(first), at(end), at(to + end - first));
     std::fill(at(to + end - first), at(beyond), fresh);
     beyond = to;
@@ -289,27 +288,27 @@ void spread(std::vector<double>& values, int width, const std::vector<int>& plac
 }  // namespace
 
 std::vector<int> Grid::add_nodes(const std::vector<Key>& more) {
-  std::vector<int> place(keys.size());
+  std::vector<int> new_index(keys.size());
   std::vector<Key> all;
   all.reserve(keys.size() + more.size());
   std::size_t n = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     while (n < more.size() && more[n] < keys[i]) all.push_back(more[n++]);
-    place[i] = static_cast<int>(all.size());
+    new_index[i] = static_cast<int>(all.size());
     all.push_back(keys[i]);
   }
   all.insert(all.end(), more.begin() + n, more.end());
-  if (more.empty()) return place;
+  if (more.empty()) return new_index;
   forget_averages();
   keys.swap(all);
-  for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, place, keys.size(), 0.0);
-  spread(mass.own(), 1, place, keys.size(), 0.0);
+  for (auto* v : {&velocity, &displacement, &force, &acceleration, &momentum, &inertial_force}) spread(*v, 3, new_index, keys.size(), 0.0);
+  spread(mass.own(), 1, new_index, keys.size(), 0.0);
   tie_factor_.clear();
-  spread(given_volume, 1, place, keys.size(), -1.0);
-  ties.renumber(place);
-  for (int& i : borrowed) i = place[i];
+  spread(given_volume, 1, new_index, keys.size(), -1.0);
+  ties.renumber(new_index);
+  for (int& i : aliases) i = new_index[i];
   halo.resize(keys.size());
-  return place;
+  return new_index;
 }
 
 void Grid::take_over_motion(const std::map<Key, Key>& source) {
@@ -341,12 +340,12 @@ void Grid::find_columns(BlockMeta& m) const {
   for (int i = 0; i < nodes_i; ++i)
     for (int j = 0; j < nodes_j; ++j) {
       const int at[3] = {m.base[0] + i, m.base[1] + j, m.base[2]};
-      const int node = m.column[nodes_j * i + j] = base_node(field_of(m.body, m.part), at);
+      const int node = m.column[nodes_j * i + j] = base_node(field_of(m.row, m.layer), at);
       if (node < 0) throw std::logic_error("a block of points at nodes that the grid does not have");
     }
 }
 
-bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted) {
+bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted) {
   tie_factor_.clear();
   forget_averages();
   const bool freed = ties.exchange(nodes, wanted, keys);
@@ -354,7 +353,7 @@ bool Grid::tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& w
   return freed;
 }
 
-void Grid::tie(const std::vector<EdgeTie>& wanted, bool any, bool chained) {
+void Grid::tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained) {
   ties.bind(wanted, keys, chained && !halo.shares_any());
   forget_averages();
   any_ties_ = any;
@@ -388,9 +387,9 @@ void Grid::lump_mass(const PointStore& points, double density) {
   if (any_ties_) {
     tie_factor_ = mass;
     ties.scale_by_weight_sums(tie_factor_.data());
-    ties.pull_back_sizes(tie_factor_.data());
+    ties.gather_sizes_to_masters(tie_factor_.data());
   }
-  ties.give_to_heirs(mass.data(), 1);
+  ties.add_to_mass_receivers(mass.data(), 1);
   halo.sum(mass.data(), 1);
   // If points end just at the support of a node, rounding leaves a tiny mass there. No time step is short enough for
   // that mass, and the force is of the order of its root. The mass is set to zero, and a node without inertia does not accelerate.
@@ -459,11 +458,11 @@ void Grid::share(AlikeLists& alike) {
 }
 
 std::size_t Grid::memory_usage() const {
-  return keys.capacity() * sizeof(Key) +
-         mass.memory_usage() + sizeof(double) * (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() + inertial_force.capacity() +
-                           tie_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
-         sizeof(vd) * drive_limit.capacity() + sizeof(int) * borrowed.capacity() +
-         ties.memory_usage();
+  return keys.capacity() * sizeof(Key) + mass.memory_usage() +
+         sizeof(double) *
+             (velocity.capacity() + displacement.capacity() + force.capacity() + acceleration.capacity() + momentum.capacity() +
+              inertial_force.capacity() + tie_factor_.capacity() + given_volume.capacity() + drive_average.capacity()) +
+         sizeof(vd) * drive_limit.capacity() + sizeof(int) * aliases.capacity() + ties.memory_usage();
 }
 
 bool Grid::stands_still() const {

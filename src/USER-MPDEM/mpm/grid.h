@@ -9,8 +9,8 @@
 // After step n the nodes have the state of the leap-frog scheme: displacement u_n, velocity v_n-1/2, acceleration
 // a_n. With `updated` kinematics the reference is new in every step: displacements are zero, and mass and momentum
 // come from the points each time.
-#ifndef MPDEM_GRID_H
-#define MPDEM_GRID_H
+#ifndef MPDEM_MPM_GRID_H
+#define MPDEM_MPM_GRID_H
 
 #include <limits>
 #include <map>
@@ -19,8 +19,8 @@
 
 #include "../numerics/shared_list.h"
 #include "../parallel/halo_sum.h"
-#include "body.h"
-#include "edge_ties.h"
+#include "bond_record.h"
+#include "extension_constraints.h"
 #include "point_store.h"
 
 namespace mpdem {
@@ -44,16 +44,16 @@ class Grid {
   double h = 0.0;
   Basis basis = Basis::quadratic;
   std::vector<Key> keys;
-  SharedList<double> mass;         // lumped
+  SharedList<double> mass;  // lumped
   std::vector<double> velocity, displacement, force, acceleration;
-  std::vector<double> momentum;  // of the points, `updated` kinematics only
+  std::vector<double> momentum;        // of the points, `updated` kinematics only
   std::vector<double> inertial_force;  // (M_L - M) a, see consistent_mass.h; empty with the lumped mass alone
-  EdgeTies ties;
+  ExtensionConstraints ties;
   // Volume of a node that replaces the volume of its points, -1 where the points count. Empty if the points count at
-  // all nodes. See fracture/node_copies.h.
+  // all nodes. See fracture/phantom_nodes.h.
   std::vector<double> given_volume;
   // Nodes of the blocks that have no columns of their own, in the order of for_each_node(). See BlockMeta::borrowed.
-  std::vector<int> borrowed;
+  std::vector<int> aliases;
   // Nodal values whose interpolation is the average of the root of the norm of strain, see drive_average.h. Empty while
   // nothing is averaged, and after the nodes or ties change.
   std::vector<double> drive_average;
@@ -82,8 +82,8 @@ class Grid {
   // Collective. Lays out the nodes of `cells`, takes over the motion of the nodes that any rank had before, and finds
   // the ranks to share them with. A node that no rank had before starts at rest, and `fresh` is set for it. margin: number of cells around the wanted ones that get
   // nodes, too. extra: nodes that belong to no cell.
-  void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored,
-             std::vector<char>& fresh, int margin = 0, const std::vector<Key>& extra = {});
+  void build(MPI_Comm comm, double cell_size, const std::vector<Cell>& cells, const NodeKinematics& restored, std::vector<char>& fresh,
+             int margin = 0, const std::vector<Key>& extra = {});
 
   // Finds the columns of a cell after build(). Returns false if the cell has no nodes on this rank. base_node() finds only the first node, or -1.
   bool find_columns(Field field, const int* base, int* column) const;
@@ -100,11 +100,11 @@ class Grid {
   void find_columns(BlockMeta& m) const;
   // Replaces the ties of these nodes (ascending). Returns true if a node is no longer tied as an edge in the same way.
   // Call lump_mass() then. No other rank may share the grid.
-  bool tie_anew(const std::vector<int>& nodes, const std::vector<EdgeTie>& wanted);
+  bool tie_anew(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted);
 
   // Ties nodes of this rank until the next build(). Must be called before lump_mass(). any: true if some rank that
-  // shares the grid has ties. chained: see EdgeTies; false if tie_anew() is to give what tie() would.
-  void tie(const std::vector<EdgeTie>& wanted, bool any, bool chained = true);
+  // shares the grid has ties. chained: see ExtensionConstraints; false if tie_anew() is to give what tie() would.
+  void tie(const std::vector<ExtensionConstraint>& wanted, bool any, bool chained = true);
 
   // Finds the lumped mass from the points, whose density is uniform, or from given_volume where that is set. The mass
   // of tied nodes goes to their heirs. Collective among the ranks that share nodes.
@@ -114,13 +114,15 @@ class Grid {
 
   void clear_force();
   void sum_force() {
-    ties.pull_back(force.data());
+    ties.gather_to_masters(force.data());
     halo.sum(force.data(), 3);
   }
 
   // Ties raise a bound of the largest eigenvalue by a factor. tie_factor() is that of a node, largest_tie_factor() is
   // the largest of the nodes of this rank.
-  double tie_factor(int node) const { return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)]; }
+  double tie_factor(int node) const {
+    return tie_factor_.empty() || ties.row(node) >= 0 ? 1.0 : tie_factor_[node - ties.rows_before(node)];
+  }
   double largest_tie_factor() const { return largest_tie_factor_; }
 
   // Sets a = f / (m + added mass) for each node. There is no added mass if the list is empty. Accelerations overwrite
@@ -158,7 +160,7 @@ class Grid {
   double lay_out(const GridRequest& r, double cell_size, int margin, double most_bytes);
   void set_motion(GridRequest& r, const std::vector<Key>& wanted, const std::vector<double>& values, const std::vector<char>& found);
 
-  bool any_ties_ = false;  // true if any rank that shares the grid has ties
+  bool any_ties_ = false;           // true if any rank that shares the grid has ties
   std::vector<double> tie_factor_;  // factor of the bound for each free node; empty without ties
   double largest_tie_factor_ = 1.0;
   std::vector<char> inside_;  // for first nodes of cells: well_inside(); empty without a margin
@@ -168,10 +170,10 @@ class Grid {
 struct GridRequest {
   Grid* grid = nullptr;
   std::vector<Grid::Cell> cells;
-  NodeKinematics before;            // motion of the body that this rank knows; may be that of all ranks
+  NodeKinematics before;      // motion of the body that this rank knows; may be that of all ranks
   std::map<Key, Key> source;  // for each node that takes over the motion of another node, that node
   std::vector<Key> extra;
-  std::vector<char> fresh;          // result: 1 for nodes that no rank had before
+  std::vector<char> fresh;  // result: 1 for nodes that no rank had before
 };
 
 // Builds grids of different bodies, given in ascending order. Collective. Throws GridTooLarge on all ranks if the grids

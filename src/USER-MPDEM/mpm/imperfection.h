@@ -5,46 +5,46 @@
 // a bifurcation. Left to rounding errors it comes late, at a force beyond that at which one side alone would let go, and
 // the force depends on the number of steps. So a small imperfection decides, as is usual for bifurcations: the cement
 // nearer to one grain is stronger by some share.
-#ifndef MPDEM_IMPERFECTION_H
-#define MPDEM_IMPERFECTION_H
+#ifndef MPDEM_MPM_IMPERFECTION_H
+#define MPDEM_MPM_IMPERFECTION_H
 
 #include <cmath>
 
 #include "../numerics/simd.h"
-#include "body.h"
+#include "bond_record.h"
 
 namespace mpdem {
 
 // The grain (0 or 1) whose side is the stronger one. It is the smaller grain, since between unequal grains it is the
 // larger one that lets go anyway. Of equal grains it is the one ahead along the axis of the box that is nearest to the
 // line of centres. So the result does not depend on the order of the grains.
-inline int stronger_side(const Body& body) {
-  const double larger = body.radius[0] - body.radius[1];
-  if (std::fabs(larger) > rounding_of_places(body)) return larger > 0.0;
-  return 1 - side_behind(body);
+inline int stronger_side(const BondRecord& record) {
+  const double larger = record.radius[0] - record.radius[1];
+  if (std::fabs(larger) > rounding_of_positions(record)) return larger > 0.0;
+  return 1 - side_behind(record);
 }
 
 // Lanes of the points that were made at X on the stronger side. The middle belongs to the weaker one.
-inline vmask on_stronger_side(const Body& body, const vd* X) {
+inline vmask on_stronger_side(const BondRecord& record, const vd* X) {
   vd above[2];
   for (int side = 0; side < 2; ++side) {
     vd square{};
-    for (int d = 0; d < 3; ++d) square += (X[d] - body.centre[side][d]) * (X[d] - body.centre[side][d]);
-    above[side] = sqrt(square) - body.radius[side];
+    for (int d = 0; d < 3; ++d) square += (X[d] - record.centre[side][d]) * (X[d] - record.centre[side][d]);
+    above[side] = sqrt(square) - record.radius[side];
   }
-  const int strong = stronger_side(body);
-  return above[1 - strong] - above[strong] > rounding_of_places(body);
+  const int strong = stronger_side(record);
+  return above[1 - strong] - above[strong] > rounding_of_positions(record);
 }
 
 // Imperfection of a bond. `share`: by how much more strain the stronger side bears. 0: both sides are alike.
 struct Imperfection {
-  const Body* body = nullptr;
+  const BondRecord* record = nullptr;
   double share = 0.0;
 
   // Factor on the root of the norm of strain of points made at X, as it counts for damage.
   vd of_root(const vd* X) const {
     if (share == 0.0) return splat(1.0);
-    return select(on_stronger_side(*body, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
+    return select(on_stronger_side(*record, X), splat(1.0 / std::sqrt(1.0 + share)), splat(1.0));
   }
 };
 

@@ -5,8 +5,8 @@
 // own columns. The vectors run along a column, whose 3 kSupport doubles are consecutive, and not across the points. If
 // cells have few points, this is less work for a point than blocks of one cell with empty lanes. Neighbouring lanes of
 // one cell read the nodes once, and are summed before they are added to the nodes.
-#ifndef MPDEM_LANE_BY_LANE_H
-#define MPDEM_LANE_BY_LANE_H
+#ifndef MPDEM_MPM_LANE_BY_LANE_H
+#define MPDEM_MPM_LANE_BY_LANE_H
 
 #include <cstring>
 #include <type_traits>

@@ -20,8 +20,10 @@ constexpr int kMostProducts = 200;
 // Pseudo-random number in [-1, 1] that is the same for a node on every rank and in every run.
 double scrambled(const Key& k, int c) {
   std::uint64_t z = 0x9e3779b97f4a7c15ull * (c + 1);
-  const std::uint32_t of_field = static_cast<std::uint32_t>(body_of(k.field())) ^ static_cast<std::uint32_t>(part_of_field(k.field())) << 20;
-  for (std::uint32_t i : {of_field, static_cast<std::uint32_t>(k.at(0)), static_cast<std::uint32_t>(k.at(1)), static_cast<std::uint32_t>(k.at(2))}) {
+  const std::uint32_t of_field = static_cast<std::uint32_t>(row_of(k.field())) ^ static_cast<std::uint32_t>(layer_of_field(k.field()))
+                                                                                     << 20;
+  for (std::uint32_t i :
+       {of_field, static_cast<std::uint32_t>(k.at(0)), static_cast<std::uint32_t>(k.at(1)), static_cast<std::uint32_t>(k.at(2))}) {
     z = (z ^ i) * 0xbf58476d1ce4e5b9ull;
     z ^= z >> 29;
   }
@@ -39,21 +41,21 @@ struct Moving {
   std::vector<int> nodes;
   std::vector<Slave> slaves;
 
-  explicit Moving(const EigenvaluePart& part) {
-    const Grid& grid = *part.grid;
-    std::vector<char> moves(grid.size(), part.blocks == nullptr);
-    for (std::size_t n = 0; part.blocks && n < part.blocks->size(); ++n)
-      for_each_node(grid, part.points->meta[(*part.blocks)[n]], [&](int i) { moves[i] = 1; });
-    for (int i = 0; i < grid.size() && part.blocks; ++i)
+  explicit Moving(const EigenvalueSystem& system) {
+    const Grid& grid = *system.grid;
+    std::vector<char> moves(grid.size(), system.blocks == nullptr);
+    for (std::size_t n = 0; system.blocks && n < system.blocks->size(); ++n)
+      for_each_node(grid, system.points->meta[(*system.blocks)[n]], [&](int i) { moves[i] = 1; });
+    for (int i = 0; i < grid.size() && system.blocks; ++i)
       if (const int row = moves[i] ? grid.ties.row(i) : -1; row >= 0) slaves.push_back({i, row});
     for (const Slave& s : slaves) grid.ties.for_each_master(s.row, [&](int master, double) { moves[master] = 1; });
     for (int i = 0; i < grid.size(); ++i)
       if (moves[i]) nodes.push_back(i);
   }
 
-  void extend(const EigenvaluePart& part, double* values) const {
-    const EdgeTies& ties = part.grid->ties;
-    if (!part.blocks) return ties.extend(values);
+  void extend(const EigenvalueSystem& system, double* values) const {
+    const ExtensionConstraints& ties = system.grid->ties;
+    if (!system.blocks) return ties.extend(values);
     for (const Slave& s : slaves) {
       double sum[3] = {0.0, 0.0, 0.0};
       ties.for_each_master(s.row, [&](int master, double weight) {
@@ -62,9 +64,9 @@ struct Moving {
       std::copy(sum, sum + 3, values + 3 * s.node);
     }
   }
-  void pull_back(const EigenvaluePart& part, double* values) const {
-    const EdgeTies& ties = part.grid->ties;
-    if (!part.blocks) return ties.pull_back(values);
+  void gather_to_masters(const EigenvalueSystem& system, double* values) const {
+    const ExtensionConstraints& ties = system.grid->ties;
+    if (!system.blocks) return ties.gather_to_masters(values);
     for (const Slave& s : slaves) {
       double of_slave[3];
       for (int d = 0; d < 3; ++d) {
@@ -85,17 +87,16 @@ double eigenvalue_bound(Basis basis, double largest_stiffness, double density, d
   return most * largest_stiffness / (density * h * h);
 }
 
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
-                                      double tolerance) {
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvalueSystem>& systems, const Law& law, double tolerance) {
   // The vectors have the nodes of all bonds, one bond after the other.
-  std::vector<std::size_t> first(parts.size() + 1, 0);
+  std::vector<std::size_t> first(systems.size() + 1, 0);
   std::vector<const HaloSum*> halos;
   std::vector<Moving> moving;
   std::vector<int> nodes;  // nodes that move, of all bonds
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    first[p + 1] = first[p] + static_cast<std::size_t>(parts[p].grid->size());
-    halos.push_back(&parts[p].grid->halo);
-    moving.emplace_back(parts[p]);
+  for (std::size_t p = 0; p < systems.size(); ++p) {
+    first[p + 1] = first[p] + static_cast<std::size_t>(systems[p].grid->size());
+    halos.push_back(&systems[p].grid->halo);
+    moving.emplace_back(systems[p]);
     for (int i : moving.back().nodes) nodes.push_back(static_cast<int>(first[p]) + i);
   }
   HaloSums shared;
@@ -103,9 +104,9 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   const int n = static_cast<int>(first.back());
   std::vector<double> mass(n);
   std::vector<char> counts(n);
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    std::copy(parts[p].grid->mass.begin(), parts[p].grid->mass.end(), mass.begin() + first[p]);
-    std::copy(parts[p].grid->halo.counts_here().begin(), parts[p].grid->halo.counts_here().end(), counts.begin() + first[p]);
+  for (std::size_t p = 0; p < systems.size(); ++p) {
+    std::copy(systems[p].grid->mass.begin(), systems[p].grid->mass.end(), mass.begin() + first[p]);
+    std::copy(systems[p].grid->halo.counts_here().begin(), systems[p].grid->halo.counts_here().end(), counts.begin() + first[p]);
   }
   const auto dot = [&](const std::vector<double>& a, const std::vector<double>& b) {
     double mine = 0.0, all;
@@ -115,10 +116,10 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
     return all;
   };
   std::vector<double> v(3 * n, 0.0), before(3 * n, 0.0), w(3 * n, 0.0);
-  for (std::size_t p = 0; p < parts.size(); ++p)
+  for (std::size_t p = 0; p < systems.size(); ++p)
     for (int node : moving[p].nodes) {
       const std::size_t i = first[p] + node;
-      for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(parts[p].grid->keys[node], c) : 0.0;
+      for (int c = 0; c < 3; ++c) v[3 * i + c] = mass[i] > 0.0 ? scrambled(systems[p].grid->keys[node], c) : 0.0;
     }
   const double norm = std::sqrt(dot(v, v));
   EigenvalueEstimate best{0.0, 0.0, 0, 0.0};
@@ -129,14 +130,15 @@ EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<Eigenvalu
   double beta = 0.0;
   for (int k = 0; k < kMostProducts; ++k) {
     for (int i : nodes) std::fill(&w[3 * i], &w[3 * i] + 3, 0.0);
-    std::vector<double*> of_parts;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      of_parts.push_back(&w[3 * first[p]]);
-      moving[p].extend(parts[p], &v[3 * first[p]]);
-      add_stiffness_force(*parts[p].points, *parts[p].grid, law, &v[3 * first[p]], of_parts.back(), {parts[p].failed_hold, parts[p].blocks});
-      moving[p].pull_back(parts[p], of_parts.back());
+    std::vector<double*> of_systems;
+    for (std::size_t p = 0; p < systems.size(); ++p) {
+      of_systems.push_back(&w[3 * first[p]]);
+      moving[p].extend(systems[p], &v[3 * first[p]]);
+      add_stiffness_force(*systems[p].points, *systems[p].grid, law, &v[3 * first[p]], of_systems.back(),
+                          {systems[p].failed_hold, systems[p].blocks});
+      moving[p].gather_to_masters(systems[p], of_systems.back());
     }
-    shared.sum(of_parts, 3);
+    shared.sum(of_systems, 3);
     for (int i : nodes) {
       const double r = mass[i] > 0.0 ? -1.0 / mass[i] : 0.0;
       for (int c = 0; c < 3; ++c) w[3 * i + c] *= r;

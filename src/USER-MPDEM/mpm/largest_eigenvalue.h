@@ -7,8 +7,8 @@
 // The eigenvalue is found by Lanczos iteration in the inner product of M (Golub & Van Loan, Matrix Computations, ch.
 // 10). This is power iteration that uses all earlier products. The operator is never formed: one product is one
 // gather and one scatter over the points.
-#ifndef MPDEM_LARGEST_EIGENVALUE_H
-#define MPDEM_LARGEST_EIGENVALUE_H
+#ifndef MPDEM_MPM_LARGEST_EIGENVALUE_H
+#define MPDEM_MPM_LARGEST_EIGENVALUE_H
 
 #include <mpi.h>
 
@@ -30,10 +30,10 @@ struct EigenvalueEstimate {
 };
 
 // Points and grid of one bond.
-struct EigenvaluePart {
+struct EigenvalueSystem {
   const PointStore* points;
   const Grid* grid;
-  bool failed_hold = false;  // points that failed count as undamaged: they may be stiff again, see closing_points.h
+  bool failed_hold = false;                  // points that failed count as undamaged: they may be stiff again, see closing_points.h
   const std::vector<int>* blocks = nullptr;  // blocks whose points count; null: all
 };
 
@@ -42,7 +42,7 @@ constexpr double kEigenvalueTolerance = 1e-3, kPreciseEigenvalue = 1e-7;
 
 // Finds the largest eigenvalue of all bonds together, given in ascending order. Collective. The iteration stops when
 // the residual is below tolerance times the value.
-EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvaluePart>& parts, const Law& law,
+EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const std::vector<EigenvalueSystem>& systems, const Law& law,
                                       double tolerance = kEigenvalueTolerance);
 inline EigenvalueEstimate largest_eigenvalue(MPI_Comm comm, const PointStore& points, const Grid& grid, const Law& law,
                                              double tolerance = kEigenvalueTolerance) {

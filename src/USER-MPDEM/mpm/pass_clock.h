@@ -3,8 +3,8 @@
 //
 // Splits the time of a pass over the points into gather, material and scatter. These are fused, block by block. So one
 // block in 64 is timed, and the time of the whole pass is split in the proportion found. Ticks have no unit of their own.
-#ifndef MPDEM_PASS_CLOCK_H
-#define MPDEM_PASS_CLOCK_H
+#ifndef MPDEM_MPM_PASS_CLOCK_H
+#define MPDEM_MPM_PASS_CLOCK_H
 
 #include <chrono>
 #include <cstdint>
@@ -24,9 +24,15 @@ class PassClock {
     timed_ = ticks_.blocks++ % kEvery == 0;
     if (timed_) last_ = now();
   }
-  void gathered() { if (timed_) lap(ticks_.gather); }
-  void stressed() { if (timed_) lap(ticks_.material); }
-  void scattered() { if (timed_) lap(ticks_.scatter); }
+  void gathered() {
+    if (timed_) lap(ticks_.gather);
+  }
+  void stressed() {
+    if (timed_) lap(ticks_.material);
+  }
+  void scattered() {
+    if (timed_) lap(ticks_.scatter);
+  }
 
   // Work for many blocks at once is timed each time it is done. Its ticks are divided by kEvery, since other blocks are timed only once in kEvery.
   void start_settling() { last_ = now(); }

@@ -13,24 +13,24 @@ namespace mpdem {
 
 int PointStore::Family::first() const {
   int least = -1;
-  for (int p : part)
+  for (int p : layer)
     if (p >= 0 && (least < 0 || p < least)) least = p;
   return least;
 }
 
 std::vector<int> PointStore::Family::others() const {
-  std::vector<int> parts;
+  std::vector<int> layers;
   const int home = first();
-  for (int p : part)
-    if (p >= 0 && p != home) parts.push_back(p);
-  sort_unique(parts);
-  return parts;
+  for (int p : layer)
+    if (p >= 0 && p != home) layers.push_back(p);
+  sort_unique(layers);
+  return layers;
 }
 
 void PointStore::Family::shape(int of, BlockMeta& m) const {
   const std::array<int, 3>*least = nullptr, *most = nullptr;
   for (int l = 0; l < kLanes; ++l) {
-    if (part[l] != of) continue;
+    if (layer[l] != of) continue;
     if (!least || cell[l] < *least) least = &cell[l];
     if (!most || *most < cell[l]) most = &cell[l];
   }
@@ -42,16 +42,16 @@ void PointStore::Family::shape(int of, BlockMeta& m) const {
   m.joined = cells_in_a_row(along, (*most)[along] - (*least)[along]);
   m.second = m.third = 0;
   for (int l = 0; l < kLanes; ++l) {
-    if (part[l] != of) continue;
+    if (layer[l] != of) continue;
     const int ahead = cell[l][along] - (*least)[along];
     if (ahead > 0) (ahead == 1 ? m.second : m.third) |= static_cast<std::uint8_t>(1u << l);
   }
 }
 
-int PointStore::add_block(int body, int part, const Family& family, double cell, Basis basis) {
+int PointStore::add_block(int row, int layer, const Family& family, double cell, Basis basis) {
   BlockMeta m;
-  family.shape(part, m);
-  const int b = add_block(body, part, m.base, cell, basis);
+  family.shape(layer, m);
+  const int b = add_block(row, layer, m.base, cell, basis);
   meta[b].joined = m.joined;
   meta[b].second = m.second;
   meta[b].third = m.third;
@@ -67,22 +67,22 @@ std::vector<int> PointStore::blocks_of_family(int home) const {
   return of;
 }
 
-std::map<int, PointStore::Family> PointStore::families_that_part(const std::map<int, int>& part_of_slot) const {
+std::map<int, PointStore::Family> PointStore::families_that_divide(const std::map<int, int>& layer_of_slot) const {
   std::map<int, Family> families;
-  for (const auto& s : part_of_slot) {
+  for (const auto& s : layer_of_slot) {
     const int b = s.first / kLanes, home = b < homes_ ? b : copies_[b - homes_].home;
     const auto f = families.emplace(home, Family()).first;
-    for (int of : f->second.part[s.first % kLanes] < 0 ? blocks_of_family(home) : std::vector<int>())
+    for (int of : f->second.layer[s.first % kLanes] < 0 ? blocks_of_family(home) : std::vector<int>())
       for (int l = 0; l < kLanes; ++l)
         if (meta[of].occupied >> l & 1) {
-          f->second.part[l] = meta[of].part;
+          f->second.layer[l] = meta[of].layer;
           f->second.from[l] = of;
           for (int d = 0; d < 3; ++d) f->second.cell[l][d] = cell_of(meta[of], l, d);
         }
   }
-  for (const auto& s : part_of_slot) {
+  for (const auto& s : layer_of_slot) {
     const int b = s.first / kLanes;
-    families[b < homes_ ? b : copies_[b - homes_].home].part[s.first % kLanes] = s.second;
+    families[b < homes_ ? b : copies_[b - homes_].home].layer[s.first % kLanes] = s.second;
   }
   return families;
 }
@@ -108,14 +108,14 @@ void PointStore::append_copy(const PointStore& from, int b) {
 
 // Fills block b with the points of its part and empties its other lanes. b is a home with its old points, or a new
 // copy. `from` has the old blocks, where old block n is block place[n].
-void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot,
-                            double cell, Basis basis) {
+void PointStore::fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index,
+                            std::vector<int>& new_slot, double cell, Basis basis) {
   for (int l = 0; l < kLanes; ++l) {
-    if (family.part[l] != meta[b].part) {
+    if (family.layer[l] != meta[b].layer) {
       empty_lane(kLanes * b + l, cell, basis);
       continue;
     }
-    if (b >= homes_ || family.from[l] != b) take(from, kLanes * place.at(family.from[l]) + l, kLanes * b + l);
+    if (b >= homes_ || family.from[l] != b) take(from, kLanes * new_index.at(family.from[l]) + l, kLanes * b + l);
     new_slot[kLanes * family.from[l] + l] = kLanes * b + l;
   }
   find_damaged(b);
@@ -129,35 +129,35 @@ void PointStore::find_damaged(int b) {
   for (int i = 0; i < kLanes * state_fields_; ++i) m.damaged = m.damaged || numbers[i] != 0.0;
 }
 
-PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis) {
-  PartMove done;
-  const std::map<int, Family> families = families_that_part(part_of_slot);
+PointStore::LayerMove PointStore::move_to_layers(const std::map<int, int>& layer_of_slot, double cell, Basis basis) {
+  LayerMove done;
+  const std::map<int, Family> families = families_that_divide(layer_of_slot);
   // Blocks from which lanes are taken.
   std::vector<int> sources;
   for (const auto& f : families) sources.push_back(f.first);
   for (int b = homes_; b < static_cast<int>(blocks.size()); ++b) sources.push_back(b);
   const PointStore before = some(sources);
-  std::map<int, int> place;
-  for (std::size_t n = 0; n < sources.size(); ++n) place[sources[n]] = static_cast<int>(n);
+  std::map<int, int> new_index;
+  for (std::size_t n = 0; n < sources.size(); ++n) new_index[sources[n]] = static_cast<int>(n);
 
   std::vector<int> new_slot(kLanes * blocks.size());
   std::iota(new_slot.begin(), new_slot.end(), 0);
   each_array_of_blocks(*this, [&](auto& array, std::size_t width) { array.resize(width * homes_); });
   for (const auto& f : families) {
-    meta[f.first].part = f.second.first();
-    f.second.shape(meta[f.first].part, meta[f.first]);
+    meta[f.first].layer = f.second.first();
+    f.second.shape(meta[f.first].layer, meta[f.first]);
     done.blocks.push_back(f.first);
-    fill_lanes(f.first, f.second, before, place, new_slot, cell, basis);
+    fill_lanes(f.first, f.second, before, new_index, new_slot, cell, basis);
   }
   const std::vector<Copy> copies_before = std::move(copies_);
   copies_.clear();
   auto f = families.begin();
   const auto add_copies_until = [&](int home) {
     for (; f != families.end() && f->first < home; ++f)
-      for (int part : f->second.others()) {
-        const int b = add_block(meta[f->first].body, part, f->second, cell, basis);
-        copies_.push_back({f->first, part});
-        fill_lanes(b, f->second, before, place, new_slot, cell, basis);
+      for (int layer : f->second.others()) {
+        const int b = add_block(meta[f->first].row, layer, f->second, cell, basis);
+        copies_.push_back({f->first, layer});
+        fill_lanes(b, f->second, before, new_index, new_slot, cell, basis);
         done.blocks.push_back(b);
       }
   };
@@ -166,16 +166,16 @@ PointStore::PartMove PointStore::move_to_parts(const std::map<int, int>& part_of
     add_copies_until(c.home);
     if (families.count(c.home)) continue;
     const int was = homes_ + static_cast<int>(n), b = static_cast<int>(blocks.size());
-    append_copy(before, place.at(was));
+    append_copy(before, new_index.at(was));
     copies_.push_back(c);
     for (int l = 0; l < kLanes; ++l) new_slot[kLanes * was + l] = kLanes * b + l;
   }
   add_copies_until(homes_);
   settled_ = blocks.size();
   for (Link& k : links) k.slot = new_slot[k.slot];
-  for (FreedPlace& p : places) p.slot = new_slot[p.slot];
-  done.link_place = sort_links();
-  std::stable_sort(places.begin(), places.end(), [](const FreedPlace& a, const FreedPlace& b) { return a.slot < b.slot; });
+  for (ContactPoint& p : contacts) p.slot = new_slot[p.slot];
+  done.new_link_index = sort_links();
+  std::stable_sort(contacts.begin(), contacts.end(), [](const ContactPoint& a, const ContactPoint& b) { return a.slot < b.slot; });
   return done;
 }
 

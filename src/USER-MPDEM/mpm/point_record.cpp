@@ -8,10 +8,10 @@
 
 namespace mpdem {
 
-std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
+std::string trouble_of(const PointRecord& p, const std::vector<BondRecord>& records) {
   FirstTrouble found;
-  if (!found.check_whole("its bond", p.body, from(0.0, static_cast<double>(bodies.size()) - 1.0))) return found.trouble();
-  const Body& of = bodies[p.body];
+  if (!found.check_whole("its bond", p.row, from(0.0, static_cast<double>(records.size()) - 1.0))) return found.trouble();
+  const BondRecord& of = records[p.row];
   if (of.pattern > 0) return "its bond has no points yet";
   const double reach = 1e8 * of.spacing;  // cells are numbered by int
   for (int d = 0; d < 3; ++d) {
@@ -31,17 +31,19 @@ std::string trouble_of(const PointRecord& p, const std::vector<Body>& bodies) {
     found.check("the area of a link", link.area, from(0.0, kRounding * of.attached_area[side]));
     double square = 0.0;
     for (int d = 0; d < 3; ++d) square += std::pow(link.foot[d] - of.centre[side][d], 2);
-    found.check("the distance of the foot of a link from the centre of the grain", std::sqrt(square), from(0.99 * of.radius[side], 1.01 * of.radius[side]));
+    found.check("the distance of the foot of a link from the centre of the grain", std::sqrt(square),
+                from(0.99 * of.radius[side], 1.01 * of.radius[side]));
   }
   if (p.film) {
-    if (p.links != PointRecord::kMaxLinks || p.link[0].grain == p.link[1].grain) found.tell("it is film, and has no link to either grain of its bond");
-    if (p.places > 0) found.tell("it is film, and has freed places");
+    if (p.links != PointRecord::kMaxLinks || p.link[0].grain == p.link[1].grain)
+      found.tell("it is film, and has no link to either grain of its bond");
+    if (p.contacts > 0) found.tell("it is film, and has freed places");
   }
-  for (int k = 0; k < p.places; ++k) {
-    const FreedPlace& place = p.place[k];
-    if (place.grain != of.grain[0] && place.grain != of.grain[1])
-      found.tell("the grain of a freed place is " + std::to_string(place.grain) + ", which is none of its bond");
-    for (int d = 0; d < 3; ++d) found.check("where a freed place is", place.X[d], from(of.lattice[d] - reach, of.lattice[d] + reach));
+  for (int k = 0; k < p.contacts; ++k) {
+    const ContactPoint& contact = p.contact[k];
+    if (contact.grain != of.grain[0] && contact.grain != of.grain[1])
+      found.tell("the grain of a freed place is " + std::to_string(contact.grain) + ", which is none of its bond");
+    for (int d = 0; d < 3; ++d) found.check("where a freed place is", contact.X[d], from(of.lattice[d] - reach, of.lattice[d] + reach));
   }
   return found.trouble();
 }

@@ -3,15 +3,15 @@
 //
 // A material point with its links, in the form in which it goes to other ranks, into restart files, and from its
 // creation into a store. PointStore (point_store.h) keeps the same values in blocks.
-#ifndef MPDEM_POINT_RECORD_H
-#define MPDEM_POINT_RECORD_H
+#ifndef MPDEM_MPM_POINT_RECORD_H
+#define MPDEM_MPM_POINT_RECORD_H
 
 #include <string>
 #include <vector>
 
 #include "../material/law.h"
 #include "../parallel/record.h"
-#include "body.h"
+#include "bond_record.h"
 
 namespace mpdem {
 
@@ -24,12 +24,12 @@ constexpr int kMostLinkFields = 1;
 // The bond of a point to a grain. The foot point lies on the surface of the grain as it was when the body was
 // created. The reference place of the cement there is foot + moved.
 struct Link {
-  int slot = -1;              // slot of its point in a store
-  int grain = 0;              // tag
+  int slot = -1;  // slot of its point in a store
+  int grain = 0;  // tag
   double foot[3] = {0, 0, 0};
-  double area = 0;            // of the grain's surface
-  bool attached = false;      // the link has not let go
-  bool inert = false;         // the link has let go, but its added mass still counts, see coupling/penalty_links.h
+  double area = 0;        // of the grain's surface
+  bool attached = false;  // the link has not let go
+  bool inert = false;     // the link has let go, but its added mass still counts, see coupling/penalty_links.h
   double moved[3] = {0, 0, 0};
   double state[kMostLinkFields] = {0};  // state of its traction law
 
@@ -40,50 +40,50 @@ struct Link {
     visit("the foot of a link", k.foot, kFinite);
     visit("the area of a link", k.area, kNotNegative);
     visit("'is attached' of a link", k.attached);
-    visit("the way of a link", k.moved, kFinite);
+    visit("the displacement of a link", k.moved, kFinite);
     visit("'has added mass' of a link", k.inert);
     visit("the state of a link", k.state, from(0.0, 1.0));
   }
 };
 
 // A place on the surface of a grain that let go of the cement, together with the material that it may touch. A point
-// follows at most one place of each grain, see coupling/freed_places.h.
-struct FreedPlace {
-  int slot = -1;             // slot of the point that it follows, in a store
-  int grain = 0;             // tag
-  double area = 0;           // of the grain's surface
-  double X[3] = {0, 0, 0};   // place where the material is touched, reference coordinates
-  double radius = 0;         // distance from the centre of the grain at which it touches
+// follows at most one place of each grain, see coupling/debonded_contact.h.
+struct ContactPoint {
+  int slot = -1;                // slot of the point that it follows, in a store
+  int grain = 0;                // tag
+  double area = 0;              // of the grain's surface
+  double X[3] = {0, 0, 0};      // place where the material is touched, reference coordinates
+  double radius = 0;            // distance from the centre of the grain at which it touches
   double stick[3] = {0, 0, 0};  // place at which friction has no force, in the frame of the grain
-  double rubs = 0;           // traction of friction in the last step
-  double inert_area = 0;     // area whose stiffness has added mass
-  bool closed = false;       // touched in the last step
+  double slides = 0;            // traction of friction in the last step
+  double inert_area = 0;        // area whose stiffness has added mass
+  bool closed = false;          // touched in the last step
 
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
     visit.left_out(p.slot);
-    visit("the grain of a freed place", p.grain, kCount);
-    visit("the area of a freed place", p.area, kNotNegative);
-    visit("where a freed place is", p.X, kFinite);
-    visit("the radius of a freed place", p.radius, kNotNegative);
-    visit("where a freed place sticks", p.stick, kFinite);
-    visit("friction of a freed place", p.rubs, kNotNegative);
-    visit("area with added mass of a freed place", p.inert_area, kNotNegative);
-    visit("'is closed' of a freed place", p.closed);
+    visit("the grain of a contact point", p.grain, kCount);
+    visit("the area of a contact point", p.area, kNotNegative);
+    visit("where a contact point is", p.X, kFinite);
+    visit("the radius of a contact point", p.radius, kNotNegative);
+    visit("where a contact point sticks", p.stick, kFinite);
+    visit("friction of a contact point", p.slides, kNotNegative);
+    visit("area with added mass of a contact point", p.inert_area, kNotNegative);
+    visit("'is closed' of a contact point", p.closed);
   }
 };
 
 // Bits of the grains that a point holds to: bit 0 for the first grain of its bond, bit 1 for the second.
-constexpr int kHoldsBoth = 3;
+constexpr int kConnectedToBoth = 3;
 
 struct PointRecord {
   static constexpr int kMaxLinks = 2;
-  int body = 0, part = 0;
+  int row = 0, layer = 0;
   bool failed = false;
-  bool looked_at = false;  // the nodes were split for it, see fracture/node_copies.h
-  int holds = kHoldsBoth;  // bits of the grains it holds to, see BlockMeta
-  bool film = false;       // a column of a film with a link to either grain, see coupling/film.h
-  bool has_frame = false;  // q was given; otherwise the fix sets it from its axis rule
+  bool split_checked = false;        // the nodes were split for it, see fracture/phantom_nodes.h
+  int connected = kConnectedToBoth;  // bits of the grains it holds to, see BlockMeta
+  bool film = false;                 // a column of a film with a link to either grain, see coupling/film.h
+  bool has_frame = false;            // q was given; otherwise the fix sets it from its axis rule
   double X[3] = {0, 0, 0};
   double volume = 0;
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -97,23 +97,23 @@ struct PointRecord {
   double X0[3] = {0, 0, 0}, v[3] = {0, 0, 0}, C[9] = {0, 0, 0, 0, 0, 0, 0, 0, 0};
   int links = 0;
   Link link[kMaxLinks];
-  int places = 0;
-  FreedPlace place[kMaxLinks];
-  bool debris = false;  // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
-  bool has_slip = false;  // slip is set
+  int contacts = 0;
+  ContactPoint contact[kMaxLinks];
+  bool fragment = false;       // failed, and too distorted to have a crack that closes, see mpm/closing_points.h
+  bool has_slip = false;       // slip is set
   double slip[3] = {0, 0, 0};  // failed, and its crack closed after this slip over its width, with friction, see mpm/closing_points.h
 
   // See parallel/record.h.
   template <class Self, class Visitor>
   static constexpr void describe(Self& p, Visitor& visit) {
-    visit("its bond", p.body, kCount);
-    visit("its part", p.part, from(0, kMaxParts - 1));
+    visit("its bond", p.row, kCount);
+    visit("its layer", p.layer, from(0, kMaxLayers - 1));
     visit("'failed'", p.failed);
-    visit("'was looked at'", p.looked_at);
-    visit("'holds to'", p.holds, from(0, kHoldsBoth));
+    visit("'was checked for splits'", p.split_checked);
+    visit("'is connected to'", p.connected, from(0, kConnectedToBoth));
     visit("'is film'", p.film);
     visit("'has a frame'", p.has_frame);
-    visit("its place", p.X, kFinite);
+    visit("its position", p.X, kFinite);
     visit("its volume", p.volume, kPositive);
     visit("its deformation", p.F, kFinite);
     visit.rotation("its frame", p.q);
@@ -122,15 +122,15 @@ struct PointRecord {
     visit("the number of its law of damage", p.law, kCount);
     visit("'is moving'", p.moving);
     if (visit.present(p.moving)) {
-      visit("its first place", p.X0, kFinite);
+      visit("its first position", p.X0, kFinite);
       visit("its velocity", p.v, kFinite);
       visit("its velocity gradient", p.C, kFinite);
     }
     const int n = visit.length("its number of links", p.links, kMaxLinks);
     for (int k = 0; k < n; ++k) visit.part(p.link[k]);
-    const int freed = visit.length("its number of freed places", p.places, kMaxLinks);
-    for (int k = 0; k < freed; ++k) visit.part(p.place[k]);
-    visit("'is debris'", p.debris);
+    const int freed = visit.length("its number of contact points", p.contacts, kMaxLinks);
+    for (int k = 0; k < freed; ++k) visit.part(p.contact[k]);
+    visit("'is a fragment'", p.fragment);
     visit("'has slid'", p.has_slip);
     if (visit.present(p.has_slip)) visit("the slip of its crack", p.slip, kFinite);
   }
@@ -138,7 +138,7 @@ struct PointRecord {
 
 // Text of what is wrong with a point from a file that belongs to one of these bodies, or an empty string. The numbers
 // of the point must be in their ranges.
-std::string trouble_of(const PointRecord& point, const std::vector<Body>& bodies);
+std::string trouble_of(const PointRecord& point, const std::vector<BondRecord>& records);
 
 }  // namespace mpdem
 

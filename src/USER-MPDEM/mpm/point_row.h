@@ -3,8 +3,8 @@
 //
 // The text form of a point: a row of the file that write_cement writes and create_cement ... file reads. The columns
 // and their order are documented in doc/write_cement.md and doc/create_cement.md. A row gives the present place of the point in the box.
-#ifndef MPDEM_POINT_ROW_H
-#define MPDEM_POINT_ROW_H
+#ifndef MPDEM_MPM_POINT_ROW_H
+#define MPDEM_MPM_POINT_ROW_H
 
 #include "../parallel/record.h"
 
@@ -19,7 +19,8 @@ struct PointRow {
   };
   // Names of columns. Columns of one group are all present or all absent.
   static constexpr const char *kGrain[2] = {"grain_i", "grain_j"}, *kPlace[4] = {"x", "y", "z", "volume"}, *kAxis[3] = {"ax", "ay", "az"},
-                              *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"}, *kArea[2] = {"area_i", "area_j"},
+                              *kDamage[6] = {"dxx", "dyy", "dzz", "dyz", "dxz", "dxy"}, *kFailed[1] = {"failed"},
+                              *kArea[2] = {"area_i", "area_j"},
                               *kFoot[6] = {"foot_ix", "foot_iy", "foot_iz", "foot_jx", "foot_jy", "foot_jz"},
                               *kAttached[2] = {"attached_i", "attached_j"}, *kLinkDamage[2] = {"damage_i", "damage_j"};
 

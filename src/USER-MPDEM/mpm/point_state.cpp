@@ -32,7 +32,8 @@ std::string take_up_tensor(PointStore& points, int slot, const Law& law) {
   for (int i = 0; i < points.state_fields(); ++i) D[i] = points.state(slot / kLanes)[i][slot % kLanes];
   const bool damaged = std::any_of(D, D + kMostStateFields, [](double v) { return v != 0.0; });
   if (law.inert() && (failed || damaged))
-    return text_of("damage ", largest_of(D), failed ? ", and has failed" : "", ", which needs a law of damage, 'damage tensor' for instance");
+    return text_of("damage ", largest_of(D), failed ? ", and has failed" : "",
+                   ", which needs a law of damage, 'damage tensor' for instance");
   if (!damaged) return "";
   try {
     law.state_from_tensor(D, state);
@@ -110,13 +111,12 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot) {
     for (int i = 0; i < points.state_fields(); ++i) numbers[i] = points.state(b)[i][l];
     return numbers;
   }
-  const Sym3<vd> D = with_law(*points.law(), [&](const auto& law) -> Sym3<vd> {
-    return law.damage(state_of<std::decay_t<decltype(law)>>(points, b));
-  });
+  const Sym3<vd> D =
+      with_law(*points.law(), [&](const auto& law) -> Sym3<vd> { return law.damage(state_of<std::decay_t<decltype(law)>>(points, b)); });
   return {D.xx[l], D.yy[l], D.zz[l], D.yz[l], D.xz[l], D.xy[l]};
 }
 
-void find_softening(PointStore& points, const Body& body) {
+void find_softening(PointStore& points, const BondRecord& record) {
   points.softening.clear();
   const Law& law = *points.law();
   if (!law.softens_by_place()) return;
@@ -125,12 +125,12 @@ void find_softening(PointStore& points, const Body& body) {
     const vd* at = points.created_at(static_cast<int>(b));
     for (int l = 0; l < kLanes; ++l) {
       const double X[3] = {at[0][l], at[1][l], at[2][l]};
-      points.softening[b][l] = law.softening_at(above_grain(body, 0, X), above_grain(body, 1, X));
+      points.softening[b][l] = law.softening_at(above_grain(record, 0, X), above_grain(record, 1, X));
     }
   }
 }
 
-std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
+std::string read_point_states(PointStore& points, const std::shared_ptr<const Law>& shared) {
   const Law& law = *shared;
   const int number = points.law_number();
   const bool other = number != 0 && number != law_number(law);
@@ -142,8 +142,7 @@ std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>&
       if (!(m.occupied >> l & 1)) continue;
       if (other)
         trouble = text_of("a state of 'damage ", name_of_law(number), "', from which 'damage ", law.name(), "' cannot go on; keep the law");
-      else if (number == 0)
-        trouble = take_up_tensor(points, kLanes * b + l, law);
+      else if (number == 0) trouble = take_up_tensor(points, kLanes * b + l, law);
       if (!trouble.empty()) trouble = text_of("material point ", points.tags[b][l], " has ", trouble);
     }
   }

@@ -3,8 +3,8 @@
 //
 // Stress, damage and cracks of the points of a store by its law of damage, a block at a time. The templates are for
 // loops inside with_law() of material/laws.h.
-#ifndef MPDEM_POINT_STATE_H
-#define MPDEM_POINT_STATE_H
+#ifndef MPDEM_MPM_POINT_STATE_H
+#define MPDEM_MPM_POINT_STATE_H
 
 #include <array>
 #include <cstring>
@@ -34,7 +34,7 @@ vd softening_of(const PointStore& points, int b, const L& law) {
   return points.softening.empty() ? splat(law.softening()) : points.softening[b];
 }
 // Finds the softening of all points between the grains of this body. The store must know its law.
-void find_softening(PointStore& points, const Body& body);
+void find_softening(PointStore& points, const BondRecord& record);
 
 // Stress of a block in its present state, zero in failed lanes.
 template <class L>
@@ -75,7 +75,7 @@ std::array<double, 6> damage_tensor_of(const PointStore& points, int slot);
 // Converts the states that points came with to states of the law, and sets the law of the store. A state without the
 // number of a law is the damage tensor that a file gave. Returns an empty string, or a text that begins with "material
 // point" if the law cannot go on from a state.
-std::string take_up_states(PointStore& points, const std::shared_ptr<const Law>& law);
+std::string read_point_states(PointStore& points, const std::shared_ptr<const Law>& law);
 
 }  // namespace mpdem
 

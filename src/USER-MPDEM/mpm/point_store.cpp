@@ -13,9 +13,13 @@ namespace {
 
 // Lane l of a field of a block. Its components are kLanes doubles apart.
 template <class Field>
-double* lane(Field& field, int l) { return reinterpret_cast<double*>(&field) + l; }
+double* lane(Field& field, int l) {
+  return reinterpret_cast<double*>(&field) + l;
+}
 template <class Field>
-const double* lane(const Field& field, int l) { return reinterpret_cast<const double*>(&field) + l; }
+const double* lane(const Field& field, int l) {
+  return reinterpret_cast<const double*>(&field) + l;
+}
 
 // Calls f(field of the block, field of the record) for each field that both have.
 template <class Store, class Record, class F>
@@ -78,9 +82,9 @@ void PointStore::set(int slot, const PointRecord& r, int tag) {
   const std::uint8_t bit = static_cast<std::uint8_t>(1u << l);
   m.occupied |= bit;
   if (r.failed) m.failed |= bit;
-  if (r.looked_at) m.looked_at |= bit;
-  if (r.debris) m.debris |= bit;
-  set_holds(slot, r.holds);
+  if (r.split_checked) m.split_checked |= bit;
+  if (r.fragment) m.fragment |= bit;
+  set_connected(slot, r.connected);
   if (r.has_frame) m.framed |= bit;
   if (r.links > 0) m.linked |= bit;
   for (double v : r.damage) m.damaged |= v != 0.0;
@@ -120,12 +124,12 @@ void PointStore::set_state(int slot, const double* numbers) {
 
 int PointStore::add(const PointRecord& r, int tag) {
   // A block of the tail has points of one body and part, as all blocks do.
-  const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().body != r.body || meta.back().part != r.part;
+  const bool fresh = blocks.size() == settled_ || tail_lanes_ == kLanes || meta.back().row != r.row || meta.back().layer != r.layer;
   if (fresh) {
     if (blocks.empty()) law_number_ = r.law;
     append_block();
-    meta.back().body = r.body;
-    meta.back().part = r.part;
+    meta.back().row = r.row;
+    meta.back().layer = r.layer;
     tail_lanes_ = 0;
   }
   const int l = tail_lanes_++;  // never the lane of a point that left, whose links are still there
@@ -135,9 +139,9 @@ int PointStore::add(const PointRecord& r, int tag) {
     links.push_back(r.link[i]);
     links.back().slot = slot;
   }
-  for (int i = 0; i < r.places; ++i) {
-    places.push_back(r.place[i]);
-    places.back().slot = slot;
+  for (int i = 0; i < r.contacts; ++i) {
+    contacts.push_back(r.contact[i]);
+    contacts.back().slot = slot;
   }
   changed_ = true;
   return slot;
@@ -146,12 +150,12 @@ int PointStore::add(const PointRecord& r, int tag) {
 PointRecord PointStore::record(int slot) const {
   const int b = slot / kLanes, l = slot % kLanes;
   PointRecord r;
-  r.body = meta[b].body;
-  r.part = meta[b].part;
+  r.row = meta[b].row;
+  r.layer = meta[b].layer;
   r.failed = meta[b].failed >> l & 1;
-  r.looked_at = meta[b].looked_at >> l & 1;
-  r.debris = meta[b].debris >> l & 1;
-  r.holds = holds(slot);
+  r.split_checked = meta[b].split_checked >> l & 1;
+  r.fragment = meta[b].fragment >> l & 1;
+  r.connected = connected(slot);
   r.has_frame = meta[b].framed >> l & 1;
   r.moving = !motion.empty();
   each_field(*this, b, r, [l](const auto& in_block, auto& in_record) {
@@ -164,16 +168,16 @@ PointRecord PointStore::record(int slot) const {
   for (int i = 0; i < state_fields_; ++i) r.damage[i] = state(b)[i][l];
   const auto [links_of, links_end] = of_slot(links, slot);
   for (auto it = links_of; it != links_end; ++it) r.link[r.links++] = *it;
-  const auto [places_of, places_end] = of_slot(places, slot);
-  for (auto it = places_of; it != places_end; ++it) r.place[r.places++] = *it;
+  const auto [places_of, places_end] = of_slot(contacts, slot);
+  for (auto it = places_of; it != places_end; ++it) r.contact[r.contacts++] = *it;
   return r;
 }
 
 void PointStore::release(int slot) {
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << slot % kLanes));
   BlockMeta& m = meta[slot / kLanes];
-  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.looked_at, &m.framed, &m.linked, &m.debris}) *bits &= others;
-  set_holds(slot, 0);
+  for (std::uint8_t* bits : {&m.occupied, &m.failed, &m.split_checked, &m.framed, &m.linked, &m.fragment}) *bits &= others;
+  set_connected(slot, 0);
   blocks[slot / kLanes].volume[slot % kLanes] = 0.0;
   changed_ = true;
 }
@@ -221,9 +225,9 @@ void PointStore::add_record(int slot, const PointRecord& r, int tag) {
     links.push_back(r.link[k]);
     links.back().slot = slot;
   }
-  for (int k = 0; k < r.places; ++k) {
-    places.push_back(r.place[k]);
-    places.back().slot = slot;
+  for (int k = 0; k < r.contacts; ++k) {
+    contacts.push_back(r.contact[k]);
+    contacts.back().slot = slot;
   }
 }
 
@@ -250,11 +254,11 @@ void PointStore::append_block() {
   tags.back().fill(0);
 }
 
-int PointStore::add_block(int body, int part, const int* base, double cell, Basis basis) {
+int PointStore::add_block(int row, int layer, const int* base, double cell, Basis basis) {
   append_block();
   BlockMeta& m = meta.back();
-  m.body = body;
-  m.part = part;
+  m.row = row;
+  m.layer = layer;
   const double middle = cell_middle(basis);
   for (int d = 0; d < 3; ++d) {
     m.base[d] = base[d];
@@ -293,12 +297,13 @@ void PointStore::take(const PointStore& from, int slot, int new_slot) {
   };
   hand_over(n.occupied, m.occupied);
   hand_over(n.failed, m.failed);
-  hand_over(n.looked_at, m.looked_at);
-  hand_over(n.debris, m.debris);
-  set_holds(new_slot, from.holds(slot));
+  hand_over(n.split_checked, m.split_checked);
+  hand_over(n.fragment, m.fragment);
+  set_connected(new_slot, from.connected(slot));
   hand_over(n.framed, m.framed);
   hand_over(n.linked, m.linked);
-  n.damaged = n.damaged || (n.failed >> new_lane & 1) || std::any_of(numbers, numbers + kMostStateFields, [](double v) { return v != 0.0; });
+  n.damaged =
+      n.damaged || (n.failed >> new_lane & 1) || std::any_of(numbers, numbers + kMostStateFields, [](double v) { return v != 0.0; });
 }
 
 void PointStore::empty_lane(int slot, double cell, Basis basis) {
@@ -310,24 +315,24 @@ void PointStore::empty_lane(int slot, double cell, Basis basis) {
   const std::uint8_t others = static_cast<std::uint8_t>(~(1u << l));
   meta[b].occupied &= others;
   meta[b].failed &= others;
-  meta[b].looked_at &= others;
-  meta[b].debris &= others;
+  meta[b].split_checked &= others;
+  meta[b].fragment &= others;
   meta[b].framed &= others;
   meta[b].linked &= others;
-  set_holds(slot, 0);
+  set_connected(slot, 0);
 }
 
 std::vector<int> PointStore::sort_links() {
-  std::vector<int> order(links.size()), new_place(links.size());
+  std::vector<int> order(links.size()), new_index(links.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return links[a].slot < links[b].slot; });
   std::vector<Link> sorted(links.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     sorted[i] = links[order[i]];
-    new_place[order[i]] = static_cast<int>(i);
+    new_index[order[i]] = static_cast<int>(i);
   }
   links.swap(sorted);
-  return new_place;
+  return new_index;
 }
 
 std::size_t PointStore::memory_usage() const {

@@ -9,8 +9,8 @@
 // Lengths are relative to the origin of the point's body. X is the place in the reference configuration, where the body
 // was created. If there is a `motion`, X is the place of the point when the reference was last taken anew (with
 // `updated` kinematics, in every step). F is relative to the reference.
-#ifndef MPDEM_POINT_STORE_H
-#define MPDEM_POINT_STORE_H
+#ifndef MPDEM_MPM_POINT_STORE_H
+#define MPDEM_MPM_POINT_STORE_H
 
 #include <algorithm>
 #include <array>
@@ -51,20 +51,21 @@ struct PointSlip {
 };
 
 struct BlockMeta {
-  int body = 0, part = 0;
-  int base[3] = {0, 0, 0};       // cell, see basis.h
-  int joined = kOneCell;         // code of its cells in a row, see basis.h and arrange()
+  int row = 0, layer = 0;
+  int base[3] = {0, 0, 0};         // cell, see basis.h
+  int joined = kOneCell;           // code of its cells in a row, see basis.h and arrange()
   int column[kMostColumns] = {0};  // first nodes of its columns, set by the grid; without a meaning if it borrows
   static constexpr int kOwn = -1;
-  int borrowed = kOwn;           // first of its nodes in Grid::borrowed; kOwn: it has columns
+  int aliases = kOwn;                                 // first of its nodes in Grid::borrowed; kOwn: it has columns
   std::uint8_t occupied = 0, failed = 0, framed = 0;  // one bit for each lane
-  std::uint8_t looked_at = 0;  // failed, and the nodes were split for it, see fracture/node_copies.h
-  std::uint8_t debris = 0;     // failed, and too distorted to have a crack that closes, see closing_points.h
-  std::uint8_t holds[2] = {0, 0};  // bits for each grain: held when the bond was last examined after it came apart (fracture/separation.h); all set before
-  std::uint8_t linked = 0;  // had a link to a grain when it was made
+  std::uint8_t split_checked = 0;                     // failed, and the nodes were split for it, see fracture/phantom_nodes.h
+  std::uint8_t fragment = 0;                          // failed, and too distorted to have a crack that closes, see closing_points.h
+  std::uint8_t connected[2] = {
+      0, 0};  // bits for each grain: held when the bond was last examined after it came apart (fracture/separation.h); all set before
+  std::uint8_t linked = 0;             // had a link to a grain when it was made
   std::uint8_t second = 0, third = 0;  // lanes in the second and the third cell of the row
-  Lattice lattice = Lattice::none;  // arrangement of its points, with empty lanes at matching places
-  bool damaged = false;     // some lane failed, or has a state of the law that is not 0
+  Lattice lattice = Lattice::none;     // arrangement of its points, with empty lanes at matching places
+  bool damaged = false;                // some lane failed, or has a state of the law that is not 0
 };
 
 // Prefetches memory for writing. Always inlined: GCC takes a function with no other effect for one without any effect.
@@ -93,7 +94,9 @@ inline int cell_of(const BlockMeta& m, int lane, int d) {
 template <class Type, class F>
 decltype(auto) with_weights(const PointBlock& p, const BlockMeta& m, double inverse_h, F&& f) {
   if constexpr (Type::kMayJoinCells) {
-    const auto of_row = [&](auto joined) { return f(Weights<Type, decltype(joined)::value>(p.X, m.base, lanes(m.second), lanes(m.third), inverse_h)); };
+    const auto of_row = [&](auto joined) {
+      return f(Weights<Type, decltype(joined)::value>(p.X, m.base, lanes(m.second), lanes(m.third), inverse_h));
+    };
     if (m.joined == 0) return of_row(std::integral_constant<int, 0>());
     if (m.joined == 1) return of_row(std::integral_constant<int, 1>());
     if (m.joined == 2) return of_row(std::integral_constant<int, 2>());
@@ -136,8 +139,8 @@ class PointStore {
   std::vector<vd> softening;
   std::vector<BlockMeta> meta;
   std::vector<std::array<int, kLanes>> tags;
-  std::vector<Link> links;  // ascending in slot
-  std::vector<FreedPlace> places;  // ascending in slot and grain
+  std::vector<Link> links;             // ascending in slot
+  std::vector<ContactPoint> contacts;  // ascending in slot and grain
 
   int tag(int slot) const { return tags[slot / kLanes][slot % kLanes]; }
   bool has_failed(int slot) const { return meta[slot / kLanes].failed >> slot % kLanes & 1; }
@@ -149,38 +152,38 @@ class PointStore {
   // Puts all points into blocks of one cell, in the order body, part, cell, tag. Returns the new slot of each old slot,
   // -1 for an empty one. Order and blocks depend on the points alone, not on how they came here. Links and places
   // follow.
-  // new_part: the new part of some slots (ascending).
+  // new_layer: the new part of some slots (ascending).
   // stay: points will not change cells. This has three effects. Points of one cell that are in columns of a lattice
   // take the lanes of columns.h. Blocks that are not full share one block with those of one or two next cells in a row,
   // if they fit. Such a block has a third or two thirds more nodes, but it replaces two or three blocks. And parts
   // change neither blocks nor lanes: a block whose points have several parts becomes a family. The home of a family has
   // the points of the first part. Each other part has a copy of the block, in which a point has the same lane as at
   // home. Blocks of a family span only the cells in which their points are. Copies follow all homes, in the order home, part.
-  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_part = {}, bool stay = false);
+  std::vector<int> arrange(double cell, Basis basis = Basis::quadratic, const std::map<int, int>& new_layer = {}, bool stay = false);
 
   // Moves points to other parts after arrange() with `stay`. Blocks are to the bit those that arrange() would make.
-  struct PartMove {
-    std::vector<int> blocks;      // blocks that have other points than before
-    std::vector<int> link_place;  // new place of each link
+  struct LayerMove {
+    std::vector<int> blocks;          // blocks that have other points than before
+    std::vector<int> new_link_index;  // new place of each link
   };
-  PartMove move_to_parts(const std::map<int, int>& part_of_slot, double cell, Basis basis);
+  LayerMove move_to_layers(const std::map<int, int>& layer_of_slot, double cell, Basis basis);
 
   // Removes a point that left for another rank. Its links stay until the next arrange().
   void release(int slot);
   // True if points came or left since arrange().
   bool changed() const { return changed_; }
-  int size() const;  // points
+  int size() const;         // points
   bool unstrained() const;  // is each deformation gradient the identity, and each strain zero?
   bool any_failed() const;
   // Bits of the grains to which a point holds, as in a PointRecord.
-  int holds(int slot) const {
+  int connected(int slot) const {
     const BlockMeta& m = meta[slot / kLanes];
-    return (m.holds[0] >> slot % kLanes & 1) + 2 * (m.holds[1] >> slot % kLanes & 1);
+    return (m.connected[0] >> slot % kLanes & 1) + 2 * (m.connected[1] >> slot % kLanes & 1);
   }
-  void set_holds(int slot, int holds) {
+  void set_connected(int slot, int holds) {
     const std::uint8_t bit = static_cast<std::uint8_t>(1u << slot % kLanes);
     for (int g = 0; g < 2; ++g) {
-      std::uint8_t& m = meta[slot / kLanes].holds[g];
+      std::uint8_t& m = meta[slot / kLanes].connected[g];
       m = static_cast<std::uint8_t>((holds >> g & 1) ? m | bit : m & ~bit);
     }
   }
@@ -223,11 +226,11 @@ class PointStore {
   bool knows_root_of_norm(int b) const { return meta[b].damaged && !root_of_norm.empty() && root_of_norm[b][0] != kUnknown; }
 
   // Appends a block without points in cell `base` and returns its number.
-  int add_block(int body, int part, const int* base, double cell, Basis basis);
+  int add_block(int row, int layer, const int* base, double cell, Basis basis);
   // Copies a point of another store into a free lane, without its links.
   void take(const PointStore& from, int slot, int new_slot);
   void empty_lane(int slot, double cell, Basis basis);
-  // Sorts the links by slot after moves. new_place[i] is where link i went.
+  // Sorts the links by slot after moves. new_index[i] is where link i went.
   std::vector<int> sort_links();
 
   // Places at which the points of a block were created.
@@ -251,7 +254,7 @@ class PointStore {
     f(s.meta);
     f(s.tags);
     f(s.links);
-    f(s.places);
+    f(s.contacts);
   }
   // Calls f(array, entries in a block) for the arrays with a fixed number of entries in each block.
   template <class Self, class F>
@@ -274,26 +277,26 @@ class PointStore {
   std::shared_ptr<const Law> law_;
   int homes_ = 0;  // number of blocks before the first copy
   struct Copy {
-    int home, part;
+    int home, layer;
   };
   std::vector<Copy> copies_;
   // For each lane of a home: its part, the block it comes from, and its cell; -1 if it is empty.
   struct Family {
-    std::array<int, kLanes> part, from;
+    std::array<int, kLanes> layer, from;
     std::array<std::array<int, 3>, kLanes> cell;
-    Family() { part.fill(-1), from.fill(-1); }
+    Family() { layer.fill(-1), from.fill(-1); }
     int first() const;
     std::vector<int> others() const;
     // Sets base, joined, second and third of the block of a part.
-    void shape(int part, BlockMeta& m) const;
+    void shape(int layer, BlockMeta& m) const;
   };
-  int add_block(int body, int part, const Family& family, double cell, Basis basis);
+  int add_block(int row, int layer, const Family& family, double cell, Basis basis);
   std::vector<int> blocks_of_family(int home) const;
-  std::map<int, Family> families_that_part(const std::map<int, int>& part_of_slot) const;
+  std::map<int, Family> families_that_divide(const std::map<int, int>& layer_of_slot) const;
   PointStore some(const std::vector<int>& which) const;
   void append_copy(const PointStore& from, int b);
-  void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& place, std::vector<int>& new_slot, double cell,
-                  Basis basis);
+  void fill_lanes(int b, const Family& family, const PointStore& from, const std::map<int, int>& new_index, std::vector<int>& new_slot,
+                  double cell, Basis basis);
   void find_damaged(int b);
   // Finds BlockMeta::lattice, and moves empty lanes to places that fit it.
   void find_lattice(int b);

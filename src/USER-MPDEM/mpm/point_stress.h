@@ -3,8 +3,8 @@
 //
 // Stress of blocks of points at the end of a step, for the passes of advance_points.cpp and advance_updated.cpp. The
 // code for damage is not inlined, since most blocks do not need it in most steps.
-#ifndef MPDEM_POINT_STRESS_H
-#define MPDEM_POINT_STRESS_H
+#ifndef MPDEM_MPM_POINT_STRESS_H
+#define MPDEM_MPM_POINT_STRESS_H
 
 #include <algorithm>
 
@@ -52,8 +52,14 @@ class PointStress {
   static constexpr int kMost = 8 * kLanes;  // most blocks that can wait
 
   // limit: Grid::drive_limit of the grid of these points.
-  PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit, AdvanceResult& result)
-      : points_(points), law_(law), result_(result), limit_(limit.empty() ? nullptr : limit.data()), always_(!options.skip_undamaged), nonlocal_(options.nonlocal) {
+  PointStress(PointStore& points, const L& law, double dt, const AdvanceOptions& options, const std::vector<vd>& limit,
+              AdvanceResult& result)
+      : points_(points),
+        law_(law),
+        result_(result),
+        limit_(limit.empty() ? nullptr : limit.data()),
+        always_(!options.skip_undamaged),
+        nonlocal_(options.nonlocal) {
     if constexpr (L::kFields > 0) {
       B_ = law.threshold();
       weakest_ = B_ * std::min(1.0, law.interface());
@@ -78,10 +84,11 @@ class PointStress {
       stress = law_.elasticity().stress(p.strain);
       const double B = m.linked ? weakest_ : B_;
       const vd rough = L::rough_bound(stress, p.strain);
-      if (!nonlocal_) return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, vd{}, stress);
+      if (!nonlocal_)
+        return !any(rough > B * B) || !any(L::square_bound(stress, p.strain) > B * B) || damaged(b, strain_start, vd{}, stress);
       if (!result_.near_threshold) {
         const vd limit = limit_ ? limit_[b] : splat(square_near_);
-        if (any(rough > limit)) look_how_near(L::square_bound(stress, p.strain), lanes(m.occupied), limit);
+        if (any(rough > limit)) find_distance_to_threshold(L::square_bound(stress, p.strain), lanes(m.occupied), limit);
       }
       const vd of_drive = average();
       if (any(lanes(m.occupied) & (of_drive > (m.linked ? root_weakest_ : root_B_)))) return damaged(b, strain_start, of_drive, stress);
@@ -117,7 +124,8 @@ class PointStress {
     const LawTrial t = law_.trial(p.strain, state_of<L>(points_, b), softening_of(points_, b, law_));
     stress = blend(active, t.stress, Sym3<vd>{});
     if (nonlocal_) {
-      if (!result_.near_threshold) look_how_near(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
+      if (!result_.near_threshold)
+        find_distance_to_threshold(L::square_bound(law_.elasticity().stress(p.strain), p.strain), active, splat(square_near_));
       const vd root = root_of_norm(law_, p.strain);
       // The pass finds it again in each step of a block with damage, so it is never that of an older strain.
       if (m.damaged) points_.keep_root_of_norm(b, root);
@@ -134,9 +142,7 @@ class PointStress {
     return false;
   }
 
-  void look_how_near(vd square, vmask active, vd limit) {
-    result_.near_threshold = any(active & (square > limit));
-  }
+  void find_distance_to_threshold(vd square, vmask active, vd limit) { result_.near_threshold = any(active & (square > limit)); }
 
   // Copies lane k of `from` to lane l of `to`. Blocks, tensors and states are arrays of vectors, so a lane is every eighth number of them.
   template <class To, class From>
@@ -162,8 +168,8 @@ class PointStress {
   void grow(int first) {
     const int count = std::min(kLanes, points_waiting_ - first);
     Points& v = vectors_[first / kLanes];
-    const LawUpdate u =
-        law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength, growth_, v.softening);
+    const LawUpdate u = law_.update(v.strain_start, v.strain, v.state, lanes(static_cast<std::uint8_t>((1u << count) - 1)), v.strength,
+                                    growth_, v.softening);
     for (int k = 0; k < count; ++k) {
       if (!u.grown[k]) continue;
       Waiting& w = waiting_[place_[first + k] / kLanes];
@@ -184,7 +190,7 @@ class PointStress {
   PointStore& points_;
   const L& law_;
   AdvanceResult& result_;
-  const vd* limit_;  // limit of each block; null: square_near_ for all
+  const vd* limit_;              // limit of each block; null: square_near_ for all
   double B_, weakest_, growth_;  // B_: threshold of blocks that touch no grain, weakest_: of others
   double square_near_, root_B_, root_weakest_;
   bool always_, nonlocal_;

@@ -3,8 +3,8 @@
 //
 // Power of the present forces. `stored` is that with the stored velocities, which are half a step old. `growth` is what
 // a unit of time adds as the accelerations change the velocities. Units: energy per time, and energy per time squared.
-#ifndef MPDEM_POWER_H
-#define MPDEM_POWER_H
+#ifndef MPDEM_MPM_POWER_H
+#define MPDEM_MPM_POWER_H
 
 namespace mpdem {
 

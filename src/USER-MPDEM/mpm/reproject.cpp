@@ -35,8 +35,8 @@ void add_affine(const PointStore& points, const Grid& grid, double density, cons
 }
 
 // Collective. out = y field, or with `affine` the result of apic for the field.
-void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine, const std::vector<double>& field,
-             std::vector<double>& out) {
+void project(const PointStore& points, Grid& grid, const SharedList<double>& added_mass, double density, bool affine,
+             const std::vector<double>& field, std::vector<double>& out) {
   out.assign(field.size(), 0.0);
   if (affine) add_affine(points, grid, density, field, out);
   else add_consistent_mass(points, grid, density, MassOf::all_points, 1.0, field, out);

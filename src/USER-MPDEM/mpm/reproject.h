@@ -12,8 +12,8 @@
 // flip must be applied in every step. Otherwise motion that y removes would go on in the displacements during the steps
 // between, and feed energy into a spinning bond. Momentum is kept. apic also keeps angular momentum. Both include those
 // of the added mass, which belongs to the grains.
-#ifndef MPDEM_REPROJECT_H
-#define MPDEM_REPROJECT_H
+#ifndef MPDEM_MPM_REPROJECT_H
+#define MPDEM_MPM_REPROJECT_H
 
 #include <vector>
 

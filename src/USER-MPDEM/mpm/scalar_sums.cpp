@@ -274,8 +274,9 @@ void ScalarSums::add_means(const double* mean, double* sum) const {
 }
 
 std::size_t ScalarSums::memory_usage() const {
-  return runs_.capacity() * sizeof(Run) + (volume_.capacity() + value_.capacity()) * sizeof(vd) + (column_.capacity() + blocks_.capacity()) * sizeof(int) +
-         weight_.capacity() * sizeof(double) + place_.capacity() * sizeof(place_[0]);
+  return runs_.capacity() * sizeof(Run) + (volume_.capacity() + value_.capacity()) * sizeof(vd) +
+         (column_.capacity() + blocks_.capacity()) * sizeof(int) + weight_.capacity() * sizeof(double) +
+         place_.capacity() * sizeof(place_[0]);
 }
 
 }  // namespace mpdem

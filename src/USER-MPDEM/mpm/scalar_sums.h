@@ -10,8 +10,8 @@
 // follow each other along the columns of nodes make a run. A vector has eight cells of a run, so no lanes are summed.
 // Each other point keeps its own weights, and vectors go along its columns of nodes. Neither reads the points. A sum
 // by blocks (gather.h, scatter.h) finds the weights of eight points each time, and sums over their lanes.
-#ifndef MPDEM_SCALAR_SUMS_H
-#define MPDEM_SCALAR_SUMS_H
+#ifndef MPDEM_MPM_SCALAR_SUMS_H
+#define MPDEM_MPM_SCALAR_SUMS_H
 
 #include <array>
 #include <vector>
@@ -70,10 +70,10 @@ class ScalarSums {
   // Of the points of runs, eight vectors for eight cells, one for each place in a cell. A place has a bit for each
   // direction, 1 for the upper half, that of x the highest. Then of the points alone.
   std::vector<vd> volume_, value_;
-  int first_alone_ = 0, alone_ = 0;   // first number in volume_ of the points alone, and how many there are
-  std::vector<int> column_;           // of the points alone: first nodes of their columns; then room
-  std::vector<double> weight_;        // of the points alone: of the columns, and of the nodes along a column; then room
-  std::vector<int> blocks_;           // those that hold, ascending
+  int first_alone_ = 0, alone_ = 0;             // first number in volume_ of the points alone, and how many there are
+  std::vector<int> column_;                     // of the points alone: first nodes of their columns; then room
+  std::vector<double> weight_;                  // of the points alone: of the columns, and of the nodes along a column; then room
+  std::vector<int> blocks_;                     // those that hold, ascending
   std::vector<std::array<int, kLanes>> place_;  // of their lanes in volume_, -1 for those that do not hold
 };
 

@@ -3,8 +3,8 @@
 //
 // Points to grid: the transposes of gather.h. The eight points of a block share their nodes. So the lanes are summed in
 // registers, and a node is updated once for each block.
-#ifndef MPDEM_SCATTER_H
-#define MPDEM_SCATTER_H
+#ifndef MPDEM_MPM_SCATTER_H
+#define MPDEM_MPM_SCATTER_H
 
 #include <cstring>
 
@@ -81,8 +81,7 @@ class ColumnSums {
   // Adds the waiting sums of the last `columns` columns, the last of which is c.
   void add_rest(int c, int columns) {
     const vd s = sum_lanes_of_8(rest_);
-    for (int n = 0; n < columns; ++n)
-      add_lanes<kOver>(place(c - columns + 1 + n) + 8, s, kOver * n);
+    for (int n = 0; n < columns; ++n) add_lanes<kOver>(place(c - columns + 1 + n) + 8, s, kOver * n);
   }
   double* place(int c) const { return nodal_ + 3 * static_cast<long>(column_[c]); }
   double* nodal_;

@@ -15,8 +15,8 @@ namespace {
 template <class W>
 Sym3<vd> small_strain(const PointBlock& p, const int* column, const W& weights, const double* x) {
   const Mat3<vd> G = product(gather_gradient(x, column, weights), inverse(p.F));
-  const Sym3<vd> e{G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]),
-                   0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
+  const Sym3<vd> e{
+      G.a[0][0], G.a[1][1], G.a[2][2], 0.5 * (G.a[1][2] + G.a[2][1]), 0.5 * (G.a[0][2] + G.a[2][0]), 0.5 * (G.a[0][1] + G.a[1][0])};
   return rotate_back(rotation_matrix(p.q), e);
 }
 
@@ -64,16 +64,18 @@ void add_stiffness_diagonal(const PointStore& points, const Grid& grid, const La
           const vd left = 1.0 - largest_damage_of(points, static_cast<int>(b), l);
           stiffness *= left * left;
         }
-        with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h, [&](const auto& s) { add_squares(s, m.column, stiffness, own.data()); });
+        with_weights<decltype(type)>(points.blocks[b], m, 1.0 / grid.h,
+                                     [&](const auto& s) { add_squares(s, m.column, stiffness, own.data()); });
       }
     });
   });
   grid.ties.scale_by_weight_sums(own.data());  // |sum w x|^2 <= sum |w| sum |w| x^2
-  grid.ties.pull_back_sizes(own.data());
+  grid.ties.gather_sizes_to_masters(own.data());
   for (int i = 0; i < grid.size(); ++i) diagonal[i] += own[i];
 }
 
-void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out, const StiffPoints& which) {
+void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out,
+                         const StiffPoints& which) {
   with_law(law, [&](const auto& l) {
     with_basis(grid.basis, [&](auto type) { add_products<decltype(type)>(points, grid, l, which, x, out); });
   });

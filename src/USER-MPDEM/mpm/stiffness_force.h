@@ -4,8 +4,8 @@
 // The stiffness K of the points of one bond on its grid, as an operator. K is never formed: one product is one gather
 // and one scatter over the points. K is the secant stiffness in the present state. Damage is that of the present, and
 // displacements add to the present deformation. Failed points have no stiffness. Forces that the present stress exerts on a rotation are left out.
-#ifndef MPDEM_STIFFNESS_FORCE_H
-#define MPDEM_STIFFNESS_FORCE_H
+#ifndef MPDEM_MPM_STIFFNESS_FORCE_H
+#define MPDEM_MPM_STIFFNESS_FORCE_H
 
 #include <vector>
 
@@ -21,8 +21,9 @@ struct StiffPoints {
 };
 
 // out -= K x: adds the internal force due to a displacement x, three numbers a node. x must have the values of tied
-// nodes. The caller applies EdgeTies::pull_back() to out, and the sum over ranks.
-void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out, const StiffPoints& which = {});
+// nodes. The caller applies ExtensionConstraints::gather_to_masters() to out, and the sum over ranks.
+void add_stiffness_force(const PointStore& points, const Grid& grid, const Law& law, const double* x, double* out,
+                         const StiffPoints& which = {});
 
 // Adds an estimate of the diagonal of K to `diagonal`, one number a node. Stiffness of tied nodes is added to their
 // masters by the absolute weights. The caller sums over ranks.

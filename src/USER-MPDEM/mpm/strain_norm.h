@@ -3,8 +3,8 @@
 //
 // The root of the norm of strain that nonlocal damage averages, see drive_average.h. The norm is that of the drive of
 // the law for the undamaged material, so it depends on the strain alone.
-#ifndef MPDEM_STRAIN_NORM_H
-#define MPDEM_STRAIN_NORM_H
+#ifndef MPDEM_MPM_STRAIN_NORM_H
+#define MPDEM_MPM_STRAIN_NORM_H
 
 #include "../material/law.h"
 

@@ -7,8 +7,8 @@
 //   apic        S (v + dt a), with an affine velocity field in each point    (Jiang et al. 2015)
 //   xpic m      S (q v + dt a), 1 - (1 - S+S)^m = S+S q(S+S)   (Hammerquist & Nairn 2017)
 // xpic 1 is pic, S (v + dt a). All keep momentum. apic also keeps angular momentum.
-#ifndef MPDEM_TRANSFER_H
-#define MPDEM_TRANSFER_H
+#ifndef MPDEM_MPM_TRANSFER_H
+#define MPDEM_MPM_TRANSFER_H
 
 namespace mpdem {
 

@@ -4,8 +4,8 @@
 // Spectral decomposition of eight symmetric 3x3 tensors at once by cyclic Jacobi rotations (Golub & Van Loan, Matrix
 // Computations, sec. 8.5). A lane that has converged is not rotated further, so its result does not depend on the
 // others. The method is backward stable, exact for diagonal input, and has no branch on repeated eigenvalues.
-#ifndef MPDEM_EIGEN3_H
-#define MPDEM_EIGEN3_H
+#ifndef MPDEM_NUMERICS_EIGEN3_H
+#define MPDEM_NUMERICS_EIGEN3_H
 
 #include "simd.h"
 #include "tensor3.h"
@@ -68,9 +68,7 @@ inline vd largest(const Spectral& s) { return max(s.value[0], max(s.value[1], s.
 
 // Sum over i of f_i n_i n_i for the columns n_i of q.
 inline Sym3<vd> compose(const Mat3<vd>& q, const vd* f) {
-  const auto c = [&](int i, int j) {
-    return q.a[i][0] * f[0] * q.a[j][0] + q.a[i][1] * f[1] * q.a[j][1] + q.a[i][2] * f[2] * q.a[j][2];
-  };
+  const auto c = [&](int i, int j) { return q.a[i][0] * f[0] * q.a[j][0] + q.a[i][1] * f[1] * q.a[j][1] + q.a[i][2] * f[2] * q.a[j][2]; };
   return {c(0, 0), c(1, 1), c(2, 2), c(1, 2), c(0, 2), c(0, 1)};
 }
 
@@ -102,7 +100,7 @@ inline Extreme extreme_eigenvalue(const Sym3<vd>& m, vd sign) {
 // adj(m - value 1), a multiple of the projection on the eigenspace of a simple eigenvalue.
 inline Sym3<vd> adjugate(const Sym3<vd>& m, vd value) {
   const vd xx = m.xx - value, yy = m.yy - value, zz = m.zz - value;
-  return {yy * zz - m.yz * m.yz, xx * zz - m.xz * m.xz, xx * yy - m.xy * m.xy,
+  return {yy * zz - m.yz * m.yz,   xx * zz - m.xz * m.xz,   xx * yy - m.xy * m.xy,
           m.xz * m.xy - xx * m.yz, m.xy * m.yz - yy * m.xz, m.xz * m.yz - zz * m.xy};
 }
 
@@ -176,39 +174,43 @@ auto by_signs(const Sym3<vd>& m, vd size2, All all, Some some) {
 // With two negative values it is the positive eigenspace alone. Lanes whose root is nearly double, or whose signs are
 // in doubt, use the Jacobi rotations.
 inline Sym3<vd> positive_part(const Sym3<vd>& m) {
-  return by_signs(m, contract(m, m), [&] { return m; }, [&](const Signs& s) {
-    const Sym3<vd> adj = adjugate(m, s.rarer.value);
-    Sym3<vd> p = (s.rarer.value / max(trace(adj), splat(1e-300))) * adj;
-    p = blend(s.two, p, m - p);
-    if (any(s.unsafe)) {
-      const Spectral of = eigen(m);
-      vd f[3];
-      for (int i = 0; i < 3; ++i) f[i] = max(of.value[i], vd{});
-      p = blend(s.unsafe, compose(of.axes, f), p);
-    }
-    return blend(s.definite, m, blend(s.negative, Sym3<vd>{}, p));
-  });
+  return by_signs(
+      m, contract(m, m), [&] { return m; },
+      [&](const Signs& s) {
+        const Sym3<vd> adj = adjugate(m, s.rarer.value);
+        Sym3<vd> p = (s.rarer.value / max(trace(adj), splat(1e-300))) * adj;
+        p = blend(s.two, p, m - p);
+        if (any(s.unsafe)) {
+          const Spectral of = eigen(m);
+          vd f[3];
+          for (int i = 0; i < 3; ++i) f[i] = max(of.value[i], vd{});
+          p = blend(s.unsafe, compose(of.axes, f), p);
+        }
+        return blend(s.definite, m, blend(s.negative, Sym3<vd>{}, p));
+      });
 }
 
 // <m>_+ : <m>_+ by the same eigenvalue, without its axes. If little is left, the difference to a large negative value
 // has no digits. The result of the Jacobi rotations is used then.
 inline vd square_of_positive_part(const Sym3<vd>& m) {
   const vd size2 = contract(m, m);
-  return by_signs(m, size2, [&] { return size2; }, [&](const Signs& s) {
-    const vd rarer2 = s.rarer.value * s.rarer.value;
-    vd square = select(s.two, rarer2, size2 - rarer2);
-    const vmask unsafe = s.unsafe | (~s.definite & ~s.negative & ~s.two & (square < 1e-4 * size2));
-    if (any(unsafe)) {
-      const Spectral of = eigen(m);
-      vd sum{};
-      for (const vd& value : of.value) {
-        const vd p = max(vd{}, value);  // NaN stays
-        sum += p * p;
-      }
-      square = select(unsafe, sum, square);
-    }
-    return select(s.definite, size2, select(s.negative, vd{}, square));
-  });
+  return by_signs(
+      m, size2, [&] { return size2; },
+      [&](const Signs& s) {
+        const vd rarer2 = s.rarer.value * s.rarer.value;
+        vd square = select(s.two, rarer2, size2 - rarer2);
+        const vmask unsafe = s.unsafe | (~s.definite & ~s.negative & ~s.two & (square < 1e-4 * size2));
+        if (any(unsafe)) {
+          const Spectral of = eigen(m);
+          vd sum{};
+          for (const vd& value : of.value) {
+            const vd p = max(vd{}, value);  // NaN stays
+            sum += p * p;
+          }
+          square = select(unsafe, sum, square);
+        }
+        return select(s.definite, size2, select(s.negative, vd{}, square));
+      });
 }
 
 }  // namespace mpdem

@@ -3,8 +3,8 @@
 //
 // Numbers below 2e-308 count as zero while such an object lives. Ahead of a wave the motion of nodes falls off to such
 // numbers, and the processor takes a hundred cycles for each of them. This works on x86 only. Elsewhere nothing changes.
-#ifndef MPDEM_FLUSH_DENORMALS_H
-#define MPDEM_FLUSH_DENORMALS_H
+#ifndef MPDEM_NUMERICS_FLUSH_DENORMALS_H
+#define MPDEM_NUMERICS_FLUSH_DENORMALS_H
 
 #if defined(__SSE2__)
 #include <immintrin.h>

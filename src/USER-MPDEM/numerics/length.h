@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#ifndef MPDEM_LENGTH_H
-#define MPDEM_LENGTH_H
+#ifndef MPDEM_NUMERICS_LENGTH_H
+#define MPDEM_NUMERICS_LENGTH_H
 
 #include <cmath>
 

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Rotations as matrices. Unit quaternions are w, x, y, z. Rotations by the identity return their argument to the bit.
-#ifndef MPDEM_ROTATION_H
-#define MPDEM_ROTATION_H
+#ifndef MPDEM_NUMERICS_ROTATION_H
+#define MPDEM_NUMERICS_ROTATION_H
 
 #include <array>
 

@@ -3,8 +3,8 @@
 //
 // A list that is stored once for all holders of an equal one. Bonds of one shape are equal in all but their state:
 // places of points and links, ties of nodes, masses. A holder that changes its list gets its own copy first. So sharing affects nothing but memory.
-#ifndef MPDEM_SHARED_LIST_H
-#define MPDEM_SHARED_LIST_H
+#ifndef MPDEM_NUMERICS_SHARED_LIST_H
+#define MPDEM_NUMERICS_SHARED_LIST_H
 
 #include <cstring>
 #include <map>

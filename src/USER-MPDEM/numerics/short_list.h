@@ -3,8 +3,8 @@
 //
 // A list of integers that are not negative, such as places of nodes. It takes two bytes for each while all of them fit
 // into these, as they do in small bonds. From the first one that does not fit, it takes four bytes for each.
-#ifndef MPDEM_SHORT_LIST_H
-#define MPDEM_SHORT_LIST_H
+#ifndef MPDEM_NUMERICS_SHORT_LIST_H
+#define MPDEM_NUMERICS_SHORT_LIST_H
 
 #include <algorithm>
 #include <cstdint>

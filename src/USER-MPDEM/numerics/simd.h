@@ -4,8 +4,8 @@
 // Eight doubles as one value. A block of material points is eight points of one cell, one point a lane. So every kernel
 // is written once, on `vd`, and the compiler maps it to the widest registers of the target (one AVX-512, two AVX2 or
 // four SSE2 operations). It uses GCC and Clang vector extensions. Only bits() needs intrinsics, which compilers do not find by themselves.
-#ifndef MPDEM_SIMD_H
-#define MPDEM_SIMD_H
+#ifndef MPDEM_NUMERICS_SIMD_H
+#define MPDEM_NUMERICS_SIMD_H
 
 #include <cmath>
 #include <cstdint>
@@ -78,8 +78,7 @@ __attribute__((always_inline)) inline vd sum_lanes_of_8(const vd* a) {
   for (int p = 0; p < 2; ++p)
     t[p] = __builtin_shufflevector(s[2 * p], s[2 * p + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
            __builtin_shufflevector(s[2 * p], s[2 * p + 1], 2, 3, 10, 11, 6, 7, 14, 15);
-  return __builtin_shufflevector(t[0], t[1], 0, 1, 2, 3, 8, 9, 10, 11) +
-         __builtin_shufflevector(t[0], t[1], 4, 5, 6, 7, 12, 13, 14, 15);
+  return __builtin_shufflevector(t[0], t[1], 0, 1, 2, 3, 8, 9, 10, 11) + __builtin_shufflevector(t[0], t[1], 4, 5, 6, 7, 12, 13, 14, 15);
 }
 
 }  // namespace mpdem

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Makes a list ascending, with each value once.
-#ifndef MPDEM_SORT_UNIQUE_H
-#define MPDEM_SORT_UNIQUE_H
+#ifndef MPDEM_NUMERICS_SORT_UNIQUE_H
+#define MPDEM_NUMERICS_SORT_UNIQUE_H
 
 #include <algorithm>
 #include <vector>

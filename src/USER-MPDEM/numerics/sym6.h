@@ -3,8 +3,8 @@
 //
 // Symmetric matrices of six rows over `double`, or over the eight-lane `vd` with one matrix a lane. They are stored as
 // the lower triangle by rows, 21 numbers.
-#ifndef MPDEM_SYM6_H
-#define MPDEM_SYM6_H
+#ifndef MPDEM_NUMERICS_SYM6_H
+#define MPDEM_NUMERICS_SYM6_H
 
 namespace mpdem {
 

@@ -3,8 +3,8 @@
 //
 // Symmetric and general 3x3 tensors over a scalar type T, which is `double` or the eight-lane `vd`. Symmetric storage
 // order: xx, yy, zz, yz, xz, xy (tensor components, no factor of two in the shears).
-#ifndef MPDEM_TENSOR3_H
-#define MPDEM_TENSOR3_H
+#ifndef MPDEM_NUMERICS_TENSOR3_H
+#define MPDEM_NUMERICS_TENSOR3_H
 
 namespace mpdem {
 
@@ -45,8 +45,7 @@ inline T trace(const Sym3<T>& a) {
 
 template <class T>
 inline T determinant(const Sym3<T>& a) {
-  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
-         a.xz * (a.xy * a.yz - a.yy * a.xz);
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
 }
 
 // sym(a b) of two symmetric tensors
@@ -70,17 +69,13 @@ inline Sym3<T> rotate(const Mat3<T>& q, const Sym3<T>& s) {
     b[i][1] = q.a[i][0] * s.xy + q.a[i][1] * s.yy + q.a[i][2] * s.yz;
     b[i][2] = q.a[i][0] * s.xz + q.a[i][1] * s.yz + q.a[i][2] * s.zz;
   }
-  const auto dot = [&](int i, int j) {
-    return b[i][0] * q.a[j][0] + b[i][1] * q.a[j][1] + b[i][2] * q.a[j][2];
-  };
+  const auto dot = [&](int i, int j) { return b[i][0] * q.a[j][0] + b[i][1] * q.a[j][1] + b[i][2] * q.a[j][2]; };
   return {dot(0, 0), dot(1, 1), dot(2, 2), dot(1, 2), dot(0, 2), dot(0, 1)};
 }
 
 template <class T>
 inline Mat3<T> transpose(const Mat3<T>& m) {
-  return {{{m.a[0][0], m.a[1][0], m.a[2][0]},
-           {m.a[0][1], m.a[1][1], m.a[2][1]},
-           {m.a[0][2], m.a[1][2], m.a[2][2]}}};
+  return {{{m.a[0][0], m.a[1][0], m.a[2][0]}, {m.a[0][1], m.a[1][1], m.a[2][1]}, {m.a[0][2], m.a[1][2], m.a[2][2]}}};
 }
 
 // q^T s q
@@ -93,8 +88,7 @@ template <class T>
 inline Mat3<T> product(const Mat3<T>& a, const Mat3<T>& b) {
   Mat3<T> c;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      c.a[i][j] = a.a[i][0] * b.a[0][j] + a.a[i][1] * b.a[1][j] + a.a[i][2] * b.a[2][j];
+    for (int j = 0; j < 3; ++j) c.a[i][j] = a.a[i][0] * b.a[0][j] + a.a[i][1] * b.a[1][j] + a.a[i][2] * b.a[2][j];
   return c;
 }
 
@@ -144,8 +138,7 @@ inline Mat3<T> inverse(const Mat3<T>& m) {
 
 template <class T>
 inline T determinant(const Mat3<T>& m) {
-  return m.a[0][0] * (m.a[1][1] * m.a[2][2] - m.a[1][2] * m.a[2][1]) -
-         m.a[0][1] * (m.a[1][0] * m.a[2][2] - m.a[1][2] * m.a[2][0]) +
+  return m.a[0][0] * (m.a[1][1] * m.a[2][2] - m.a[1][2] * m.a[2][1]) - m.a[0][1] * (m.a[1][0] * m.a[2][2] - m.a[1][2] * m.a[2][0]) +
          m.a[0][2] * (m.a[1][0] * m.a[2][1] - m.a[1][1] * m.a[2][0]);
 }
 

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Joins words and numbers to a text. Numbers are written as by a C++ stream.
-#ifndef MPDEM_TEXT_OF_H
-#define MPDEM_TEXT_OF_H
+#ifndef MPDEM_NUMERICS_TEXT_OF_H
+#define MPDEM_NUMERICS_TEXT_OF_H
 
 #include <sstream>
 #include <string>

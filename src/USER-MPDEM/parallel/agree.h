@@ -3,8 +3,8 @@
 //
 // Exceptions for states that end a run, since the engine knows no host that could stop. If all ranks see the state, all
 // of them throw with the same text. If one rank sees it and the others wait for that rank, it throws OnOneRank.
-#ifndef MPDEM_AGREE_H
-#define MPDEM_AGREE_H
+#ifndef MPDEM_PARALLEL_AGREE_H
+#define MPDEM_PARALLEL_AGREE_H
 
 #include <mpi.h>
 

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Sends a list of plain values to every rank and returns the received values, ordered by source. Collective.
-#ifndef MPDEM_ALL_TO_ALL_H
-#define MPDEM_ALL_TO_ALL_H
+#ifndef MPDEM_PARALLEL_ALL_TO_ALL_H
+#define MPDEM_PARALLEL_ALL_TO_ALL_H
 
 #include <mpi.h>
 

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Gathers plain values of all ranks, in the order of the ranks: on all ranks, or on the first. Collective.
-#ifndef MPDEM_GATHER_RANKS_H
-#define MPDEM_GATHER_RANKS_H
+#ifndef MPDEM_PARALLEL_GATHER_RANKS_H
+#define MPDEM_PARALLEL_GATHER_RANKS_H
 
 #include <mpi.h>
 

@@ -3,8 +3,8 @@
 //
 // Sums nodal values over the ranks that share a node. Every holder adds the same contributions in the same order
 // (ascending rank). So the copies of a node stay equal to the bit and never have to be sent again. Buffers are sized once.
-#ifndef MPDEM_HALO_SUM_H
-#define MPDEM_HALO_SUM_H
+#ifndef MPDEM_PARALLEL_HALO_SUM_H
+#define MPDEM_PARALLEL_HALO_SUM_H
 
 #include <mpi.h>
 
@@ -30,7 +30,7 @@ class HaloMessages {
   std::vector<int> ranks_;          // all with which a body is shared, ascending
   std::vector<std::size_t> items_;  // number of items shared with each of these ranks
   std::vector<std::vector<double>> send_, recv_;
-  std::vector<std::size_t> read_;   // numbers of each message that are added already
+  std::vector<std::size_t> read_;  // numbers of each message that are added already
   std::vector<MPI_Request> requests_;
 };
 
@@ -62,7 +62,7 @@ class HaloSum {
   int me_ = 0;
   Sharing shared_;
   std::vector<char> counts_here_;
-  std::vector<int> union_;  // shared keys, ascending
+  std::vector<int> union_;           // shared keys, ascending
   mutable std::vector<double> own_;  // values of this rank, within a sum
   HaloMessages messages_;
 };

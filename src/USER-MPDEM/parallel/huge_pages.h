@@ -3,8 +3,8 @@
 //
 // Memory in pages of 2 MiB. Points and nodes of many bonds lie in more pages of 4 KiB than a processor keeps the
 // addresses of, and looking these up takes time in every step. The gain is in doc/performance.md.
-#ifndef MPDEM_HUGE_PAGES_H
-#define MPDEM_HUGE_PAGES_H
+#ifndef MPDEM_PARALLEL_HUGE_PAGES_H
+#define MPDEM_PARALLEL_HUGE_PAGES_H
 
 namespace mpdem {
 

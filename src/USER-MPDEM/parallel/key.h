@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
-// Names a node on all ranks: its field, which is a part of a bond (mpm/body.h), and its place on the grid of the bond.
+// Names a node on all ranks: its field, which is a part of a bond (mpm/bond_record.h), and its place on the grid of the bond.
 // Other objects are named by fewer whole numbers. Keys are in the order of field, i, j, k.
 //
 // A key takes 16 bytes: 31 bits for the bond, as many as an int can count, 22 for the part, 25 for each number of a
 // place. A part has its own nodes, so memory ends before parts do. Throws OnOneRank for a place farther than kFarthest
 // cells from the origin of its bond.
-#ifndef MPDEM_KEY_H
-#define MPDEM_KEY_H
+#ifndef MPDEM_PARALLEL_KEY_H
+#define MPDEM_PARALLEL_KEY_H
 
 #include <array>
 #include <cstdint>
@@ -18,32 +18,33 @@
 namespace mpdem {
 
 using Field = std::int64_t;
-constexpr int kBodyBits = 31, kPartBits = 22;
+constexpr int kRowBits = 31, kLayerBits = 22;
 
 class Key {
  public:
-  static constexpr int kPlaceBits = 25, kFarthest = (1 << (kPlaceBits - 1)) - 1;
+  static constexpr int kIndexBits = 25, kFarthest = (1 << (kIndexBits - 1)) - 1;
   // Makes a key that no node has. It comes before all others.
   constexpr Key() = default;
-  Key(Field field, int i, int j, int k) : bits_(static_cast<Bits>(field) << 3 * kPlaceBits | shifted(i, 2) | shifted(j, 1) | shifted(k, 0)) {}
-  Key(Field field, const int* place) : Key(field, place[0], place[1], place[2]) {}
+  Key(Field field, int i, int j, int k)
+      : bits_(static_cast<Bits>(field) << 3 * kIndexBits | shifted(i, 2) | shifted(j, 1) | shifted(k, 0)) {}
+  Key(Field field, const int* index) : Key(field, index[0], index[1], index[2]) {}
   // Makes a key before all keys of the field. No node has it.
   static Key before(Field field) {
     Key k;
-    k.bits_ = static_cast<Bits>(field) << 3 * kPlaceBits;
+    k.bits_ = static_cast<Bits>(field) << 3 * kIndexBits;
     return k;
   }
 
-  Field field() const { return static_cast<Field>(bits_ >> 3 * kPlaceBits); }
-  int at(int d) const { return static_cast<int>(bits_ >> (2 - d) * kPlaceBits & kMask) - kFarthest - 1; }
-  std::array<int, 3> place() const { return {at(0), at(1), at(2)}; }
+  Field field() const { return static_cast<Field>(bits_ >> 3 * kIndexBits); }
+  int at(int d) const { return static_cast<int>(bits_ >> (2 - d) * kIndexBits & kMask) - kFarthest - 1; }
+  std::array<int, 3> index() const { return {at(0), at(1), at(2)}; }
   Key with_field(Field field) const {
     Key k = before(field);
-    k.bits_ |= bits_ & ((Bits{1} << 3 * kPlaceBits) - 1);
+    k.bits_ |= bits_ & ((Bits{1} << 3 * kIndexBits) - 1);
     return k;
   }
   Key moved(int d, int by) const {
-    std::array<int, 3> p = place();
+    std::array<int, 3> p = index();
     p[d] += by;
     return Key(field(), p.data());
   }
@@ -57,11 +58,12 @@ class Key {
 
  private:
   __extension__ using Bits = unsigned __int128;
-  static constexpr Bits kMask = (Bits{1} << kPlaceBits) - 1;
+  static constexpr Bits kMask = (Bits{1} << kIndexBits) - 1;
   static Bits shifted(int place, int n) {
     if (place > kFarthest || place < -kFarthest)
-      throw OnOneRank(text_of("a node lies ", place, " cells from the middle of its bond, allowed are ", kFarthest, "; use a larger 'cell', and check the motion of the points"));
-    return static_cast<Bits>(place + kFarthest + 1) << n * kPlaceBits;
+      throw OnOneRank(text_of("a node lies ", place, " cells from the middle of its bond, allowed are ", kFarthest,
+                              "; use a larger 'cell', and check the motion of the points"));
+    return static_cast<Bits>(place + kFarthest + 1) << n * kIndexBits;
   }
   Bits bits_ = 0;
 };

@@ -2,8 +2,8 @@
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
 //
 // Memory that a rank may take. With it an input that needs more is rejected before the machine begins to swap or ends some process.
-#ifndef MPDEM_MEMORY_LIMIT_H
-#define MPDEM_MEMORY_LIMIT_H
+#ifndef MPDEM_PARALLEL_MEMORY_LIMIT_H
+#define MPDEM_PARALLEL_MEMORY_LIMIT_H
 
 #include <mpi.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
-#ifndef MPDEM_OWN_COMM_H
-#define MPDEM_OWN_COMM_H
+#ifndef MPDEM_PARALLEL_OWN_COMM_H
+#define MPDEM_PARALLEL_OWN_COMM_H
 
 #include <mpi.h>
 

@@ -36,7 +36,8 @@ std::string trouble_with_version(const std::string& data, double found, int own)
   if (found == own) return "";
   std::ostringstream s;
   s << data << " of version " << found << ", this program reads version " << own
-    << "; go on with the USER-MPDEM that wrote the file, or write the cement there by write_cement and read it here by create_cement ... file";
+    << "; go on with the USER-MPDEM that wrote the file, or write the cement there by write_cement and read it here by create_cement ... "
+       "file";
   return s.str();
 }
 

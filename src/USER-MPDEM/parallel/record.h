@@ -17,8 +17,8 @@
 //
 // and this gives it the functions below. Every number is a double in the buffer. A range may depend on fields that are
 // named before. A field has the type that the code wants: double, int, bool or an enum.
-#ifndef MPDEM_RECORD_H
-#define MPDEM_RECORD_H
+#ifndef MPDEM_PARALLEL_RECORD_H
+#define MPDEM_PARALLEL_RECORD_H
 
 #include <cmath>
 #include <cstddef>
@@ -66,8 +66,7 @@ template <class T, class F>
 constexpr void each_number(T& field, F&& f) {
   if constexpr (std::is_array_v<T>)
     for (auto& element : field) each_number(element, f);
-  else
-    f(field);
+  else f(field);
 }
 
 template <class T>

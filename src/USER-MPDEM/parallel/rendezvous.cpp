@@ -32,11 +32,9 @@ struct Holder {
 std::vector<Holder> gather_at_home(MPI_Comm comm, const std::vector<Key>& keys) {
   const int ranks = ranks_of(comm), me = rank_in(comm);
   std::vector<std::vector<Holder>> out(ranks);
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    out[home_rank(keys[i], ranks)].push_back({keys[i], me, static_cast<int>(i)});
+  for (std::size_t i = 0; i < keys.size(); ++i) out[home_rank(keys[i], ranks)].push_back({keys[i], me, static_cast<int>(i)});
   std::vector<Holder> all = all_to_all(comm, out).data;
-  std::sort(all.begin(), all.end(),
-            [](const Holder& a, const Holder& b) { return std::tie(a.key, a.rank) < std::tie(b.key, b.rank); });
+  std::sort(all.begin(), all.end(), [](const Holder& a, const Holder& b) { return std::tie(a.key, a.rank) < std::tie(b.key, b.rank); });
   return all;
 }
 
@@ -71,9 +69,8 @@ Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys) {
   return shared;
 }
 
-std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys,
-                                 const std::vector<double>& values, const std::vector<Key>& wanted,
-                                 std::vector<char>& found) {
+std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys, const std::vector<double>& values,
+                                 const std::vector<Key>& wanted, std::vector<char>& found) {
   const int ranks = ranks_of(comm);
   std::vector<double> result(wanted.size() * width, 0.0);
   found.assign(wanted.size(), 0);
@@ -109,8 +106,7 @@ std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key
   };
   std::vector<std::vector<Order>> orders(ranks);
   for (const Holder& w : want) {
-    const auto it =
-        std::lower_bound(have.begin(), have.end(), w.key, [](const Holder& a, const Key& k) { return a.key < k; });
+    const auto it = std::lower_bound(have.begin(), have.end(), w.key, [](const Holder& a, const Key& k) { return a.key < k; });
     if (it != have.end() && it->key == w.key) orders[it->rank].push_back({it->index, w.rank, w.index});
   }
   const std::vector<Order> mine = all_to_all(comm, orders).data;

@@ -4,8 +4,8 @@
 // Finds which ranks hold the same key. Every key has a home rank, given by its hash. Ranks report their keys there, and
 // the home answers with the other holders. The cost is proportional to the keys of a rank, for any number of ranks and
 // any shape of their sub-domains. All functions are collective.
-#ifndef MPDEM_RENDEZVOUS_H
-#define MPDEM_RENDEZVOUS_H
+#ifndef MPDEM_PARALLEL_RENDEZVOUS_H
+#define MPDEM_PARALLEL_RENDEZVOUS_H
 
 #include <mpi.h>
 
@@ -27,9 +27,8 @@ Sharing find_sharing(MPI_Comm comm, const std::vector<Key>& keys);
 
 // Returns for each wanted key the value (width doubles) of any rank that holds it, and sets `found` for keys that some
 // rank holds. keys and wanted: ascending, each once.
-std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys,
-                                 const std::vector<double>& values, const std::vector<Key>& wanted,
-                                 std::vector<char>& found);
+std::vector<double> fetch_values(MPI_Comm comm, int width, const std::vector<Key>& keys, const std::vector<double>& values,
+                                 const std::vector<Key>& wanted, std::vector<char>& found);
 
 }  // namespace mpdem
 

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Books of the energy of the cement. Central differences keep
+//
+//   E + dissipated + released + damped + rubbed + left - work = start,
+//
+// where E is the energy of strain, springs and motion. Growth of damage dissipates. Failed points, links that let go
+// and added mass that changes release. Dampers and transfers damp. Friction rubs. What leaves the scene takes its energy along. Grains, gravity and impulses of the
+// host do work on the cement. Each half step has the work of its velocity on the force at its end. The same holds for
+// dampers and for friction of crack faces. What belongs to the second half of the last step is ahead.
+//
+// With `mass_order 2` the energy of motion is v.M* v/2, with M* the inertia of mpm/consistent_mass.h. It is kept as the
+// energy of the lumped mass, less the work of the force by which the two differ.
+//
+// Each number is the share of this rank, in units of energy.
+#ifndef MPDEM_CEMENT_BOND_ENERGY_BALANCE_H
+#define MPDEM_CEMENT_BOND_ENERGY_BALANCE_H
+
+#include <mpi.h>
+
+#include "../../parallel/ranks.h"
+#include "../../parallel/record.h"
+
+namespace mpdem {
+
+class EnergyBalance {
+ public:
+  // What left the scene, see departures.h. momentum: in the axes of the box.
+  struct Left {
+    double points = 0.0, mass = 0.0, momentum[3] = {0, 0, 0}, energy = 0.0;
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& l, Visitor& visit) {
+      visit("the number of points that left", l.points, kNotNegative);
+      visit("the mass that left", l.mass, kNotNegative);
+      visit("the momentum that left", l.momentum, kFinite);
+      visit("the energy that left", l.energy, kFinite);
+    }
+  };
+  struct Sums {
+    double dissipated = 0.0, released = 0.0, damped = 0.0, frictional = 0.0, work = 0.0, work_ahead = 0.0;
+    double inertial_work = 0.0, inertial_work_ahead = 0.0;  // work of Grid::inertial_force
+    double damped_ahead = 0.0, frictional_ahead = 0.0;
+    Left left;
+
+    template <class Self, class Visitor>
+    static constexpr void describe(Self& s, Visitor& visit) {
+      visit("the dissipated energy", s.dissipated, kFinite);
+      visit("the released energy", s.released, kFinite);
+      visit("the damped energy", s.damped, kFinite);
+      visit("the energy of friction", s.frictional, kFinite);
+      visit("the work of grains", s.work, kFinite);
+      visit("the work ahead of its step", s.work_ahead, kFinite);
+      visit("the work of the inertial forces", s.inertial_work, kFinite);
+      visit("the work of the inertial forces ahead of its step", s.inertial_work_ahead, kFinite);
+      visit("the damped energy ahead of its step", s.damped_ahead, kFinite);
+      visit("the energy of friction ahead of its step", s.frictional_ahead, kFinite);
+      visit.part(s.left);
+    }
+  };
+  // Work of a step with the forces of this time. now: with the velocities of this time. before: with those of half a
+  // step before.
+  struct StepWork {
+    double now = 0.0, before = 0.0;
+  };
+
+  void dissipate(double energy) { sums_.dissipated += energy; }
+  void release(double energy) { sums_.released += energy; }
+  void damp(double energy) { sums_.damped += energy; }
+  void add_friction(double energy) { sums_.frictional += energy; }
+  void do_work(double work) { sums_.work += work; }
+  void do_inertial_work(double work) { sums_.inertial_work += work; }
+  void leave(const Left& l) {
+    sums_.left.points += l.points;
+    sums_.left.mass += l.mass;
+    for (int d = 0; d < 3; ++d) sums_.left.momentum[d] += l.momentum[d];
+    sums_.left.energy += l.energy;
+  }
+
+  // Books as released what `action` takes of `energy()`. damp_by() books it as damped.
+  template <class Energy, class Action>
+  void release_by(Energy energy, Action action) {
+    const double before = energy();
+    action();
+    release(before - energy());
+  }
+  template <class Energy, class Action>
+  void damp_by(Energy energy, Action action) {
+    const double before = energy();
+    action();
+    damp(before - energy());
+  }
+
+  // Books what dampers and the friction of crack faces take in a step. Call as soon as its accelerations are known.
+  void end_step_of_dampers(const StepWork& damped, const StepWork& frictional) {
+    sums_.damped += damped.now;
+    sums_.damped_ahead = damped.now - 0.5 * damped.before;
+    sums_.frictional += frictional.now;
+    sums_.frictional_ahead = frictional.now - 0.5 * frictional.before;
+  }
+  // Books the work at the end of a step. The second half of the step is work ahead.
+  void end_step(const StepWork& w, const StepWork& inertial) {
+    sums_.work += w.now;
+    sums_.work_ahead = w.now - 0.5 * w.before;
+    sums_.inertial_work += inertial.now;
+    sums_.inertial_work_ahead = inertial.now - 0.5 * inertial.before;
+  }
+  // Books that cement is set in motion. energy_of_all: its energy, of all ranks. The other numbers give the work of its
+  // first half step, and what dampers take in it.
+  void start(double energy_of_all, const StepWork& w, const StepWork& inertial, double damped_ahead) {
+    sums_.work += w.now - 0.5 * w.before;
+    sums_.work_ahead += w.now - 0.5 * w.before;
+    sums_.inertial_work += inertial.now - 0.5 * inertial.before;
+    sums_.inertial_work_ahead += inertial.now - 0.5 * inertial.before;
+    sums_.damped += damped_ahead;
+    sums_.damped_ahead += damped_ahead;
+    start_ += energy_of_all;
+  }
+
+  const Sums& sums() const { return sums_; }
+  // Collective. Returns sums over all ranks, and leaves them to the first. Books that are read from a restart file begin
+  // so. The rank that adds what changes the last digits, so a run that goes on has to do the same.
+  Sums gather_on_first(MPI_Comm comm) {
+    double numbers[kMostNumbers<Sums>];
+    pack(sums_, numbers);
+    MPI_Allreduce(MPI_IN_PLACE, numbers, kMostNumbers<Sums>, MPI_DOUBLE, MPI_SUM, comm);
+    Sums all;
+    unpack(numbers, all);
+    sums_ = rank_in(comm) == 0 ? all : Sums();
+    return all;
+  }
+  double start_energy() const { return start_; }  // energy of all ranks
+  void restore(const Sums& sums, double start_energy) {
+    sums_ = sums;
+    start_ = start_energy;
+  }
+
+ private:
+  Sums sums_;
+  double start_ = 0.0;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "scene.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "../../mpm/largest_eigenvalue.h"
+#include "../../parallel/agree.h"
+
+namespace mpdem {
+
+std::array<double, 3> Scene::weight() const {
+  const double* g = now.gravity;
+  return {g[0] / options.mass_scale, g[1] / options.mass_scale, g[2] / options.mass_scale};
+}
+
+std::array<double, 3> Scene::weight_of(const Bond& b) const {
+  const std::array<double, 3> w = weight();
+  return w == std::array<double, 3>{} ? w : turned_back(axes_of(bonds().record(b)), w.data());
+}
+
+double Scene::shear_speed() const { return std::sqrt(law->elasticity().softest_shear() / inertia); }
+
+double Scene::eigenvalue_bound() const {
+  return mpdem::eigenvalue_bound(options.basis, law->elasticity().largest_stiffness(), inertia, options.cell);
+}
+
+std::vector<int> Scene::all_rows() const {
+  std::vector<int> rows(bonds().table.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
+
+std::vector<int> Scene::agreed_rows(const std::vector<int>& mine) const { return union_of_ranks(comm, mine); }
+
+}  // namespace mpdem

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Describes all that the static stiffness of a bond depends on, except the law and the cell. Numbers are rounded so
+// that equal bonds in other places have equal descriptions. A description has about forty numbers of 8 bytes a point.
+// It is made, compared and dropped.
+#ifndef MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
+#define MPDEM_CEMENT_CONDENSED_BOND_DESCRIPTION_H
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "../../coupling/bond_ends.h"
+#include "../../mpm/grid.h"
+#include "../../mpm/point_store.h"
+
+namespace mpdem {
+
+// The sides of a bond at its creation.
+struct EndsAtCreation {
+  BondEnd ends[2] = {};
+  explicit EndsAtCreation(const BondRecord& record) {
+    for (int s = 0; s < 2; ++s) {
+      std::copy(record.centre[s], record.centre[s] + 3, ends[s].x);
+      ends[s].R = rotation_of(record.orientation[s]);
+    }
+  }
+};
+
+class BondDescription {
+ public:
+  // side: first side of the bond, followed by the second.
+  BondDescription(const PointStore& points, const PointStore& film, const Grid& grid, const BondRecord& record, const BondEnd* ends) {
+    const double h = grid.h;
+    for (int s = 0; s < 2; ++s) {
+      add(&record.radius[s], 1, h);
+      add(record.centre[s], 3, h);
+      add(ends[s].x, 3, h);
+      // the rotation since the creation, since the orientation at the creation does not matter
+      add(product(ends[s].R, transpose(rotation_of(record.orientation[s]))).a[0], 9, 1.0);
+    }
+    add(grid.displacement.data(), grid.displacement.size(), h);
+    numbers_.push_back(film.size());
+    for (const PointStore* store : {&points, &film}) add_points(*store, record, h);
+  }
+  bool operator==(const BondDescription& d) const { return numbers_ == d.numbers_; }
+  std::size_t hash() const {
+    std::size_t h = numbers_.size();
+    for (double n : numbers_) h = (h ^ std::hash<double>()(n)) * 0x9e3779b97f4a7c15ull + (h >> 29);
+    return h;
+  }
+
+ private:
+  void add_points(const PointStore& points, const BondRecord& record, double h) {
+    for (std::size_t b = 0; b < points.blocks.size(); ++b) {
+      const PointBlock& p = points.blocks[b];
+      add_vectors(p.X, 3, h);
+      add_vectors(&p.volume, 1, h * h * h);
+      add_vectors(&p.F, 9, 1.0);
+      add_vectors(&p.q, 4, 1.0);
+      numbers_.push_back(points.meta[b].failed);
+      numbers_.push_back(points.meta[b].layer);
+      numbers_.push_back(points.meta[b].linked);
+    }
+    for (const vd& state : points.states()) add_vectors(&state, 1, 1.0);
+    for (const Link& k : points.links) {
+      add(k.foot, 3, h);
+      add(k.moved, 3, h);
+      add(&k.area, 1, h * h);
+      add(k.state, kMostLinkFields, 1.0);
+      numbers_.push_back(k.slot);
+      numbers_.push_back(k.attached + 2 * (k.grain == record.grain[1]));
+    }
+  }
+  static constexpr double kAlike = 1e-9;  // share of a cell, or of a number without unit, to which numbers are rounded
+  void add(const double* values, std::size_t count, double unit) {
+    for (std::size_t i = 0; i < count; ++i) numbers_.push_back(std::nearbyint(values[i] / (kAlike * unit)) + 0.0);
+  }
+  void add_vectors(const void* vectors, std::size_t count, double unit) { add(static_cast<const double*>(vectors), kLanes * count, unit); }
+  std::vector<double> numbers_;
+};
+
+}  // namespace mpdem
+
+#endif

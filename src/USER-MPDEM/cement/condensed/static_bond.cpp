@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "static_bond.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "../../mpm/stiffness_force.h"
+#include "../../parallel/agree.h"
+
+namespace mpdem {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Motion = double[2][6];  // motions of both grains, about their centres
+
+// The iteration ends when the residual is the share kResidual of the energy that it began with. It also ends when a
+// quarter of its steps took less than the share kDecline of that energy. The fields are good to its root. Where points
+// failed, nodes beside them hold next to nothing, and the energy does not wait for them.
+constexpr double kResidual = 1e-16, kDecline = 1e-14, kDeclineOfCracked = 1e-6;
+constexpr int kLeastSteps = 40;
+
+// Nodes that a force moves are held back by this share of the largest stiffness of a node over its mass, times the mass
+// of each node. Nodes beside points that failed may hold next to nothing, and the inertia of such a node asks for
+// metres. Let the square of the frequency of a motion be r times the stiffness over mass that holds back. Then the
+// motion is found but for 1/(1 + r).
+constexpr double kHeld = 1e-4;
+constexpr int kMostStepsOfForce = 1000;
+
+// The nodes of one bond as unknowns. Vectors have three numbers a node. Tied nodes are no unknowns.
+class Equations {
+ public:
+  Equations(MPI_Comm comm, const StaticSystem* system, double held = 0.0) : comm_(comm), system_(system) {
+    std::vector<double> stiffness;
+    if (system) {
+      stiffness.resize(system->grid.size());
+      add_stiffness_diagonal(system->points, system->grid, system->law, stiffness.data());
+      system->grid.halo.sum(stiffness.data(), 1);
+    }
+    double square = 0.0;
+    for (std::size_t i = 0; i < stiffness.size(); ++i)
+      if (moves(i)) square = std::max(square, stiffness[i] / system->grid.mass[i]);
+    square = held > 0.0 ? held * largest(square) : 0.0;
+    if (!system) return;
+    Grid& grid = system->grid;
+    secants_ = system->links.secants(grid, system->ends);
+    std::vector<double> rows(2 * grid.size(), 0.0);
+    system->links.add_stiffness(grid, system->ends, std::numeric_limits<double>::infinity(), rows.data());
+    grid.halo.sum(rows.data(), 2);
+    held_.assign(grid.size(), 0.0);
+    inverse_.assign(grid.size(), 0.0);
+    for (int i = 0; i < grid.size(); ++i) {
+      const double d = stiffness[i] + rows[2 * i] + rows[2 * i + 1];
+      if (!moves(i) || !(d > 0.0)) continue;
+      held_[i] = square * grid.mass[i];
+      inverse_[i] = 1.0 / (d + held_[i]);
+    }
+  }
+
+  // Finds the force `out` on the nodes by displacements x and motions of the grains, and the force `load` on the
+  // grains. x gets its tied nodes.
+  void force(std::vector<double>& x, const Motion& motion, std::vector<double>& out, Motion& load) {
+    for (auto& of_grain : load) std::fill(of_grain, of_grain + 6, 0.0);
+    if (!system_) return;
+    Grid& grid = system_->grid;
+    std::fill(out.begin(), out.end(), 0.0);
+    grid.ties.extend(x.data());
+    add_stiffness_force(system_->points, grid, system_->law, x.data(), out.data());
+    system_->links.add_small_force(secants_, x.data(), motion, out.data(), load);
+    grid.ties.gather_to_masters(out.data());
+    grid.halo.sum(out.data(), 3);
+  }
+
+  // Sums over the nodes: size_of() is r.P r, and dot() is a.b.
+  double size_of(const std::vector<double>& r) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (counts(i)) sum += inverse_[i] * (r[3 * i] * r[3 * i] + r[3 * i + 1] * r[3 * i + 1] + r[3 * i + 2] * r[3 * i + 2]);
+    return all(sum);
+  }
+  double dot(const std::vector<double>& a, const std::vector<double>& b) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < inverse_.size(); ++i)
+      if (counts(i)) sum += a[3 * i] * b[3 * i] + a[3 * i + 1] * b[3 * i + 1] + a[3 * i + 2] * b[3 * i + 2];
+    return all(sum);
+  }
+  double preconditioned(std::size_t i) const { return inverse_[i / 3]; }
+  // The force that holds the node of component i back, over its displacement.
+  double held(std::size_t i) const { return held_[i / 3]; }
+
+  // Largest number and sum over the ranks of the bond.
+  double largest(double mine) const {
+    if (comm_ == MPI_COMM_SELF) return mine;
+    double most;
+    MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm_);
+    return most;
+  }
+  double all(double mine) const {
+    if (comm_ == MPI_COMM_SELF) return mine;
+    double sum;
+    MPI_Allreduce(&mine, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_);
+    return sum;
+  }
+
+ private:
+  bool counts(std::size_t node) const { return system_->grid.halo.counts_here()[node]; }
+  bool moves(std::size_t node) const { return system_->grid.ties.row(static_cast<int>(node)) < 0 && system_->grid.mass[node] > 0.0; }
+  MPI_Comm comm_;
+  const StaticSystem* system_;
+  std::vector<PenaltyLinks::Secant> secants_;
+  std::vector<double> inverse_;  // diagonal of the preconditioner, one number a node
+  std::vector<double> held_;     // force that holds a node back over its displacement, one number a node
+};
+
+// Motion of the second grain about its centre, by motion j about the middle.
+void unit_motion(int j, const Vector3& arm, double* motion) {
+  Vector3 t = Vector3::Zero(), turn = Vector3::Zero();
+  (j < 3 ? t : turn)[j % 3] = 1.0;
+  t += turn.cross(arm);
+  std::copy(t.data(), t.data() + 3, motion);
+  std::copy(turn.data(), turn.data() + 3, motion + 3);
+}
+
+Vector3 centre(const BondEnd& s) { return Vector3(s.x[0], s.x[1], s.x[2]); }
+
+// Nodes follow the second grain by their place between the surfaces of the two. A node inside one grain follows that
+// grain.
+std::vector<double> first_guess(const StaticSystem& p, const BondFrame& frame, int j) {
+  const Grid& grid = p.grid;
+  std::vector<double> x(3 * grid.size());
+  for (int i = 0; i < grid.size(); ++i) {
+    Vector3 X;
+    for (int d = 0; d < 3; ++d) X[d] = grid.keys[i].at(d) * grid.h + grid.displacement[3 * i + d];
+    double apart[2], motion[6];
+    for (int s = 0; s < 2; ++s) apart[s] = std::max(0.0, (X - centre(p.ends[s])).norm() - p.record.radius[s]);
+    const double sum = apart[0] + apart[1], share = sum > 0.0 ? apart[0] / sum : 0.5;
+    unit_motion(j, X - frame.middle, motion);
+    for (int d = 0; d < 3; ++d) x[3 * i + d] = share * motion[d];
+  }
+  return x;
+}
+
+// Iterates conjugate gradients from x on. r: residual of x. energy: energy of x. Returns the number of steps, which is
+// more than `most` if the iteration did not end.
+int iterate(Equations& equations, std::vector<double>& x, std::vector<double>& r, double energy, double decline, int most) {
+  const Motion at_rest = {};
+  Motion load;
+  std::vector<double> p(r.size(), 0.0), Kp(r.size());
+  std::vector<double> taken;  // energy that each step took
+  double rho = equations.size_of(r), before = 0.0;
+  while (rho > kResidual * energy) {
+    const double beta = before > 0.0 ? rho / before : 0.0;
+    for (std::size_t i = 0; i < r.size(); ++i) p[i] = equations.preconditioned(i) * r[i] + beta * p[i];
+    equations.force(p, at_rest, Kp, load);
+    for (std::size_t i = 0; i < r.size(); ++i) Kp[i] -= equations.held(i) * p[i];
+    const double pKp = -equations.dot(p, Kp);
+    const int steps = static_cast<int>(taken.size()) + 1, window = std::max(kLeastSteps, steps / 4);
+    if (!std::isfinite(pKp) || steps > most) return most + 1;
+    if (!(pKp > 0.0)) break;  // nothing that has stiffness is left
+    const double a = rho / pKp;
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      x[i] += a * p[i];
+      r[i] += a * Kp[i];
+    }
+    taken.push_back(a * rho);
+    if (steps >= window && std::accumulate(taken.end() - window, taken.end(), 0.0) < decline * energy) break;
+    before = rho;
+    rho = equations.size_of(r);
+  }
+  return static_cast<int>(taken.size());
+}
+
+}  // namespace
+
+std::size_t StaticBond::memory_usage() const {
+  std::size_t bytes = 0;
+  for (const auto& u : displacement) bytes += u.capacity() * sizeof(double);
+  for (const auto* strains : {&strain, &strain_of_film})
+    for (const auto& e : *strains) bytes += e.capacity() * sizeof(Sym3<vd>);
+  return bytes;
+}
+
+BondFrame frame_of(const BondRecord& record, const BondEnd* ends) {
+  const Vector3 from = centre(ends[0]), apart = centre(ends[1]) - from;
+  const double distance = apart.norm();
+  BondFrame f;
+  f.axis = apart / distance;
+  f.middle = from + (record.radius[0] + 0.5 * (distance - record.radius[0] - record.radius[1])) * f.axis;
+  return f;
+}
+
+StaticBond solve_static(MPI_Comm comm, const StaticSystem* system, int most) {
+  StaticBond bond;
+  Equations equations(comm, system);
+  std::array<std::vector<double>, 6> force;  // force of each field on the nodes
+  double load_of[6][2][6];
+  Motion motion[6] = {};
+  const auto energy = [&](int i, int j) {
+    double of_grain = 0.0;
+    for (int d = 0; d < 6; ++d) of_grain -= motion[i][1][d] * load_of[j][1][d];
+    return equations.all(of_grain) - equations.dot(bond.displacement[i], force[j]);
+  };
+  if (system) bond.frame = frame_of(system->record, system->ends);
+  const double decline = equations.all(system && system->points.any_failed()) > 0.0 ? kDeclineOfCracked : kDecline;
+  for (int j = 0; j < 6; ++j) {
+    std::vector<double>& x = bond.displacement[j];
+    if (system) {
+      unit_motion(j, centre(system->ends[1]) - bond.frame.middle, motion[j][1]);
+      x = first_guess(*system, bond.frame, j);
+    }
+    force[j].resize(x.size());
+    equations.force(x, motion[j], force[j], load_of[j]);
+    std::vector<double> r = force[j];
+    const int steps = iterate(equations, x, r, energy(j, j), decline, most);
+    if (steps > most)
+      throw BadState(text_of(
+          "the static equilibrium of ",
+          system ? text_of("the bond of grains ", system->record.grain[0], " and ", system->record.grain[1]) : std::string("a bond"),
+          " was not found in ", steps,
+          " steps, since nodes at its edge or between points that failed hold by next to nothing; use 'edge tied' where "
+          "edges are free, or look at its points, elasticity and links"));
+    bond.products += 2 + steps;
+    equations.force(x, motion[j], force[j], load_of[j]);
+    if (system) bond.strain[j] = strain_by(system->points, system->grid, x.data());
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) bond.stiffness(i, j) = bond.stiffness(j, i) = energy(i, j);
+  if (system) {
+    bond.strain_of_film = system->film.strains(system->ends, bond.frame.middle);
+    bond.stiffness_of_film = system->film.stiffness(bond.strain_of_film, system->law);
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) bond.stiffness(i, j) += equations.all(bond.stiffness_of_film(i, j));
+  return bond;
+}
+
+std::vector<double> static_displacement(MPI_Comm comm, const StaticSystem* system, std::vector<double> force) {
+  Equations equations(comm, system, kHeld);
+  std::vector<double> x(force.size(), 0.0);
+  iterate(equations, x, force, equations.size_of(force), kDecline, kMostStepsOfForce);
+  if (system) system->grid.ties.extend(x.data());
+  return x;
+}
+
+PrincipalStiffness principal_stiffness(const Matrix6& K, const Vector3& axis) {
+  const Vector3 n = axis.normalized(), a = n.unitOrthogonal(), b = n.cross(a);
+  Eigen::Matrix<double, 3, 2> across;
+  across << a, b;
+  PrincipalStiffness p;
+  const auto find = [&](const Eigen::Matrix3d& k, double& along, double* of_across) {
+    along = n.dot(k * n);
+    const Eigen::Matrix2d m = across.transpose() * k * across;
+    const Eigen::Vector2d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(m, Eigen::EigenvaluesOnly).eigenvalues();
+    std::copy(values.data(), values.data() + 2, of_across);
+  };
+  find(K.topLeftCorner<3, 3>(), p.tension, p.shear);
+  find(K.bottomRightCorner<3, 3>(), p.torsion, p.bending);
+  return p;
+}
+
+}  // namespace mpdem

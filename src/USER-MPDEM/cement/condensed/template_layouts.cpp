@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "template_layouts.h"
+
+#include <algorithm>
+
+#include "../../mpm/point_state.h"
+#include "../../parallel/agree.h"
+#include "../layout/layout.h"
+
+namespace mpdem {
+
+namespace {
+
+// Lays out bonds that this rank has as a whole, at their creation.
+std::vector<CondensedBonds::OfPattern> layouts_at_creation(const Scene& scene, Bonds& alone, const PenaltyParameters* penalty) {
+  const CementOptions& options = scene.options;
+  NodeSplitting splits;
+  NewLayersOfBonds layers = splits.start(MPI_COMM_SELF, alone, options);
+  std::vector<LayoutRequest> requests;
+  std::vector<int> rows;
+  for (Bond& b : alone) {
+    for (PointStore* store : b.stores()) {
+      const std::string trouble = mpdem::read_point_states(*store, scene.law);
+      if (!trouble.empty()) throw BadState(trouble);
+    }
+    requests.emplace_back();
+    requests.back().row = b.row;
+    requests.back().points = std::move(b.points);
+    requests.back().layers = std::move(layers[b.row]);
+    rows.push_back(b.row);
+  }
+  const LayoutRules rules{MPI_COMM_SELF, alone.table, options, scene.law, scene.inertia, penalty, splits, *scene.formulation};
+  std::vector<CondensedBonds::OfPattern> found;
+  for (BondLayout& l : make_layout(rules, rows, std::move(requests))) {
+    found.push_back({l.row + 1, Bond(), alone.table[l.row], true});
+    Bond& b = found.back().bond;
+    b.points = std::move(l.points);
+    b.grid = std::move(l.grid);
+    b.links = std::move(l.links);
+    b.film = std::move(alone.find(l.row)->film);
+    lay_out_film(b.film, found.back().record, options, scene.law);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<int> patterns_of_owned_grains(const Scene& scene) {
+  const auto owned = [&](int tag) { return scene.grains.find(tag) != nullptr; };
+  std::vector<char> needed(scene.bonds().patterns.size() + 1, 0);
+  for (const BondRecord& b : scene.bonds().table)
+    if (b.pattern > 0 && !needed[b.pattern]) needed[b.pattern] = owned(b.grain[0]) || owned(b.grain[1]);
+  std::vector<int> patterns;
+  for (std::size_t p = 1; p < needed.size(); ++p)
+    if (needed[p]) patterns.push_back(static_cast<int>(p));
+  return patterns;
+}
+
+std::vector<CondensedBonds::OfPattern> layouts_of_patterns(const Scene& scene, const std::vector<int>& patterns,
+                                                           const PenaltyParameters* penalty) {
+  Bonds alone;  // one row for each pattern, so that keys of nodes are the same on all ranks
+  alone.table.resize(scene.bonds().patterns.size());
+  std::vector<char> known(scene.bonds().patterns.size() + 1, 1);
+  for (int p : patterns) known[p] = 0;
+  for (const BondRecord& record : scene.bonds().table) {
+    if (record.pattern == 0 || known[record.pattern]) continue;
+    known[record.pattern] = 1;
+    const int row = record.pattern - 1;
+    const PointTemplate& pattern = scene.bonds().patterns[row];
+    alone.table[row] = record;
+    for (std::size_t n = 0; n < pattern.points.size(); ++n) alone.add(pattern.record(n, row, record), static_cast<int>(n) + 1);
+  }
+  std::vector<CondensedBonds::OfPattern> found;
+  std::string trouble;
+  try {
+    if (!patterns.empty()) found = layouts_at_creation(scene, alone, penalty);
+  } catch (const BadState& e) {
+    trouble = e.what();
+  }
+  throw_if_any(scene.comm, trouble);
+  return found;
+}
+
+}  // namespace mpdem

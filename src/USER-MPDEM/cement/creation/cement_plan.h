@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Plans the cement that one command asks for between pairs of grains: where the bonds lie, which of them are of one
+// shape, and what keeps a bond from being made. CementMaker makes the points.
+#ifndef MPDEM_CEMENT_CREATION_CEMENT_PLAN_H
+#define MPDEM_CEMENT_CREATION_CEMENT_PLAN_H
+
+#include <mpi.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <climits>
+#include <functional>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "../../geometry/film_fill.h"
+#include "../../geometry/shape_styles.h"
+#include "scene_box.h"
+
+namespace mpdem {
+
+using GrainTags = std::pair<int, int>;  // a pair of tags, ascending
+
+// Words of a command that hold for all its bonds.
+struct CementWish {
+  std::vector<ShapeWords> shapes;
+  std::string file;  // file from which points are read; empty: points are made of shapes
+  double attach = 0.0;
+  double spacing = 0.0, density = 0.0;
+  enum Inner {
+    usual,
+    two_spacings,
+    given
+  } inner_rule = usual;                // usual: GrainPair::usual_inner(); two_spacings: where the grains are so far apart
+  double inner = 0.0;                  // inner radius, if given
+  double share = GrainPair::kLeftOut;  // of GrainPair::usual_inner()
+  bool film = true;                    // what is too thin for cells is film
+  double grid[3] = {0, 0, 0};          // origin of the grid from the middle of the gap
+  enum Overlap { error, skip, trim } overlap = error;
+  bool later = false;  // true: points are made when they are needed
+};
+
+struct GrainToBond {
+  int tag = 0;
+  bool is_point = false;  // true: the atom is a material point and no grain
+  double x[3] = {0, 0, 0}, unwrapped[3] = {0, 0, 0}, radius = 0.0, mass = 0.0, q[4] = {1, 0, 0, 0};
+  double v[3] = {0, 0, 0}, omega[3] = {0, 0, 0};
+};
+
+struct PlannedBond {
+  GrainToBond grain[2];
+  Vector3 between;                                           // vector from the first grain to the second
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();  // turn from the axes of its body to those of the box
+  GrainPair pair;                                            // the pair in the axes of its body
+  int kind = 0;
+  // Place of the middle of the gap, beside the first grain.
+  Vector3 middle() const { return Vector3(grain[0].x[0], grain[0].x[1], grain[0].x[2]) - turn * pair.centre(0); }
+};
+
+// Says that an ID is not of one atom alone.
+std::string trouble_of_shared_id(int tag);
+
+// Velocity of new cement between moving grains. `arm`: vectors from the centres of both grains to a place. The motions
+// of the grains are weighed by the distances to their surfaces. So cement at a grain moves with it, and cement between
+// grains that move as one body moves as a part of that body.
+std::array<double, 3> velocity_between(const GrainToBond* grain, const std::array<double, 3>* arm);
+
+// Trouble that keeps a bond from being made. It holds the first bond in the order of the command, and the first check
+// of that bond.
+struct BondTrouble {
+  std::size_t bond = INT_MAX;
+  int check = 0;
+  std::string text;
+  void tell(std::size_t of_bond, int of_check, const std::string& why);
+  // Collective. Throws BadState with the first trouble of all ranks. It does not matter which rank finds it.
+  void stop(MPI_Comm comm) const;
+};
+
+class CementPlan {
+ public:
+  CementPlan(MPI_Comm comm, const SceneBox& box) : comm_(comm), box_(box) {}
+
+  // Collective. Plans bonds between these pairs. grains: grains of this rank that the pairs name. before: pairs that
+  // have cement, ascending. read_words: called once the first pair has been looked at. It sets the wish. Throws
+  // BadState.
+  void make(const std::vector<GrainTags>& pairs, const std::vector<GrainToBond>& grains, const std::vector<GrainTags>& before,
+            const std::function<void(CementWish&)>& read_words);
+
+  // Bonds of the same shape: radii, gap, direction in the axes of the body, and mass of the grains are the same to the bit.
+  struct Kind {
+    std::size_t first;  // the first bond of the kind
+    std::unique_ptr<Shape> shape,
+        resolved;  // made by shape_of(); null: not made yet, or points come from a file. resolved: the part that cells fill, null: all of it
+    FilmFill film;  // known with `shape`
+    // known to all ranks; film: its share of the attached area; width: of the part that reaches from grain to grain, without the film
+    double volume = 0, area[2] = {0, 0}, thickness = 0, thinnest = 0, film_share = 0, width = 0;
+  };
+  struct Near {
+    std::size_t bond;
+    Vector3 apart;            // vector to its middle, in the axes of the body that it is near to
+    Eigen::Quaterniond turn;  // turn from these axes to its own
+  };
+  const CementWish& wish() const { return wish_; }
+  const SceneBox& box() const { return box_; }
+  const std::vector<PlannedBond>& bonds() const { return bonds_; }
+  const Kind& kind_of(std::size_t bond) const { return kinds_[bonds_[bond].kind]; }
+  double points_expected(std::size_t bond) const;
+  // Makes the shape when it is first asked for. Throws ShapeError.
+  const Shape& shape_of(int kind);
+  // The part of the shape that cells fill, and its film. None of it is left for cells if FilmFill::all.
+  const Shape& resolved_of(int kind);
+  const FilmFill& film_of(int kind) { return shape_of(kind), kinds_[kind].film; }
+  // Finds for each bond the others, and periodic images, whose boxes meet its own.
+  std::vector<std::vector<Near>> neighbours();
+  // Text with which complaints about a bond begin.
+  std::string prefix(std::size_t bond) const { return prefix(bonds_[bond]); }
+
+ private:
+  static std::string prefix(const PlannedBond& bond);
+  std::string trouble_of_geometry(PlannedBond& bond) const;
+  static void choose_axes(PlannedBond& bond);
+  int kind_of(const PlannedBond& bond, std::unordered_map<std::string, int>& kinds);
+  static std::string trouble_of_place(const PlannedBond& bond, double length);
+  void measure_kinds(BondTrouble& trouble);
+  void share_kinds();
+
+  MPI_Comm comm_;
+  SceneBox box_;
+  CementWish wish_;
+  std::vector<PlannedBond> bonds_;
+  std::vector<Kind> kinds_;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The cement of a scene. It owns the parts that do the work. Its functions are the recipes: what happens at the start
+// of a run, in a step and in a layout. It knows no host program. A host gives it grains and steps, and takes loads,
+// velocities and reports, all in the axes of the box. doc/architecture.md describes the parts and the step.
+//
+// State after step n: u_n, v_n-1/2 and a_n at the nodes; F_n, strain and damage at the points. Consistent units.
+// Functions are collective, except those that only set or tell something. Bad states are thrown as BadState, see
+// parallel/agree.h.
+#ifndef MPDEM_CEMENT_ENGINE_CEMENT_H
+#define MPDEM_CEMENT_ENGINE_CEMENT_H
+
+#include <mpi.h>
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "../step/added_masses.h"
+#include "../step/layout_manager.h"
+#include "../layout/cement_restart.h"
+#include "../condensed/condensed_bonds.h"
+#include "../step/condensing.h"
+#include "../step/departures.h"
+#include "../failure/discontinuities.h"
+#include "../step/kinematics.h"
+#include "../step/nodal_forces.h"
+#include "../step/topology_update.h"
+#include "report.h"
+#include "../layout/restored_nodes.h"
+#include "../bond/scene.h"
+#include "../bond/shared_nodes.h"
+#include "../step/stable_step.h"
+#include "../condensed/stiffness_of_bonds.h"
+#include "../step/substeps.h"
+#include "../step/work_of_step.h"
+
+namespace mpdem {
+
+class Cement {
+ public:
+  Cement(MPI_Comm comm, Bonds& bonds, const CementOptions& options, std::shared_ptr<const Law> law, CementHost& host);
+  ~Cement();
+
+  // Settings of the script.
+  const CementOptions& options() const { return scene_.options; }
+  const Law& law() const { return *scene_.law; }
+  // Sets the density of the calcite. Throws BadState if cement moved with another one before.
+  void set_density(double density);
+  void set_most_bytes(double bytes) { scene_.options.most_bytes = bytes; }
+  double density() const { return scene_.density(); }
+  double inertia() const { return scene_.inertia; }  // density with the mass scale
+  // Sets the parameters of the links; null: no links.
+  void couple(const PenaltyParameters* penalty);
+  const std::optional<PenaltyParameters>& penalty() const { return scene_.penalty; }
+  bool leaves_residue() const { return scene_.leaves_residue(); }
+
+  // Access to the scene, and to the parts that hosts speak to.
+  Bonds& bonds() { return scene_.bonds(); }
+  BondedGrains& grains() { return scene_.grains; }
+  const Cracks& cracks() const { return discontinuities_.cracks; }
+  StepTimer& timer() { return scene_.timer; }
+  Report& report() { return report_; }
+  StableStep& stable_step() { return stable_step_; }
+  NodalForces& forces() { return forces_; }
+  Departures& departures() { return departures_; }
+  // Sets the step. Call before each of the functions below.
+  void set_step(const StepInput& now) { scene_.now = now; }
+  bool built() const { return scene_.laid_out; }
+  int rows_started() const { return scene_.rows_started; }
+  double dt() const { return scene_.now.dt; }  // time step of the cement
+  int substeps() const { return scene_.now.substeps; }
+
+  // Makes all points have states of this law. New points have their damage as a tensor, points of a restart file have
+  // the state of a law. Throws BadState if the law cannot go on from them.
+  void read_point_states();
+
+  // Rows of bonds that ask for their points before the next step, the same on all ranks. They wake in it.
+  const std::vector<int>& rows_that_want_points() const { return condensing_.rows_that_want_points(); }
+  // Call when the host has made the points of these rows of the table. Their layout follows.
+  void points_were_made(const std::vector<int>& rows);
+
+  // A run and its steps. A host calls these in this order:
+  //
+  //   lay_out_run, start_run, then in each step: start_step, grains_moved, [lay_out_exchanged,] step, end_step.
+  //
+  // Another order is an error of the host, and throws std::logic_error.
+  //
+  // Lays out all bonds. Their grains and points are on the ranks that have them.
+  void lay_out_run();
+  // Finds the forces at the start of the run. Grains have their velocities, and the loads of the host.
+  void start_run();
+  // Call before the host moves its grains, when they have their velocities and loads of the end of the last step.
+  // commands: velocities may have been changed since that step.
+  void start_step(bool commands);
+  // Call when the host has moved its grains. With sub-steps this takes all but the last. It leaves the places where
+  // free grains arrive, and their velocities there, with the grains for the host to take over.
+  void grains_moved();
+  // Lays out bonds whose points or grains went to other ranks, or that got their points.
+  void lay_out_exchanged();
+  // Takes the step, or the last of its sub-steps. Grains have the loads of the host, and get those of the cement.
+  void step();
+  // Call when grains have their velocities of the end of the step.
+  void end_step();
+  // Call when the time step changed. Finds the added mass for the new one, and books what that mass gives up.
+  void change_step();
+  // Brings the slots of points up to date, which fall behind while points change cells.
+  void sync_slots() { layout_manager_.sync_slots(); }
+  // Does so, and writes the strain of points of condensed bonds, for code that looks at points.
+  void show_points();
+  // Find properties of layouts yet to be made, and change nothing. A run need not have begun.
+  // eigenvalue_of_new_layout() finds the largest eigenvalue. stiffness_of_bonds() finds the static stiffness of each
+  // bond, with the bond and its grains as they are now. It needs links. grains_step() finds the largest step with which
+  // grains on massless bonds of that stiffness would be stable.
+  EigenvalueEstimate eigenvalue_of_new_layout() const;
+  std::vector<StiffnessOfBond> stiffness_of_bonds() const;
+  double grains_step() const { return stable_step_.of_grains(stiffness_of_bonds()); }
+  // Does the same for a watch. Where a bond is nearly apart and has no static stiffness, there is no limit.
+  double grains_step_if_known() const {
+    try {
+      return grains_step();
+    } catch (const BadState&) {
+      return std::numeric_limits<double>::infinity();
+    }
+  }
+
+  // Throws BadState if a node is not finite, a bonded grain is gone, cement is pressed too deep into a grain, or
+  // touching faces of a crack slid too far.
+  void check_state();
+  // Ligaments of bonds that hold. rows: rows of the table, ascending.
+  std::vector<Cracks::Ahead> cracks_ahead(const std::vector<int>& rows) { return topology_.ahead(rows); }
+
+  // Restart: packs the numbers of all ranks, complete on rank 0. head: what the host keeps.
+  std::vector<double> packed_state(CementHead head);
+  // Packs the motion of the nodes of this rank: rows (NodeRow) of each bond, one after the other, by row of the table.
+  std::map<int, std::vector<double>> packed_nodes() const { return mpdem::packed_nodes(scene_); }
+  // Takes up packed numbers, the same on every rank. head: as it was read. nodes: packed, any of those of all ranks on
+  // any rank. Throws BadState if the numbers are those of other options.
+  void restore(const CementHead& head, RecordReader& in, const std::vector<double>& nodes);
+  // Returns the words of the law of damage that are others than in that head, with both values.
+  std::string other_words_than(const CementHead& head) const;
+  bool restored() const { return restored_; }
+
+ private:
+  std::vector<BondLayout> layouts_of_copies(const PenaltyParameters* penalty) const {
+    return mpdem::layouts_of_copies(scene_, discontinuities_, restored_nodes_, layout_manager_.fresh_points(), penalty);
+  }
+  // Where a host is in its run.
+  enum class Stage { none, laid_out, between_steps, step_started, grains_moved, step_taken };
+
+  // Throws std::logic_error if the host is at another stage than `from`.
+  void go_on(const char* call, Stage from, Stage to);
+  void read_commanded_velocities();
+  void take_substeps();
+  void advance();
+  void end_substep();
+  void find_forces_anew();
+  void start_bonds();
+  void keep_half_kicks(const std::vector<std::vector<double>>& accelerations);  // of the awake bonds, in the last step
+  void restore_bonds(int bond_rows, RecordReader& in);
+
+  // Parts in the order in which they are made, since parts refer to those above them.
+  Scene scene_;
+  Discontinuities discontinuities_;
+  CondensedBonds condensed_;
+  SharedNodes shared_{scene_};
+  RestoredNodes restored_nodes_{scene_};
+  StableStep stable_step_{scene_, condensed_};
+  AddedMasses added_{scene_, stable_step_};
+  LayoutManager layout_manager_{scene_, discontinuities_, restored_nodes_, shared_, added_};
+  WorkOfStep work_{scene_, condensed_};
+  TopologyUpdate topology_{scene_, discontinuities_, layout_manager_, added_};
+  Condensing condensing_{scene_, condensed_, discontinuities_.cracks, topology_.load_history(), layout_manager_, shared_, added_, work_};
+  Departures departures_{scene_, discontinuities_, layout_manager_, condensed_, condensing_, work_};
+  NodalForces forces_{scene_, shared_, added_, condensed_, discontinuities_.cracks};
+  std::unique_ptr<Kinematics> kinematics_;
+  Substeps substeps_{scene_};
+  Report report_{scene_, discontinuities_.cracks, condensed_};
+  bool restored_ = false;  // the state is that of a restart file
+  Stage stage_ = Stage::none;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "cracks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../../fracture/ligament.h"
+#include "../../mpm/point_state.h"
+#include "../../numerics/index_in.h"
+#include "../../parallel/agree.h"
+#include "../../parallel/all_to_all.h"
+#include "../../parallel/ranks.h"
+
+namespace mpdem {
+
+namespace {
+
+struct Sent {
+  int row, slot;
+  CrackPoint point;
+};
+struct Held {
+  int row, slot, connected;
+};
+struct OfPath {
+  int row, tag;
+};
+
+void direction_of_centres(const BondRecord& record, double* n) {
+  double length = 0.0;
+  for (int d = 0; d < 3; ++d) {
+    n[d] = record.centre[1][d] - record.centre[0][d];
+    length += n[d] * n[d];
+  }
+  for (int d = 0; d < 3; ++d) n[d] /= std::sqrt(length);
+}
+
+// Point l of block b. first_link: for each slot, its first link in the store.
+CrackPoint crack_point(const PointStore& points, const BondRecord& record, int b, int l, double damage, const std::vector<int>& first_link,
+                       const double* axis, bool layers_are_pieces) {
+  const BlockMeta& m = points.meta[b];
+  const int slot = kLanes * b + l;
+  CrackPoint p;
+  p.tag = points.tags[b][l];
+  p.layer = layers_are_pieces ? m.layer : 0;
+  p.failed = m.failed >> l & 1;
+  p.connected = points.connected(slot);
+  p.damage = static_cast<float>(std::max(damage, 0.0));
+  const CrevicePoint position = crevice_point(points, record, b, l);
+  std::copy(position.cell, position.cell + 3, p.cell);
+  p.nearer = position.sheet;
+  p.middle = position.middle;
+  for (int n = 0; n < 6; ++n) p.space[n] = static_cast<float>(space_ahead(position, record, n / 2, n % 2 == 0 ? -1 : 1));
+  for (int g = 0; g < 2; ++g) {
+    p.attached[g] = false;
+    p.above[g] = static_cast<float>(above_grain(record, g, position.X));
+    p.link_damage[g] = 0.0f;
+    p.link_area[g] = 0.0;
+  }
+  for (int n = first_link[slot]; n < first_link[slot + 1]; ++n) {
+    const Link& k = points.links[n];
+    const int g = k.grain == record.grain[0] ? 0 : 1;
+    double across = 0.0;
+    for (int d = 0; d < 3; ++d) across += (k.foot[d] - record.centre[g][d]) / record.radius[g] * axis[d];
+    p.attached[g] = p.attached[g] || k.attached;
+    p.link_damage[g] = std::max(p.link_damage[g], static_cast<float>(k.state[0]));
+    p.link_area[g] += k.area * std::fabs(across);
+  }
+  return p;
+}
+
+// Counts points that failed, and links that let go. Each counts by itself, so whatever breaks changes the sum.
+double count_broken(const PointStore& points) {
+  int count = 0;
+  for (const BlockMeta& m : points.meta) count += __builtin_popcount(m.failed);
+  for (const Link& k : points.links) count += !k.attached;
+  return count;
+}
+
+double count_broken(const Bond& b) { return count_broken(b.points) + count_broken(b.film.points); }
+
+// Least width of a bridge in spacings, see Neighbours.
+int cells_across(const BondRecord& record, const CementOptions& options) {
+  return std::max(1, static_cast<int>(std::lround(options.narrowest_bridge() / record.spacing)));
+}
+
+// Bonds as a whole, each on one rank.
+struct WholeBonds {
+  struct Source {
+    int rank, slot;
+  };
+  // Points of each of the rows asked for, and where they are. Both are empty on other ranks.
+  std::vector<std::vector<CrackPoint>> points;
+  std::vector<std::vector<Source>> sources;
+};
+
+// Calls f(slot, point) for the points of a bond on this rank.
+template <class F>
+void for_each_crack_point(const Bond& bond, const BondRecord& record, bool layers_are_pieces, F f) {
+  const PointStore& points = bond.points;
+  double axis[3];
+  direction_of_centres(record, axis);
+  std::vector<int> first_link(kLanes * points.blocks.size() + 1, 0);
+  for (const Link& k : points.links) ++first_link[k.slot + 1];
+  for (std::size_t i = 1; i < first_link.size(); ++i) first_link[i] += first_link[i - 1];
+  const std::vector<vd> damage = largest_damages(points);
+  for (int b = 0; b < static_cast<int>(points.blocks.size()); ++b)
+    for (int l = 0; l < kLanes; ++l)
+      if (points.meta[b].occupied >> l & 1)
+        f(kLanes * b + l, crack_point(points, record, b, l, damage[b][l], first_link, axis, layers_are_pieces));
+}
+
+// Brings each of these bonds, ascending, to one rank. Collective. Points that are there already are not sent. Copies of
+// them would cost as much as the look at the bond, since a big scene does not have that memory in the cache.
+WholeBonds collect(MPI_Comm comm, const Bonds& bonds, const std::vector<int>& rows, const CementOptions& options) {
+  const int ranks = ranks_of(comm), me = rank_in(comm);
+  const bool layers_are_pieces = options.reprojects();
+  std::vector<std::vector<Sent>> out(ranks);
+  WholeBonds whole;
+  whole.points.resize(rows.size());
+  whole.sources.resize(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Bond* bond = bonds.find(rows[n]);
+    if (!bond) continue;
+    const int to = bond->row % ranks;
+    if (to == me && bonds.is_whole(*bond)) {
+      whole.points[n].reserve(kLanes * bond->points.blocks.size());
+      whole.sources[n].reserve(kLanes * bond->points.blocks.size());
+      for_each_crack_point(*bond, bonds.record(*bond), layers_are_pieces, [&](int slot, const CrackPoint& p) {
+        whole.points[n].push_back(p);
+        whole.sources[n].push_back({me, slot});
+      });
+    } else {
+      for_each_crack_point(*bond, bonds.record(*bond), layers_are_pieces, [&](int slot, const CrackPoint& p) {
+        out[to].push_back({bond->row, slot, p});
+      });
+    }
+  }
+  const Received<Sent> sent = all_to_all(comm, out);
+  std::size_t n = 0;
+  for (int rank = 0; rank < ranks; ++rank)
+    for (int i = 0; i < sent.count[rank]; ++i, ++n) {
+      const Sent& s = sent.data[n];
+      const std::size_t place = index_in(rows, s.row, "bond");
+      whole.points[place].push_back(s.point);
+      whole.sources[place].push_back({rank, s.slot});
+    }
+  return whole;
+}
+
+}  // namespace
+
+bool Cracks::add_bonds(std::size_t rows) {
+  const bool some_are_new = states_.size() < rows;
+  states_.resize(rows);
+  for (; with_path_ < rows; ++with_path_) {
+    states_[with_path_].path_cut = true;
+    new_.push_back(static_cast<int>(with_path_));
+  }
+  return some_are_new;
+}
+
+void Cracks::watch(const Bond& bond) {
+  for (int slot : bond.failed) note(bond, slot);
+}
+
+void Cracks::watch_links(const Bond& bond) {
+  for (int link : bond.link_step.debond) note(bond, bond.points.links[link].slot);
+}
+
+// A film that holds bridges the grains, wherever the rest is cracked.
+void Cracks::watch_film(const Bond& bond) {
+  State& s = states_[bond.row];
+  if (bond.film.holds() || s.path_cut || s.separation.separated) return;
+  s.path_cut = true;
+  cut_.push_back(bond.row);
+}
+
+// The point at this slot carries no path any more, or none to a grain.
+void Cracks::note(const Bond& bond, int slot) {
+  State& s = states_[bond.row];
+  if (s.path_cut || s.separation.separated) return;
+  s.path_cut = s.path.empty() || std::binary_search(s.path.begin(), s.path.end(), bond.points.tag(slot));
+  if (s.path_cut) cut_.push_back(bond.row);
+}
+
+bool Cracks::some_path_is_cut(MPI_Comm comm) const {
+  int mine = !cut_.empty() || !new_.empty(), any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, comm);
+  return any != 0;
+}
+
+Separation Cracks::find_separation(const BondRecord& record, int row, const CementOptions& options, const std::vector<CrackPoint>& points,
+                                   bool residue) const {
+  double face[3];
+  direction_of_centres(record, face);
+  for (double& f : face) f = std::fabs(f) * record.spacing * record.spacing;
+  const double reach = residue ? 0.0 : options.half_band;
+  return separate(points, face, states_[row].separation.separated, cells_across(record, options), reach);
+}
+
+std::string Cracks::mode(std::size_t row) const { return broken(row) ? mode_of(states_[row].separation) : "intact"; }
+
+bool Cracks::has_seen(const Bond& bond) const { return count_broken(bond) == states_[bond.row].broken_seen; }
+
+// Returns rows whose path is cut and where something broke since. Debris is looked for in all bonds that came apart,
+// since it may be in any of them.
+std::vector<int> Cracks::rows_to_check(MPI_Comm comm, const Bonds& bonds, bool fragment, int from) {
+  const auto take = [from](std::vector<int>& rows) {  // those before `from` stay
+    const auto first = std::stable_partition(rows.begin(), rows.end(), [from](int row) { return row < from; });
+    const std::vector<int> taken(first, rows.end());
+    rows.erase(first, rows.end());
+    return taken;
+  };
+  std::vector<int> rows = union_of_ranks(comm, take(cut_));
+  const std::vector<int> fresh = take(new_);
+  rows.insert(rows.end(), fresh.begin(), fresh.end());  // in no row of the first kind: their paths are cut already
+  for (int row : rows) states_[row].path_cut = false;
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [&](int row) { return states_[row].separation.separated; }), rows.end());
+  if (fragment) {
+    for (int row : bonds.resolved_rows())
+      if (row >= from && states_[row].separation.separated) rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end());
+  std::vector<double> now(2 * rows.size(), 0.0);  // broken so far; 1 if the film holds on a rank
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const Bond* b = bonds.find(rows[n]);
+    if (!b) continue;
+    now[2 * n] = count_broken(*b);
+    now[2 * n + 1] = b->film.holds();
+  }
+  MPI_Allreduce(MPI_IN_PLACE, now.data(), static_cast<int>(now.size()), MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<int> looked_at;
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    State& s = states_[rows[n]];
+    // watch_film() asks for the look once the film has failed
+    if (now[2 * n + 1] > 0.0 || now[2 * n] == s.broken_seen) continue;
+    s.broken_seen = now[2 * n];
+    looked_at.push_back(rows[n]);
+  }
+  return looked_at;
+}
+
+Cracks::Found Cracks::detect_separations(MPI_Comm comm, Bonds& bonds, const CementOptions& options, bool residue, bool fragment, int from) {
+  Found found;
+  const std::vector<int> looked_at = rows_to_check(comm, bonds, fragment, from);
+  if (looked_at.empty()) return found;
+  const int ranks = ranks_of(comm);
+
+  // The bonds that come to this rank are whole.
+  const WholeBonds whole = collect(comm, bonds, looked_at, options);
+  std::vector<std::vector<Held>> held(ranks);
+  std::vector<std::vector<OfPath>> paths(ranks);
+  constexpr int kRow = 9;  // separated, areas, holds to other grains, points, areas of the film
+  std::vector<double> result(kRow * looked_at.size(), 0.0);
+  std::vector<Separation> separations(looked_at.size());
+  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+    const int r = looked_at[n];
+    if (const Bond* b = bonds.find(r)) {
+      const Film::Areas film = b->film.areas();
+      const double areas[3] = {film.at_grain[0], film.at_grain[1], film.inside};
+      std::copy(areas, areas + 3, &result[kRow * n + 6]);
+    }
+    if (whole.points[n].empty()) continue;
+    result[kRow * n + 5] = 1.0;
+    Separation& s = separations[n] = find_separation(bonds.table[r], r, options, whole.points[n], residue);
+    for (int tag : s.path)
+      for (auto& to : paths) to.push_back({r, tag});
+    const double row[4] = {1.0 * s.separated, s.at_grain[0], s.at_grain[1], s.inside};
+    std::copy(row, row + 4, &result[kRow * n]);
+  }
+  for (std::size_t n = 0; n < looked_at.size(); ++n) {
+    const std::vector<CrackPoint>& points = whole.points[n];
+    if (points.empty() || !separations[n].separated) continue;
+    if (options.split && separated(looked_at[n])) continue;  // nodes of debris split as points fail
+    std::vector<NodeSplitting::PointOfPiece>& pieces = found.came_apart.pieces[looked_at[n]];
+    pieces.reserve(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+      pieces.push_back({points[i].tag, separations[n].piece[i], points[i].layer, separations[n].between[i] != 0});
+  }
+  for (std::size_t n = 0; n < looked_at.size(); ++n)
+    for (std::size_t k = 0; k < whole.points[n].size(); ++k) {
+      const CrackPoint& point = whole.points[n][k];
+      const WholeBonds::Source& at = whole.sources[n][k];
+      const int holds = separations[n].separated ? separations[n].holds[k] : point.connected;
+      if (holds == point.connected) continue;
+      held[at.rank].push_back({looked_at[n], at.slot, holds});
+      result[kRow * n + 4] = 1.0;
+    }
+  for (const Held& h : all_to_all(comm, held).data) bonds.find(h.row)->points.set_connected(h.slot, h.connected);
+  for (int r : looked_at) states_[r].path.clear();
+  for (const OfPath& p : all_to_all(comm, paths).data) states_[p.row].path.push_back(p.tag);
+  MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, comm);
+  for (std::size_t k = 0; k < looked_at.size(); ++k) {
+    const double* row = &result[kRow * k];
+    State& s = states_[looked_at[k]];
+    // The surface is that of the separation; what breaks later is debris.
+    // A bond that is all film has nothing else.
+    if (!s.separation.separated && (row[0] != 0.0 || row[5] == 0.0)) {
+      s.separation.separated = true;
+      for (int g = 0; g < 2; ++g) s.separation.at_grain[g] = row[1 + g] + row[6 + g];
+      s.separation.inside = row[3] + row[8];
+      if (row[5] != 0.0) found.came_apart.rows.push_back(looked_at[k]);
+    }
+    if (row[4] != 0.0) found.held.push_back(looked_at[k]);
+  }
+  return found;
+}
+
+std::vector<Cracks::Ahead> Cracks::ahead(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows,
+                                         bool residue) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options);
+  constexpr int kWords = 5;
+  std::vector<double> found(kWords * rows.size(), 0.0);
+  for (std::size_t b = 0; b < rows.size(); ++b) {
+    const std::vector<CrackPoint>& points = whole.points[b];
+    const int row = rows[b];
+    if (const Bond* bond = bonds.find(row)) {
+      const Film::Areas film = bond->film.areas();
+      const double face = bonds.table[row].spacing * bonds.table[row].spacing;
+      found[kWords * b] += film.holding / face;  // as points across the line of centres would count
+      found[kWords * b + 1] += film.all() / face;
+      for (int g = 0; g < 2; ++g) found[kWords * b + 2 + g] += film.at_grain[g];
+      found[kWords * b + 4] += film.inside + film.holding;
+    }
+    if (points.empty()) continue;
+    const Ligament ligament = find_ligament(points);
+    double* of_bond = &found[kWords * b];
+    of_bond[0] += ligament.left();
+    of_bond[1] += ligament.whole;
+    for (const std::vector<int>& cut : ligament.cuts) {
+      const Separation s = find_separation(bonds.table[row], row, options, cut_through(cut, points, residue), residue);
+      const double area[3] = {s.at_grain[0], s.at_grain[1], s.inside};
+      for (int i = 0; i < 3; ++i) of_bond[2 + i] += area[i] / static_cast<double>(ligament.cuts.size());
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_DOUBLE, MPI_SUM, comm);
+  std::vector<Ahead> all(rows.size());
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const double* of_bond = &found[kWords * b];
+    all[b].left = of_bond[0];
+    all[b].whole = of_bond[1];
+    std::copy(of_bond + 2, of_bond + 4, all[b].surface.at_grain);
+    all[b].surface.inside = of_bond[4];
+  }
+  return all;
+}
+
+std::map<int, std::vector<char>> Cracks::grains_held(MPI_Comm comm, const Bonds& bonds, const CementOptions& options,
+                                                     const std::vector<int>& rows) const {
+  const WholeBonds whole = collect(comm, bonds, rows, options);
+  std::vector<std::vector<Held>> back(ranks_of(comm));
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const std::vector<CrackPoint>& points = whole.points[n];
+    if (points.empty()) continue;
+    const std::vector<char> held = mpdem::grains_held(points, cells_across(bonds.table[rows[n]], options));
+    for (std::size_t k = 0; k < points.size(); ++k) back[whole.sources[n][k].rank].push_back({rows[n], whole.sources[n][k].slot, held[k]});
+  }
+  std::map<int, std::vector<char>> found;
+  for (int row : rows)
+    if (const Bond* b = bonds.find(row)) found[row].assign(kLanes * b->points.blocks.size(), 0);
+  for (const Held& h : all_to_all(comm, back).data) found[h.row][h.slot] = static_cast<char>(h.connected);
+  return found;
+}
+
+void Cracks::record_failures(MPI_Comm comm, const Bonds& bonds, const CementOptions& options, const std::vector<int>& rows, bool residue,
+                             std::int64_t step) {
+  std::vector<int> holding;
+  std::copy_if(rows.begin(), rows.end(), std::back_inserter(holding), [&](int row) { return !broken(row); });
+  if (holding.empty()) return;
+  const std::vector<Ahead> found = ahead(comm, bonds, options, holding, residue);
+  for (std::size_t n = 0; n < holding.size(); ++n) {
+    if (found[n].left >= found[n].whole) continue;
+    State& state = states_[holding[n]];
+    state.broken_at = step;
+    const bool separated = state.separation.separated;
+    state.separation = found[n].surface;
+    state.separation.separated = separated;
+  }
+}
+
+const char* Cracks::mode_of(const SeparatingSurface& s) {
+  const double share = s.debonded_share();
+  return share >= 0.9 ? "debonding" : share <= 0.1 ? "internal" : "mixed";
+}
+
+}  // namespace mpdem

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "separate_pieces.h"
+
+#include <algorithm>
+
+namespace mpdem {
+
+namespace {
+
+// Nodes of points that go to a part of their own take over the motion of the nodes that these points had.
+void add_sources(const Bond& bond, int support, NewLayers& layers) {
+  int block = -1, layer = -1;  // points of a block mostly go together
+  for (const auto& p : layers.layer_of_slot) {
+    if (p.first / kLanes == block && p.second == layer) continue;
+    block = p.first / kLanes;
+    layer = p.second;
+    for (const Key& k : NodeSplitting::nodes_of(bond.points.meta[block], support))
+      layers.source[k.with_field(field_of(bond.row, layer))] = k;
+  }
+}
+
+}  // namespace
+
+NewLayersOfBonds SeparatePieces::start(MPI_Comm, Bonds& bonds, const CementOptions&, const std::vector<int>&) {
+  know_bonds(bonds.table.size());
+  return {};
+}
+
+NodeSplitting::Found SeparatePieces::come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came) {
+  for (auto p = came.pieces.begin(); p != came.pieces.end();) {
+    std::vector<PointOfPiece>& points = p->second;
+    points.erase(std::remove_if(points.begin(), points.end(), [](const PointOfPiece& point) { return point.piece == point.layer; }),
+                 points.end());
+    p = points.empty() ? came.pieces.erase(p) : std::next(p);
+  }
+  Found found = NodeSplitting::come_apart(comm, bonds, options, std::move(came));
+  for (auto& p : found.layers) add_sources(*bonds.find(p.first), support(options.basis), p.second);
+  return found;
+}
+
+NodeChange SeparatePieces::separate(int, const std::vector<PointOfPiece>& pieces, const CementOptions&) {
+  NodeChange change;
+  for (const PointOfPiece& p : pieces) change.moved.push_back({p.tag, p.piece});
+  return change;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Pieces of bonds where points meet other nodes as they move. No node has copies there (node_splitting.h).
+#ifndef MPDEM_CEMENT_FAILURE_SEPARATE_PIECES_H
+#define MPDEM_CEMENT_FAILURE_SEPARATE_PIECES_H
+
+#include "node_splitting.h"
+
+namespace mpdem {
+
+// Each piece of a bond that came apart is a part, and a part has all its nodes for itself.
+class SeparatePieces : public NodeSplitting {
+ public:
+  std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<SeparatePieces>(*this); }
+  NewLayersOfBonds start(MPI_Comm comm, Bonds& bonds, const CementOptions& options, const std::vector<int>& others = {}) override;
+  Found come_apart(MPI_Comm comm, Bonds& bonds, const CementOptions& options, CameApart came) override;
+  void bring(MPI_Comm, const Bonds&) override {}
+  void leave(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<int>&) override {}
+  std::vector<Key> nodes_beside(const PointStore&, int, int) const override { return {}; }
+  Key representative_of(const Key& node) const override { return node; }
+  std::vector<ExtensionConstraint> ties(const std::vector<Key>&) const override { return {}; }
+
+ protected:
+  void find_lattices(MPI_Comm, const Bonds&, const CementOptions&, const std::vector<char>&) override {}
+  NodeChange separate(int row, const std::vector<PointOfPiece>& pieces, const CementOptions& options) override;
+};
+
+// Pieces may meet again, so they share their nodes.
+class JoinedPieces : public SeparatePieces {
+ public:
+  std::unique_ptr<NodeSplitting> copy() const override { return std::make_unique<JoinedPieces>(*this); }
+  Found come_apart(MPI_Comm, Bonds&, const CementOptions&, CameApart) override { return {}; }
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The layout of bonds: blocks of points by cell, links, grid, ties of its edge nodes (mpm/extension_constraints.h), and lumped
+// mass. It is a function of the points and of what moved before. It changes nothing but what it is given. So a layout
+// may be made to ask something of it, and be dropped.
+//
+// Nodes stay tied in bonds that came apart, too, where they are not split, see node_splitting.h.
+#ifndef MPDEM_CEMENT_LAYOUT_LAYOUT_H
+#define MPDEM_CEMENT_LAYOUT_LAYOUT_H
+
+#include <mpi.h>
+
+#include <memory>
+#include <vector>
+
+#include "../bond/bond.h"
+#include "../bond/options.h"
+#include "../bond/formulation.h"
+#include "../failure/node_splitting.h"
+
+namespace mpdem {
+
+struct LayoutRequest {
+  int row = 0;
+  PointStore points;
+  NodeKinematics before;  // motion of the nodes of the bond, of this rank or of all
+  NewLayers layers;
+};
+
+struct LayoutRules {
+  MPI_Comm comm = MPI_COMM_NULL;
+  const std::vector<BondRecord>& table;
+  const CementOptions& options;
+  const std::shared_ptr<const Law>& law;       // law of all points, also of those from other ranks
+  double density = 0;                          // density of the inertia
+  const PenaltyParameters* penalty = nullptr;  // null: no links
+  NodeSplitting& splits;
+  const Formulation& formulation;
+  bool arrange = true;  // false: blocks stay as they are
+};
+
+struct BondLayout {
+  int row = 0;
+  PointStore points;
+  Film film;  // of copies alone; make_layout() leaves it empty
+  Grid grid;
+  PenaltyLinks links;
+  std::vector<char> fresh;    // of each node: 1 if no rank had it before
+  std::vector<int> new_slot;  // new slot of each slot before, -1 for an empty one
+};
+
+// Collective. Lays out the bonds of these rows of the table, ascending, the same on all ranks. requests: those of these
+// bonds of which this rank has points or nodes. Throws BadState on all ranks if the grids take more memory than they
+// may.
+std::vector<BondLayout> make_layout(const LayoutRules& rules, const std::vector<int>& rows, std::vector<LayoutRequest> requests);
+
+// Lays out the film of a bond. It has no nodes, so no other rank need know.
+void lay_out_film(Film& film, const BondRecord& record, const CementOptions& options, const std::shared_ptr<const Law>& law);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// The mechanisms that take part in the step of a bond by a BondMechanism (mpm/bond_mechanism.h), each where the scene wants it.
+#ifndef MPDEM_CEMENT_LAYOUT_MECHANISMS_H
+#define MPDEM_CEMENT_LAYOUT_MECHANISMS_H
+
+#include "../bond/scene.h"
+#include "../failure/node_splitting.h"
+
+namespace mpdem {
+
+// Makes the parts of a bond that has a layout, in the order in which they act.
+Bond::Mechanisms mechanisms_of(const Scene& scene, const Bond& b, const NodeSplitting& splits);
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "condensing.h"
+
+#include <algorithm>
+
+#include "../../mpm/field_drive.h"
+#include "../../mpm/point_state.h"
+#include "../../parallel/agree.h"
+#include "nonlocal.h"
+#include "../condensed/template_layouts.h"
+#include "../condensed/rigid_pieces.h"
+
+namespace mpdem {
+
+// Takes bonds that no step has moved yet, since their points and nodes are at the creation.
+void Condensing::choose() {
+  for (std::size_t row = 0; row < scene_.bonds().table.size(); ++row) {
+    BondRecord& b = scene_.bonds().table[row];
+    if (!b.in_motion) b.condensed = scene_.options.condense && scene_.penalty;
+    if (b.condensed && !scene_.options.condense)
+      throw BadState(text_of("bonds were condensed in the steps before, that of grains ", b.grain[0], " and ", b.grain[1],
+                             " still is; use 'condense yes'"));
+    if (b.condensed && !scene_.penalty)
+      throw BadState(text_of("the bond of grains ", b.grain[0], " and ", b.grain[1],
+                             " is condensed, but nothing holds it to its grains; use 'fix mpm/couple' as in the steps before"));
+  }
+  scene_.bonds().resolved_changed();
+}
+
+void Condensing::bind() {
+  scene_.grains.bind(scene_.comm, scene_.bonds(), scene_.inertia);
+  scene_.grains.distribute(scene_.bonds());  // code that looks before the next step must not find grains at rest
+  scene_.laid_out = true;
+  if (scene_.dt_last == 0.0) scene_.dt_last = scene_.now.dt;
+  condensed_.forget_candidates_but(scene_.bonds());
+  condensed_.bind(scene_.comm, scene_.bonds(), scene_.grains);
+  condensed_.follow(scene_.grains, scene_.weight().data());
+}
+
+void Condensing::condense(const std::vector<int>& rows, bool at_start) {
+  if (!scene_.options.condense || !scene_.penalty) return;
+  mark_pieces(rows);
+  std::vector<int> resolved = rows_with_loose_pieces(rows);
+  for (int row : resolved) scene_.bonds().table[row].condensed = false;
+  scene_.bonds().resolved_changed();
+  take_patterns(at_start);
+  const std::vector<int> without = condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
+  resolved.insert(resolved.end(), without.begin(), without.end());
+  if (!resolved.empty()) {
+    scene_.bonds().resolved_changed();
+    bind();
+    shared_.bind();
+    added_.refresh(resolved);
+    return;
+  }
+  condensed_.bind(scene_.comm, scene_.bonds(), scene_.grains);
+  condensed_.follow(scene_.grains, scene_.weight().data());
+}
+
+void Condensing::mark_pieces(const std::vector<int>& rows) {
+  for (int row : rows) condensed_.set_in_pieces(row, scene_.bonds().table[row].condensed && cracks_.separated(row));
+}
+
+// Collective. Returns bonds in pieces that stay resolved.
+std::vector<int> Condensing::rows_with_loose_pieces(const std::vector<int>& rows) const {
+  std::vector<int> in_pieces, loose;
+  for (int row : rows)
+    if (condensed_.is_in_pieces(row)) in_pieces.push_back(row);
+  std::vector<int> points(in_pieces.size(), 0);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (const Bond* b = scene_.bonds().find(in_pieces[n])) points[n] = loose_points(b->points);
+  if (!points.empty()) MPI_Allreduce(MPI_IN_PLACE, points.data(), static_cast<int>(points.size()), MPI_INT, MPI_SUM, scene_.comm);
+  for (std::size_t n = 0; n < points.size(); ++n)
+    if (points[n] >= kLeastLoose) loose.push_back(in_pieces[n]);
+  return loose;
+}
+
+// Takes bonds that stand for those of the patterns of which this rank has grains. Grains may have come from other
+// ranks.
+void Condensing::take_patterns(bool at_start) {
+  std::vector<int> patterns = patterns_of_owned_grains(scene_);
+  if (!at_start)
+    patterns.erase(std::remove_if(patterns.begin(), patterns.end(), [&](int p) { return condensed_.has_pattern(p); }), patterns.end());
+  condensed_.take_patterns(scene_.comm, layouts_of_patterns(scene_, patterns, &*scene_.penalty),
+                           static_cast<int>(scene_.bonds().patterns.size()), at_start, *scene_.law, *scene_.penalty, scene_.inertia);
+}
+
+// Bonds that are to wake and have no points get them before the next step, and wake in it. Returns the other bonds.
+std::vector<int> Condensing::ask_for_points(const std::vector<int>& rows) {
+  std::vector<int> others;
+  for (int row : rows) {
+    BondRecord& b = scene_.bonds().table[row];
+    if (b.pattern == 0) {
+      others.push_back(row);
+      continue;
+    }
+    if (!b.wants_points) rows_that_want_points_.push_back(row);
+    b.wants_points = true;
+  }
+  return others;
+}
+
+bool Condensing::change() {
+  woken_ = again_ = Change();
+  if (!scene_.options.condense || !scene_.penalty) return false;
+  activate();
+  condense_again();
+  return !woken_.rows.empty() || !again_.rows.empty();
+}
+
+void Condensing::count_changes() {
+  for (int row : woken_.rows)
+    if (const Bond* b = scene_.bonds().find(row)) woken_.energy -= work_.energy_of(*b);
+  scene_.energy.release(woken_.energy);
+  for (int row : again_.rows) {
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
+    again_.energy -= e.elastic + e.discrete_kinetic;
+  }
+  // what the grains gain with the momentum is work, so that what is damped does not depend on the speed of flight
+  scene_.energy.do_work(-again_.to_grains);
+  scene_.energy.damp(again_.energy - again_.to_grains);
+}
+
+std::vector<int> Condensing::rows_to_activate() {
+  std::vector<int> together;
+  std::vector<int> mine = condensed_.due(scene_.bonds(), scene_.options, *scene_.law, together);
+  if (!scene_.options.advance.nonlocal || !condensed_.any_cut()) return scene_.agreed_rows(mine);
+  together = scene_.agreed_rows(together);
+  if (!together.empty()) {
+    for (int row : together)
+      if (Bond* b = scene_.bonds().find(row)) condensed_.show_strain(*b);
+    average_cut_drives(scene_, together);
+    std::vector<double> roots(together.size(), 0.0);
+    for (std::size_t n = 0; n < roots.size(); ++n)
+      if (const Bond* b = scene_.bonds().find(together[n]))
+        roots[n] =
+            std::max(largest_root_of_drive(b->points, *scene_.law, &b->grid), largest_root_of_drive(b->film.points, *scene_.law, nullptr));
+    MPI_Allreduce(MPI_IN_PLACE, roots.data(), static_cast<int>(roots.size()), MPI_DOUBLE, MPI_MAX, scene_.comm);
+    for (std::size_t n = 0; n < roots.size(); ++n)
+      if (condensed_.note_check(together[n], roots[n], scene_.options, *scene_.law)) mine.push_back(together[n]);
+  }
+  return scene_.agreed_rows(mine);
+}
+
+void Condensing::activate() {
+  if (!condensed_.any()) return;
+  const std::vector<int> rows = ask_for_points(rows_to_activate());
+  if (rows.empty()) return;
+  const std::array<double, 3> weight = scene_.weight();
+  woken_.rows = rows;
+  std::vector<BondEnd> ends;
+  for (int row : rows) {
+    const CondensedBonds::Energies e = condensed_.energies_of(row, scene_.bonds(), 0.5 * scene_.dt_last);
+    woken_.energy += e.elastic + e.discrete_kinetic;
+    condensed_.activate(scene_.comm, row, scene_.bonds().find(row), scene_.bonds(), weight.data(), scene_.dt_last, *scene_.law);
+    if (!condensed_.has(row)) continue;
+    const std::array<BondEnd, 2> of_row = condensed_.loaded_ends(row, scene_.bonds(), weight.data());
+    ends.insert(ends.end(), of_row.begin(), of_row.end());
+  }
+  for (int row : rows) scene_.bonds().table[row].condensed = false;
+  scene_.bonds().resolved_changed();
+  condensed_.drop(scene_.comm, rows, scene_.bonds(), scene_.grains);
+  condensed_.resume(scene_.grains, weight.data());
+  scene_.grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, ends);
+  shared_.bind();
+  for (int row : rows) {
+    Bond* b = scene_.bonds().find(row);
+    if (!b) continue;
+    b->unmoved = false;
+    find_near_threshold(scene_, *b);
+  }
+  added_.refresh(rows);
+}
+
+bool Condensing::rests(Bond& b) {
+  constexpr double kBelow = 0.95;  // so that it does not wake at once
+  const BondRecord& record = scene_.bonds().record(b);
+  if (!scene_.bonds().is_whole(b)) return false;
+  if (!record.has_grain(0) || !record.has_grain(1)) return false;  // dust may be far from the grain that is left
+  // looks that are still to come, which condensed bonds do not get
+  const auto is_to_split = [](const BlockMeta& m) { return (m.failed & ~m.split_checked) != 0; };
+  if (scene_.options.split && std::any_of(b.points.meta.begin(), b.points.meta.end(), is_to_split)) return false;
+  if (cracks_.separated(b.row) && !cracks_.has_seen(b)) return false;
+  const BondEnd* ends = scene_.grains.ends_of(b);
+  if (cracks_.separated(b.row))
+    return condensed_.pieces_rest(b, record, ends, work_.energy_of(b), load_history_.largest(b.row), scene_.weight().data(), scene_.dt_last,
+                                  *scene_.law);
+  const double root =
+      std::max(largest_root_of_drive(b.points, *scene_.law, nullptr), largest_root_of_drive(b.film.points, *scene_.law, nullptr));
+  if (root >= kBelow * root_of_share(*scene_.law, scene_.options.wake)) return false;
+  return condensed_.matches_static_solution(b, record, ends, work_.energy_of(b), root, scene_.weight().data(), scene_.dt_last, *scene_.law);
+}
+
+// Collective. Returns bonds that may be condensed again. The force of one step passes zero while pieces ring, so they have
+// to be found at rest for as long as a window of the load watch.
+std::vector<int> Condensing::rows_that_rest() {
+  std::vector<int> mine;
+  for (Bond& b : scene_.bonds().resolved())
+    if (rests(b)) mine.push_back(b.row);
+  std::vector<int> rows;
+  std::vector<BondRecord>& table = scene_.bonds().table;
+  std::vector<double> calm(table.size(), 0.0);
+  for (int row : scene_.agreed_rows(mine)) {
+    const double time = table[row].calm + scene_.options.check_every * scene_.dt_last;
+    if (cracks_.separated(row) && time * scene_.shear_speed() < LoadHistory::window_path(table[row])) calm[row] = time;
+    else rows.push_back(row);
+  }
+  for (std::size_t row = 0; row < table.size(); ++row) table[row].calm = calm[row];
+  return rows;
+}
+
+void Condensing::condense_again() {
+  if (!scene_.ends_step() || scene_.now.number % scene_.options.check_every != 0) return;
+  BondedGrains& grains = scene_.grains;
+  const std::vector<int> rows = again_.rows = rows_that_rest();
+  if (rows.empty()) return;
+  const double half = 0.5 * scene_.dt_last;
+  std::vector<double> rest(6 * grains.ends.ends.size(), 0.0);  // difference of the momentum, which the grains take up
+  struct OfRow {
+    int row, at;
+    BondEnd ends[2];
+  };
+  std::vector<OfRow> here;
+  const auto add_to_rest = [&](const OfRow& o, const GrainLoads& momentum, double sign) {
+    for (int s = 0; s < 2; ++s) {
+      const std::array<double, 6> of_end = in_box(o.ends[s], momentum.of[s], momentum.of[s] + 3);
+      for (int d = 0; d < 6; ++d) rest[6 * (o.at + s) + d] += sign * of_end[d];
+    }
+  };
+  for (int row : rows) scene_.bonds().table[row].condensed = true;
+  mark_pieces(rows);
+  for (int row : rows) {
+    Bond* b = scene_.bonds().find(row);
+    if (!b) continue;
+    again_.energy += work_.energy_of(*b);
+    const BondEnd* ends = grains.ends_of(*b);
+    here.push_back({row, b->first_end, {ends[0], ends[1]}});
+    add_to_rest(here.back(), condensed_.momentum_of_nodes(*b, scene_.bonds().table[row], ends), 1.0);
+    condensed_.forget_candidate(row);
+    go_back_to_creation(b->points);
+    go_back_to_creation(b->film.points);
+    for (std::vector<double>* values : {&b->grid.displacement, &b->grid.velocity, &b->grid.acceleration})
+      std::fill(values->begin(), values->end(), 0.0);
+    b->near_threshold = false;
+    b->average = DriveAverage();  // it would keep its lists as long as the bond is condensed
+  }
+  const std::vector<BondedGrains::OwnedEnd> owned = grains.owned();
+  BondEnds ends = grains.ends;
+  scene_.bonds().resolved_changed();
+  layout_manager_.lay_out(rows, {}, {});
+  grains.wake(scene_.comm, scene_.bonds(), scene_.inertia, {});
+  added_.refresh(rows);
+  condensed_.solve(scene_.comm, scene_.bonds(), rows, *scene_.law, *scene_.penalty, scene_.inertia);
+  for (const OfRow& o : here) add_to_rest(o, condensed_.momentum_as_condensed(o.row, scene_.bonds().table[o.row], o.ends, half), -1.0);
+  ends.sum(rest.data(), 6);
+  std::vector<BondedGrains::Six> momentum(grains.grains.size(), BondedGrains::Six{});
+  for (const BondedGrains::OwnedEnd& o : owned)
+    for (int d = 0; d < 6; ++d) momentum[o.grain][d] += rest[6 * o.at + d];
+  condensed_.bind(scene_.comm, scene_.bonds(), grains);
+  condensed_.follow(grains, scene_.weight().data());
+  again_.to_grains = grains.apply_impulse(scene_.comm, momentum, condensed_.pack());
+}
+
+}  // namespace mpdem

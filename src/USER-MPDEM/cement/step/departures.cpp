@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "departures.h"
+
+#include <algorithm>
+
+#include "../../mpm/block_nodes.h"
+#include "../../numerics/sort_unique.h"
+#include "../../parallel/agree.h"
+#include "../../parallel/ranks.h"
+#include "../condensed/rigid_pieces.h"
+
+namespace mpdem {
+
+namespace {
+
+bool has(const std::vector<int>& ascending, int value) { return std::binary_search(ascending.begin(), ascending.end(), value); }
+
+bool has(const std::map<int, std::vector<int>>& slots, int row, int slot) {
+  const auto at = slots.find(row);
+  return at != slots.end() && has(at->second, slot);
+}
+
+// Bits of the grains of a body that are in a list of IDs.
+int ends_in(const BondRecord& record, const std::vector<int>& grains) {
+  int bits = 0;
+  for (int s = 0; s < 2; ++s)
+    if (record.has_grain(s) && has(grains, record.grain[s])) bits |= 1 << s;
+  return bits;
+}
+
+// Drops links and places that have no grain any more.
+template <class List>
+void drop_of_grain(List& list, int grain) {
+  list.erase(std::remove_if(list.begin(), list.end(), [grain](const auto& a) { return a.grain == grain; }), list.end());
+}
+
+}  // namespace
+
+Leaving Departures::choose(const Departing& departing) {
+  const std::vector<BondRecord>& table = scene_.bonds().table;
+  std::vector<int> mine;
+  for (const auto* slots : {&departing.outside, &departing.deleted})
+    for (const auto& of_row : *slots) mine.push_back(of_row.first);
+  if (!departing.grains.empty())
+    for (std::size_t row = 0; row < table.size(); ++row)
+      if (ends_in(table[row], departing.grains) != 0) mine.push_back(static_cast<int>(row));
+  sort_unique(mine);
+  Leaving leaving;
+  leaving.grains = departing.grains;
+  const std::vector<int> rows = scene_.agreed_rows(mine);
+  std::vector<int> deleted(rows.size(), 0);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (const auto at = departing.deleted.find(rows[n]); at != departing.deleted.end()) deleted[n] = static_cast<int>(at->second.size());
+  MPI_Allreduce(MPI_IN_PLACE, deleted.data(), static_cast<int>(deleted.size()), MPI_INT, MPI_SUM, scene_.comm);
+  std::vector<char> as_a_whole(rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const BondRecord& record = table[rows[n]];
+    const int gone = ends_in(record, departing.grains);
+    const bool separated = discontinuities_.cracks.separated(rows[n]);
+    as_a_whole[n] = (deleted[n] == record.points || record.pattern > 0) && (separated || gone == 3);
+    if (gone != 0 && !separated && !as_a_whole[n]) {
+      leaving.joined_grain = record.grain[(gone & 1) != 0 ? 0 : 1];
+      return leaving;
+    }
+  }
+  std::map<int, std::vector<char>> held = discontinuities_.cracks.grains_held(scene_.comm, scene_.bonds(), scene_.options, rows);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    if (Bond* b = scene_.bonds().find(rows[n])) choose_points(*b, held[rows[n]], departing, as_a_whole[n], leaving);
+  for (const auto& of_row : leaving.slots) leaving.rows.push_back(of_row.first);
+  for (int row : rows)
+    if (ends_in(table[row], departing.grains) != 0) leaving.rows.push_back(row);
+  sort_unique(leaving.rows);
+  leaving.rows = scene_.agreed_rows(leaving.rows);
+  return leaving;
+}
+
+// Dust of a condensed bond is part of the pieces. It goes with its grain.
+void Departures::choose_points(Bond& b, const std::vector<char>& held, const Departing& departing, bool as_a_whole,
+                               Leaving& leaving) const {
+  const BondRecord& record = scene_.bonds().record(b);
+  const int gone = ends_in(record, departing.grains);
+  const bool separated = discontinuities_.cracks.separated(b.row), resolved = scene_.bonds().is_resolved(b);
+  std::vector<signed char> grain_of_node;  // empty: no piece goes
+  if (separated) {
+    for (std::size_t slot = 0; slot < held.size(); ++slot)
+      if (b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)
+        b.points.set_connected(static_cast<int>(slot), b.points.has_failed(static_cast<int>(slot)) ? 0 : held[slot]);
+    if (gone != 0 && resolved) grain_of_node = grains_that_hold_nodes(b);
+  }
+  const auto goes_with_grain = [&](int slot) {
+    const BlockMeta& m = b.points.meta[slot / kLanes];
+    if (!resolved) {  // as grains_of_nodes() has it
+      const int lane = slot % kLanes;
+      double X[3];
+      for (int d = 0; d < 3; ++d) X[d] = b.points.blocks[slot / kLanes].X[d][lane];
+      return (gone >> nearer_side(record, nearer_to_first(record, X)) & 1) != 0;
+    }
+    bool goes = false;
+    if (!grain_of_node.empty())
+      for_each_node_of_lane(b.grid, m, slot % kLanes,
+                            [&](int i) { goes = goes || (grain_of_node[i] >= 0 && (gone >> grain_of_node[i] & 1)); });
+    return goes;
+  };
+  for (int slot = 0; slot < static_cast<int>(held.size()); ++slot) {
+    if (!(b.points.meta[slot / kLanes].occupied >> slot % kLanes & 1)) continue;
+    const bool outside = has(departing.outside, b.row, slot), deleted = has(departing.deleted, b.row, slot);
+    const bool fragments = held[slot] == 0, stays = fragments ? !resolved && !goes_with_grain(slot) : (held[slot] & ~gone) != 0;
+    if (as_a_whole || (!stays && (!fragments || outside || deleted || goes_with_grain(slot)))) leaving.slots[b.row].push_back(slot);
+    else if (deleted) leaving.attached_deleted.push_back(b.points.tag(slot));
+    else if (outside && !fragments) leaving.attached_outside.push_back(b.points.tag(slot));
+  }
+  // A film is of both grains. Once the bond is separated it is dust, and goes with the first grain that does.
+  b.for_each_slot_of(Bond::kColumns, [&](int slot) {
+    const int tag = b.film.points.tag(Bond::slot_in_store(slot));
+    if (as_a_whole || (separated && (gone != 0 || has(departing.outside, b.row, slot) || has(departing.deleted, b.row, slot))))
+      leaving.slots[b.row].push_back(slot);
+    else if (has(departing.deleted, b.row, slot)) leaving.attached_deleted.push_back(tag);
+    else if (has(departing.outside, b.row, slot)) leaving.attached_outside.push_back(tag);
+  });
+}
+
+// Points and volume that leave each row, of all ranks.
+std::vector<Departures::Share> Departures::shares(const Leaving& leaving) const {
+  std::vector<double> sum(2 * leaving.rows.size(), 0.0);
+  for (std::size_t n = 0; n < leaving.rows.size(); ++n) {
+    const BondRecord& record = scene_.bonds().table[leaving.rows[n]];
+    const auto slots = leaving.slots.find(leaving.rows[n]);
+    if (record.pattern > 0 && rank_in(scene_.comm) == 0) {
+      sum[2 * n] = record.points;
+      sum[2 * n + 1] = record.volume;
+    } else if (slots != leaving.slots.end()) {
+      const Bond& b = *scene_.bonds().find(slots->first);
+      for (int slot : slots->second) {
+        const int in_store = Bond::slot_in_store(slot);
+        sum[2 * n + 1] += b.store_of(slot).blocks[in_store / kLanes].volume[in_store % kLanes];
+      }
+      sum[2 * n] = static_cast<double>(slots->second.size());
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, scene_.comm);
+  std::vector<Share> all(leaving.rows.size());
+  for (std::size_t n = 0; n < all.size(); ++n)
+    all[n] = {leaving.rows[n], sum[2 * n], sum[2 * n + 1], sum[2 * n] == scene_.bonds().table[leaving.rows[n]].points};
+  return all;
+}
+
+// Adds what this rank has of an awake bond, with `sign`.
+void Departures::add_resolved(const Bond& b, double sign, EnergyBalance::Left& left, double& ahead) const {
+  left.energy += sign * work_.energy_of(b);
+  ahead += sign * work_.ahead_of(b);
+  double sum[3] = {0, 0, 0};
+  for (int i = 0; i < b.grid.size(); ++i)
+    for (int d = 0; d < 3 && b.grid.halo.counts_here()[i]; ++d)
+      sum[d] += sign * b.grid.mass[i] * (b.grid.velocity[3 * i + d] + 0.5 * scene_.dt_last * b.grid.acceleration[3 * i + d]);
+  const std::array<double, 3> momentum = turned(axes_of(scene_.bonds().record(b)), sum);
+  for (int d = 0; d < 3; ++d) left.momentum[d] += momentum[d];
+}
+
+// Adds what this rank tells of the pieces of a condensed bond, with `sign`. The work that is ahead of a piece takes its energy to that
+// of its velocity after the next kick.
+void Departures::add_pieces(const Pieces& pieces, double sign, EnergyBalance::Left& left, double& ahead) const {
+  const double dt = scene_.dt_last;
+  for (int n = 0; n < 2; ++n) {
+    if (!pieces.here[n]) continue;
+    const auto energies = [&](double half) {
+      return condensed_.energies_of_piece(pieces.row, pieces.whole ? -1 : n, scene_.bonds(), half, pieces.ends[n]);
+    };
+    const CondensedBonds::Energies now = energies(0.5 * dt);
+    left.energy += sign * (now.elastic + now.discrete_kinetic);
+    ahead += sign * (energies(dt).kinetic - now.discrete_kinetic);
+    for (int d = 0; d < 3; ++d) left.momentum[d] += sign * now.momentum[d];
+  }
+}
+
+Departures::Pieces Departures::pieces_of(int row) const {
+  Pieces pieces;
+  pieces.row = row;
+  pieces.whole = !condensed_.is_in_pieces(row);
+  for (int n = 0; n < (pieces.whole ? 1 : 2); ++n)
+    pieces.here[n] = condensed_.ends_of_piece(row, pieces.whole ? -1 : n, scene_.bonds(), pieces.ends[n]);
+  return pieces;
+}
+
+// Work that the books have for the second half of the last step, of grains on cement that goes.
+double Departures::ahead_of_grains(const std::vector<Share>& of_rows, const std::vector<int>& grains) const {
+  double power = 0.0;
+  for (const BondedGrains::OwnedEnd& o : scene_.grains.owned()) {
+    const auto of_row = std::lower_bound(of_rows.begin(), of_rows.end(), o.row, [](const Share& s, int row) { return s.row < row; });
+    if (of_row == of_rows.end() || of_row->row != o.row) continue;
+    if (!of_row->all && !(ends_in(scene_.bonds().table[o.row], grains) >> o.side & 1)) continue;
+    const BondEnd& s = scene_.grains.ends.ends[o.at];
+    for (int d = 0; d < 6; ++d) {
+      const double force = (d < 3 ? s.force[d] : s.torque[d - 3]) - s.jump_force[d] - s.transfer_force[d] - s.impulse[d];
+      const double velocity = d < 3 ? s.v[d] + scene_.dt_last * s.a[d] : s.omega[d - 3] + scene_.dt_last * s.alpha[d - 3];
+      power -= force * velocity;
+    }
+  }
+  return 0.5 * scene_.dt_last * power;
+}
+
+// Takes points, links and places out of the bonds, and grains and points out of the table.
+std::vector<int> Departures::take_out(const std::vector<Share>& of_rows, const Leaving& leaving) {
+  std::vector<int> tags;
+  for (const Share& share : of_rows) {
+    BondRecord& record = scene_.bonds().table[share.row];
+    const int gone = ends_in(record, leaving.grains);
+    if (Bond* b = scene_.bonds().find(share.row)) {
+      const auto slots = leaving.slots.find(share.row);
+      for (int slot : slots == leaving.slots.end() ? std::vector<int>() : slots->second) {
+        tags.push_back(b->store_of(slot).tag(Bond::slot_in_store(slot)));
+        b->release(slot);
+      }
+      for (int s = 0; s < 2; ++s) {
+        if (!(gone >> s & 1)) continue;
+        drop_of_grain(b->points.links, record.grain[s]);
+        drop_of_grain(b->points.contacts, record.grain[s]);
+      }
+    }
+    for (int s = 0; s < 2; ++s) record.left[s] = record.left[s] || (gone >> s & 1) != 0;
+    record.points -= static_cast<int>(share.points);
+    record.volume = share.all ? 0.0 : std::max(0.0, record.volume - share.volume);
+    if (!share.all) continue;
+    record.condensed = record.wants_points = false;
+    record.pattern = record.home = 0;
+  }
+  scene_.bonds().resolved_changed();
+  return tags;
+}
+
+std::vector<int> Departures::carry_out(const Leaving& leaving) {
+  const bool moved = std::any_of(scene_.bonds().begin(), scene_.bonds().end(), [](const Bond& b) { return b.changed(); });
+  throw_if_any(scene_.comm, moved ? "cement leaves of which points went to other ranks since the last run; use 'run 0' after "
+                                    "write_restart, before grains or points are deleted"
+                                  : "");
+  const std::vector<Share> of_rows = shares(leaving);
+  EnergyBalance::Left left;
+  std::vector<int> emptied;
+  std::vector<Pieces> pieces;
+  double ahead = ahead_of_grains(of_rows, leaving.grains);  // work of the second half of the last step, which is still to come
+  for (const Share& share : of_rows) {
+    const BondRecord& record = scene_.bonds().table[share.row];
+    if (record.condensed) pieces.push_back(pieces_of(share.row));
+    else if (const Bond* b = scene_.bonds().find(share.row)) add_resolved(*b, 1.0, left, ahead);
+    if (share.all) emptied.push_back(share.row);
+    if (rank_in(scene_.comm) != 0) continue;
+    left.points += share.points;
+    left.mass += scene_.density() * share.volume;
+  }
+  for (const Pieces& p : pieces) add_pieces(p, 1.0, left, ahead);
+  const std::vector<int> tags = take_out(of_rows, leaving);
+  discontinuities_.splits->leave(scene_.comm, scene_.bonds(), scene_.options, leaving.rows);
+  layout_manager_.bring_copies();
+  layout_manager_.lay_out_again(leaving.rows, {}, {});
+  for (const Bond& b : scene_.bonds().resolved())
+    if (has(leaving.rows, b.row)) add_resolved(b, -1.0, left, ahead);
+  condensed_.drop(scene_.comm, emptied, scene_.bonds(), scene_.grains);
+  condensing_.condense(leaving.rows, false);
+  for (const Pieces& p : pieces) add_pieces(p, -1.0, left, ahead);
+  scene_.energy.leave(left);
+  scene_.energy.start(0.0, {-ahead, 0.0}, {}, 0.0);  // that work is not done
+  return tags;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "formulations.h"
+
+#include "kinematics.h"
+#include "../failure/separate_pieces.h"
+
+namespace mpdem {
+
+namespace {
+
+constexpr double kLimitOfTransfers = 2.0;
+
+// The reference stays, and velocities belong to the nodes.
+class TotalLagrangian : public Formulation {
+ public:
+  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_total(context); }
+  std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<NodeSplitting>(); }
+};
+
+// Points give their velocity to the nodes every so many steps.
+class Reprojected : public Formulation {
+ public:
+  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_reprojected(context); }
+  std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
+  double stability_limit() const override { return kLimitOfTransfers; }
+};
+
+// They do so when the present becomes their reference.
+class Renewed : public Formulation {
+ public:
+  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_renewed(context); }
+  std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<SeparatePieces>(); }
+};
+
+// They do so in every step, since the present is their reference. Points go from cell to cell.
+class Moving : public Formulation {
+ public:
+  std::unique_ptr<Kinematics> kinematics(const KinematicsContext& context) const override { return make_updated(context); }
+  std::unique_ptr<NodeSplitting> splits() const override { return std::make_unique<JoinedPieces>(); }
+  double stability_limit() const override { return kLimitOfTransfers; }
+  double lasting_eigenvalue(double bound) const override { return bound; }
+  int margin() const override { return UpdatedPass::kMargin; }
+  bool joins_cells() const override { return false; }
+  bool needs_layout(const Bond&) const override { return true; }  // slots of points were brought up to date for the exchange
+  void follow_layout(Bond& b) const override {
+    b.updated.bind(b.points, b.grid);
+    b.average.let_points_stand(false);
+  }
+  void start(Bond& b) const override { UpdatedPass::start(b.points, b.grid, 0); }
+  bool sort_links(Bond& b) const override {
+    b.sort_links();
+    return true;
+  }
+  void share(Bond&, AlikeLists&) const override {}
+  void remove_dropped(Bond&, const BondRecord&) const override {}  // links go to other blocks with their points
+};
+
+}  // namespace
+
+std::unique_ptr<const Formulation> formulation_of(const CementOptions& options) {
+  if (options.updated) return std::make_unique<Moving>();
+  if (options.reproject_every > 0) return std::make_unique<Reprojected>();
+  if (options.reproject_distortion > 0.0) return std::make_unique<Renewed>();
+  return std::make_unique<TotalLagrangian>();
+}
+
+}  // namespace mpdem

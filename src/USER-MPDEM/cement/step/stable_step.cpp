@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "stable_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "../../coupling/relative_damping.h"
+#include "../../numerics/cross_matrix.h"
+#include "../../parallel/agree.h"
+
+namespace mpdem {
+
+namespace {
+constexpr double kGrowth = 1.02;  // an eigenvalue that grew by less is the one that was known
+}
+
+double StableStep::largest_mass_ratio() const {
+  std::unordered_map<int, double> cement;
+  for (const Grain& g : scene_.grains.grains) cement.emplace(g.tag, 0.0);
+  for (const BondRecord& b : scene_.bonds().table)
+    for (int s = 0; s < 2; ++s)
+      if (const auto at = cement.find(b.grain[s]); b.has_grain(s) && at != cement.end()) at->second += scene_.inertia * b.volume;
+  double mine = 0.0, most;
+  for (const Grain& g : scene_.grains.grains) mine = std::max(mine, BondedGrains::mass_ratio(g, cement[g.tag]));
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
+  return most;
+}
+
+double StableStep::relaxation_rate(double share) const {
+  if (share == 0.0) return 0.0;
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const BondRecord& b : scene_.bonds().table)
+    if (b.thickness > 0.0) thinnest = std::min(thinnest, b.thickness);  // what is all film has no nodes
+  return RelativeDamping::rate(thinnest, share, scene_.shear_speed()) * (1.0 + largest_mass_ratio());
+}
+
+void StableStep::find_film() {
+  const std::vector<StiffnessOfBond> found = stiffness_of_films(scene_);
+  const double step = found.empty() ? std::numeric_limits<double>::infinity() : of_grains(found);
+  of_film_ = 4.0 / (step * step);
+}
+
+// The largest eigenvalue of a sum is at most the sum of the largest eigenvalues.
+double StableStep::step_for(double cement_load, double relax) const {
+  const double eigenvalue = cement_load + of_film_;
+  // Damping acts on the velocity of half a step ago, so the condition is w^2 dt^2 + 2 p dt <= B.
+  const double damping = scene_.penalty ? scene_.penalty->damping : 0.0, B = scene_.stability_limit();
+  const double p = damping * std::sqrt(B * eigenvalue) + 0.25 * B * relaxation_rate(relax);
+  const double step = B / (p + std::sqrt(p * p + B * eigenvalue));
+  if (!(step > 0.0))  // a step of zero would pass in a comparison as if nothing limited it
+    throw BadState(text_of("no time step is stable, the square of the highest frequency is ", eigenvalue, " with density ",
+                           scene_.density(), " of the cement and stiffness ", scene_.law->elasticity().largest_stiffness(),
+                           "; use densities, moduli and penalties that go together in these units"));
+  return step;
+}
+
+// The damping that is admitted takes a tenth of the step. With that step, p of step_for() is (B - w^2 dt^2)/(2 dt). It
+// grows by a rate that is proportional to the damping.
+StableStep::DampedStep StableStep::damped_step(double eigenvalue) const {
+  DampedStep d{step_for(eigenvalue, scene_.options.relax), step_for(eigenvalue, 0.0), scene_.options.relax};
+  if (!d.is_short()) return d;
+  const double B = scene_.stability_limit(), dt = DampedStep::kKept * d.undamped, damping = scene_.penalty ? scene_.penalty->damping : 0.0;
+  const double p = (B - eigenvalue * dt * dt) / (2.0 * dt) - damping * std::sqrt(B * eigenvalue);
+  d.admitted = 4.0 * p / (B * relaxation_rate(1.0));
+  return d;
+}
+
+std::string StableStep::exceeds(double limit) const {
+  const int n = scene_.now.substeps;
+  std::string text = text_of("time step ", n * scene_.now.dt, " exceeds the stable step ", n * limit);
+  if (n > 1) text += text_of(" of ", n, " sub-steps");
+  return text;
+}
+
+// Uses the stiffness K_ss of the bonds of each grain against that grain alone. Since 2 |R_0.K R_1| <= R_0.K R_0 + R_1.K
+// R_1, twice the largest eigenvalue of M^-1 sum K_ss is a bound for all grains together. It is exact for a free pair of
+// equal grains.
+double StableStep::of_grains(const std::vector<StiffnessOfBond>& found) const {
+  std::map<int, Matrix6> stiffness;
+  for (std::size_t row = 0; row < found.size(); ++row) {
+    const BondRecord& record = scene_.bonds().table[row];
+    const Eigen::Map<const Eigen::Vector3d> axis(found[row].axis), first(record.centre[0]), second(record.centre[1]);
+    const double half_gap = 0.5 * ((second - first).norm() - record.radius[0] - record.radius[1]);
+    for (int s = 0; s < 2 && record.has_grain(0) && record.has_grain(1); ++s) {
+      Matrix6 to_middle = Matrix6::Identity();
+      to_middle.topRightCorner<3, 3>() = -cross_matrix((s == 0 ? 1.0 : -1.0) * (record.radius[s] + half_gap) * axis);
+      const auto at = stiffness.emplace(record.grain[s], Matrix6::Zero()).first;
+      at->second += to_middle.transpose() * Eigen::Map<const Matrix6>(found[row].K) * to_middle;
+    }
+  }
+  double mine = 0.0, largest;
+  for (const Grain& g : scene_.grains.grains) {
+    const auto at = stiffness.find(g.tag);
+    if (at == stiffness.end()) continue;
+    Matrix6 K = at->second;
+    for (int d = 0; d < 6; ++d) {
+      const double scale = g.free[d] ? 1.0 / std::sqrt(d < 3 ? g.mass : g.inertia) : 0.0;
+      K.row(d) *= scale;
+      K.col(d) *= scale;
+    }
+    mine = std::max(mine, 2.0 * Eigen::SelfAdjointEigenSolver<Matrix6>(K, Eigen::EigenvaluesOnly).eigenvalues()[5]);
+  }
+  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
+  return 2.0 / std::sqrt(largest);
+}
+
+EigenvalueEstimate StableStep::eigenvalue() const {
+  const double bound = scene_.eigenvalue_bound();
+  return bound_alone() ? EigenvalueEstimate{bound, 0.0, 0, bound} : eigenvalue_of(scene_.all_rows(), nullptr, Look::precise);
+}
+
+bool StableStep::bound_alone() const { return scene_.formulation->lasting_eigenvalue(scene_.eigenvalue_bound()) > 0.0; }
+
+// Cement whose eigenvalue is known is looked at as coarsely as is enough to see that it holds. The estimate is value and
+// residual, so it is on the safe side. Ranks have patches of their own bonds alone. So an eigenvalue that is to be known
+// is found of whole bonds, and does not depend on the number of ranks.
+EigenvalueEstimate StableStep::eigenvalue_of(const std::vector<int>& rows, const Patches* patches, Look look) const {
+  std::vector<EigenvalueSystem> systems;
+  for (int row : rows)
+    if (const Bond* b = scene_.bonds().find(row)) {
+      systems.push_back({&b->points, &b->grid, scene_.options.unilateral});
+      const auto patch = patches ? patches->find(row) : Patches::const_iterator();
+      if (patches && patch != patches->end()) systems.back().blocks = &patch->second;
+    }
+  if (look != Look::after_change)
+    condensed_.each_pattern([&](const Bond& b) { systems.push_back({&b.points, &b.grid, scene_.options.unilateral}); });
+  for (double tolerance : {0.05, 0.01, kEigenvalueTolerance}) {
+    if (look == Look::precise || known_ == 0.0) break;
+    if (tolerance == kEigenvalueTolerance)
+      for (EigenvalueSystem& p : systems) p.blocks = nullptr;
+    EigenvalueEstimate e = largest_eigenvalue(scene_.comm, systems, *scene_.law, tolerance);
+    e.most = e.value + e.residual;
+    if (e.most <= kGrowth * known_ && scene_.now.dt <= step_for(e.most, scene_.options.relax)) return e;
+  }
+  return largest_eigenvalue(scene_.comm, systems, *scene_.law, kPreciseEigenvalue);
+}
+
+double StableStep::find() {
+  const EigenvalueEstimate e = eigenvalue();
+  return step_for(e.most, scene_.options.relax);
+}
+
+// The eigenvalue that was found before is kept unless it is well below. The added mass depends on it, and has a margin
+// for that. It has to be the same in runs that are divided or restarted otherwise. It is found precisely, so that bonds
+// along other axes of the box, whose nodes have another order, have the same added mass.
+double StableStep::limiting_eigenvalue(double dt, const std::vector<int>& rows, const Patches* patches, Look look) {
+  double mine = 1.0, ties;
+  for (const Bond& b : scene_.bonds()) mine = std::max(mine, b.grid.largest_tie_factor());
+  condensed_.each_pattern([&](const Bond& b) { mine = std::max(mine, b.grid.largest_tie_factor()); });
+  MPI_Allreduce(&mine, &ties, 1, MPI_DOUBLE, MPI_MAX, scene_.comm);
+  const double bound = ties * scene_.eigenvalue_bound();
+  if (bound_alone() || (bound > 0.0 && dt <= step_for(bound, scene_.options.relax))) return bound;
+  const EigenvalueEstimate e = eigenvalue_of(rows, patches, look);
+  if (e.value > kGrowth * known_) known_ = e.most;
+  return e.most;
+}
+
+// Other nodes and weights have another eigenvalue. Only the bonds in question matter, since the eigenvalues of the
+// others stay. If no eigenvalue was ever asked for, the step is below the bound, which holds for points anywhere. The
+// layout has the added mass for what was known before. Where nodes split, patches are blocks about them, one support
+// further than those that changed: the new modes are as short as a cell.
+bool StableStep::check_after(const std::vector<int>& rows, const char* event, const Patches* patches) {
+  if (known_ == 0.0) return false;
+  const double known = known_,
+               limit = step_for(limiting_eigenvalue(scene_.now.dt, rows, patches, Look::after_change), scene_.options.relax);
+  if (scene_.now.dt > limit)
+    throw BadState(text_of(exceeds(limit), " after ", event, " at step ", scene_.now.number, "; use 'timestep ",
+                           0.9 * scene_.now.substeps * limit, "' or less, or a smaller share in 'timestep auto'"));
+  return known_ != known;
+}
+
+}  // namespace mpdem

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Sub-steps: two clocks. The host moves its grains with a long step. The cement, and the free grains that it holds,
+// take n short ones in it, all of them by the same central difference. The load of the host is known at the ends of its
+// step. Its average acts in each sub-step (spread_loads.cpp). The rest acts at the ends, as an impulse of the whole
+// step. This is the integrator of Tuckerman, Berne and Martyna (doc/theory.md): the cement is stable by its own step
+// alone, momentum is exact, and with n = 1 nothing is left but the step itself. The impulse moves grains and cement
+// together, see coupling/shared_impulse.h.
+//
+// Let w be the velocity of the grain in a sub-step dt, F the load of the host and f that of the cement on it, M its
+// mass, S the mean of F. u = (1 - 1/n) (S + S')/2 is what is spread in the steps before and after the end of a step.
+// Then
+//
+//   start of the step    w = v + dt/2 (n (F - u) + f)/M,  v the velocity at the end of the last step
+//   within it            w <- w + dt (S + f)/M
+//   end of the step      v = w + dt/2 (n (F - u) + f)/M = w + n dt/2 (F - u + f/n)/M, which the host does with its step n dt.
+#include <cmath>
+
+#include "substeps.h"
+
+namespace mpdem {
+
+namespace {
+double inertia_of(const Grain& g, int d) { return d < 3 ? g.mass : g.inertia; }
+}  // namespace
+
+double Substeps::HermitePath::position(int d, double time, double t) const {
+  return from[d] + length[d] * t * t * (3.0 - 2.0 * t) + time * t * (1.0 - t) * (start[d] * (1.0 - t) - end[d] * t);
+}
+
+double Substeps::HermitePath::velocity(int d, double time, double t) const {
+  return 6.0 * length[d] / time * t * (1.0 - t) + start[d] * (1.0 - t) * (1.0 - 3.0 * t) + end[d] * t * (3.0 * t - 2.0);
+}
+
+void Substeps::begin() {
+  const int n = scene_.now.substeps;
+  if (n == 1) return;
+  for (Grain& g : scene_.grains.grains)
+    for (int d = 0; d < 6; ++d) {
+      g.start[d] = g.velocity[d];
+      g.kick[d] = n * (g.force[d] + g.load_of_other_substeps[d] - g.cement_load[d] - g.spread(d, n)) + g.cement_load[d];
+    }
+}
+
+// The places and velocities of prescribed motion are known at both ends of the step. The motion between is a cubic, so
+// that the velocity is continuous. At times the velocities are not those of the motion, as when a grain starts at once.
+// Then motion is even within the step.
+void Substeps::find_paths() {
+  const int n = scene_.now.substeps;
+  const double dt = scene_.now.dt;
+  paths_.clear();
+  for (Grain& g : scene_.grains.grains) {
+    HermitePath path;
+    for (int d = 0; d < 3; ++d) {
+      path.from[d] = g.state->x[d];
+      path.length[d] = g.x[d] - g.state->x[d];
+      g.x[d] = g.state->x[d];
+    }
+    for (int d = 0; d < 6; ++d) {
+      path.start[d] = g.start[d];
+      path.end[d] = g.velocity[d];
+      const double mean = d < 3 ? path.length[d] / (n * dt) : 0.5 * (path.start[d] + path.end[d]);
+      if (std::fabs(mean - 0.5 * (path.start[d] + path.end[d])) > 0.25 * std::fabs(path.end[d] - path.start[d]))
+        path.start[d] = path.end[d] = mean;
+      if (g.free[d]) g.velocity[d] = g.start[d];
+    }
+    paths_.push_back(path);
+  }
+}
+
+void Substeps::move_grains() {
+  const int n = scene_.now.substeps;
+  const double dt = scene_.now.dt;
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    Grain& g = scene_.grains.grains[i];
+    for (int d = 0; d < 6; ++d) {
+      if (g.free[d]) g.velocity[d] += 0.5 * dt * g.kick[d] / inertia_of(g, d);
+      else if (d < 3) g.velocity[d] = paths_[i].velocity(d, n * dt, double(scene_.substep) / n);
+      else g.velocity[d] = paths_[i].start[d] + (scene_.substep - 0.5) / n * (paths_[i].end[d] - paths_[i].start[d]);
+    }
+    for (int d = 0; d < 3; ++d) {
+      const double before = g.x[d];
+      g.x[d] = g.free[d] ? before + dt * g.velocity[d] : paths_[i].position(d, n * dt, double(scene_.substep) / n);
+      g.moved[d] = g.x[d] - before;
+      g.state->x[d] = scene_.ends_step() ? before : g.x[d];
+      // adds up to the mean of both ends of the step, beginning at its start
+      if (scene_.substep == 1) g.state->bent[d] = 0.0;
+      g.state->bent[d] += scene_.ends_step() ? 0.5 * (n - 1) * (g.x[d] - paths_[i].from[d]) : paths_[i].from[d] - g.x[d];
+    }
+  }
+  scene_.grains.turn(dt);
+}
+
+void Substeps::kick_grains() {
+  for (Grain& g : scene_.grains.grains)
+    for (int d = 0; d < 6; ++d) {
+      g.kick[d] = g.cement_load[d] + g.state->held()[d];
+      if (g.free[d]) g.velocity[d] += 0.5 * scene_.now.dt * g.kick[d] / inertia_of(g, d);
+    }
+}
+
+}  // namespace mpdem

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Nodes that split (node_splitting.h) change a bond in place. Points that go to other parts get blocks of their own. New nodes
+// come into the grid. Ties of nodes that are touched are found anew, and the masses of all nodes of the bond. All else
+// stays where it is. The result is that of a layout of the same state, to the bit. A bond that ranks cut is laid out as a
+// whole. So is any bond with `cracks bonds`, whose edges are not kept.
+#include "topology_update.h"
+
+#include <algorithm>
+
+#include "../../mpm/block_nodes.h"
+#include "../../numerics/sort_unique.h"
+#include "../bond/bond_motion.h"
+#include "../failure/node_aliases.h"
+
+namespace mpdem {
+
+namespace {
+
+// Returns the blocks that have one of these nodes, and the blocks that share a node with them.
+std::vector<int> blocks_about(const PointStore& points, const Grid& grid, const std::vector<int>& nodes) {
+  std::vector<char> near(grid.size(), 0);
+  for (int i : nodes) near[i] = 1;
+  std::vector<int> blocks;
+  for (int round = 0; round < 2; ++round) {
+    blocks.clear();
+    for (std::size_t b = 0; b < points.meta.size(); ++b) {
+      bool meets = false;
+      for_each_node(grid, points.meta[b], [&](int i) { meets = meets || near[i]; });
+      if (meets) blocks.push_back(static_cast<int>(b));
+    }
+    for (int b : blocks) for_each_node(grid, points.meta[b], [&](int i) { near[i] = 1; });
+  }
+  return blocks;
+}
+
+}  // namespace
+
+void TopologyUpdate::add_bonds() {
+  load_history_.add_bonds(scene_.bonds().table.size());
+  const int from = static_cast<int>(discontinuities_.cracks.size());
+  if (!discontinuities_.cracks.add_bonds(scene_.bonds().table.size()) || !scene_.penalty) return;
+  if (scene_.options.split) {
+    NodeSplitting::Found found = discontinuities_.splits->find_splits(scene_.comm, scene_.bonds(), scene_.options, from);
+    if (!found.lay_out.empty()) layout_manager_.lay_out_again(found.lay_out, std::move(found.layers), {true, true});
+  }
+  Found found = find_separations(true, from);
+  if (!found.lay_out.empty()) layout_manager_.lay_out_again(found.lay_out, std::move(found.layers), {true, true});
+  find_relative_damping(found.held);
+}
+
+void TopologyUpdate::update() {
+  if (!scene_.can_break()) return;
+  if (scene_.begins_step() && (scene_.now.number - 1) % scene_.options.check_every == 0) update_after_check();
+  else if (scene_.is_watch_step()) update_cut_paths();
+}
+
+// Looks at the whole state.
+void TopologyUpdate::update_after_check() {
+  split_at_failed_points();
+  discontinuities_.cracks.record_failures(scene_.comm, scene_.bonds(), scene_.options,
+                                          load_history_.find_failed(scene_.comm, scene_.bonds().table, scene_.shear_speed()),
+                                          scene_.leaves_residue(), scene_.now.number - 1);
+  scene_.timer.start(StepTimer::kLayout);
+  added_.drop_inert();
+  separate_pieces(true);
+}
+
+// Looks at bonds in which a path of intact points was cut.
+void TopologyUpdate::update_cut_paths() {
+  split_at_failed_points();
+  if (!discontinuities_.cracks.some_path_is_cut(scene_.comm)) return;
+  scene_.timer.start(StepTimer::kLayout);
+  separate_pieces(false);
+}
+
+void TopologyUpdate::split_at_failed_points() {
+  sort_links();
+  if (scene_.options.split) split_nodes();
+}
+
+void TopologyUpdate::separate_pieces(bool fragment) {
+  Found found = find_separations(fragment);
+  change_bonds(found.lay_out, std::move(found.layers), "parts came apart");
+  find_relative_damping(found.held);
+}
+
+// Points that change cells change their slots. Others stay as the layout sorted them.
+void TopologyUpdate::sort_links() {
+  for (Bond& b : scene_.bonds()) scene_.formulation->sort_links(b);
+}
+
+std::vector<Cracks::Ahead> TopologyUpdate::ahead(const std::vector<int>& rows) {
+  sort_links();
+  return discontinuities_.cracks.ahead(scene_.comm, scene_.bonds(), scene_.options, rows, scene_.leaves_residue());
+}
+
+TopologyUpdate::Found TopologyUpdate::find_separations(bool fragment, int from) {
+  Cracks::Found cracked =
+      discontinuities_.cracks.detect_separations(scene_.comm, scene_.bonds(), scene_.options, scene_.leaves_residue(), fragment, from);
+  return {discontinuities_.splits->come_apart(scene_.comm, scene_.bonds(), scene_.options, std::move(cracked.came_apart)),
+          std::move(cracked.held)};
+}
+
+// Finds the damping of bonds whose points hold to other grains now.
+void TopologyUpdate::find_relative_damping(const std::vector<int>& rows) {
+  for (int row : rows)
+    if (Bond* b = scene_.bonds().find(row)) layout_manager_.follow_grains(*b);
+}
+
+void TopologyUpdate::split_nodes() {
+  scene_.timer.start(StepTimer::kLayout);
+  NodeSplitting::Found split = discontinuities_.splits->find_splits(scene_.comm, scene_.bonds(), scene_.options);
+  change_bonds(split.lay_out, std::move(split.layers), "nodes split");
+}
+
+// Mass stays with its copy, and copies move as the node did. So momentum and energy are what they were. Edges that are
+// tied no longer give mass back, see give_back_motion(). Returns the nodes whose ties and masses are new.
+std::vector<int> TopologyUpdate::split_in_place(Bond& b, const NewLayers& layers) {
+  const double kick = scene_.kick();
+  const BondMotion before = sums_of_motion(b.grid, kick);
+  const PointStore::LayerMove moved = b.points.move_to_layers(layers.layer_of_slot, scene_.options.cell, scene_.options.basis);
+  const NodeAliases aliases(scene_.options, scene_.penalty ? &*scene_.penalty : nullptr);
+  std::vector<Key> more = discontinuities_.splits->representatives_at(b.row, layers.split);
+  const auto add = [&more](const std::vector<Key>& nodes) { more.insert(more.end(), nodes.begin(), nodes.end()); };
+  for (int n : moved.blocks) {
+    BlockMeta& m = b.points.meta[n];
+    m.aliases = BlockMeta::kOwn;  // borrowed nodes are found anew below
+    add(discontinuities_.splits->representative_of(m, support(scene_.options.basis)));
+    if (!aliases.may_alias(m)) add(NodeSplitting::nodes_of(m, support(scene_.options.basis)));
+  }
+  sort_unique(more);
+  more.erase(std::remove_if(more.begin(), more.end(), [&](const Key& k) { return b.grid.node_at(k) >= 0; }), more.end());
+  const std::vector<int> new_index = b.grid.add_nodes(more);
+  b.grid.take_over_motion(layers.source);
+  aliases.copy_motion_of_representatives(b.grid, *discontinuities_.splits, more, layers.source);
+  if (!more.empty())
+    for (BlockMeta& m : b.points.meta)
+      if (m.aliases == BlockMeta::kOwn && !aliases.may_alias(m))
+        for (int& c : m.column) c = new_index[c];
+  for (int n : moved.blocks)
+    if (!aliases.may_alias(b.points.meta[n])) b.grid.find_columns(b.points.meta[n]);
+  b.links.renumber(moved.new_link_index);
+  b.links.follow_layers(b.points, b.grid, new_index);
+
+  std::vector<int> nodes = discontinuities_.splits->nodes_touched(b.grid, b.row, layers.split);
+  for (const Key& k : more) nodes.push_back(b.grid.node_at(k));
+  sort_unique(nodes);
+  std::vector<Key> keys;
+  for (int i : nodes) keys.push_back(b.grid.keys[i]);
+  aliases.find_anew(b.points, b.grid, *discontinuities_.splits, nodes);
+  const std::vector<double> volumes = discontinuities_.splits->volumes(keys, scene_.options);
+  if (!volumes.empty()) {
+    b.grid.given_volume.resize(b.grid.size(), -1.0);
+    for (std::size_t n = 0; n < volumes.size(); ++n) b.grid.given_volume[nodes[n]] = volumes[n];
+  }
+  const bool freed = b.grid.tie_anew(nodes, discontinuities_.splits->ties(keys));
+  b.grid.lump_mass(b.points, scene_.inertia);
+  if (freed) {
+    give_back_motion(b.grid, before, sums_of_motion(b.grid, kick));
+    scene_.energy.release(before.kinetic - sums_of_motion(b.grid, kick).kinetic);
+  }
+  return nodes;
+}
+
+// Links have other nodes then, and their added mass has another energy. Where nodes split as points fail, links that let
+// go give theirs up. Else they do so at the checks.
+void TopologyUpdate::change_bonds(const std::vector<int>& rows, NewLayersOfBonds layers, const char* event) {
+  if (rows.empty()) return;
+  std::vector<int> mine;
+  for (int row : rows) {
+    const Bond* b = scene_.bonds().find(row);
+    if (b && (b->cut_by_ranks() || !scene_.options.split)) mine.push_back(row);
+  }
+  const std::vector<int> whole = scene_.agreed_rows(mine);
+  StableStep::Patches patches;
+  scene_.energy.release_by([&] { return added_.energy_ahead(rows, scene_.kick()); },
+                           [&] {
+                             for (int row : rows) {
+                               Bond* b = scene_.bonds().find(row);
+                               if (!b) continue;
+                               if (scene_.options.split) added_.drop_inert(*b);
+                               if (std::binary_search(whole.begin(), whole.end(), row)) continue;
+                               const std::vector<int> nodes = split_in_place(*b, layers[row]);
+                               if (added_.hangs_on_eigenvalue()) patches[row] = blocks_about(b->points, b->grid, nodes);
+                               layout_manager_.start_anew(*b);
+                               b->laid_out_blocks = b->points.blocks.size();
+                               scene_.host().slots_changed(*b);
+                             }
+                             if (!whole.empty()) layout_manager_.lay_out(whole, std::move(layers), {true, true});
+                             added_.refresh(rows);
+                             added_.follow(rows, event, &patches);
+                           });
+}
+
+}  // namespace mpdem

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// A node is split into as many copies as there are connected parts of material in its support. Material that a crack
+// has parted shares no node, wherever the crack ends, so nothing pulls across it. Two points are connected if a way
+// leads from one to the other that stays in the support, over points that hold and whose lattice cells share a face. At
+// the tip of a crack there is such a way around it, and the node is whole. The cement of one grain may run close to
+// that of the other without touching it, as coatings do beyond the ring in which they meet. There nodes are split from
+// the start: faces of lattice cells between the two count only if the material reaches them (touches()), and at nodes
+// where enough of it does (crevice.h). Copies never join again.
+//
+// Nodes double by material, not by place, as in the phantom-node method (A. Hansbo, P. Hansbo, Comput. Methods Appl.
+// Mech. Engrg. 193, 2004, 3523-3540).
+//
+// The points of a cell that have the same copies of all nodes of their support are a class. A class lies in one part of
+// its bond (bond_record.h), and a part has one node at a place. So classes are coloured: those of one part agree wherever they
+// meet. If several parts have nodes of one copy, these are tied to the node of the first part (`canonical`). A whole node is that of part 0.
+//
+// A copy keeps the mass that it had when it was made. When a copy is split, the new copies share its mass in proportion
+// to the material that holds. So mass and momentum of a node are the sums of those of its copies, whatever failed
+// between them, and no copy has less mass than the material that holds in it. When points leave the scene, a copy keeps what its
+// material that holds has, and what failed points have is shared as it was among the copies that points are left of.
+//
+// Failed points carry nothing. They go with the nearest points that hold, in steps from cell to cell in the support, so
+// that they are shown where the crack left them. Among components at equal distance they go with the largest, then with
+// the one whose middle is nearer. Cells are few, so middles are often at equal distance, too. Then the line of centres
+// decides, by criteria that a mirror at the plane between the grains and quarter turns about the line do not change. In
+// this order: the middle is nearer to the line; it is nearer to that plane; it is more to a side of the plane through
+// the line and the point, then on the left of it; it is on the point's side of the plane between the grains.
+//
+// The code is serial and takes all points of one bond. The result does not depend on their order.
+#ifndef MPDEM_FRACTURE_PHANTOM_NODES_H
+#define MPDEM_FRACTURE_PHANTOM_NODES_H
+
+#include <array>
+#include <map>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "../mpm/basis.h"
+#include "../numerics/grid_index.h"
+#include "crevice.h"
+
+namespace mpdem {
+
+// The split nodes of one bond.
+class PhantomNodes {
+ public:
+  struct Entry {
+    int layer, copy;
+    int first;      // copy at the start
+    double volume;  // volume of the copy: its mass over the density
+  };
+  using Row = std::vector<Entry>;  // ascending in part
+
+  bool empty() const { return rows_.empty(); }
+  const Row* row(const GridIndex& node) const;
+  // Entry of a part at a node, {part, 0, 0, 0} if the node is whole. A split node must have the part.
+  Entry at(int layer, const GridIndex& node) const { return entry_of(row(node), layer); }
+  static Entry entry_of(const Row* row, int layer);
+  static int copy_of(const Row& row, int layer) { return entry_of(&row, layer).copy; }
+  // First part that has the same copy of the node. Its node stands for that of this part.
+  int representative(int layer, const GridIndex& node) const;
+  // Part whose node stands for the copy `first` of the start; -1 if that copy has been split since.
+  int representative_of_first(int first, const GridIndex& node) const;
+  using Rows = std::unordered_map<GridIndex, Row, GridIndexHash, SameGridIndex>;
+  const Rows& rows() const { return rows_; }
+  void set(const GridIndex& node, Row row) { rows_[node] = std::move(row); }
+  void forget_rows() { rows_.clear(); }
+  void clear() { *this = PhantomNodes(); }
+  // Makes the present copies those of the start.
+  void start();
+
+  // Copy of the start at the next node in direction -x +x -y +y -z +z that continues this copy of the start. -1 if
+  // there is none, or if there are several.
+  int continuation(const GridIndex& node, int first, int direction) const;
+  struct Continuation {
+    int first;
+    std::array<int, 6> to;
+  };
+  using Towards = std::unordered_map<GridIndex, std::vector<Continuation>, GridIndexHash, SameGridIndex>;
+  Towards& continuations() { return continuations_; }
+  const Towards& continuations() const { return continuations_; }
+
+ private:
+  Rows rows_;
+  Towards continuations_;  // for nodes that are split at the start, and for their neighbours
+};
+
+// A point of the bond, as NodeSplitter needs it.
+struct SplitterPoint {
+  int tag;
+  int cell[3];  // cell of the lattice
+  int base[3];  // first node of its support
+  int layer;
+  int nearer;  // nearer and space: as in CrackPoint
+  float space[6];
+  bool failed, middle;
+  double at[3];  // place relative to the first node of its support, in cells of the grid
+  double volume;
+  int piece = 0;
+};
+
+struct NodeChange {
+  struct Moved {
+    int tag, layer;
+  };
+  std::vector<Moved> moved;  // points that change their part
+  // Node of a part, and the part whose node stood for that of its points before the change.
+  struct Source {
+    GridIndex node;
+    int layer, from;
+  };
+  std::vector<Source> sources;
+  std::vector<GridIndex> rows;  // nodes whose rows in PhantomNodes changed
+};
+
+// The points of a bond, for as long as they stay in their cells.
+class NodeSplitter {
+ public:
+  // The line of centres of the bond, which is along an axis of its coordinates, and the middle between the grains, in cells of the grid.
+  struct Line {
+    int axis = 2;
+    double middle[3] = {0, 0, 0};
+  };
+  NodeSplitter(std::vector<SplitterPoint> points, Basis basis, const Line& line);
+  NodeSplitter(std::vector<SplitterPoint> points, Basis basis) : NodeSplitter(std::move(points), basis, Line()) {}
+  // Splits all nodes at the start. In a crevice (crevice.h) these are the nodes that are not joined: there no way leads
+  // from the material nearer to the one grain to that nearer to the other.
+  NodeChange start(PhantomNodes& copies, const Crevice& crevice = {});
+  // Splits nodes after the points with these tags failed.
+  NodeChange fail(const std::vector<int>& tags, PhantomNodes& copies);
+  // Splits nodes after the bond came apart. pieces: tags of the points, and the piece (separation.h) that each goes
+  // with. Points of different pieces are not connected, even if a narrow bridge is between them.
+  struct OfPiece {
+    int tag, piece;
+  };
+  NodeChange come_apart(const std::vector<OfPiece>& pieces, PhantomNodes& copies);
+  // Finds the volumes of the copies from these points, after others left the scene. Returns the nodes that are split.
+  std::vector<GridIndex> leave(PhantomNodes& copies) const;
+  const std::vector<SplitterPoint>& points() const { return points_; }
+
+ private:
+  struct Class {
+    GridIndex base;
+    int layer;                              // present part
+    std::vector<PhantomNodes::Entry> copy;  // copy of each node of the support
+    bool operator<(const Class& o) const;
+  };
+  struct Now : PhantomNodes::Entry {
+    int was;  // part that some of its points had before
+  };
+  using RowNow = std::map<int, Now>;
+  class Around;
+
+  template <class F>
+  void for_each_node(const int* base, F f) const;
+  int number_of(const GridIndex& node, const GridIndex& base) const;
+  template <class F>
+  void for_each_point(const GridIndex& node, F f) const;
+  template <class F>
+  void for_each_neighbour(int i, F f) const;
+  std::vector<GridIndex> nodes_of(const std::vector<int>& points) const;
+  void add_nodes_split_by(int point, const PhantomNodes& copies, std::vector<GridIndex>& nodes) const;
+  NodeChange split(const std::vector<GridIndex>& nodes, PhantomNodes& copies);
+  bool is_way(int from, int to) const;
+  double volume_at(const GridIndex& node, const std::vector<int>& points) const;
+  void share_volume(const GridIndex& node, const std::vector<int>& group, int copy, int next, const PhantomNodes& copies,
+                    const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
+  void examine(const GridIndex& node, const PhantomNodes& copies);
+  void split_group(const GridIndex& node, const std::vector<int>& group, int copy, int& next, const PhantomNodes& copies);
+  void find_middles(const std::vector<std::vector<int>>& components, const std::vector<int>& rank);
+  std::array<double, 3> position_from_middle(int i) const;
+  bool goes_with(int i, int a, int b) const;
+  void grow(const std::vector<int>& group);
+  NodeChange colour(PhantomNodes& copies);
+  int free_layer(const Class& c, const std::vector<RowNow*>& rows) const;
+  void find_continuations(PhantomNodes& copies) const;
+
+  std::vector<SplitterPoint> points_;  // ascending in cell and tag
+  Basis basis_;
+  int S_;  // nodes in each direction
+  Line line_;
+  std::unordered_map<GridIndex, int, GridIndexHash, SameGridIndex> at_;  // first point of a cell of the lattice
+  bool one_a_cell_ = true;
+  std::vector<std::array<int, 6>> next_;  // for each point the first points of the cells across its faces -x +x -y +y -z +z; -1: none
+  std::vector<int> by_tag_;               // points
+  std::vector<int> by_base_;              // points
+  std::unordered_map<GridIndex, std::pair<int, int>, GridIndexHash, SameGridIndex> base_;  // range in by_base_ of the points with a base
+  // State while a node is examined.
+  std::vector<int> seen_;             // one number for each point
+  const Crevice* crevice_ = nullptr;  // set during start() alone
+  struct Middle {
+    int size;
+    long long sum[3];    // sum of the cells
+    double position[3];  // along the line of centres and across, from the middle
+  };
+  std::vector<Middle> middles_;                           // of the components of a copy
+  bool apart_ = false;                                    // the two sides are apart at this node
+  std::map<int, std::map<GridIndex, int>> wanted_;        // by point and node: the new copy
+  std::map<GridIndex, std::map<int, double>> split_now_;  // by node and new copy: the volume
+};
+
+template <class F>
+void NodeSplitter::for_each_node(const int* base, F f) const {
+  int n = 0;
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) f(GridIndex{base[0] + i, base[1] + j, base[2] + k}, n++);
+}
+
+template <class F>
+void NodeSplitter::for_each_point(const GridIndex& node, F f) const {
+  for (int i = 0; i < S_; ++i)
+    for (int j = 0; j < S_; ++j)
+      for (int k = 0; k < S_; ++k) {
+        const auto cell = base_.find({node[0] - i, node[1] - j, node[2] - k});
+        if (cell == base_.end()) continue;
+        for (int n = cell->second.first; n < cell->second.second; ++n) f(by_base_[n]);
+      }
+}
+
+}  // namespace mpdem
+
+#endif

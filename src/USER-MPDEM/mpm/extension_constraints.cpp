@@ -1,0 +1,499 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "extension_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <stdexcept>
+#include <type_traits>
+
+#include "../numerics/sort_unique.h"
+#include "bond_record.h"
+
+namespace mpdem {
+
+namespace {
+
+// Shares of mass: kTiedBelow of the basis is a share of the mass of the next node. No share is near those of a lattice
+// with full cells, so rounding decides nothing.
+double tied_below(Basis basis) {
+  return with_basis(basis, [](auto type) { return decltype(type)::kTiedBelow; });
+}
+constexpr double kSecond = 2.0;  // a node is tied only if the second node has at least so many times its mass, see extension_constraints.h
+constexpr double kAlike = 1e-6;
+
+constexpr int kDirections = 6;  // -x +x -y +y -z +z
+using Code = int;               // bit n: the node is tied along direction n
+
+using Next = std::function<Key(const Key&, int)>;
+
+Key neighbour(const Next& next, Key k, int direction, int steps) {
+  if (!next) return k.moved(direction / 2, direction % 2 == 0 ? -steps : steps);
+  for (int n = 0; n < steps && k != kNoNode; ++n) k = next(k, direction);
+  return k;
+}
+
+int index_of(const std::vector<Key>& keys, const Key& k) {
+  const auto it = std::lower_bound(keys.begin(), keys.end(), k);
+  return it != keys.end() && *it == k ? static_cast<int>(it - keys.begin()) : -1;
+}
+
+int directions_of(Code code) { return __builtin_popcount(code); }
+
+// Calls f(master, weight, whether it takes mass) for each master that a code names.
+template <class F>
+void for_each_term(const Next& next, const Key& k, Code code, F f) {
+  const double share = 1.0 / directions_of(code);
+  for (int n = 0; n < kDirections; ++n) {
+    if (!(code >> n & 1)) continue;
+    f(neighbour(next, k, n, 1), 2.0 * share, true);
+    f(neighbour(next, k, n, 2), -share, false);
+  }
+}
+
+class Resolver {
+ public:
+  Resolver(const Next& next, const std::map<Key, Code>& codes) : next_(next), codes_(codes) {}
+
+  const ExtensionConstraint& tie(const Key& k) {
+    const auto known = done_.find(k);
+    if (known != done_.end()) return known->second;
+    ExtensionConstraint t;
+    t.slave = k;
+    std::map<Key, double> weights, shares;
+    const double share = 1.0 / directions_of(codes_.at(k));
+    for_each_term(next_, k, codes_.at(k), [&](const Key& master, double weight, bool next) {
+      t.behind.emplace_back(master, weight);
+      const auto code = codes_.find(master);
+      const bool is_free = code == codes_.end() || code->second == 0;
+      if (is_free) {
+        weights[master] += weight;
+        if (next) shares[master] += share;
+        return;
+      }
+      const ExtensionConstraint& behind = tie(master);
+      for (const auto& m : behind.masters) weights[m.first] += weight * m.second;
+      if (next)
+        for (const auto& h : behind.mass_receivers) shares[h.first] += share * h.second;
+    });
+    t.masters.assign(weights.begin(), weights.end());
+    t.mass_receivers.assign(shares.begin(), shares.end());
+    return done_.emplace(k, std::move(t)).first->second;
+  }
+
+ private:
+  const Next& next_;
+  const std::map<Key, Code>& codes_;
+  std::map<Key, ExtensionConstraint> done_;
+};
+
+// Codes of the nodes of this rank. All ranks that hold a node find the same code, since sums over ranks are equal on them (halo_sum.h).
+std::vector<double> find_codes(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+  const std::vector<Key>& keys = nodes.keys;
+  const std::vector<double>& mass = nodes.mass;
+  double mine = 0.0, most;
+  for (double m : mass) mine = std::max(mine, m);
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  const double below = tied_below(basis);
+  std::vector<Key> wanted;
+  std::vector<int> candidates;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!(mass[i] < below * most)) continue;
+    candidates.push_back(static_cast<int>(i));
+    for (int n = 0; n < kDirections; ++n)
+      for (int s = 1; s <= 2; ++s) wanted.push_back(neighbour(nodes.next, keys[i], n, s));
+  }
+  sort_unique(wanted);
+  std::vector<char> found;
+  const std::vector<double> near = fetch_values(comm, 1, keys, mass, wanted, found);
+  const auto mass_of = [&](const Key& k, int direction, int steps) {
+    const int at = index_of(wanted, neighbour(nodes.next, k, direction, steps));
+    return found[at] ? near[at] : 0.0;
+  };
+  std::vector<double> codes(keys.size(), 0.0);
+  for (int i : candidates) {
+    double share[kDirections], least = below;
+    for (int n = 0; n < kDirections; ++n) {
+      share[n] = below;
+      const double first = mass_of(keys[i], n, 1);
+      if (!(first > 0.0) || mass_of(keys[i], n, 2) < kSecond * mass[i]) continue;
+      share[n] = mass[i] / first;
+      least = std::min(least, share[n]);
+    }
+    Code code = 0;
+    for (int n = 0; n < kDirections; ++n)
+      if (share[n] < below && share[n] <= least * (1.0 + kAlike)) code |= 1 << n;
+    codes[i] = code;
+  }
+  return codes;
+}
+
+}  // namespace
+
+std::vector<ExtensionConstraint> find_extension_constraints(MPI_Comm comm, Basis basis, const TiedNodes& nodes) {
+  const std::vector<Key>& keys = nodes.keys;
+  const std::vector<double> own = find_codes(comm, basis, nodes);
+  std::map<Key, Code> codes;
+  std::vector<Key> open;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (own[i] != 0.0) {
+      codes.emplace_hint(codes.end(), keys[i], static_cast<Code>(own[i]));
+      open.push_back(keys[i]);
+    }
+  // Asks other ranks whether the masters that they hold are tied too, and then for the masters of these.
+  for (int more = 1; more;) {
+    std::vector<Key> ask;
+    for (const Key& k : open)
+      for_each_term(nodes.next, k, codes.at(k), [&](const Key& master, double, bool) {
+        if (!codes.count(master) && index_of(keys, master) < 0) ask.push_back(master);
+      });
+    sort_unique(ask);
+    std::vector<char> found;
+    const std::vector<double> answer = fetch_values(comm, 1, keys, own, ask, found);
+    open.clear();
+    for (std::size_t n = 0; n < ask.size(); ++n) {
+      codes[ask[n]] = found[n] ? static_cast<Code>(answer[n]) : 0;
+      if (codes[ask[n]] != 0) open.push_back(ask[n]);
+    }
+    const int mine = !open.empty();
+    MPI_Allreduce(&mine, &more, 1, MPI_INT, MPI_MAX, comm);
+  }
+  std::vector<ExtensionConstraint> ties;
+  Resolver resolver(nodes.next, codes);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (own[i] != 0.0) ties.push_back(resolver.tie(keys[i]));
+  return ties;
+}
+
+void ExtensionConstraints::clear() { *this = ExtensionConstraints(); }
+
+// Ends a row, whose weights are the last of the list. If the same weights follow each other earlier in the list, the
+// row uses those, and its own are removed.
+void ExtensionConstraints::Rows::end_row() {
+  constexpr std::size_t kLast = 256;  // number of last weights to search; weights before these may be stored twice
+  const std::size_t length = node_.size() - first_[first_.size() - 1], old = weight_.size() - length;
+  const double* const row = weight_.begin() + old;
+  const double* const at = std::search(weight_.begin() + (old - std::min(old, kLast)), row, row, weight_.end());
+  const bool is_new = at == row;
+  weights_.push_back(static_cast<int>(at - weight_.begin()));
+  if (!is_new) weight_.own().resize(old);
+  first_.push_back(static_cast<int>(node_.size()));
+}
+
+void ExtensionConstraints::Rows::append(const Rows& other, int row) {
+  other.for_each(row, [this](int node, double weight) { add(node, weight); });
+  end_row();
+}
+
+void ExtensionConstraints::Rows::append_with_weights(const Rows& other, int first, int end) {
+  const int from = other.first_[first], to = other.first_[end];
+  first_.append(other.first_, first + 1, end + 1, static_cast<int>(node_.size()) - from);
+  node_.append(other.node_, from, to);
+  weights_.append(other.weights_, first, end);
+}
+
+bool ExtensionConstraints::Rows::same_nodes(int row, const Rows& other, int of_other) const {
+  bool same = length(row) == other.length(of_other);
+  for (int n = 0; same && n < length(row); ++n) same = node_[first_[row] + n] == other.node_[other.first_[of_other] + n];
+  return same;
+}
+
+bool ExtensionConstraints::Rows::same_weights(int row, const Rows& other, int of_other) const {
+  const double* weights = &weight_[weights_[row]];
+  return std::equal(weights, weights + length(row), &other.weight_[other.weights_[of_other]]);
+}
+
+void ExtensionConstraints::Rows::renumber(const std::vector<int>& new_index) { node_.renumber(new_index); }
+
+void ExtensionConstraints::Rows::shrink_to_fit() {
+  for (ShortList* v : {&first_, &node_, &weights_}) v->shrink_to_fit();
+  weight_.own().shrink_to_fit();
+}
+
+void ExtensionConstraints::Rows::share(AlikeLists& alike) {
+  for (ShortList* v : {&first_, &node_, &weights_}) v->share(alike);
+  alike.share(weight_);
+}
+
+template <class F>
+void ExtensionConstraints::Rows::for_each_row(bool backwards, F f) const {
+  const int rows = static_cast<int>(weights_.size());
+  const double* weight = weight_.data();
+  first_.with([&](const auto* first) {
+    node_.with([&](const auto* nodes) {
+      weights_.with([&](const auto* weights) {
+        for (int n = 0; n < rows; ++n) {
+          const int row = backwards ? rows - 1 - n : n;
+          f(row, first[row + 1] - first[row], nodes + first[row], weight + weights[row]);
+        }
+      });
+    });
+  });
+}
+
+std::size_t ExtensionConstraints::Rows::memory_usage() const {
+  return first_.memory_usage() + node_.memory_usage() + weights_.memory_usage() + weight_.memory_usage();
+}
+
+void ExtensionConstraints::bind(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys, bool chained) {
+  clear();
+  const auto node = [&keys](const Key& k) {
+    const int n = index_of(keys, k);
+    if (n < 0) throw std::logic_error("a tie to a node that the grid does not have");
+    return n;
+  };
+  for (const ExtensionConstraint& t : ties) {
+    slave_.push_back(node(t.slave));
+    for (const auto& h : t.mass_receivers) mass_receivers_.add(node(h.first), h.second);
+    mass_receivers_.end_row();
+    for (const auto& m : t.masters) masters_.add(node(m.first), m.second);
+    masters_.end_row();
+  }
+  if (!slave_.with([this](const auto* slaves) { return std::is_sorted(slaves, slaves + slave_.size()); }))
+    throw std::logic_error("ties that are not in the order of their nodes");
+  slave_.shrink_to_fit();
+  mass_receivers_.shrink_to_fit();
+  masters_.shrink_to_fit();
+  if (chained) bind_chain(ties, keys);
+}
+
+// Makes the chain. Does nothing if some node behind is not known or not on this rank.
+void ExtensionConstraints::bind_chain(const std::vector<ExtensionConstraint>& ties, const std::vector<Key>& keys) {
+  const int count = static_cast<int>(ties.size());
+  std::vector<std::vector<std::pair<int, double>>> behind(ties.size());
+  for (int t = 0; t < count; ++t) {
+    for (const auto& b : ties[t].behind) behind[t].emplace_back(index_of(keys, b.first), b.second);
+    if (behind[t].empty() || std::any_of(behind[t].begin(), behind[t].end(), [](const auto& b) { return b.first < 0; })) return;
+  }
+  // Slaves whose nodes behind are free come first. There are no circles.
+  const std::vector<int> row = row_of_each(static_cast<int>(keys.size()));
+  std::vector<int> depth(ties.size(), -1);
+  const std::function<int(int)> find_depth = [&](int t) {
+    if (depth[t] >= 0) return depth[t];
+    int d = 0;
+    for (const auto& b : behind[t])
+      if (row[b.first] >= 0) d = std::max(d, 1 + find_depth(row[b.first]));
+    return depth[t] = d;
+  };
+  std::vector<int> order(ties.size());
+  for (int t = 0; t < count; ++t) {
+    order[t] = t;
+    find_depth(t);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return depth[a] < depth[b]; });
+  for (int t : order) {
+    chain_slave_.push_back(slave_[t]);
+    for (const auto& b : behind[t]) chain_.add(b.first, b.second);
+    chain_.end_row();
+  }
+  chain_slave_.shrink_to_fit();
+  chain_.shrink_to_fit();
+}
+
+void ExtensionConstraints::renumber(const std::vector<int>& new_index) {
+  slave_.renumber(new_index);
+  masters_.renumber(new_index);
+  mass_receivers_.renumber(new_index);
+  chain_slave_.renumber(new_index);
+  chain_.renumber(new_index);
+}
+
+void ExtensionConstraints::append(const ExtensionConstraints& other, int row) {
+  slave_.push_back(other.slave_[row]);
+  masters_.append(other.masters_, row);
+  mass_receivers_.append(other.mass_receivers_, row);
+}
+
+void ExtensionConstraints::append_with_weights(const ExtensionConstraints& other, int first, int end) {
+  slave_.append(other.slave_, first, end);
+  masters_.append_with_weights(other.masters_, first, end);
+  mass_receivers_.append_with_weights(other.mass_receivers_, first, end);
+}
+
+// Few ties change, so the rows between them are copied together.
+bool ExtensionConstraints::exchange(const std::vector<int>& nodes, const std::vector<ExtensionConstraint>& wanted,
+                                    const std::vector<Key>& keys) {
+  ExtensionConstraints fresh, next;
+  fresh.bind(wanted, keys);
+  next.masters_.take_weights(masters_);
+  next.mass_receivers_.take_weights(mass_receivers_);
+  bool freed = false;
+  int t = 0, f = 0;  // next row of these ties, and next row of the fresh ones
+  const auto keep_until = [&](int end) {
+    next.append_with_weights(*this, t, end);
+    t = end;
+  };
+  for (int node : nodes) {
+    while (f < static_cast<int>(fresh.size()) && fresh.slave_[f] < node) {
+      keep_until(rows_before(fresh.slave_[f]));
+      next.append(fresh, f++);
+    }
+    keep_until(rows_before(node));
+    const int row = f < static_cast<int>(fresh.size()) && fresh.slave_[f] == node ? f : -1;
+    if (t < static_cast<int>(size()) && slave_[t] == node) {
+      const bool is_edge = masters_.length(t) > 1;
+      const bool same = row >= 0 && masters_.same_nodes(t, fresh.masters_, row) && masters_.same_weights(t, fresh.masters_, row) &&
+                        mass_receivers_.same_nodes(t, fresh.mass_receivers_, row);
+      freed = freed || (is_edge && !same);
+      ++t;
+    }
+    if (row >= 0) next.append(fresh, f++);
+  }
+  while (f < static_cast<int>(fresh.size())) {
+    keep_until(rows_before(fresh.slave_[f]));
+    next.append(fresh, f++);
+  }
+  keep_until(static_cast<int>(size()));
+  *this = std::move(next);
+  return freed;
+}
+
+std::vector<ExtensionConstraint> ExtensionConstraints::by_key(const std::vector<Key>& keys) const {
+  std::vector<ExtensionConstraint> ties(slave_.size());
+  for (std::size_t t = 0; t < size(); ++t) {
+    ties[t].slave = keys[slave_[t]];
+    masters_.for_each(t, [&](int node, double weight) { ties[t].masters.emplace_back(keys[node], weight); });
+    mass_receivers_.for_each(t, [&](int node, double share) { ties[t].mass_receivers.emplace_back(keys[node], share); });
+  }
+  return ties;
+}
+
+namespace {
+
+// Three numbers of a node, in two pieces. Reads use the pieces of earlier writes, so that the processor can forward them without waiting.
+struct Three {
+  static constexpr int kWidth = 3;
+  using v2 = double __attribute__((vector_size(16)));
+  v2 xy;
+  double z;
+  static Three load(const double* p) {
+    Three t;
+    std::memcpy(&t.xy, p, sizeof t.xy);
+    t.z = p[2];
+    return t;
+  }
+  void store(double* p) const {
+    std::memcpy(p, &xy, sizeof xy);
+    p[2] = z;
+  }
+  void add(double weight, const Three& t) {
+    xy += weight * t.xy;
+    z += weight * t.z;
+  }
+};
+
+// One number of a node.
+struct One {
+  static constexpr int kWidth = 1;
+  double x;
+  static One load(const double* p) { return {*p}; }
+  void store(double* p) const { *p = x; }
+  void add(double weight, const One& t) { x += weight * t.x; }
+};
+
+}  // namespace
+
+template <class T>
+void ExtensionConstraints::gather_to_masters_as(double* values) const {
+  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+    (is_chained() ? chain_ : masters_).for_each_row(is_chained(), [&, values](int row, int length, const auto* node, const double* weight) {
+      double* slave = values + T::kWidth * static_cast<long>(slaves[row]);
+      const T v = T::load(slave);
+      T{}.store(slave);
+      for (int n = 0; n < length; ++n) {
+        double* master = values + T::kWidth * static_cast<long>(node[n]);
+        T sum = T::load(master);
+        sum.add(weight[n], v);
+        sum.store(master);
+      }
+    });
+  });
+}
+
+void ExtensionConstraints::gather_to_masters(double* values) const { gather_to_masters_as<Three>(values); }
+void ExtensionConstraints::gather_scalars_to_masters(double* values) const { gather_to_masters_as<One>(values); }
+
+void ExtensionConstraints::scale_by_weight_sums(double* values) const {
+  slave_.with([&](const auto* slaves) {
+    masters_.for_each_row(false, [=](int row, int length, const auto*, const double* weight) {
+      double sum = 0.0;
+      for (int n = 0; n < length; ++n) sum += std::fabs(weight[n]);
+      values[slaves[row]] *= sum;
+    });
+  });
+}
+
+void ExtensionConstraints::gather_sizes_to_masters(double* values) const {
+  slave_.with([&](const auto* slaves) {
+    masters_.for_each_row(false, [=](int row, int length, const auto* node, const double* weight) {
+      double& v = values[slaves[row]];
+      for (int n = 0; n < length; ++n) values[node[n]] += std::fabs(weight[n]) * v;
+      v = 0.0;
+    });
+  });
+}
+
+namespace {
+
+// Calls f with the width. The width 1 is passed as a constant, so that the compiler drops the loop over it.
+template <class F>
+void with_width(int width, F f) {
+  if (width == 1) f(std::integral_constant<int, 1>());
+  else f(width);
+}
+
+}  // namespace
+
+void ExtensionConstraints::add_to_mass_receivers(double* values, int width) const {
+  with_width(width, [&](auto w) {
+    slave_.with([&](const auto* slaves) {
+      mass_receivers_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+        double* slave = values + w * static_cast<long>(slaves[row]);
+        for (int n = 0; n < length; ++n) {
+          double* receiver = values + w * static_cast<long>(node[n]);
+          for (int c = 0; c < w; ++c) receiver[c] += share[n] * slave[c];
+        }
+        std::fill(slave, slave + w, 0.0);
+      });
+    });
+  });
+}
+
+void ExtensionConstraints::mean_of_mass_receivers(double* values, int width) const {
+  with_width(width, [&](auto w) {
+    slave_.with([&](const auto* slaves) {
+      mass_receivers_.for_each_row(false, [=](int row, int length, const auto* node, const double* share) {
+        double* slave = values + w * static_cast<long>(slaves[row]);
+        for (int c = 0; c < w; ++c) {
+          double sum = 0.0;
+          for (int n = 0; n < length; ++n) sum += share[n] * values[w * static_cast<long>(node[n]) + c];
+          slave[c] = sum;
+        }
+      });
+    });
+  });
+}
+
+void ExtensionConstraints::extend(double* values) const {
+  (is_chained() ? chain_slave_ : slave_).with([&](const auto* slaves) {
+    (is_chained() ? chain_ : masters_).for_each_row(false, [&, values](int row, int length, const auto* node, const double* weight) {
+      Three sum{};
+      for (int n = 0; n < length; ++n) sum.add(weight[n], Three::load(values + 3 * static_cast<long>(node[n])));
+      sum.store(values + 3 * static_cast<long>(slaves[row]));
+    });
+  });
+}
+
+void ExtensionConstraints::share(AlikeLists& alike) {
+  for (ShortList* v : {&slave_, &chain_slave_}) v->share(alike);
+  for (Rows* r : {&masters_, &mass_receivers_, &chain_}) r->share(alike);
+}
+
+std::size_t ExtensionConstraints::memory_usage() const {
+  return slave_.memory_usage() + masters_.memory_usage() + mass_receivers_.memory_usage() + chain_slave_.memory_usage() +
+         chain_.memory_usage();
+}
+
+}  // namespace mpdem

@@ -1,0 +1,484 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "create_cement.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <unordered_set>
+
+#include "../../cement/creation/contacts.h"
+#include "../../geometry/frame_along.h"
+#include "../../parallel/gather_ranks.h"
+#include "atom.h"
+#include "../atoms/atom_vec_mpdem.h"
+#include "comm.h"
+#include "domain.h"
+#include "../fixes/fix_mpm_couple.h"
+#include "group.h"
+#include "../guards/host_guards.h"
+#include "modify.h"
+#include "../atoms/point_atoms.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::Arguments;
+using mpdem::BondRecord;
+using mpdem::CementMaker;
+using mpdem::CementPlan;
+using mpdem::CementWish;
+using mpdem::FillPoint;
+using mpdem::GrainTags;
+using mpdem::GrainToBond;
+using mpdem::NewBond;
+using mpdem::Sphere;
+using mpdem::text_of;
+using mpdem::Vector3;
+
+namespace {
+constexpr double kLeastLeftOut = 0.05, kMostLeftOut = 0.9;  // limits of 'inner share'
+constexpr double kMostShift = 1000.0;                       // of the origin of the grid, in spacings
+
+// All keywords. Those of shapes come once each.
+std::vector<std::string> keywords() {
+  std::vector<std::string> all = {"shape"};
+  for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
+    for (const mpdem::ShapeWord& w : s.words)
+      if (std::find(all.begin(), all.end(), w.name) == all.end()) all.push_back(w.name);
+  all.insert(all.end(), {"content", "file", "attach", "inner", "film", "spacing", "density", "type", "grid", "overlap", "points"});
+  return all;
+}
+
+std::string joined(const std::vector<std::string>& parts, const std::string& between) {
+  std::string text;
+  for (const std::string& p : parts) text += (text.empty() ? "" : between) + p;
+  return text;
+}
+
+// Names of all shapes, or of those that have this word.
+std::vector<std::string> shapes_with(const std::string& word) {
+  std::vector<std::string> names;
+  for (const mpdem::ShapeStyle& s : mpdem::shape_styles())
+    if (word.empty() || s.word(word)) names.push_back(s.name);
+  return names;
+}
+
+// Sets a frame with its third axis along the axis of the elasticity, and the damage in its components.
+void set_frame(const FillPoint& p, mpdem::PointRecord& r) {
+  const Eigen::Quaterniond q = mpdem::frame_along(p.axis);
+  const double w[4] = {q.w(), q.x(), q.y(), q.z()};
+  std::copy(w, w + 4, r.q);
+  r.has_frame = true;
+  const double* D = p.damage;
+  Eigen::Matrix3d m;
+  m << D[0], D[5], D[4], D[5], D[1], D[3], D[4], D[3], D[2];
+  const Eigen::Matrix3d R = q.toRotationMatrix(), t = R.transpose() * m * R;
+  const double turned[6] = {t(0, 0), t(1, 1), t(2, 2), t(1, 2), t(0, 2), t(0, 1)};
+  std::copy(turned, turned + 6, r.damage);
+}
+
+// 2710 kg/m3 in the units of the script. 0 in units of which this is not known.
+double density_of_calcite(const std::string& units) { return units == "si" ? 2710.0 : units == "cgs" || units == "micro" ? 2.71 : 0.0; }
+
+}  // namespace
+
+void CreateCement::check_scene(const Arguments& args) const {
+  if (!domain->box_exist) args.complain("the simulation box does not exist yet; use create_box or read_restart before");
+  if (!AtomVecMpdem::of(lmp))
+    args.complain(text_of("atom style '", atom->atom_style, "' cannot hold material points; use 'atom_style mpdem'"));
+  if (atom->tag_enable == 0) args.complain("needs atom IDs");
+  mpdem::check_host(mpdem::kCreation, {lmp, args.command() + ": "});
+}
+
+int CreateCement::group_of_points(const std::string& name) const {
+  int igroup = group->find(name.c_str());
+  if (igroup < 0) {
+    // Makes an empty group. Input::one cannot be used, since it would overwrite the words still to be read.
+    std::string words[] = {name, "subtract", "all", "all"};
+    char* list[] = {&words[0][0], &words[1][0], &words[2][0], &words[3][0]};
+    group->assign(4, list);
+    igroup = group->find(name.c_str());
+  }
+  return group->bitmask[igroup];
+}
+
+std::vector<Sphere> CreateCement::spheres(int groupbit) const {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::vector<Sphere> mine;
+  for (int i = 0; i < atom->nlocal; ++i)
+    if ((atom->mask[i] & groupbit) && !avec->is_point(i))
+      mine.push_back({atom->tag[i], Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), atom->radius[i]});
+  return mine;
+}
+
+// Returns the grains of this rank that the pairs name.
+std::vector<GrainToBond> CreateCement::grains_of(const Pairs& pairs) const {
+  AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  std::unordered_set<int> tags;
+  for (const GrainTags& p : pairs) tags.insert({p.first, p.second});
+  std::vector<GrainToBond> mine;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!tags.count(atom->tag[i])) continue;
+    GrainToBond g;
+    g.tag = atom->tag[i];
+    g.is_point = avec->is_point(i);
+    std::copy(atom->x[i], atom->x[i] + 3, g.x);
+    domain->unmap(atom->x[i], atom->image[i], g.unwrapped);
+    g.radius = atom->radius[i];
+    g.mass = atom->rmass[i];
+    std::copy(atom->v[i], atom->v[i] + 3, g.v);
+    std::copy(atom->omega[i], atom->omega[i] + 3, g.omega);
+    if (!g.is_point) {
+      avec->track_orientation(i);
+      AtomVecMpdem::GrainState& state = *avec->grain(i);
+      std::copy(state.q, state.q + 4, g.q);
+      // Other cement of the grain knows the place where the grain was.
+      if (!state.position_known) std::copy(g.unwrapped, g.unwrapped + 3, state.x);
+      state.position_known = true;
+      state.tag = atom->tag[i];
+    }
+    mine.push_back(g);
+  }
+  return mine;
+}
+
+CreateCement::Pairs CreateCement::cemented() const {
+  Pairs pairs;
+  for (const BondRecord& b : AtomVecMpdem::of(lmp)->bonds.table)
+    if (b.has_grain(0) && b.has_grain(1)) pairs.emplace_back(b.grain[0], b.grain[1]);
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+// Reads a word that belongs to the last shape.
+void CreateCement::read_word_of_shape(const std::string& key, Arguments& args, CementWish& wish) const {
+  if (wish.shapes.empty()) args.complain("'" + key + "' belongs to a shape; write it after 'shape ...'");
+  const mpdem::ShapeStyle& style = *wish.shapes.back().style;
+  const mpdem::ShapeWord* word = style.word(key);
+  if (key != "content" && !word)
+    args.complain("'" + key + "' belongs to 'shape " + joined(shapes_with(key), "' or 'shape ") + "', not to 'shape " + style.name + "'");
+  const bool zero = word && word->range == mpdem::ShapeWord::not_negative;
+  wish.shapes.back().given[key] = zero ? args.not_negative(key) : args.positive(key);
+}
+
+// Reads words up to the end of the command: shapes, each with its own words, and what holds for all.
+void CreateCement::read_words(Arguments& args, CementWish& wish) {
+  bool has_inner = false, has_film = false;
+  while (!args.empty()) {
+    const std::string key = args.word("a keyword");
+    const bool of_shape = key == "content" || !shapes_with(key).empty();
+    // words of a shape may come once for each shape
+    if (key != "shape") args.once(key, !of_shape || wish.shapes.empty() ? "" : text_of("shape number ", wish.shapes.size()));
+    if (key == "shape") {
+      wish.shapes.emplace_back();
+      wish.shapes.back().style = mpdem::shape_style(args.choice(key, shapes_with("")));
+    } else if (of_shape) {
+      read_word_of_shape(key, args, wish);
+    } else if (key == "file") {
+      wish.file = args.word("a file name for 'file'");
+    } else if (key == "attach") {
+      wish.attach = args.positive(key);
+    } else if (key == "inner") {
+      const bool share = args.accept("share");
+      wish.inner_rule = share ? CementWish::usual : args.accept("auto") ? CementWish::two_spacings : CementWish::given;
+      if (share) wish.share = args.between("inner share", kLeastLeftOut, kMostLeftOut, "of the smaller radius");
+      else if (wish.inner_rule == CementWish::given) wish.inner = args.not_negative(key, ", 'share' or 'auto'");
+      has_inner = true;
+    } else if (key == "film") {
+      wish.film = args.choice(key, {"joined", "grid"}) == "joined";
+      has_film = true;
+    } else if (key == "grid") {
+      for (double& g : wish.grid) g = args.number(key);
+    } else if (key == "overlap") {
+      const std::string how = args.choice(key, {"error", "skip", "trim"});
+      wish.overlap = how == "skip" ? CementWish::skip : how == "trim" ? CementWish::trim : CementWish::error;
+    } else if (key == "spacing") {
+      wish.spacing = args.positive(key);
+    } else if (key == "points") {
+      wish.later = args.choice(key, {"now", "later"}) == "later";
+    } else if (key == "density") {
+      wish.density = args.positive(key);
+    } else if (key == "type") {
+      type_ = args.integer(key, 1);
+    } else {
+      args.unknown(key, keywords());
+    }
+  }
+  check_words(args, wish, has_inner, has_film);
+  if (wish.density == 0.0) wish.density = density_of_calcite(update->unit_style);
+  if (wish.density == 0.0) args.complain(text_of("keyword 'density' is missing: it has no default in units '", update->unit_style, "'"));
+  density_ = wish.density;
+  if (type_ == 0) type_ = atom->ntypes;
+  if (type_ > atom->ntypes)
+    args.complain(text_of("'type ", type_, "': the box has ", atom->ntypes, " atom types; raise the number in create_box"));
+  mpdem::HostView view{lmp, args.command() + ": ", AtomVecMpdem::of(lmp)};
+  view.new_type = type_;
+  mpdem::check_host(mpdem::kPoints, view);
+}
+
+void CreateCement::check_words(const Arguments& args, const CementWish& wish, bool has_inner, bool has_film) const {
+  if (wish.spacing <= 0.0) args.complain("keyword 'spacing' is missing: the distance of the material points");
+  if (!wish.file.empty()) {
+    if (wish.later) args.complain(text_of("'points later' belongs to shapes; those of 'file ", wish.file, "' are made now"));
+    if (wish.grid[0] != 0.0 || wish.grid[1] != 0.0 || wish.grid[2] != 0.0)
+      args.complain("'grid' belongs to shapes; a file says itself where its points lie");
+    const char* of_shapes = has_inner ? "inner" : has_film ? "film" : wish.shapes.empty() ? nullptr : "shape";
+    if (of_shapes) args.complain(text_of("'file ", wish.file, "' and '", of_shapes, "': points are either read or made, use one of them"));
+    return;
+  }
+  for (double g : wish.grid)
+    if (std::fabs(g) > kMostShift * wish.spacing)
+      args.complain(text_of("'grid ", wish.grid[0], " ", wish.grid[1], " ", wish.grid[2], "': each must lie within ", kMostShift,
+                            " spacings, ", kMostShift * wish.spacing, ", of the middle of the gap; parts of a cell are enough"));
+  if (wish.attach > 0.0) args.complain(text_of("'attach ", wish.attach, "' belongs to 'file'; shapes know what is attached"));
+  if (wish.shapes.empty())
+    args.complain("keyword 'shape' is missing; use 'shape " + joined(shapes_with(""), "', 'shape ") + "', or 'file' and a name");
+}
+
+void CreateCement::command(int narg, char** arg) {
+  Arguments args(lmp, "create_cement", narg, arg, 0);
+  check_scene(args);
+  groupbit_ = group_of_points(args.word("a group for the points"));
+  box_ = mpdem::scene_box(*domain);
+  try {
+    if (args.keyword({"pair", "contacts"}) == "contacts") cement_contacts(args);
+    else cement_pair(args);
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, e.what());
+  }
+  for (int k = 0; k < modify->nfix; ++k)
+    if (FixMpmCouple* fix = dynamic_cast<FixMpmCouple*>(modify->fix[k])) fix->count_bonds();
+}
+
+Arguments CreateCement::named(const GrainTags& pair, const Arguments& args) {
+  Arguments copy = args;
+  copy.about(text_of("pair ", pair.first, " ", pair.second));
+  return copy;
+}
+
+// Collective. Plans bonds of these pairs. The words are read after the first pair has been looked at.
+void CreateCement::plan(CementPlan& plan, const Pairs& pairs, const Arguments& args) {
+  Arguments words = named(pairs[0], args);
+  plan.make(pairs, grains_of(pairs), cemented(), [&](CementWish& wish) { read_words(words, wish); });
+}
+
+void CreateCement::cement_pair(Arguments& args) {
+  int tags[2];
+  tags[0] = args.integer("pair", 1);
+  tags[1] = args.integer("pair", 1);
+  if (tags[0] == tags[1]) args.complain(text_of("'pair ", tags[0], " ", tags[1], "': two different grains are needed"));
+  const GrainTags pair = std::minmax(tags[0], tags[1]);
+  CementPlan bonds(world, box_);
+  plan(bonds, {pair}, args);
+  if (bonds.wish().overlap == CementWish::trim)
+    named(pair, args)
+        .complain(
+            "'overlap trim' belongs to 'contacts', whose bonds are shared out together; use 'overlap skip', or 'contacts' with a group of "
+            "these grains");
+  CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
+  make(maker);
+  say(maker.text_of_skipped());
+}
+
+// Reads the words after `contacts`, and makes the cement.
+void CreateCement::cement_contacts(Arguments& args) {
+  const std::string name = args.word("a group of grains for 'contacts'");
+  const int igroup = group->find(name.c_str());
+  if (igroup < 0) args.complain(text_of("'contacts ", name, "': there is no such group; define it by 'group' before"));
+  const int groupbit = group->bitmask[igroup];
+  args.keyword({"gap"});
+  const double gap = args.not_negative("gap");
+  const std::vector<mpdem::Sphere> all = mpdem::gather_all(world, spheres(groupbit));
+  const Pairs found = mpdem::contacts(all, box_, gap), before = cemented();
+  if (found.empty())
+    args.complain(
+        text_of("no two grains of group '", name, "' are closer than 'gap ", gap, "'; use a wider gap, or bring them together before"));
+  Pairs pairs;
+  std::set_difference(found.begin(), found.end(), before.begin(), before.end(), std::back_inserter(pairs));
+  CementMaker::Sums sums;
+  std::string left_out;
+  std::size_t made = 0;
+  if (!pairs.empty()) {
+    CementPlan bonds(world, box_);
+    plan(bonds, pairs, args);
+    if (bonds.wish().overlap == CementWish::trim && !bonds.wish().file.empty())
+      args.complain("'overlap trim' belongs to shapes; points of a file stay as they are, use 'overlap skip'");
+    CementMaker maker(world, bonds, AtomVecMpdem::of(lmp)->bonds.table, scene(), *this);
+    sums = make(maker);
+    left_out = maker.text_of_skipped();
+    made = pairs.size() - maker.skipped().size();
+  }
+  if (const int twice = mpdem::contacts_twice(all, found, box_, gap); twice > 0 && comm->me == 0)
+    warn(text_of("create_cement contacts ", name, ": ", twice,
+                 " pairs of grains are in contact at more than one place, across a periodic boundary, and have cement at "
+                 "one of them only; use a box that is wider along its periodic directions"));
+  say(text_of("Cement at ", made, " contacts of group '", name, "' of a gap of at most ", gap, "; ", found.size() - pairs.size(),
+              " had cement before\n"));
+  report_sums(sums, groupbit, name);
+  say(left_out);
+}
+
+// Collective. Reports the sums over all bonds of the command.
+void CreateCement::report_sums(const CementMaker::Sums& sums, int groupbit, const std::string& name) {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  double mine[2] = {0.0, 0.0}, grains[2];
+  for (int i = 0; i < atom->nlocal; ++i)
+    if ((atom->mask[i] & groupbit) && !avec->is_point(i)) {
+      mine[0] += 1.0;
+      mine[1] += atom->rmass[i];
+    }
+  MPI_Allreduce(mine, grains, 2, MPI_DOUBLE, MPI_SUM, world);
+  say(text_of("  in all ", std::llround(sums.points), " points, volume ", sums.volume, ", mass ", sums.mass,
+              ", content (mass over that of the ", grains[0], " grains of group '", name, "', ", grains[1], ") ", sums.mass / grains[1],
+              "\n"));
+}
+
+void CreateCement::say(const std::string& text) { mpdem::tell(lmp, text); }
+
+void CreateCement::warn(const std::string& text) { error->warning("create_cement", 0, text.c_str()); }
+
+// Collective. Returns what the new cement finds in the scene.
+CementMaker::Scene CreateCement::scene() const {
+  CementMaker::Scene scene;
+  scene.grains = spheres(~0);
+  scene.atoms = static_cast<double>(atom->natoms);
+  scene.last_tag = mpdem::last_tag(lmp);
+  return scene;
+}
+
+CementMaker::Sums CreateCement::make(CementMaker& maker) {
+  const int first_tag = maker.last_tag() + 1;
+  mpdem::keep_contact_history(lmp);
+  mpdem::PointAtoms atoms(lmp);
+  atoms_ = &atoms;
+  const CementMaker::Sums sums = maker.make();
+  if (maker.created() > 0.0) atoms.finish(first_tag, maker.created());
+  return sums;
+}
+
+// Bonds of one geometry share a pattern, whichever command makes them.
+int CreateCement::pattern_of(const std::vector<FillPoint>& points) {
+  std::vector<mpdem::PointTemplate>& patterns = AtomVecMpdem::of(lmp)->bonds.patterns;
+  mpdem::PointTemplate pattern;
+  pattern.head = head();
+  pattern.head.points = static_cast<int>(points.size());
+  for (const FillPoint& p : points) {
+    pattern.points.emplace_back();
+    mpdem::TemplatePoint& to = pattern.points.back();
+    std::copy(p.X.data(), p.X.data() + 3, to.X);
+    to.volume = p.volume;
+    to.links = p.links;
+    to.film = p.film;
+    for (int k = 0; k < p.links; ++k) {
+      to.link[k].side = p.link[k].side;
+      std::copy(p.link[k].foot.data(), p.link[k].foot.data() + 3, to.link[k].foot);
+      to.link[k].area = p.link[k].area;
+    }
+  }
+  const std::vector<double> numbers = mpdem::packed({pattern});
+  if (known_patterns_.empty())
+    for (std::size_t n = 0; n < patterns.size(); ++n) known_patterns_.emplace(mpdem::packed({patterns[n]}), static_cast<int>(n) + 1);
+  const auto known = known_patterns_.emplace(numbers, static_cast<int>(patterns.size()) + 1);
+  if (known.second) patterns.push_back(std::move(pattern));
+  return known.first->second;
+}
+
+mpdem::TemplateHead CreateCement::head() const {
+  mpdem::TemplateHead head;
+  head.type = type_;
+  head.mask = 1 | groupbit_;
+  head.density = density_;
+  return head;
+}
+
+std::vector<mpdem::FullPoint> CreateCement::full_points(int bodies) {
+  const AtomVecMpdem* avec = AtomVecMpdem::of(lmp);
+  const std::vector<BondRecord>& table = avec->bonds.table;
+  std::vector<double> full;
+  for (const BondRecord& b : table) full.push_back(0.95 * std::pow(b.spacing, 3));
+  std::vector<mpdem::FullPoint> found;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    if (!avec->is_point(i)) continue;
+    const int row = avec->bond[i];
+    if (row >= bodies) continue;
+    const double width = mpdem::width_filled(avec->record_of(i), table[row].spacing, full[row]);
+    if (width > 0.0) found.push_back({Vector3(atom->x[i][0], atom->x[i][1], atom->x[i][2]), row, width});
+  }
+  for (int row : avec->bonds.rows_without_points()) {
+    if (row >= bodies) break;
+    const BondRecord& record = table[row];
+    const mpdem::Mat3<double> axes = mpdem::axes_of(record);
+    for (const mpdem::TemplatePoint& p : avec->bonds.pattern_of(row).points) {
+      const double width = mpdem::width_filled(p, record.spacing, full[row]);
+      const Vector3 x(mpdem::position_in_box(record, axes, p.X).data());
+      if (width > 0.0 && box_.owns(x)) found.push_back({x, row, width});
+    }
+  }
+  return found;
+}
+
+// Returns whether a point of a body belongs to this rank. Sets its place and its image.
+bool CreateCement::place(const BondRecord& record, const mpdem::Mat3<double>& axes, const FillPoint& p, double* x, int* image) const {
+  const std::array<double, 3> in_box = mpdem::position_in_box(record, axes, p.X.data());
+  std::copy(in_box.begin(), in_box.end(), x);
+  std::fill(image, image + 3, 0);
+  return box_.take_in(x, image);
+}
+
+std::size_t CreateCement::create_points(const std::vector<NewBond>& bonds, bool more) {
+  double x[3], at_most = 0.0;
+  int image[3];
+  for (const NewBond& b : bonds) {
+    const mpdem::Mat3<double> axes = mpdem::axes_of(b.record);
+    if (box_.own().contains(mpdem::box_around(b.record, b.box))) at_most += b.points.size();
+    else
+      for (const FillPoint& p : b.points) at_most += place(b.record, axes, p, x, image);
+  }
+  atoms_->reserve(at_most, more);
+  const int before = atom->nlocal;
+  for (const NewBond& b : bonds) {
+    const mpdem::Mat3<double> axes = mpdem::axes_of(b.record);
+    for (std::size_t n = 0; n < b.points.size(); ++n)
+      if (place(b.record, axes, b.points[n], x, image)) {
+        const int i = add_point(b.points[n], b, b.first_tag + static_cast<int>(n), x, image);
+        const std::array<double, 3> v = velocity_of(b, axes, b.points[n]);
+        std::copy(v.begin(), v.end(), atom->v[i]);
+      }
+  }
+  return atom->nlocal - before;
+}
+
+std::array<double, 3> CreateCement::velocity_of(const NewBond& b, const mpdem::Mat3<double>& axes, const FillPoint& p) {
+  std::array<double, 3> arm[2];
+  for (int s = 0; s < 2; ++s) {
+    const Vector3 from = p.X - Vector3(b.record.centre[s]);
+    arm[s] = turned(axes, from.data());
+  }
+  return mpdem::velocity_between(b.grain, arm);
+}
+
+int CreateCement::add_point(const FillPoint& p, const NewBond& bond, int tag, double* x, const int* image) {
+  mpdem::PointRecord r;
+  r.row = bond.row;
+  for (int c = 0; c < 3; ++c) r.X[c] = p.X[c];
+  r.volume = p.volume;
+  r.film = p.film;
+  r.links = p.links;
+  for (int k = 0; k < p.links; ++k) {
+    r.link[k].grain = bond.record.grain[p.link[k].side];
+    for (int c = 0; c < 3; ++c) r.link[k].foot[c] = p.link[k].foot[c];
+    r.link[k].area = p.link[k].area;
+    r.link[k].attached = p.link[k].attached;
+    r.link[k].state[0] = p.link[k].damage;
+  }
+  r.failed = p.failed;
+  std::copy(p.damage, p.damage + 6, r.damage);
+  if (p.axis.squaredNorm() > 0.0) set_frame(p, r);
+  return atoms_->add(r, head(), tag, x, image);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Tells on screen and in the log what fix mpm reports, and keeps sums and rows of the bonds as they are at a step.
+#ifndef MPDEM_STYLES_FIXES_CEMENT_REPORT_H
+#define MPDEM_STYLES_FIXES_CEMENT_REPORT_H
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../../cement/engine/cement.h"
+#include "../atoms/atom_vec_mpdem.h"
+#include "../atoms/contact_forces.h"
+#include "lammps.h"
+
+namespace mpdem {
+
+class CementReport {
+ public:
+  using bigint = LAMMPS_NS::bigint;
+  // who: name of the command.
+  CementReport(LAMMPS_NS::LAMMPS* lmp, std::string who) : lmp_(lmp), who_(std::move(who)) {}
+
+  // Collective. Return totals and states of bonds at the present step. They are found once a step, unless forgotten
+  // since.
+  const CementTotals& totals(Cement& c);
+  // Does the same, with the unbalanced force. It is found within a run alone, see ContactForces. Between runs it is that of the end of
+  // the last one.
+  const CementTotals& totals_with_contacts(Cement& c);
+  const std::vector<BondState>& bonds(Cement& c);
+  const std::vector<BondState>& loads(Cement& c);  // leaves out columns that need points
+  void forget() { totals_at_ = bonds_at_ = loads_at_ = unbalanced_at_ = -1; }
+
+  // All functions below are collective.
+  void start_run(Cement& c);
+  void enter_steps() { in_run_ = true; }  // not collective; a run that was not prepared has no other start
+  void end_run(Cement& c);
+  void start_timing(Cement& c);  // call at the end of the set-up of a run
+  // Tells what the parameters imply, once. Stops if the time step is not stable.
+  void parameters(Cement& c, bigint points);
+  // Stops if the time step is not above 0 or not stable.
+  void check_step(Cement& c);
+  // Tells the last lines of parameters(). The added mass depends on the eigenvalue, which is found for the other lines.
+  void added_mass(Cement& c, const LAMMPS_NS::AtomVecMpdem& avec);
+  // Warns of cement that starts with another velocity than its grains, so that a wave runs through it.
+  void start(Cement& c);
+  // Warns of the first jump of the lowest rank that saw one, once in a run.
+  void jump(Cement& c);
+  // Tells where the time of the run went, by the slowest rank for each phase.
+  void times(Cement& c, bigint points);
+  // Tells one line for each bond, at the end of a run in which points have failed.
+  void modes(Cement& c);
+
+ private:
+  void damping(Cement& c);
+  void accelerations(Cement& c);  // warns once if they are imprecise
+  void stop_if_not_positive(const Cement& c) const;
+  void stop_if_too_long(Cement& c, double limit) const;
+  void warn(Cement& c) const;
+  static bool is_told(const BondState& bond);
+  void sum_of_modes(const Cement& c, int lines) const;
+  double limit_of_jumps(const Cement& c) const;
+
+  LAMMPS_NS::LAMMPS* lmp_;
+  std::string who_;
+  bool reported_ = false, jump_told_ = false, split_told_ = false, accelerations_told_ = false;
+  bigint steps_timed_ = 0;  // steps of the runs since the last one that was set up
+  CementTotals totals_{};
+  const std::vector<BondState>* bonds_ = nullptr;
+  bigint totals_at_ = -1, bonds_at_ = -1, loads_at_ = -1, unbalanced_at_ = -1;
+  std::unique_ptr<ContactForces> contacts_;  // made when they are asked for
+  double unbalanced_ = 0.0;
+  bool in_run_ = false;
+};
+
+}  // namespace mpdem
+
+#endif

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// fix mpm: the cement as a continuum on a background grid. doc/fix_mpm.md has the words and the output. This class is
+// the host of the engine in cement/. It has the hooks of LIGGGHTS, checks of the scene, and the exchange with atoms.
+// LIGGGHTS' own fixes move the grains.
+#ifdef FIX_CLASS
+
+FixStyle(mpm, FixMpm)
+
+#else
+
+#ifndef MPDEM_STYLES_FIXES_FIX_MPM_H
+#define MPDEM_STYLES_FIXES_FIX_MPM_H
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "../../cement/engine/cement.h"
+#include "../../parallel/agree.h"
+#include "../words/arguments.h"
+#include "../atoms/atom_vec_mpdem.h"
+#include "auto_step.h"
+#include "../atoms/bonded_atoms.h"
+#include "cement_report.h"
+#include "../guards/coupling_history.h"
+#include "failure_log.h"
+#include "fix.h"
+#include "../atoms/hidden_points.h"
+#include "../guards/host_guards.h"
+#include "../atoms/leaving_atoms.h"
+#include "../atoms/point_ranks.h"
+#include "quasistatic_watch.h"
+#include "../words/word_rules.h"
+
+namespace LAMMPS_NS {
+
+class FixMpm : public Fix, private mpdem::CementHost {
+ public:
+  FixMpm(LAMMPS* lmp, int narg, char** arg);
+  ~FixMpm() override;
+
+  void pre_delete(bool by_script) override;
+  int setmask() override;
+  void init() override;
+  void setup_pre_exchange() override;
+  void setup_pre_neighbor() override;
+  void setup(int vflag) override;
+  void pre_initial_integrate() override;
+  void initial_integrate(int vflag) override;
+  void post_integrate() override;
+  void pre_exchange() override;
+  void pre_neighbor() override;
+  void post_force(int vflag) override;
+  void pre_final_integrate() override;
+  void final_integrate() override;
+  void end_of_step() override;
+  void post_run() override;
+  void reset_dt() override;
+  int modify_param(int narg, char** arg) override;
+
+  void write_restart(FILE* fp) override;
+  void restart(char* buf) override;
+  double compute_scalar() override;
+  double compute_vector(int n) override;
+  double memory_usage() override;
+
+  // Has some cement made a step, in this run, in one before or in that of a restart file?
+  bool in_motion() const;
+  // Name of the file of the events, or empty.
+  const std::string& events_name() const { return failures_.file(); }
+  bool events_open() const { return failures_.is_open(); }
+
+  // Collective. Sums and states of the bonds at the present step.
+  const mpdem::CementTotals& totals() { return report_->totals(*cement_); }
+  const mpdem::CementTotals& totals_with_contacts() { return report_->totals_with_contacts(*cement_); }
+  const std::vector<mpdem::BondState>& bonds() { return report_->bonds(*cement_); }
+  const std::vector<mpdem::BondState>& loads() { return report_->loads(*cement_); }
+  // Returns `intact`, `debonding`, `internal` or `mixed`.
+  std::string failure_mode(int row) const { return cement_->cracks().mode(static_cast<std::size_t>(row)); }
+
+  // Takes the coupling that fix mpm/couple hands over. There may be one at most.
+  // said: its words.
+  void set_coupling(const Fix* coupling, const mpdem::PenaltyParameters& p, const std::vector<std::string>& said);
+
+  const mpdem::Law& law() const { return cement_->law(); }
+  mpdem::Cement& engine() const { return *cement_; }
+  // Did fix_modify ask for points that are yet to be made?
+  bool wants_points() const;
+  double cell() const { return cement_->options().cell; }
+  const mpdem::CementOptions& options() const { return cement_->options(); }
+  AtomVecMpdem* cement() const { return avec_; }
+  // Brings slots of atoms and strains of points up to date. Slots fall behind while points change cells, strains while
+  // bonds are condensed. Call before they are read.
+  void show_points();
+  // Collective. Stable step of LIGGGHTS, with as many sub-steps as now.
+  double stable_step(bool of_grains = false);
+  // Number of sub-steps of the cement in a step of LIGGGHTS.
+  int substeps() const { return step_->substeps(options()); }
+  // Collective. Call after init() of all fixes. Needs a coupling. A run need not have begun.
+  std::vector<mpdem::StiffnessOfBond> stiffness_of_bonds();
+  bool is_coupled() const { return cement_->penalty().has_value(); }
+
+ private:
+  std::array<double, 3> initial_velocity(int tag) override;
+  void points_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::points); }
+  void film_failed(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::film); }
+  void links_debonded(const mpdem::Bond& bond) override { failed(bond, mpdem::Failed::links); }
+  void refuse(const std::string& who, std::vector<mpdem::SceneWords> others, bool from_here = true);
+  void add_film(std::vector<mpdem::SceneWords>& words);
+  void slots_changed(const mpdem::Bond& bond) override;
+  void failed(const mpdem::Bond& bond, mpdem::Failed what);
+
+  template <class F>
+  void guarded(F f);
+  std::string who() const;
+  mpdem::StepInput step_input() const;
+  bool coupling_follows();
+  void set_time_step(const Fix* running);
+  void fill_atoms();
+  void show_homes(bool for_run);
+  void watch_outside();
+  void let_leave(bool points_too);
+  void check_positions();
+  void check_unprepared();
+  mpdem::HostView host() const { return {lmp, who(), avec_, this, cement_.get(), wants_points()}; }
+  void take_density(const mpdem::HostView& view);
+  void make_points_of_run();
+  void make_points(const std::vector<int>& rows);
+  void write_events();
+  void check_state(bool forces_known = true);
+
+  AtomVecMpdem* avec_ = nullptr;
+  std::unique_ptr<mpdem::Cement> cement_;
+  std::unique_ptr<mpdem::CementReport> report_;
+  std::unique_ptr<mpdem::QuasistaticWatch> watch_;
+  std::unique_ptr<mpdem::AutoStep> step_;
+  mpdem::BondedAtoms atoms_;
+  mpdem::FailureLog failures_;
+  std::vector<mpdem::SceneWords> words_;  // of the script
+  mpdem::CouplingHistory coupling_;
+  mpdem::HiddenPoints hidden_;
+  mpdem::PointRanks ranks_;
+  mpdem::LeavingAtoms leaving_;
+  std::vector<class FixGravity*> gravities_;  // fixes whose gravity acts on the points too
+  bool prepared_ = false;                     // true if the run that begins was prepared, as by default; false with `pre no`
+  bool all_points_ = false;                   // points of all bonds are made when a run starts
+  double memory_limit_ = 0.0;                 // memory of a rank, bytes
+};
+
+// Calls the engine. Its complaints end the run in the name of this fix.
+template <class F>
+void FixMpm::guarded(F f) {
+  cement_->set_step(step_input());
+  try {
+    f();
+  } catch (const mpdem::OnOneRank& e) {
+    mpdem::stop_one(lmp, who() + e.what());
+  } catch (const mpdem::BadState& e) {
+    mpdem::stop_all(lmp, who() + e.what());
+  }
+}
+
+}  // namespace LAMMPS_NS
+
+#endif
+#endif

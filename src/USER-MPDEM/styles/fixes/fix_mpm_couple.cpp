@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "fix_mpm_couple.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "../words/arguments.h"
+#include "atom.h"
+#include "../guards/cement_checks.h"
+#include "../words/fix_mpm_words.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "files_in_use.h"
+#include "../guards/host_guards.h"
+#include "../words/keywords.h"
+#include "modify.h"
+#include "update.h"
+
+namespace LAMMPS_NS {
+
+using mpdem::Arguments;
+using mpdem::text_of;
+using namespace FixConst;
+
+namespace {
+
+// Penalty of `kn auto`. The bond is 1 % softer than a perfect one at ten cells across, at no cost in time step
+// (doc/fix_mpm_couple.md).
+constexpr double kAutoOverC33 = 200.0;
+// Contact of places that let go is not stiffer than this over one cell. Links are stiffer, since the stiffness of the bond
+// is theirs. Contact has to do with little added mass, so that impacts take little energy (PenaltyParameters::most_contact).
+constexpr double kContactOverC33 = 5.0;
+constexpr double kMostFriction = 100.0;  // with more, rounding of the pressure would be a force
+
+using Words = mpdem::CouplingWords;
+using CoupleKeyword = mpdem::Keyword<Words>;
+
+double stiffness(Arguments& args, const CoupleKeyword& k) { return args.accept("auto") ? -1.0 : args.positive(k.name, " or 'auto'"); }
+
+const std::vector<CoupleKeyword>& keywords() {
+  using mpdem::traction_entries;
+  static const std::vector<CoupleKeyword> all = {
+      {"kn", "auto or pressure", "auto", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.kn = stiffness(args, k); }},
+      {"kt", "auto or pressure", "auto", [](Arguments& args, const CoupleKeyword& k, Words& w) { w.kt = stiffness(args, k); }},
+      {"length", "cell or length", "cell",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.length = args.accept("cell") ? -1.0 : args.positive(k.name, " or 'cell'");
+       }},
+      {"at", "surface or points", "surface",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) { w.at_surface = k.is(args, "surface"); }},
+      {"damping", "ratio", "0",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.damping = args.between(k.name, 0.0, mpdem::kMostDamping, "share of critical damping");
+       }},
+      {"interface", mpdem::names_listed(traction_entries()), "penalty",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) { w.interface = mpdem::read_choice(args, k.name, traction_entries()); }},
+      {"friction", "mu", "",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.friction = args.between(k.name, 0.0, kMostFriction, "coefficient of friction");
+       }},
+      {"csv", "N file", "",
+       [](Arguments& args, const CoupleKeyword& k, Words& w) {
+         w.table_every = args.integer(k.name, 1);
+         w.table_name = args.word("a file name for 'csv'");
+       }},
+  };
+  return all;
+}
+
+}  // namespace
+
+FixMpmCouple::FixMpmCouple(LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
+  Arguments args(lmp, text_of("fix mpm/couple (id ", id, ")"), narg, arg, 3);
+  scalar_flag = vector_flag = array_flag = 1;
+  size_vector = size_array_cols = static_cast<int>(mpdem::bond_columns().size());
+  global_freq = 1;
+  extscalar = extvector = extarray = 0;  // values of a bond are not divided by the number of atoms
+  cement_id_ = args.word("the ID of a fix mpm");
+  cement_ = find_cement();
+  if (!cement_) args.complain("'" + cement_id_ + "' is not a fix mpm; define that fix before and name its ID here");
+  count_bonds();
+  said_ = mpdem::parse_keywords(args, keywords(), words_, [&](const std::string& key) {
+    std::vector<std::string> known = mpdem::names_of(keywords());
+    for (const std::string& word : mpdem::law_words("interface", mpdem::traction_entries())) known.push_back(word);
+    args.unknown(key, known);
+  });
+}
+
+std::string FixMpmCouple::listed_words() { return mpdem::listed("fix mpm/couple", keywords()); }
+
+// A name with [1] has to be taken before there are bonds.
+void FixMpmCouple::count_bonds() { size_array_rows = std::max<int>(1, static_cast<int>(AtomVecMpdem::of(lmp)->bonds.table.size())); }
+
+FixMpm* FixMpmCouple::find_cement() const {
+  for (int i = 0; i < modify->nfix; ++i) {
+    Fix* fix = modify->fix[i];
+    if (fix && cement_id_ == fix->id) return dynamic_cast<FixMpm*>(fix);  // LIGGGHTS has a null pointer for a fix that is being replaced
+  }
+  return nullptr;
+}
+
+// Looks for the fix anew, since fixes may come and go between runs.
+void FixMpmCouple::take_cement() {
+  cement_ = find_cement();
+  if (!cement_) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): fix mpm '", cement_id_, "' is gone; unfix this one too"));
+}
+
+int FixMpmCouple::setmask() { return END_OF_STEP; }
+
+void FixMpmCouple::init() {
+  take_cement();
+  count_bonds();
+  const double per_length = 1.0 / (words_.length < 0.0 ? cement_->cell() : words_.length);
+  const double automatic = kAutoOverC33 * cement_->law().elasticity().C33;
+  mpdem::PenaltyParameters p;
+  p.law = words_.interface.make(mpdem::TractionStiffness{(words_.kn < 0.0 ? automatic : words_.kn) * per_length,
+                                                         (words_.kt < 0.0 ? automatic : words_.kt) * per_length});
+  const std::string wrong = p.law->trouble();
+  if (!wrong.empty()) mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): 'interface ", p.law->name(), "': ", wrong));
+  mpdem::check_links(lmp, text_of("fix mpm/couple (id ", id, "): "), *cement_->cement(), *p.law);
+  warn_of_length(*p.law);
+  check_rounding("kn", words_.kn, per_length);
+  check_rounding("kt", words_.kt, per_length);
+  p.damping = words_.damping;
+  p.at_surface = words_.at_surface;
+  p.friction = words_.friction;
+  p.most_contact = kContactOverC33 * cement_->law().elasticity().C33 / cement_->cell();
+  cement_->set_coupling(this, p, said_);
+
+  mpdem::HostView view{
+      lmp, text_of("fix mpm/couple (id ", id, "): "), cement_->cement(), cement_, &cement_->engine(), cement_->wants_points()};
+  view.couple = this;
+  mpdem::check_host(mpdem::kCoupling | (update->nsteps > 0 ? mpdem::kSteps : 0u), view);  // `run 0` moves nothing
+
+  open_table();
+}
+
+// Warns if cells do not resolve the length over which an interface with a strength and an energy softens.
+void FixMpmCouple::warn_of_length(const mpdem::TractionLaw& law) {
+  if (length_told_ || comm->me != 0) return;
+  length_told_ = true;
+  constexpr double kLeastCells = 2.0;
+  const double cell = cement_->cell();
+  for (const mpdem::SofteningLength& s : law.softening_lengths(cement_->law().elasticity().constants))
+    if (s.length < kLeastCells * cell)
+      mpdem::warn(
+          lmp,
+          text_of("fix mpm/couple (id ", id, "): 'interface ", law.name(), "' softens over ", s.formula, " = ", s.length, ", less than ",
+                  kLeastCells, " cells of ", cell, ", so that peak and energy of a bond go with the cell; use 'cell ",
+                  s.length / kLeastCells, "' or less, or ", s.cure),
+          "fix mpm/couple");
+}
+
+// Links must not turn the rounding of positions into a stress that counts beside the stresses of the cement.
+void FixMpmCouple::check_rounding(const char* keyword, double given, double per_length) const {
+  constexpr double kMostStrain = 1e-6;
+  double far = 0.0;
+  for (int d = 0; d < 3; ++d) far = std::max({far, std::fabs(domain->boxlo[d]), std::fabs(domain->boxhi[d])});
+  const double C33 = cement_->law().elasticity().C33, cell = cement_->cell(), length = 1.0 / per_length;
+  const double k = given < 0.0 ? kAutoOverC33 * C33 : given;
+  const double most = std::max(kAutoOverC33 / cell, kMostStrain / (std::numeric_limits<double>::epsilon() * far)) * C33 * length;
+  if (k <= most) return;
+  const std::string over = words_.length < 0.0 ? "" : text_of(" over 'length ", words_.length, "'");
+  const std::string cure = given < 0.0 || length < cell
+                               ? text_of("leave 'length' out, which is the cell, ", cell, ", or use at least ", length * k / most)
+                               : text_of("use '", keyword, " auto', which is ", kAutoOverC33, " C33, or at most ", most);
+  mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): '", keyword, given < 0.0 ? std::string(" auto'") : text_of(" ", given, "'"),
+                               over, " is ", k / C33, " times the stiffness of the cement, C33 ", C33,
+                               words_.length < 0.0 ? "" : text_of(", over ", length / cell, " of a cell"),
+                               ", so that the rounding of positions would load the bonds; ", cure));
+}
+
+// Rows of a run that went on before stay, whether in this program or in that of the restart file. The row of the last
+// step of all is one of them, since the set-up of this run has velocities of another time.
+void FixMpmCouple::open_table() {
+  if (words_.table_every == 0) return;
+  const std::string who = text_of("fix mpm/couple (id ", id, "): ");
+  mpdem::check_only_writer(lmp, who, "csv", words_.table_name, this);
+  if (table_open_) return;
+  std::string header = "step,time,bond,grain1,grain2", trouble;
+  for (const mpdem::BondColumn& c : mpdem::bond_columns()) header += text_of(",", c.name);
+  if (comm->me == 0)
+    trouble = table_.open(words_.table_name, header + ",mode",
+                          cement_->in_motion() ? update->get_cur_time() + 0.5 * update->dt : mpdem::TableFile::kAnew);
+  stop_if_not_written(trouble);
+  table_open_ = true;
+  int kept = comm->me == 0 && table_.kept_to() == static_cast<long>(update->ntimestep);
+  MPI_Bcast(&kept, 1, MPI_INT, 0, world);
+  if (kept) table_last_ = update->ntimestep;
+}
+
+// Collective. trouble: why the file was not written, or an empty text.
+void FixMpmCouple::stop_if_not_written(const std::string& trouble) {
+  mpdem::stop_if_any(lmp, trouble.empty() ? trouble
+                                          : text_of("fix mpm/couple (id ", id, "): cannot write 'csv' file ", trouble,
+                                                    "; name another, or use a disk with free space"));
+}
+
+// Writes the first row of all, since no step ends with it.
+void FixMpmCouple::setup(int) { end_of_step(); }
+
+void FixMpmCouple::end_of_step() {
+  if (words_.table_every > 0 && update->ntimestep % words_.table_every == 0) write_table();
+}
+
+void FixMpmCouple::write_table() {
+  if (table_last_ == update->ntimestep) return;
+  table_last_ = update->ntimestep;
+  const int bonds = static_cast<int>(cement_->bonds().size());
+  cement_->totals_with_contacts();
+  std::string trouble;
+  if (comm->me == 0) {
+    std::string rows;
+    for (int b = 0; b < bonds; ++b) {
+      const mpdem::BondRecord& record = cement_->cement()->bonds.table[b];
+      mpdem::append(rows, BIGINT_FORMAT ",%.10g,%d,%d,%d", update->ntimestep, update->get_cur_time(), b + 1, record.grain[0],
+                    record.grain[1]);
+      for (int c = 0; c < size_array_cols; ++c) mpdem::append(rows, ",%.10g", value(b, c));
+      rows += "," + cement_->failure_mode(b) + "\n";
+    }
+    trouble = table_.write(rows);
+  }
+  stop_if_not_written(trouble);
+}
+
+// Collective, unless the value was found at this step already.
+double FixMpmCouple::value(int bond_row, int column) {
+  const mpdem::BondColumn& c = mpdem::bond_columns()[column];
+  if (c.of_all()) return c.value(c.needs_contacts() ? cement_->totals_with_contacts() : cement_->totals());
+  return c.value((c.needs_points() ? cement_->bonds() : cement_->loads())[bond_row]);
+}
+
+// Variables and thermo output may ask between runs, when fix mpm is gone or there is no cement.
+void FixMpmCouple::check_bond(int bond_row) {
+  take_cement();
+  const std::size_t bonds = cement_->cement()->bonds.table.size();
+  if (static_cast<std::size_t>(bond_row) >= bonds)
+    mpdem::stop_all(lmp, text_of("fix mpm/couple (id ", id, "): bond ", bond_row + 1, " was asked for, but there are ", bonds,
+                                 "; use create_cement first, or a number up to that"));
+}
+
+double FixMpmCouple::compute_scalar() {
+  check_bond(0);
+  return cement_->loads()[0].tension;
+}
+
+double FixMpmCouple::compute_vector(int n) {
+  check_bond(0);
+  return value(0, n);
+}
+
+double FixMpmCouple::compute_array(int row, int column) {
+  check_bond(row);
+  return value(row, column);
+}
+
+}  // namespace LAMMPS_NS

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// How the cement of fix mpm is coupled, now and in the steps before. Links hold the places that grains and cement had
+// towards each other. After steps without links, or with other springs, they would load the bonds at a blow.
+#ifndef MPDEM_STYLES_GUARDS_COUPLING_HISTORY_H
+#define MPDEM_STYLES_GUARDS_COUPLING_HISTORY_H
+
+#include <string>
+
+#include "../../cement/layout/cement_restart.h"
+#include "../../coupling/penalty_links.h"
+
+namespace mpdem {
+
+class CouplingHistory {
+ public:
+  // Call at the start of a run, before couplings speak up.
+  void forget() { id_.clear(); }
+  // Returns what is wrong with a coupling of this ID for the cement `cement`, or an empty text if it is taken.
+  std::string take(const std::string& id, const std::string& cement, double cell, const PenaltyParameters& p);
+  // Call in the first step of a run.
+  void remember(const PenaltyParameters* p);
+  // Returns true once: the user has to be told of cement without a coupling.
+  bool warn_of_none() { return !warned_ && (warned_ = true); }
+
+  const LinksSoFar& so_far() const { return ran_; }
+  void restore(const LinksSoFar& ran) { ran_ = ran; }
+
+ private:
+  std::string words_so_far() const;
+  std::string id_;
+  LinksSoFar ran_;
+  bool warned_ = false;
+};
+
+}  // namespace mpdem
+
+#endif

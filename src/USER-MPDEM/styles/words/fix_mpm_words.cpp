@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+#include "fix_mpm_words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "keywords.h"
+#include "law_words.h"
+
+namespace mpdem {
+
+namespace {
+// What is read, and needed for the law alone.
+struct WordsOfScript : ParsedOptions {
+  bool tied_given = false, cracks_given = false, has_elastic = false;
+  VtiConstants elastic;
+  LawChoice damage{&law_entries().front(), {}};
+  double crack_band = 0.0, nonlocal_energy = 0.0;  // energies of a crack per area; 0: none
+};
+using ScriptKeyword = Keyword<WordsOfScript>;
+
+constexpr int kMostProjections = 1000;  // of `transfer xpic`, which is flip long before
+constexpr double kMostInertia = 1e9;    // of `quasistatic`, as a factor
+
+void take_transfer(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  const std::string name = args.choice(key.name, {"pic", "flip", "apic", "xpic"});
+  if (name == "pic") {
+    o.transfer.method = Transfer::xpic;
+    o.transfer.order = 1;
+  } else if (name == "apic") {
+    o.transfer.method = Transfer::apic;
+  } else if (name == "flip") {
+    o.transfer.method = Transfer::flip;
+    o.transfer.flip_share = args.number("transfer flip");
+    if (!(o.transfer.flip_share >= 0.0 && o.transfer.flip_share <= 1.0))
+      args.complain(text_of("'transfer flip ", o.transfer.flip_share, "': share of FLIP, the rest is PIC, must lie in [0, 1]"));
+  } else {
+    o.transfer.method = Transfer::xpic;
+    o.transfer.order = args.integer("transfer xpic", 1, kMostProjections);
+  }
+}
+
+void take_skip(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  const bool of_old_scripts = args.accept("detached");
+  const std::string name = of_old_scripts ? "detached" : args.choice("skip", {"undamaged", "failed", "resting", "all"});
+  args.once("skip " + name);
+  const bool on = args.yes_no("skip " + name);
+  if (name == "detached")
+    w.notes.push_back(text_of("'skip detached ", on ? "yes" : "no", "' has no effect any more: links that let go take no time"));
+  if (name == "undamaged" || name == "all") o.advance.skip_undamaged = on;
+  if (name == "failed" || name == "all") o.advance.skip_failed = on;
+  if (name == "resting" || name == "all") o.advance.skip_resting = on;
+}
+
+void take_elastic(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  VtiConstants& constants = w.elastic;
+  if (args.choice("elastic", {"vti", "isotropic"}) == "isotropic") {
+    const double E = args.number("elastic isotropic E"), nu = args.number("elastic isotropic nu");
+    constants = VtiConstants::isotropic(E, nu);
+    if (!(nu > -1.0 && nu < 0.5)) args.complain(text_of("'elastic isotropic' nu = ", nu, " must lie between -1 and 0.5"));
+  } else {
+    constants.Ep = args.number("elastic vti Ep");
+    constants.Ez = args.number("elastic vti Ez");
+    constants.nu_p = args.number("elastic vti nu_p");
+    constants.nu_zp = args.number("elastic vti nu_zp");
+    constants.Gzp = args.number("elastic vti Gzp");
+  }
+  const std::string why = constants.violated_condition();
+  if (!why.empty()) args.complain("'elastic' is not positive definite: " + why);
+  w.has_elastic = true;
+}
+
+void take_axis(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  const std::string rule = args.choice("axis", {"radial", "bond", "global"});
+  o.axis = rule == "radial" ? AxisRule::radial : rule == "bond" ? AxisRule::bond : AxisRule::global;
+  if (o.axis != AxisRule::global) return;
+  double length = 0.0;
+  for (double& a : o.axis_direction) {
+    a = args.number("axis global");
+    length += a * a;
+  }
+  length = std::sqrt(length);
+  if (!(length > 0.0)) args.complain("'axis global 0 0 0': a direction is needed");
+  for (double& a : o.axis_direction) a /= length;
+}
+
+void take_timestep(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  if (!args.accept("auto"))
+    args.complain(
+        "'timestep' takes the word 'auto' and a share of the stable step; a step in units of "
+        "time is set by LIGGGHTS' own command timestep");
+  const double share = args.number("timestep auto");
+  if (!(share > 0.0 && share <= 1.0)) args.complain(text_of("'timestep auto ", share, "': share of the stable step, must lie in (0, 1]"));
+  w.step_fraction = share;
+}
+
+void take_regularization(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  const std::string how = args.choice("regularization", {"none", "crackband", "nonlocal"});
+  if (how == "crackband") w.crack_band = args.positive("regularization crackband");
+  if (how != "nonlocal") return;
+  o.advance.nonlocal = true;
+  o.length = args.positive("regularization nonlocal");
+  o.imperfection = kUsualImperfection;
+  for (;;) {
+    if (args.accept("energy")) {
+      args.once("energy", "regularization nonlocal");
+      w.nonlocal_energy = args.positive("regularization nonlocal ... energy");
+    } else if (args.accept("imperfection")) {
+      args.once("imperfection", "regularization nonlocal");
+      o.imperfection = args.between("regularization nonlocal ... imperfection", 0.0, kMostImperfection,
+                                    "by how much more strain one side of a bond bears");
+    } else {
+      return;
+    }
+  }
+}
+
+// Gives the law the length and the energy of a crack.
+void soften(const Arguments& args, const WordsOfScript& w, Law& law) {
+  const CementOptions& o = w.options;
+  std::string word = "'regularization crackband'";
+  try {
+    if (w.crack_band > 0.0) law.set_crack_energy(w.crack_band, o.cell);
+    if (!o.advance.nonlocal) return;
+    const double L = o.length;
+    // a length that is a little less comes from rounding of numbers in a script
+    if (L < 0.999999 * o.cell)
+      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at least the cell, which is ", o.cell, "; take 'cell ",
+                            L, "' or less"));
+    constexpr double kMostCells = 100.0;  // an average of more takes thousands of sweeps a step
+    if (L > kMostCells * o.cell)
+      args.complain(text_of("'regularization nonlocal ", L, "': the length must be at most ", kMostCells, " cells, which are ",
+                            kMostCells * o.cell, ", in the units of the box; take a length of one to four cells"));
+    word = "'regularization nonlocal ... energy'";
+    law.set_nonlocal(L, w.nonlocal_energy);
+  } catch (const std::domain_error& e) {
+    args.complain(word + ": " + e.what());
+  }
+}
+
+// Complains of a law whose strength, strain at failure or energy is no finite number. Thresholds that no cement reaches are allowed.
+void check_strength(const Arguments& args, const Law& law, const std::string& name) {
+  if (law.inert()) return;
+  const VtiConstants& e = law.elasticity().constants;
+  const ImpliedStrength s = law.implied_strength(std::max(e.Ep, e.Ez));
+  if (std::isfinite(s.failure_strain) && std::isfinite(s.tensile_strength) && std::isfinite(s.work_per_volume)) return;
+  args.complain(text_of("'damage ", name, "': cement would fail at a strain of ", s.failure_strain, " with a strength of ",
+                        s.tensile_strength, "; both must be finite, ", law.advice_on_strain()));
+}
+
+void take_kinetic_share(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  const double share = args.accept("no") ? 0.0 : args.positive("kinetic_share", " or 'no'");
+  if (share > 1.0)
+    args.complain(
+        text_of("'kinetic_share ", share,
+                "': share of the energy above which cement should not begin to fail, must lie in (0, 1], or be 'no'; 0.003 for instance"));
+  w.kinetic_share = share;
+}
+
+void take_reproject(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+  if (args.accept("auto")) w.options.reproject_distortion = args.positive("reproject auto");
+  else w.options.reproject_every = args.integer(key.name, 1, std::numeric_limits<int>::max(), " or 'auto'");
+}
+
+void take_quasistatic(Arguments& args, const ScriptKeyword& key, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  o.mass_scale = args.between(key.name, 1.0, kMostInertia, "factor on the inertia");
+  o.relax = args.between(text_of("quasistatic ", o.mass_scale), 0.0, kMostDamping, "the second number, share of critical damping");
+}
+
+void take_condense(Arguments& args, const ScriptKeyword&, WordsOfScript& w) {
+  CementOptions& o = w.options;
+  o.condense = args.yes_no("condense");
+  if (!args.accept("wake")) return;
+  o.wake = args.number("condense ... wake");
+  if (!(o.wake > 0.0 && o.wake <= 1.0))
+    args.complain(text_of("'condense ... wake ", o.wake, "': share of the threshold of the damage, must lie in (0, 1]"));
+}
+
+const std::vector<ScriptKeyword>& keywords() {
+  static const std::vector<ScriptKeyword> all = {
+      {"cell", "length", "", [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.cell = args.positive(k.name); }},
+      {"basis", "linear, quadratic or cubic", "quadratic",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) {
+         w.options.basis = static_cast<Basis>(args.place_of_choice(k.name, Bases::names()));
+       }},
+      {"mass_order", "1 or 2", "1",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.mass_order = args.integer(k.name, 1, 2); }},
+      {"edge", "tied or free", "tied; free with updated and reproject",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.tied_given = w.options.tied = k.is(args, "tied"); }},
+      {"kinematics", "total or updated", "total",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.updated = k.is(args, "updated"); }},
+      {"reproject", "N or auto D", "", take_reproject},
+      {"transfer", "pic, flip A, apic or xpic M", "apic, where there is a transfer", take_transfer},
+      {"elastic", "vti Ep Ez nu_p nu_zp Gzp or isotropic E nu", "", take_elastic},
+      {"axis", "radial, bond or global nx ny nz", "radial", take_axis},
+      {"damage", names_listed(law_entries()), "none",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.damage = read_choice(args, k.name, law_entries()); }},
+      {"regularization", "none, crackband G or nonlocal L [energy G] [imperfection E]", "none", take_regularization},
+      {"cracks", "bonds or split", "bonds; split with regularization nonlocal",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.split = k.is(args, "split"), w.cracks_given = true; }},
+      {"unilateral", "yes or no", "no",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.unilateral = k.is(args, "yes"); }},
+      {"condense", "yes or no, then [wake W]", "no", take_condense},
+      {"timestep", "auto S", "", take_timestep},
+      {"subcycle", "N, auto or no", "no",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) {
+         w.options.subcycle = args.accept("no") ? 1 : args.accept("auto") ? 0 : args.integer(k.name, 1, kMostSubsteps, ", 'no' or 'auto'");
+       }},
+      {"quasistatic", "S Z", "1 0", take_quasistatic},
+      {"kinetic_share", "X or no", "0.003", take_kinetic_share},
+      {"balance", "yes or no", "no",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.balance = k.is(args, "yes"); }},
+      {"skip", "undamaged, failed, resting or all, then yes or no", "all yes", take_skip, true},  // each thing that may be skipped has one
+      {"check", "N", "100",
+       [](Arguments& args, const ScriptKeyword& k, WordsOfScript& w) { w.options.check_every = args.integer(k.name, 1); }},
+      {"events", "file", "",
+       [](Arguments& args, const ScriptKeyword&, WordsOfScript& w) { w.events = args.word("a file name for 'events'"); }},
+  };
+  return all;
+}
+
+// Chooses defaults that hang on other words, and goes with these. An average of the drive ends at a crack only where its sides have
+// nodes of their own.
+void choose_defaults(WordsOfScript& w) {
+  CementOptions& o = w.options;
+  const auto may_say = [&](const char* words) {
+    std::vector<SceneWords> all = w.said;
+    all.push_back({words});
+    return words_that_exclude(all).empty();
+  };
+  if (!w.cracks_given && o.advance.nonlocal && !o.condense && may_say("cracks split")) {
+    o.split = true;
+    w.said.push_back({"cracks split"});
+  }
+  if (o.tied && !w.tied_given) o.tied = may_say("edge tied");
+}
+
+}  // namespace
+
+ParsedOptions parse_cement_words(Arguments& args) {
+  WordsOfScript w;
+  CementOptions& o = w.options;
+  const std::vector<std::string> said = parse_keywords(args, keywords(), w, [&](const std::string& key) {
+    check_misplaced(args, key, w.damage);
+    std::vector<std::string> known = names_of(keywords());
+    for (const std::string& word : law_words("damage", law_entries())) known.push_back(word);
+    known.insert(known.end(), {"and after 'regularization nonlocal' energy", "imperfection"});
+    args.unknown(key, known);
+  });
+  if (o.cell == 0.0) args.complain("keyword 'cell' is missing: the spacing of the background grid");
+  if (!w.has_elastic) args.complain("keyword 'elastic' is missing: use 'elastic vti Ep Ez nu_p nu_zp Gzp' or 'elastic isotropic E nu'");
+  for (const std::string& words : said) w.said.push_back({words});
+  choose_defaults(w);
+  const std::string trouble = words_that_exclude(w.said);
+  if (!trouble.empty()) args.complain(trouble);
+  std::shared_ptr<Law> law = w.damage.make(VtiElasticity(w.elastic));
+  soften(args, w, *law);
+  check_strength(args, *law, w.damage.entry->name);
+  if (const std::optional<Localisation> band = law->crack_band()) o.half_band = 0.5 * band->width * o.length;
+  w.law = std::move(law);
+  return w;
+}
+
+std::string listed_cement_words() { return listed("fix mpm", keywords()); }
+
+}  // namespace mpdem

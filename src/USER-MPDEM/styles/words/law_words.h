@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Part of USER-MPDEM, a LIGGGHTS package for cemented grains.
+//
+// Words of a script from which a law is made: a law of damage, see material/laws.h, or of the traction of links, see
+// coupling/traction_laws.h.
+#ifndef MPDEM_STYLES_WORDS_LAW_WORDS_H
+#define MPDEM_STYLES_WORDS_LAW_WORDS_H
+
+#include <string>
+#include <vector>
+
+#include "../../coupling/traction_laws.h"
+#include "../../material/laws.h"
+#include "arguments.h"
+
+namespace mpdem {
+
+template <class Entry>
+struct Choice {
+  const Entry* entry;  // points into a list that stays
+  LawValues values;
+  template <class Given>
+  auto make(const Given& given) const {
+    return entry->make(given, values);
+  }
+};
+using LawChoice = Choice<LawEntry>;
+
+// Reads the values of the words of a law. law: its name in messages.
+LawValues read_law_words(Arguments& args, const std::string& law, const std::vector<LawWord>& words);
+
+// Reads the name and the words after a keyword.
+template <class Entry>
+Choice<Entry> read_choice(Arguments& args, const std::string& keyword, const std::vector<Entry>& entries) {
+  std::vector<std::string> names;
+  for (const Entry& e : entries) names.push_back(e.name);
+  const std::string name = args.choice(keyword, names);
+  Choice<Entry> c{entries.data(), {}};
+  while (c.entry->name != name) ++c.entry;
+  c.values = read_law_words(args, keyword + " " + name, c.entry->words);
+  return c;
+}
+
+// Returns the names of the laws, as `a, b or c`.
+template <class Entry>
+std::string names_listed(const std::vector<Entry>& entries) {
+  std::string all;
+  for (const Entry& e : entries) all += (&e == &entries.front() ? "" : &e == &entries.back() ? " or " : ", ") + e.name;
+  return all;
+}
+
+// Returns words for messages, such as "and after 'damage tensor' B0, cutoff ...", of each law that has words.
+template <class Entry>
+std::vector<std::string> law_words(const std::string& keyword, const std::vector<Entry>& entries) {
+  std::vector<std::string> all;
+  for (const Entry& e : entries)
+    for (const LawWord& w : e.words) all.push_back((&w == &e.words.front() ? "and after '" + keyword + " " + e.name + "' " : "") + w.name);
+  return all;
+}
+
+// Complains if the word belongs to a law and stands elsewhere. Returns if it belongs to none.
+void check_misplaced(const Arguments& args, const std::string& word, const LawChoice& chosen);
+
+}  // namespace mpdem
+
+#endif
