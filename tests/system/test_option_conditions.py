@@ -28,7 +28,7 @@ void use(const CementOptions& o) {
   g(o.mass_order, o.split);
   while (!done && apart) h();
   for (int i = 0; i < 3; ++i) k(o.hard() ? 1 : 2, o.bound());
-  for (const Bond& b : bonds.awake()) m(b);
+  for (const Bond& b : bonds.resolved()) m(b);
   const double x = o.updated && o.mass_order > 1 ? 1.0 : 2.0;
 }
 bool other(const CementOptions& o) {
@@ -45,7 +45,7 @@ void local(const CementOptions& o) { if (wide(o)) f(); }
 
 def test_the_count(tmp_path):
     for name, text in TREE.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     found, _ = option_conditions.conditions(tmp_path)
     lines = {name: sorted((Path(file).name, line) for file, line in of_option) for name, of_option in found.items() if of_option}

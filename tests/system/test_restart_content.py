@@ -18,7 +18,7 @@ BOND_NUMBERS = 56
 FIX = {"version": 0, "cell": 1, "basis": 2, "updated": 3, "tied": 4, "step": 5, "started": 6, "energy": 7, "left": 18, "time": 24, "coupling": 27, "kn": 28, "law": 31, "bonds": 51,
        "nodes": 52, "copies": 61}
 # Of an atom, after the 17 of one of style sphere: kind of the state, then a point's bond ...
-POINT = {"kind": 17, "bond": 18, "part": 19, "failed": 20, "looked at": 21, "holds": 22, "film": 23, "framed": 24, "place": 25, "volume": 28, "deformation": 29, "frame": 38,
+POINT = {"kind": 17, "bond": 18, "layer": 19, "failed": 20, "looked at": 21, "holds": 22, "film": 23, "framed": 24, "place": 25, "volume": 28, "deformation": 29, "frame": 38,
          "strain": 42, "damage": 48, "law": 54, "moving": 55, "links": 56, "grain": 57, "foot": 58, "area": 61, "attached": 62, "way": 63, "inert": 66, "state": 67}
 # The same of a grain.
 GRAIN = {"orientation": 19, "seen": 23, "velocity": 24, "placed": 63}
@@ -130,12 +130,12 @@ def test_unchanged(tmp_path, files):
     ("fix", "bonds", 2.0, "number of bonds is 2"), ("fix", "bonds", -1.0, "number of bonds is -1"), ("fix", "bonds", HUGE, "number of bonds"),
     ("fix", "nodes", -1.0, "number of nodes is -1"), ("fix", "nodes", 1e9, "of 1e+09 nodes"), ("fix", "nodes", NAN, "number of nodes is nan"),
     ("fix", "copies", -1.0, "number of copies of nodes is -1"), ("fix", "copies", 1e9, "1000000000 copies of nodes take"),
-    ("bond", "left", 0.5, "has left' of a grain is 0.5"), ("fix", "left", -1.0, "number of points that left"), ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048576.0, "the bond of a node"), ("node", 1, -1.0, "part of a node"), ("node", 2, 1e12, "place of a node"), ("node", 5, NAN, "velocity of a node"), ("node", 13, NAN, "acceleration of a node"), ("node", -1, 1e9, "number of nodes"), ("node", -1, 0.0, "number of nodes"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
+    ("bond", "left", 0.5, "has left' of a grain is 0.5"), ("fix", "left", -1.0, "number of points that left"), ("fix", "time", NAN, "time"), ("fix", "coupling", 3.0, "kind of coupling is 3"), ("fix", "kn", NAN, "kn of the coupling"), ("node", 0, 1048576.0, "the bond of a node"), ("node", 1, -1.0, "layer of a node"), ("node", 2, 1e12, "grid index of a node"), ("node", 5, NAN, "velocity of a node"), ("node", 13, NAN, "acceleration of a node"), ("node", -1, 1e9, "number of nodes"), ("node", -1, 0.0, "number of nodes"), ("bond row", 1, 0.5, "separated' of a bond is 0.5"),
     ("point", "kind", 4.0, "state is of kind 4"), ("point", "kind", 2.0, "of a bonded grain"), ("point", "bond", 1.0, "its bond is 1"), ("point", "bond", -1.0, "its bond is -1"),
-    ("point", "part", 1e9, "part"), ("point", "film", 1.0, "it is film, and has no link to either grain"), ("point", "film", 0.5, "'is film'"), ("point", "moving", 1.0, "ends before its number of links"), ("point", "links", 0.0, "of a freed place"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
+    ("point", "layer", 1e9, "layer"), ("point", "film", 1.0, "it is film, and has no link to either grain"), ("point", "film", 0.5, "'is film'"), ("point", "moving", 1.0, "ends before its number of links"), ("point", "links", 0.0, "of a contact point"), ("point", "attached", 2.0, "'is attached' of a link is 2"), ("point", "place", 1e9, "place"), ("point", "volume", 0.0, "volume"),
     ("point", "deformation", NAN, "deformation"), ("point", "frame", 2.0, "frame"), ("point", "damage", 1.5, "damage is 1.5"), ("point", "law", 100.0, "law of damage is 100"), ("point", "links", 3.0, "links"), ("point", "state", 1.5, "the state of a link is 1.5"), ("point", "state", -0.1, "the state of a link is -0.1"), ("point", "state", NAN, "the state of a link is nan"),
     ("point", "grain", 3.0, "grain of a link"), ("grain", "orientation", 7.0, "orientation of a bonded grain"), ("grain", "seen", 2.0, "'velocities are known' of a bonded grain is 2"),
-    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'place is known'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius"), ("atom", 12, 0.0, "mass")])
+    ("grain", "velocity", NAN, "velocity of a bonded grain is nan"), ("grain", "placed", 0.5, "'position is known'"), ("atom", 0, 0.0, "number of numbers"), ("atom", 0, HUGE, "number of numbers"), ("atom", 11, NAN, "radius"), ("atom", 12, 0.0, "mass")])
 def test_named(tmp_path, files, part, name, value, needed):
     """A number out of its range is named, with its value."""
     f = files["total"]

@@ -111,34 +111,34 @@ void count_bonds(const Cracks& cracks, int resolved, CementTotals& t) {
   }
 }
 
+// Sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what accumulates.
+enum Sum {
+  kPoints,
+  kFailed,
+  kVolume,
+  kDamaged,
+  kElastic,
+  kCoupling,
+  kKinetic,
+  kDiscreteKinetic,
+  kP,
+  kL = kP + 3,
+  kDissipated = kL + 3,
+  kReleased,
+  kDamped,
+  kFrictional,
+  kWork,
+  kGrains,
+  kLeft,
+  kCount = kLeft + kMostNumbers<EnergyBalance::Left>
+};
+
 }  // namespace
 
 CementTotals Report::totals(double reach_of_box) const {
   CementTotals t{};
   count_bonds(cracks_, resolved_bonds(), t);
   if (!scene_.laid_out) return t;
-  // sums over points, then over nodes: coupling, kinetic, kinetic by central differences, p(3), L(3); then what
-  // accumulates
-  enum {
-    kPoints,
-    kFailed,
-    kVolume,
-    kDamaged,
-    kElastic,
-    kCoupling,
-    kKinetic,
-    kDiscreteKinetic,
-    kP,
-    kL = kP + 3,
-    kDissipated = kL + 3,
-    kReleased,
-    kDamped,
-    kFrictional,
-    kWork,
-    kGrains,
-    kLeft,
-    kCount = kLeft + kMostNumbers<EnergyBalance::Left>
-  };
   std::vector<double> sum(kCount, 0.0), most(1, 0.0);
   PointSums of_points;
   NodeSums of_nodes(scene_.grains.grains);
@@ -182,10 +182,15 @@ CementTotals Report::totals(double reach_of_box) const {
   for (int k : {kKinetic, kDiscreteKinetic}) sum[k] -= balance.inertial_work - balance.inertial_work_ahead;
   global_sum(sum, scene_.comm);
   global_max(most, scene_.comm);
+  t.largest_damage = most[0];
+  set_totals(sum, reach_of_box, t);
+  return t;
+}
 
+// Finds the values of the whole scene from the sums over all ranks.
+void Report::set_totals(const std::vector<double>& sum, double reach_of_box, CementTotals& t) const {
   t.points = sum[kPoints];
   t.failed = sum[kFailed];
-  t.largest_damage = most[0];
   t.mean_damage = sum[kVolume] > 0.0 ? sum[kDamaged] / sum[kVolume] : 0.0;
   t.kinetic = sum[kKinetic];
   t.elastic = sum[kElastic];
@@ -208,7 +213,6 @@ CementTotals Report::totals(double reach_of_box) const {
   t.kinetic_share = scale > rounding ? kinetic_share_of(t.kinetic, sum[kGrains], put_in) : 0.0;
   std::copy(&sum[kP], &sum[kP] + 3, t.momentum);
   std::copy(&sum[kL], &sum[kL] + 3, t.angular_momentum);
-  return t;
 }
 
 Report::EnergyShares Report::energy_shares() const {

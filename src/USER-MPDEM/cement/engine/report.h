@@ -68,6 +68,8 @@ class Report {
   void restore(std::vector<double> peaks) { peaks_ = std::move(peaks); }
 
  private:
+  void set_totals(const std::vector<double>& sum, double reach_of_box, CementTotals& t) const;
+
   const Scene& scene_;
   const Cracks& cracks_;
   const CondensedBonds& condensed_;

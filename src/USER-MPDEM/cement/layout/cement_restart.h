@@ -136,7 +136,7 @@ struct NodeRow {
   static constexpr void describe(Self& n, Visitor& visit) {
     visit("the bond of a node", n.row, kCount);
     visit("the layer of a node", n.layer, from(0, kMaxLayers - 1));
-    visit("the indices of a node", n.index, from(-Key::kFarthest, Key::kFarthest));
+    visit("a grid index of a node", n.index, from(-Key::kFarthest, Key::kFarthest));
     visit("the velocity of a node", n.velocity, kFinite);
     visit("the displacement of a node", n.displacement, kFinite);
     visit("the acceleration of a node", n.acceleration, kFinite);
@@ -152,7 +152,7 @@ struct CopyRow {
   template <class Self, class Visitor>
   static constexpr void describe(Self& c, Visitor& visit) {
     visit("the bond of a split node", c.row, kCount);
-    visit("the indices of a split node", c.index, from(-Key::kFarthest, Key::kFarthest));
+    visit("a grid index of a split node", c.index, from(-Key::kFarthest, Key::kFarthest));
     visit("the layer of a split node", c.layer, from(0, kMaxLayers - 1));
     visit("the copy of a split node", c.copy, kCount);
     visit("the first copy of a split node", c.first, kCount);
